@@ -103,7 +103,7 @@ def symbols(make: Callable[[str], Any]) -> list[Vector]:
 
 
 def inputs(n: int) -> list[np.ndarray]:
-    """Unit vector n ordinary evaluations, row-major: unit quaternions, lengths of order one.
+    """Inputs of n ordinary evaluations, row-major: unit quaternions, lengths of order one.
 
     The first evaluations are the same for every n, and every array begins a cache line.
     """

@@ -128,7 +128,7 @@ def render(templates: Environment, path: str, context: PackageContext) -> str:
 
 
 def inputs_of(package: Package) -> Inputs:
-    """Return the SHA-256 of all that a package is made of: graphs, templates, plain source."""
+    """SHA-256 of all that a package is made of: graphs, templates, plain source."""
     templates = [
         name
         for name in sorted(_TEMPLATES.list_templates())

@@ -54,7 +54,7 @@ def is_euler_parameters(quantity: Quantity) -> bool:
 
 
 def unit(p: Sequence[float]) -> tuple[float, ...]:
-    """Return ``p`` divided by its norm, rounded once."""
+    """Unit vector of ``p``, rounded once."""
     norm = CONTEXT.sqrt(sum(CONTEXT.mpf(x) ** 2 for x in p))
     return tuple(float(x / norm) for x in p)
 

@@ -15,6 +15,7 @@ Words = Callable[[], "Vocabulary"]
 #: What a proof saw, in one line; or statements, each with whether it is true.
 Seen = str | Mapping[str, bool]
 
+_Known = TypeVar("_Known")
 _Words = TypeVar("_Words", bound=Words)
 _Proof = TypeVar("_Proof", bound=Callable[..., Seen])
 
@@ -75,9 +76,7 @@ class Names:
         LedgerError
             There is none; the message says which is near.
         """
-        if name not in self._words:
-            raise LedgerError(f"no words {name!r}{near_name(name, self._words)}")
-        return self._words[name]
+        return _known("words", name, self._words)
 
     def method(self, name: str) -> ProofMethod:
         """Method of proving of a name.
@@ -87,6 +86,10 @@ class Names:
         LedgerError
             There is none; the message says which is near.
         """
-        if name not in self._methods:
-            raise LedgerError(f"no proof {name!r}{near_name(name, self._methods)}")
-        return self._methods[name]
+        return _known("proof", name, self._methods)
+
+
+def _known(what: str, name: str, known: Mapping[str, _Known]) -> _Known:
+    if name not in known:
+        raise LedgerError(f"no {what} {name!r}{near_name(name, known)}")
+    return known[name]

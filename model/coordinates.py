@@ -80,7 +80,7 @@ def _clean(value: High, size: High) -> High:
 
 
 def joint_measure(joint: Joint, sort: str, frames: Mapping[str, BodyFrame]) -> PreciseMeasure:
-    """Return what a joint leaves free: an angle or a displacement."""
+    """Measure that a joint leaves free: an angle or a displacement."""
     ends = frames[joint.ends[0]], frames[joint.ends[1]]
     return JOINTS[NAMES[joint.type]].measure(joint, sort, ends)
 

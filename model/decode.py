@@ -164,7 +164,7 @@ def _fields_of(record: type[msgspec.Struct]) -> dict[str, Any]:
 def _own_inputs(
     tree: Mapping[Any, object], record: type[msgspec.Struct], problems: Problems
 ) -> Mapping[str, OwnInput | ElementInput] | None:
-    """Return the keys that a type alone has, or None where nobody knows what keys it has."""
+    """Keys that a type alone has, or None where nobody knows what keys it has."""
     sort = tree.get("type")
     if not isinstance(sort, str):
         return {}

@@ -149,7 +149,7 @@ def keys_of(kind: str) -> tuple[str, ...]:
 
 
 def inputs_of(kind: str) -> Mapping[str, ElementInput]:
-    """Return the keys that a joint or a coupling alone has, by its name or alias."""
+    """Keys that a joint or a coupling alone has, by its name or alias."""
     name = NAMES.get(kind, "")
     entry = COUPLINGS.get(name) or JOINTS.get(name)
     return entry.inputs if entry is not None else {}

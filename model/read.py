@@ -5,7 +5,6 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +18,7 @@ from kousoku.model.not_toml import toml_problem
 from kousoku.model.own_kind import OwnKinds
 from kousoku.model.problems import Problems
 from kousoku.model.scene import Scene
+from kousoku.model.text import nearest
 from kousoku.model.validate import check_parts
 
 if TYPE_CHECKING:
@@ -70,7 +70,9 @@ def text_of(path: str | Path) -> str:
         line = data.count(b"\n", 0, error.start) + 1
         raise SceneError(f"is not UTF-8 text (at line {line})", file=file) from None
     except OSError as error:
-        raise SceneError(f"cannot be read: {error.strerror}{_near(path)}", file=file) from error
+        raise SceneError(
+            f"cannot be read: {error.strerror}{_near_scene(path)}", file=file
+        ) from error
     except ValueError as error:
         raise SceneError(f"is not the name of a file: {error}", file=repr(file)) from error
     if len(data) > LARGEST_FILE:
@@ -79,15 +81,15 @@ def text_of(path: str | Path) -> str:
     return text
 
 
-def _near(path: str | Path) -> str:
+def _near_scene(path: str | Path) -> str:
     """Question for the scene file of the folder whose name is nearest, where one is."""
     path = Path(path)
     try:
         scenes = [] if path.exists() else [found.name for found in path.parent.glob("*.toml")]
     except OSError:
         return ""
-    near = get_close_matches(path.name, scenes, n=1)
-    return f"; did you mean {str(path.with_name(near[0]))!r}?" if near else ""
+    near = nearest(path.name, scenes)
+    return f"; did you mean {str(path.with_name(near))!r}?" if near else ""
 
 
 def scene_from_toml(

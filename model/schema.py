@@ -125,7 +125,7 @@ def schema_text() -> str:
 
 
 def _of_types(inputs: Iterable[Mapping[str, ElementInput]]) -> dict[str, Any]:
-    """Return the keys that some types of a record alone have."""
+    """Keys that some types of a record alone have."""
     every = {name: one for own in inputs for name, one in own.items()}
     return {
         name: {"anyOf": [msgspec.json.schema(one.type), {"type": "null"}]}

@@ -39,7 +39,12 @@ def with_a(noun: str) -> str:
     return f"{'an' if noun[:1] in 'aeiou' and not noun.startswith('uni') else 'a'} {noun}"
 
 
+def nearest(name: object, known: Iterable[str]) -> str:
+    """Known name that resembles ``name`` most; empty where none does."""
+    return next(iter(get_close_matches(str(name), list(known), n=1)), "")
+
+
 def near_name(name: object, known: Iterable[str]) -> str:
     """End of a message that asks for the known name nearest to one, or nothing."""
-    near = get_close_matches(str(name), list(known), n=1)
-    return f"; did you mean {near[0]!r}?" if near else ""
+    near = nearest(name, known)
+    return f"; did you mean {near!r}?" if near else ""

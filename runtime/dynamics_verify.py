@@ -53,7 +53,7 @@ class BodiesCheck(SolverCheck[DynamicsSolver]):
     FORMAT = 2
 
     def load(self, target: Target) -> DynamicsSolver:
-        """Return the solver by a target."""
+        """Solver by a target."""
         return load_dynamics(self.sources.folder, target=target)
 
     def require(self, data: Mapping[str, Any]) -> object:
@@ -63,14 +63,14 @@ class BodiesCheck(SolverCheck[DynamicsSolver]):
         return points, independent, data["is_exact"], data["is_smooth"]
 
     def rows(self, solver: DynamicsSolver, data: Mapping[str, Any]) -> Iterable[Row]:
-        """Return the worst error of each region, and of each body's own equations."""
+        """Worst error of each region, and of each body's own equations."""
         return (
             *worst_rows(_rows(solver, data["points"])),
             *independent_rows(solver, data["independent"]),
         )
 
     def notes(self, data: Mapping[str, Any]) -> Iterator[str]:
-        """Yield why there is nothing to compare with."""
+        """Notes on why there is nothing to compare with."""
         name = self.sources.folder.name
         if not data["points"]:
             yield (
@@ -85,7 +85,7 @@ class BodiesCheck(SolverCheck[DynamicsSolver]):
             )
 
     def problems(self, solvers: Sequence[DynamicsSolver], data: Data) -> Iterator[str]:
-        """Yield what is wrong with methods and codes, and where targets move differently."""
+        """Problems with methods and codes, and places where targets move differently."""
         folder, files = self.sources.folder, self.sources.files
         if solvers:
             yield from table_problems(folder, files)
@@ -114,7 +114,7 @@ def _code_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
 
 
 def _rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
-    """Yield the error of each region at each state."""
+    """Error of each region at each state."""
     for number, point in enumerate(points):
         q, v = (np.array(point[name], dtype=np.float64) for name in ("q", "v"))
         given = zip(solver.parameters, point.get("parameters", ()), strict=False)

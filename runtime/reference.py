@@ -41,11 +41,11 @@ class Expected:
 
     @classmethod
     def of_columns(cls, columns: Mapping[str, Any]) -> Expected:
-        """Return what is stored of an output at one point; null is NaN."""
+        """Stored values of an output at one point; null is NaN."""
         return cls(*(np.array([columns[key]], dtype=np.float64) for key in ("high", "low", "unit")))
 
     def row(self, values: Floats, **told: Any) -> Row:
-        """Return the worst error of an output at one point.
+        """Worst error of an output at one point.
 
         Parameters
         ----------

@@ -73,7 +73,7 @@ class Row:
 
 
 def worst_rows(rows: Iterable[Row]) -> tuple[Row, ...]:
-    """Return the worst row of each output of each kernel, in the order of the first ones."""
+    """Worst row of each output of each kernel, in the order of the first ones."""
     worst: dict[tuple[str, str], Row] = {}
     for row in rows:
         known = worst.setdefault((row.kernel, row.output), row)

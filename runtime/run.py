@@ -25,7 +25,7 @@ from kousoku.runtime.integrate.initial_given import initial_of, parameters_of
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.nearly_dependent import nearly_dependent
 from kousoku.runtime.integrate.result import listed
-from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, Status
+from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, MESSAGES, Status
 from kousoku.runtime.options import is_given_anew, require_unmoved, with_values
 from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies
@@ -43,22 +43,7 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-MESSAGES: dict[int, str] = {
-    Status.STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is"
-    " too fast, or the tolerance is too tight for doubles",
-    Status.NOT_PROJECTED: "the constraints cannot be met inside of a step, as where their rows are"
-    " dependent; steps of other lengths may pass such a place",
-    Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not"
-    " determine the motion there, or a formula of a force has no finite value there, which"
-    " kousoku check names",
-    Status.BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
-    Status.NOT_CLOSED: "joints come open: constraints that were left out, because they depend on"
-    " others where they were looked at, do not depend on them here",
-    Status.DEPENDENT: "rows of joints depend on each other nearly, that do not with the parameters"
-    " of the scene",
-    Status.WRONG_STATE: "the state belongs to another solver, or was damaged",
-}
-#: Instead of the second of them, where steps have a length that was given.
+#: Instead of what is said of ``NOT_PROJECTED``, where steps have a length that was given.
 TOO_LONG = (
     "the constraints cannot be met inside of a step of {step:g} s, which is too long, or their rows"
     " are dependent; try a smaller step"

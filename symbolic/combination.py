@@ -85,7 +85,7 @@ GAMMA = add(_combined([symbol(GAMMAS[k]) for k in BOTH]), symbol(LAW_DDOT))
 
 
 def derive(_: str) -> Derivation:
-    """Derivation of ``linear_combination``."""
+    """Derivation of ``linear_combination``: c₁ u₁ + c₂ u₂ + b − f(t) = 0 (1,) of coordinates u."""
     functions = (_constraint(), _rates(), _reaction())
     return Derivation(
         "linear_combination", "linear_combination", TITLE, SOURCE, _steps(), functions

@@ -21,12 +21,28 @@ if TYPE_CHECKING:
 
 
 def rotate(p: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
-    """Elements of A(p) v, frame O."""
+    """Elements of A(p) v, frame O: lecture 7.1, (4.3).
+
+    Parameters
+    ----------
+    p : (4,) [-]
+        Euler parameters, scalar first, of any norm.
+    v : (3,)
+        A vector in the body frame; the result has its unit, times (p·p).
+    """
     return [dot(row, v) for row in quadratic_form(p)]
 
 
 def rotate_back(p: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
-    """Elements of A(p)ᵀ v, body frame."""
+    """Elements of A(p)ᵀ v, body frame: lecture 7.1, (4.3).
+
+    Parameters
+    ----------
+    p : (4,) [-]
+        Euler parameters, scalar first, of any norm.
+    v : (3,)
+        A vector in frame O; the result has its unit, times (p·p).
+    """
     return [dot(column, v) for column in zip(*quadratic_form(p), strict=True)]
 
 
@@ -55,13 +71,13 @@ def plus(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
 
 
 def compose(p: Sequence[Scalar], q: Sequence[Scalar]) -> list[Scalar]:
-    """Elements of the quaternion product p∘q, scalar first."""
+    """Elements (4,) of the quaternion product p∘q, scalar first: the turn q, then p."""
     vector = plus(plus([p[0] * c for c in q[1:]], [q[0] * c for c in p[1:]]), cross(p[1:], q[1:]))
     return [p[0] * q[0] - dot(p[1:], q[1:]), *vector]
 
 
 def half_turn(p: Sequence[Scalar], theta: Sequence[Scalar]) -> list[Scalar]:
-    """Elements of ½ p∘(0, θ): how p changes with a rotation θ in the body frame."""
+    """Elements (4,) of ½ p∘(0, θ): how p changes with a rotation θ [rad] in the body frame."""
     return [Rational(1, 2) * c for c in compose(p, [S.Zero, *theta])]
 
 

@@ -38,7 +38,11 @@ GAMMA_RULE = "|ω′~ s′|² + s′·ω′~ ω′~ s′ = 0, (7.15) for ω, and
 
 
 def derive(package: str) -> Derivation:
-    """Derivation of ``point``, ``distance`` or ``norm``."""
+    """Derivation of ``point``, ``distance`` or ``norm``.
+
+    With d = r_j + A_j s_j′ − r_i − A_i s_i′, frame O [m], lecture 8.2, (8.8): d = 0 (3,) [m] of a
+    point, (d·d − l²)/(2 l) = 0 (1,) [m] of a distance; p·p − 1 = 0 (1,) [-] of the norm.
+    """
     if package == "norm":
         return derive_norm()
     return derive_constraint(_point() if package == "point" else _distance())
@@ -120,7 +124,10 @@ def turning_curvature() -> SymbolicMatrix:
 
 
 def parts_of_motion(body: str) -> dict[str, SymbolicMatrix]:
-    """Vectors s, w, u, ω, r and v of a body in frame O; ω = A ω′/(p·p), for p of any norm."""
+    """Vectors (3,) of a body, frame O: s [m], w [m/s], u [m/s²], ω [rad/s]; r, v of its origin.
+
+    s = A s′, w = A ω̃′s′, u = A ω̃′ω̃′s′ and ω = A ω′/(p·p), for p of any norm.
+    """
     p, s, spin = SYMBOLS[f"p_{body}"], SYMBOLS[f"s_{body}_b"], SYMBOLS[f"omega_{body}_b"]
     turned = mul(skew(spin), s)
     turning = NamedMatrix(f"Omega_{body}", mul(A[body], spin))

@@ -74,7 +74,7 @@ OWN_POINT_DROPS = own_point_drops(D, FROM_OWN_ORIGIN)
 
 
 def derive(_: str) -> Derivation:
-    """Derivation of ``length``."""
+    """Derivation of ``length``: l = |d| (1,) [m], d from the point on i to that on j, (8.8)."""
     return derive_constraint(_length())
 
 

@@ -48,7 +48,7 @@ BETA_RATE = NamedScalar("beta_dot", Dot(ACROSS, D_RATE) / L)
 
 
 def variations() -> tuple[SymbolicMatrix, SymbolicMatrix, SymbolicMatrix]:
-    """Variations δε1, δε2, δε3: δl = nᵀδd and l δβ = tᵀδd."""
+    """Variations δε1, δε2, δε3 (1, 1) [length], (5) to (7): δl = nᵀδd and l δβ = tᵀδd."""
     delta_d = mul(NamedMatrix("N", ENDS), DELTA_X)
     angle = mul(L0 / L, transpose(ACROSS), delta_d)
     first, second = (
@@ -59,12 +59,12 @@ def variations() -> tuple[SymbolicMatrix, SymbolicMatrix, SymbolicMatrix]:
 
 
 def jacobian() -> SymbolicMatrix:
-    """Jacobian D = ∂ε/∂x, by collecting δx."""
+    """Jacobian D (3, 6) = ∂ε/∂x of Yamada and Tatsumi (1981), by collecting δx."""
     return as_matrix(BlockMatrix([[coefficient(row, DELTA_X)] for row in variations()]))
 
 
 def jacobian_rate() -> SymbolicMatrix:
-    """Rate Ḋ with ṅ = β̇ t, ṫ = −β̇ n, l̇ = nᵀḋ, l β̇ = tᵀḋ."""
+    """Rate Ḋ (3, 6) [1/s] with ṅ = β̇ t, ṫ = −β̇ n, l̇ = nᵀḋ, l β̇ = tᵀḋ."""
     ends = NamedMatrix("N", ENDS)
     turned = add(mul(BETA_RATE, transpose(ALONG)), mul(L_RATE / L, transpose(ACROSS)))
     row = mul(L0 / L, turned, ends)

@@ -79,12 +79,16 @@ class BodyTerms:
 
 
 def derive(package: str) -> Derivation:
-    """Derivation of ``mass_points`` (three of them) or ``rigid_body``."""
+    """Derivation of ``mass_points`` (three of them) or ``rigid_body``.
+
+    M (v̇, ω̇′) = h, (6, 6) and (6,): the first three rows in frame O [N], the others in the body
+    frame [N m]; "three mass points" (2020).
+    """
     return derive_mass_points(3) if package == "mass_points" else derive_rigid_body()
 
 
 def newton_euler(body: BodyTerms) -> tuple[SymbolicMatrix, SymbolicMatrix]:
-    """Matrix M and h of the 6×6 form."""
+    """Matrix M (6, 6) and h (6,) of M (v̇, ω̇′) = h: force [N], frame O, then torque, body frame."""
     spin, arm = skew(symbol(OMEGA_B)), skew(body.moment)
     coupling = mul(A, arm)
     matrix = BlockMatrix(

@@ -159,7 +159,16 @@ def elements(quantity: Quantity) -> tuple[Symbol, ...]:
 
 
 def quadratic_form(p: Sequence[Any]) -> list[list[Any]]:
-    """Elements of A(p) for any numbers ``p`` with ``+``, ``-`` and ``*``."""
+    """Elements (3, 3) of A(p) for any numbers ``p`` with ``+``, ``-`` and ``*``.
+
+    A(p) = (e0² − e·e) I + 2 e eᵀ + 2 e0 ẽ, lecture 7.1, (4.3), takes components in the body frame
+    to frame O, times p·p where p is not of norm one.
+
+    Parameters
+    ----------
+    p : (4,) [-]
+        Euler parameters, scalar first.
+    """
     e0, e1, e2, e3 = p
     return [
         [e0 * e0 + e1 * e1 - e2 * e2 - e3 * e3, 2 * (e1 * e2 - e0 * e3), 2 * (e1 * e3 + e0 * e2)],

@@ -35,14 +35,19 @@ Y = NamedMatrix("y", mul(transpose(A["i"]), TO_POINT))
 
 
 def derive(package: str) -> Derivation:
-    """Derivation of ``n1``, ``n2``, ``p1_x`` … ``p2_z``."""
+    """Derivation of ``n1``, ``n2``, ``p1_x`` … ``p2_z``, lecture 8.2.
+
+    n1: a_i·a_j = 0 (1,), (8.9); n2: a_i·d = 0 (1,) [m], (8.12); p1: two rows of ã_i a_j = 0 (2,),
+    (8.14); p2: two rows of ã_i d = 0 (2,) [m], (8.16). Vectors a = A a′ and d, from the point on i
+    to the point on j, are in frame O; the rows of p1 and p2 are taken in the frame of i.
+    """
     kind, _, axis = package.partition("_")
     builders = {"n1": _n1, "n2": _n2, "p1": _p1, "p2": _p2}
     return derive_constraint(builders[kind](axis))
 
 
 def body_frame_offset() -> SymbolicMatrix:
-    """Offset A_iᵀ d = y − (p·p)² s_i′, by A_iᵀA_i = (p·p)² I."""
+    """Offset A_iᵀ d (3,) [m] = y − (p·p)² s_i′, frame of i, by A_iᵀA_i = (p·p)² I and (8.8)."""
     own = mul(transpose(A["i"]), FROM_CENTRE)
     return add(Y, orthogonality(own) or own)
 

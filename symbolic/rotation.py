@@ -54,7 +54,7 @@ SOURCE = "lecture 7.1"
 
 
 def derive(package: str) -> Derivation:
-    """Derivation of ``rotation``."""
+    """Derivation of ``rotation``, lecture 7.1: A(p) (3, 3), δA = A δθ̃′ (7.16), ṗ = ½ p∘(0, ω′)."""
     return Derivation(
         name=package,
         kind="rotation",

@@ -86,7 +86,7 @@ ENERGY = Rational(1, 2) * symbol(STIFFNESS) * ELONGATION**2
 
 
 def derive(_: str) -> Derivation:
-    """Derivation of ``spring_damper``."""
+    """Derivation of ``spring_damper``: T = k (l − l⁰) + c dl/dt [N] along d, (8.8), by −T δl."""
     return Derivation(
         "spring_damper", "spring_damper", TITLE, SOURCE, _steps(), (_length(), _law(), _force())
     )

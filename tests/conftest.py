@@ -234,7 +234,7 @@ def golden(request: pytest.FixtureRequest) -> Callable[[str], None]:
 
 @pytest.fixture(scope="session")
 def compiler() -> Toolchain:
-    """Machine's C compiler, as it is for users; without one the test is skipped."""
+    """Compiler of C on this machine, as it is for users; without one the test is skipped."""
     with pytest.MonkeyPatch.context() as patch:
         patch.delenv("KOUSOKU_CFLAGS", raising=False)
         if "KOUSOKU_TESTS_TINY_C" in os.environ:

@@ -65,7 +65,7 @@ class Bushing(ForceKind):
                 raise SceneError("are parallel; wanted two directions", key=f"{key}.axes")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Yield springs along three directions of body i, and about them by sines of the turns."""
+        """Springs along three directions of body i, and about them by sines of the turns."""
         from kousoku.model.coordinates import PreciseMeasure
 
         assert force.bodies is not None
@@ -95,7 +95,7 @@ def _six(values: object) -> Sequence[Value]:
 
 
 def _middle(force: Force, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, Triple]:
-    """Return the middle of a bushing in the frames of both bodies."""
+    """Middle of a bushing in the frames of both bodies."""
     from kousoku.model import precise
 
     if force.points is not None:
@@ -108,7 +108,7 @@ def _middle(force: Force, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, Tr
 
 
 def _directions(force: Force) -> tuple[Triple, Triple, Triple]:
-    """Return the three directions of a bushing in frame O, at the positions as they are written."""
+    """Three directions of a bushing in frame O, at the positions as they are written."""
     from kousoku.model import precise
 
     first, near = force.axes or ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))

@@ -22,7 +22,7 @@ class ConstantVelocity(JointKind):
     """A point in common, and shafts that turn equally fast whatever the bend."""
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Return x_i·y_j − y_i·x_j, where x, y and the shaft are the frame of each body."""
+        """Combination x_i·y_j − y_i·x_j, where x, y and the shaft are the frame of each body."""
         from kousoku.model import precise
         from kousoku.model.combinations import combination
         from kousoku.model.coordinates import PreciseMeasure

@@ -118,7 +118,7 @@ class JointKind:
         """
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Return the row of a joint that combines coordinates.
+        """Row of a joint that combines coordinates.
 
         Raises
         ------
@@ -128,7 +128,7 @@ class JointKind:
         raise NotImplementedError(f"no row of coordinates of {joint.type}")
 
     def measure(self, joint: Joint, sort: str, ends: tuple[BodyFrame, BodyFrame]) -> PreciseMeasure:
-        """Return what it leaves free: an angle or a displacement.
+        """Measure that it leaves free: an angle or a displacement.
 
         The angle is that of the zero direction of body j, counted from the zero direction of body i
         counter-clockwise about the axis of body i. The displacement is that of the point of j, from
@@ -153,7 +153,7 @@ class JointKind:
         return sum(ROWS_OF[part.kind] for part in self.parts)
 
     def turns(self, body: int) -> bool:
-        """Return whether it needs the orientation of body i (0) or j (1), which a point lacks."""
+        """Whether it needs the orientation of body i (0) or j (1), which a point lacks."""
         both, first = ("n1", "p1", "linear_combination"), ("n2", "p2")
         return any(part.kind in (both if body else both + first) for part in self.parts)
 

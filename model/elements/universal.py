@@ -18,7 +18,7 @@ class Universal(JointKind):
     """Turns about the two arms of a cross, each fixed in one of the bodies."""
 
     def measure(self, joint: Joint, sort: str, ends: tuple[BodyFrame, BodyFrame]) -> PreciseMeasure:
-        """Return a turn of the cross about one of its arms.
+        """Turn of the cross about one of its arms.
 
         The angle is that of the arm of j, seen from body i, about the arm of i. The second is that
         of body j about its own arm: against it the arm of i turns the other way.

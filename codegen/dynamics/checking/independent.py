@@ -150,7 +150,7 @@ class _States:
                 yield "beside the start, moving", time, self._counted(q, v), v
 
     def _counted(self, q: Array, v: Array) -> Array:
-        """Return q with the angles that it has there."""
+        """Coordinates q with the angles that they have there."""
         found, poses, equations = q.copy(), self.poses(q, v, FLOAT), self.equations
         rates = equations.rates(poses)
         at = equations.courses(range(len(poses)), poses, rates, np.zeros(equations.count).tolist())
@@ -181,7 +181,7 @@ class _States:
         return found
 
     def poses(self, q: Array, v: Array, digits: FormulaArithmetic[Any]) -> list[BodyState]:
-        """Return where the bodies of the scene are, from coordinates of the solver."""
+        """Poses of the bodies of the scene, from coordinates of the solver."""
         pairs = zip(self.bodies, self.given.system.bodies, strict=True)
         return [_pose(place, body, q, v, digits) for place, body in pairs]
 
@@ -226,7 +226,7 @@ def _taken(places: Sequence[int | float], values: Array) -> list[float]:
 def _pose(
     place: BodyPlaces, body: Any, q: Array, v: Array, digits: FormulaArithmetic[Any]
 ) -> BodyState:
-    """Return where a body of the scene is, from what carries it in a solver."""
+    """Pose of a body of the scene, from that of its carrier in a solver."""
 
     def numbers(values: Sequence[float]) -> list[Real]:
         return [digits.number(x) for x in values]

@@ -299,7 +299,7 @@ class BodyEquations:
         return evaluate(with_outputs(kernel, ["C"]), inputs, arithmetic_of(self.digits))["C"]
 
     def value(self, text: str, names: Mapping[str, Jet]) -> Jet:
-        """Return the value of a formula of these names and the parameters."""
+        """Value of a formula of these names and the parameters."""
         known = {name: self._jet(x) for name, x in self.system.parameters} | dict(names)
         key = text, tuple(known)
         if key not in self._read:
@@ -329,7 +329,7 @@ class BodyEquations:
         return found
 
     def each_column(self, at: Mapping[int, Course]) -> Iterator[tuple[int, dict[int, Course]]]:
-        """Yield each column of bodies, and their ways where that velocity alone is one."""
+        """Columns of bodies one by one, with the courses where that velocity alone is one."""
         zeros = [self.digits.number(0)] * 6
         at_rest = {body: course.with_rates(zeros) for body, course in at.items()}
         for body, course in at_rest.items():

@@ -145,7 +145,7 @@ def _roundings(node: Node) -> int:
 
 
 def _slopes(node: Node, value: float, values: Sequence[float]) -> tuple[float, ...]:
-    """Return the derivatives of a node by its arguments."""
+    """Derivatives of a node by its arguments."""
     if not node.args:
         return ()
     return SLOPES[node.op.value](value, [values[arg] for arg in node.args], FLOAT)

@@ -127,7 +127,7 @@ class ForceRecorder:
         return found
 
     def law(self, force: ForceElement) -> tuple[tuple[str, ...], list[Block]]:
-        """Return what a law depends on beside elongation and rate, with values and units."""
+        """Values and units that a law depends on beside elongation and rate."""
         if not force.law:
             return (), []
         names = tuple(name for name in used_names(force.law, self.names) if name not in ELONGATION)

@@ -33,7 +33,7 @@ class AlongEffect:
     title: str = "force along a coordinate"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return what it adds to the acceleration of each coordinate of i and j; τ u̇."""
+        """Accelerations M⁻¹Jᵀτ of the coordinates of i and j; power τ u̇ [W]."""
         left, weights_i, right, weights_j, rate, tau = blocks
         return left.scaled(weights_i).T @ tau, right.scaled(weights_j).T @ tau, rate @ tau
 
@@ -44,7 +44,7 @@ class OnCoordinate(ForceFacets[E]):
     is_carried = True
 
     def slopes(self, tasks: ForceRecorder) -> list[Block]:
-        """Return J and the diagonal of M⁻¹ of body i, then those of body j."""
+        """Jacobian J and the diagonal of M⁻¹ of body i, then those of body j."""
         slopes = tasks.coordinates.slopes(self.force.coordinate)
         return [
             block
@@ -53,20 +53,20 @@ class OnCoordinate(ForceFacets[E]):
         ]
 
     def rate(self, tasks: ForceRecorder) -> Block:
-        """Return u̇."""
+        """Rate u̇."""
         return tasks.coordinates.rate(self.force.coordinate, tasks.by_body)
 
     def leaves_plane(self, system: System, normal: int) -> bool:
-        """Return whether J leads out of the plane."""
+        """Whether J leads out of the plane."""
         one = system.coordinates[self.force.coordinate]
         return coordinate_leaves(system, one, normal) is not False
 
     def applied(self) -> Applied:
-        """Return nothing: what it does to one body it does to the other."""
+        """Nothing applied: what it does to one body it does to the other."""
         return Applied()
 
     def source(self, system: System) -> Source:
-        """Return the coordinate, in whose directions the ground pushes."""
+        """Coordinate, in whose directions the ground pushes."""
         return system.coordinates[self.force.coordinate]
 
     def add(

@@ -51,7 +51,7 @@ class CoordinateSpringEffect:
     title: str = "spring against a coordinate"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return what it adds to the acceleration of each coordinate of i and j; its power."""
+        """Accelerations M⁻¹Jᵀτ of the coordinates of i and j; its power [W]."""
         left, weights_i, right, weights_j, value, rate, *given = blocks
         if self.law:
             unit, free, *rest = given
@@ -74,7 +74,7 @@ class CoordinateSpringEnergy:
     title: str = "energy of a spring against a coordinate"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return (0, ½ k (u − u⁰)²)."""
+        """Energies (0, ½ k (u − u⁰)²) [J]."""
         value, stiffness, _, free = blocks
         graph = trace.graph
         (energy,) = (stiffness @ (value - free) @ (value - free)).flat
@@ -107,7 +107,7 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         return value, self.rate(tasks), free, tasks.recorder.constant((1,))
 
     def leaves_plane(self, system: System, normal: int) -> bool:
-        """Return whether it leads out of the plane.
+        """Whether it leads out of the plane.
 
         Across the plane, motions in the plane do not change a coordinate: a spring that has no
         force at the start then has none for good.

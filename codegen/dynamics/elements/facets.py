@@ -86,7 +86,7 @@ class ForceFacets(ABC, Generic[E]):
     # In analyses.
 
     def leaves_plane(self, system: System, normal: int) -> bool:
-        """Return whether it leads a system that starts in a coordinate plane out of it.
+        """Whether it leads a system that starts in a coordinate plane out of it.
 
         Parameters
         ----------
@@ -98,7 +98,7 @@ class ForceFacets(ABC, Generic[E]):
         return True
 
     def seen_from(self, i: Placement, j: Placement) -> E:
-        """Return the force between the bodies that carry its own.
+        """Force between the bodies that carry its own.
 
         ``s_i_b`` and ``s_j_b`` are points, what else ends in ``_i_b`` and ``_j_b`` vectors.
         """
@@ -106,16 +106,16 @@ class ForceFacets(ABC, Generic[E]):
         return replace(self.force, i=i.carrier, j=j.carrier, constants=constants)
 
     def resting_energy(self, i: Placement, j: Placement) -> Real:
-        """Return its potential energy [J] where both bodies are carried by one."""
+        """Potential energy [J] where both bodies are carried by one."""
         energy: Real = precise.number(0.0)
         return energy
 
     def applied(self) -> Applied:
-        """Return what it does from outside to the part that its bodies belong to."""
+        """Forces and torques that it applies from outside to the part that its bodies belong to."""
         return Applied(None, None)
 
     def source(self, system: System) -> Source | None:
-        """Return what tells what the ground does through it, where that is not :meth:`applied`."""
+        """Source of what the ground does through it, where that is not :meth:`applied`."""
         return None
 
     # In the check beside the program.

@@ -55,7 +55,7 @@ class LoadEffect:
         return f"{self.kind} on a body"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return what it adds to the acceleration of each coordinate; F·v + N′·ω′ if wanted."""
+        """Accelerations of the coordinates; power F·v + N′·ω′ [W] if wanted."""
         p, orientation, v, omega, weights, *constants = blocks
         share(trace, p, orientation)
         point = constants.pop(0) if self.kind in ("force", "force_b") else None
@@ -86,7 +86,7 @@ class LoadEnergy:
     title: str = "energy of force"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return (0, V): V = −F·(r + A s′)."""
+        """Energies (0, V) [J]: V = −F·(r + A s′)."""
         graph = trace.graph
         r, p, point, force = blocks
         inputs = {"r": r.flat, "p": p.flat, "s_b": point.flat}
@@ -114,7 +114,7 @@ class LoadFacets(ForceFacets[Load]):
         return tasks.recorder.call(LoadEnergy(), j.r, j.p, *constants)[0]
 
     def leaves_plane(self, system: System, normal: int) -> bool:
-        """Return whether a torque is not about the normal, or a force not in the plane."""
+        """Whether a torque is not about the normal, or a force not in the plane."""
         given = dict(self.force.constants)
         if self.force.is_torque:
             return any(x for values in given.values() for k, x in enumerate(values) if k != normal)
@@ -123,19 +123,19 @@ class LoadFacets(ForceFacets[Load]):
         return not is_level([given["s_j_b"][normal]], list(given.values()))
 
     def seen_from(self, i: Placement, j: Placement) -> Load:
-        """Return it on the body that carries its own; what turns with a body is a vector of it."""
+        """Force on the body that carries its own; what turns with a body is a vector of it."""
         constants = seen_from_carriers(self.force.constants, i, j, turning=self.force.turns)
         return replace(self.force, i=i.carrier, j=j.carrier, constants=constants)
 
     def resting_energy(self, i: Placement, j: Placement) -> Real:
-        """Return −F·r of a force on the ground."""
+        """Energy −F·r of a force on the ground [J]."""
         given = dict(self.force.constants)
         end = precise.triple(j.point(given["s_j_b"]))
         energy: Real = -precise.dot(precise.triple(given["force"]), end)
         return energy
 
     def applied(self) -> Applied:
-        """Return the directions of its parts, any where it turns with the body."""
+        """Directions of its parts, any where it turns with the body."""
         vectors = None if self.force.turns else self.force.vectors
         return Applied(torques=vectors) if self.force.is_torque else Applied(forces=vectors)
 

@@ -59,7 +59,7 @@ class SpringEffect:
     title: str = "spring and damper"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return what it adds to the acceleration of each coordinate of i and j; its power."""
+        """Accelerations of the coordinates of i and j; its power [W]."""
         r_i, p_i, a_i, v_i, omega_i, weights_i = blocks[:6]
         r_j, p_j, a_j, v_j, omega_j, weights_j = blocks[6:12]
         share(trace, p_i, a_i)
@@ -84,7 +84,7 @@ class SpringEffect:
         return *added, -(damped @ found["l_dot"])
 
     def _tension(self, trace: Trace, found: dict[str, Matrix], *given: Matrix) -> Matrix:
-        """Return the tension [N] by the formula."""
+        """Tension [N] by the formula."""
         unit, free, *rest = given
         elongation = found["l"] - free
         own = [elongation, unit, found["l_dot"], unit, *rest]
@@ -99,7 +99,7 @@ class SpringLength:
     title: str = "length of a spring"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return l and its derivative by time."""
+        """Length l and its derivative by time."""
         ends = (f"{name}_{body}" for body in "ij" for name in ("r", "p", "v", "omega"))
         names = (name + "_b" if "omega" in name else name for name in (*ends, *ENDS))
         found = _inline(trace, "length", dict(zip(names, blocks, strict=True)))
@@ -113,7 +113,7 @@ class SpringEnergy:
     title: str = "energy of spring_damper"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return (0, V): V = ½ k (l − l⁰)²."""
+        """Energies (0, V) [J]: V = ½ k (l − l⁰)²."""
         zero = trace.graph.const(0)
         places = dict(zip(("r_i", "p_i", "r_j", "p_j", *ENDS), blocks[:6], strict=True))
         still = column_of(trace, zero, zero, zero)
@@ -160,12 +160,12 @@ class SpringFacets(ForceFacets[PointSpring]):
         return length, rate, free, unit
 
     def leaves_plane(self, system: System, normal: int) -> bool:
-        """Return whether its ends are not level with the bodies and each other."""
+        """Whether its ends are not level with the bodies and each other."""
         heights = ends_of(system, self.force, normal)
         return not is_level(heights, [values for _, values in self.force.constants])
 
     def resting_energy(self, i: Placement, j: Placement) -> Real:
-        """Return ½ k (l − l⁰)² in one body."""
+        """Energy ½ k (l − l⁰)² in one body [J]."""
         given = dict(self.force.constants)
         end = precise.triple(j.point(given["s_j_b"]))
         start = precise.triple(i.point(given["s_i_b"]))
@@ -175,11 +175,11 @@ class SpringFacets(ForceFacets[PointSpring]):
         return energy
 
     def applied(self) -> Applied:
-        """Return nothing: what it does to one body it does to the other."""
+        """Nothing applied: what it does to one body it does to the other."""
         return Applied()
 
     def source(self, system: System) -> Source:
-        """Return the spring, which pulls at its points."""
+        """Spring, which pulls at its points."""
         return self.force
 
     def by_definition(

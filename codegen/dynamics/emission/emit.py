@@ -95,7 +95,7 @@ def emit_dynamics(
 
 
 def package_of(name: str, title: str) -> Package:
-    """Return the package of a scene's solver: it has no kernels that are called from outside."""
+    """Package of a scene's solver: it has no kernels that are called from outside."""
     return Package(name, title, f"kousoku generate {name}.toml", ())
 
 
@@ -105,7 +105,7 @@ def filled(
     given: Mapping[str, object],
     files: Mapping[str, str],
 ) -> dict[str, str]:
-    """Return a folder of templates that are filled in, and of files that are there.
+    """Folder of templates that are filled in, and of files that are there.
 
     Parameters
     ----------

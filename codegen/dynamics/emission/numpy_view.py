@@ -191,7 +191,7 @@ def numpy_view(
 
 
 def regions_of(program: Program) -> tuple[tuple[str, int, int], ...]:
-    """Return name, first slot and size of the regions that are not empty."""
+    """Name, first slot and size of the regions that are not empty."""
     return tuple((one.name, one.base, one.size) for one in program.regions if one.size)
 
 
@@ -201,7 +201,7 @@ def python_literal(value: object) -> str:
 
 
 def python_kernels(program: Program) -> Iterator[PythonKernel]:
-    """Yield the kernels by number; those of the whole workspace name slots by their regions."""
+    """Kernels by number; those of the whole workspace name slots by their regions."""
     if not program.is_inlined:
         for k, kernel in enumerate(program.kernels):
             yield python_kernel(f"kernel_{k}", kernel)
@@ -278,7 +278,7 @@ def _told(text: str, place: str) -> str:
 
 
 def python_segment(program: Program, segment: Segment) -> PythonSegment:
-    """Return the tasks of a segment as a table in text."""
+    """Tasks of a segment as a table in text."""
     lines: list[str] = []
     for level in levels(program, segment):
         equal: dict[int, list[int]] = {}

@@ -463,7 +463,7 @@ def _of_features(numbers: Mapping[str, int], features: Collection[str]) -> dict[
 
 
 def segment_text(program: Program, segment: Segment, slots: Slots) -> SegmentText:
-    """Return a segment as C."""
+    """Segment as C."""
     name, tasks = segment.name, segment.tasks
     meaning = meaning_of(program, segment)
     if not program.is_inlined:
@@ -510,7 +510,7 @@ def method_text(method: Method) -> MethodText:
 
 
 def enumerators(values: Mapping[str, int]) -> str:
-    """Return enumerators of C, in lines."""
+    """Enumerators of C, in lines."""
     return in_lines((f"{name} = {value}," for name, value in values.items()), WIDTH)
 
 

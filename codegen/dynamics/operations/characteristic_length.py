@@ -21,7 +21,7 @@ POINTS = {"s_i_b", "s_j_b", *ORIGINS}
 
 
 def is_ground_point(source: Instance | Coordinate, name: str) -> bool:
-    """Return whether a constant is a point in frame O."""
+    """Whether a constant is a point in frame O."""
     return name in POINTS and (source.i if "_i" in name else source.j) < 0
 
 
@@ -46,7 +46,7 @@ def characteristic_length(system: System) -> float:
 
 
 def extent(system: System) -> float:
-    """Return how far a system reaches whose joints have no length [m].
+    """Extent of a system whose joints have no length [m].
 
     The largest distance, along an axis, between centres of mass and points of the ground at the
     start, or of a force from a centre of mass; where none is, the largest radius of gyration. It

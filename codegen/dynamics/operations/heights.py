@@ -21,13 +21,13 @@ FLAT = 1e-12
 
 
 def is_level(heights: Sequence[float], sizes: Sequence[Sequence[float]]) -> bool:
-    """Return whether heights are zero but for rounding of numbers of some sizes."""
+    """Whether heights are zero but for rounding of numbers of some sizes."""
     largest = max(1.0, *(abs(x) for values in sizes for x in values))
     return max(map(abs, heights)) <= FLAT * largest
 
 
 def ends_of(system: System, one: ForceElement | Coordinate, normal: int) -> list[float]:
-    """Return how far the ends are from the centres of their bodies and from each other."""
+    """Distances of the ends from the centres of their bodies and from each other."""
     given = dict(one.constants)
     own = [
         given[f"s_{end}_b"][normal]
@@ -41,7 +41,7 @@ def ends_of(system: System, one: ForceElement | Coordinate, normal: int) -> list
 def height(
     system: System, one: ForceElement | Coordinate | Instance, end: str, normal: int
 ) -> float:
-    """Return a coordinate of an end of a spring or a joint at the start."""
+    """Coordinate of an end of a spring or a joint at the start."""
     point = dict(one.constants)[f"s_{end}_b"]
     index = one.i if end == "i" else one.j
     if index == GROUND_INDEX:
@@ -53,7 +53,7 @@ def height(
 
 
 def coordinate_leaves(system: System, one: Coordinate, normal: int) -> bool | None:
-    """Return whether a force along a coordinate leads out of the plane.
+    """Whether a force along a coordinate leads out of the plane.
 
     A coordinate whose axes are in the plane, and whose points are level with the centres of mass,
     does not; an angle does not either. None where it leads out of it, but motions in the plane do
@@ -73,7 +73,7 @@ def coordinate_leaves(system: System, one: Coordinate, normal: int) -> bool | No
 
 
 def at_start(system: System, one: Coordinate) -> float:
-    """Return the value of a coordinate at the start, of an angle up to whole turns."""
+    """Value of a coordinate at the start, of an angle up to whole turns."""
     inputs: dict[str, Sequence[float]] = dict(one.constants)
     for end, index in (("i", one.i), ("j", one.j)):
         ground = (0.0, 0.0, 0.0, *NO_TURN)

@@ -74,13 +74,13 @@ def cross(a: Sequence[Any], b: Sequence[Any]) -> tuple[Any, Any, Any]:
 
 
 def sqrt(a: Jet, digits: FormulaArithmetic[Any]) -> Jet:
-    """Return √a."""
+    """Square root of a."""
     root = digits.sqrt(a.x)
     return a.through(root, 1 / (2 * root), -1 / (4 * root * a.x))
 
 
 def atan2(y: Jet, x: Jet, digits: FormulaArithmetic[Any]) -> Jet:
-    """Return the angle of (x, y)."""
+    """Angle of (x, y)."""
     square = x * x + y * y
     rate = (Jet(x.x, x.d) * Jet(y.d, y.dd) - Jet(y.x, y.d) * Jet(x.d, x.dd)) / square
     return Jet(digits.atan2(y.x, x.x), rate.x, rate.d)
@@ -89,7 +89,7 @@ def atan2(y: Jet, x: Jet, digits: FormulaArithmetic[Any]) -> Jet:
 def formula(
     expression: Expression, names: Mapping[str, Jet], digits: FormulaArithmetic[Any]
 ) -> Jet:
-    """Return the value of a formula with its derivatives.
+    """Value of a formula with its derivatives.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ _SIMPLE: dict[Function, Callable[..., Jet]] = {
 
 
 def arithmetic_of(digits: FormulaArithmetic[Any]) -> Arithmetic[Jet]:
-    """Return the arithmetic of jets, for the evaluation of kernels."""
+    """Arithmetic of jets, for the evaluation of kernels."""
 
     def one(function: Function) -> Callable[[Jet], Jet]:
         return lambda a: _applied(function, (a,), digits)

@@ -78,7 +78,7 @@ def contacts_of(system: System) -> Iterator[tuple[int, Contact]]:
 
 
 def _acting(system: System) -> Iterator[Source]:
-    """Yield rows, coordinates of rows and forces, and springs."""
+    """Rows, coordinates of rows and forces, and springs."""
     for row in system.constraints:
         if row.kind == COMBINATION:
             yield from (system.coordinates[term.coordinate] for term in row.terms)
@@ -90,7 +90,7 @@ def _acting(system: System) -> Iterator[Source]:
 
 
 def _contact(one: Source, parallel: Mapping[tuple[int, Numbers], Numbers]) -> Contact:
-    """Return what a row or coordinate of a kind can do.
+    """Contact through a row or coordinate of a kind.
 
     Parameters
     ----------

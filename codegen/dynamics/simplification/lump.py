@@ -139,7 +139,7 @@ def _placed(
 
 
 def _instance(one: Instance, placements: Mapping[int, Placement]) -> Instance:
-    """Return a constraint between the bodies that carry its own."""
+    """Constraint between the bodies that carry its own."""
     constants = seen_from_carriers(one.constants, placements[one.i], placements[one.j])
     kind, _, axis = one.kind.partition("_")
     return replace(
