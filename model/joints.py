@@ -26,7 +26,7 @@ from kousoku.model.elements.joint import (
 )
 from kousoku.model.elements.linear_coupling import LinearCoupling
 from kousoku.model.elements.rack_and_pinion import RackAndPinion
-from kousoku.model.elements.rod import Rod
+from kousoku.model.elements.rod import RodJoint
 from kousoku.model.elements.screw import Screw
 from kousoku.model.elements.universal import Universal
 
@@ -74,7 +74,7 @@ JOINTS: dict[str, JointKind] = {
         1,
         leaves=(ANGLE, *DISPLACEMENTS),
     ),
-    "rod": Rod(
+    "rod": RodJoint(
         "all that keeps the distance of two points",
         (JointPart("distance"),),
         0,

@@ -42,12 +42,15 @@ from tests.random_scenes import random_scene
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from numpy.typing import NDArray
+
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.mechanism import System
     from kousoku.model.scene import Scene
 
+    Array = NDArray[np.float64]
+
 SCENES = Path(__file__).parents[2] / "scenes"
-Array = Any
 OUTPUTS = ("accelerations", "reactions", "energies")
 START, RATE, END = 1.0, 1.5, 1.0
 COUNT, APART = 3, 0.2

@@ -50,7 +50,7 @@ BYTES = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class SavedStep:
     """What one step saved.
 
     Parameters
@@ -81,7 +81,7 @@ class Explanation:
     ----------
     name : str
         The scene.
-    steps : tuple of Step
+    steps : tuple of SavedStep
         In the order in which they are taken.
     segments : tuple of (str, int)
         Operations of each segment of the program.
@@ -98,7 +98,7 @@ class Explanation:
     """
 
     name: str
-    steps: tuple[Step, ...]
+    steps: tuple[SavedStep, ...]
     segments: tuple[tuple[str, int], ...]
     structure: Structure
     freedom: Freedom
@@ -164,7 +164,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         *_compared(apart, found, full, wanted),
         _step("redundant rows removed", _of_rows(freedom), full, kept),
         *_out_of_plane(kept, whole),
-        Step("parts solved apart", f"{structure.parts} without a common moving body"),
+        SavedStep("parts solved apart", f"{structure.parts} without a common moving body"),
         *_of_reduction(system, freedom, (whole, prescribed, program)),
         _step("straight-line code", _of_code(final, program), program, final),
         *_of_design(system, program),
@@ -195,7 +195,7 @@ def _freedom_apart(system: System) -> Freedom:
 
 def _compared(
     each: System, found: Analysed, full: Program, wanted: Sequence[str]
-) -> Iterator[Step]:
+) -> Iterator[SavedStep]:
     """Steps that compare two programs, from one that leaves nothing out."""
     all_of = tuple(dict.fromkeys((*ALL, *wanted)))
     thick = thickened(found.system)
@@ -204,7 +204,7 @@ def _compared(
         apart = compose(with_all_rows(_generic(_spinning(each)), None), all_of)
         yield _step("bodies joined rigidly", _of_joints(found), apart, unfolded)
     else:
-        yield Step("bodies joined rigidly", _of_fixed(each, wanted))
+        yield SavedStep("bodies joined rigidly", _of_fixed(each, wanted))
     spinning = compose(with_all_rows(_spinning(thick), None), all_of)
     in_space = compose(with_all_rows(thick, None), all_of)
     folded = structure_of(thick, in_space)
@@ -215,16 +215,16 @@ def _compared(
     yield _step("outputs not wanted", _of_outputs(wanted), everything, full)
 
 
-def _out_of_plane(kept: Program, program: Program) -> list[Step]:
+def _out_of_plane(kept: Program, program: Program) -> list[SavedStep]:
     """Cost of reactions that the motion in a plane does not determine."""
     if program.is_planar == kept.is_planar:
         return []
     return [_step("reactions out of the plane", "wanted: solved in space", kept, program)]
 
 
-def _step(name: str, detail: str, before: Program, after: Program) -> Step:
+def _step(name: str, detail: str, before: Program, after: Program) -> SavedStep:
     columns = _columns(before) - _columns(after)
-    return Step(
+    return SavedStep(
         name=name,
         detail=detail,
         rows=len(before.rows) - len(after.rows),
@@ -239,7 +239,7 @@ def _columns(program: Program) -> int:
     return program.region("v").size - len(program.reduced)
 
 
-def _counted(system: System, program: Program) -> list[Step]:
+def _counted(system: System, program: Program) -> list[SavedStep]:
     """Steps that leave nothing to compare with: what they avoid is counted."""
     shipped = shipped_kinds()
     kinds = [one.kind for one in system.constraints]
@@ -250,9 +250,9 @@ def _counted(system: System, program: Program) -> list[Step]:
     used_of = f"{len(used)} of {len(shipped)} used: {', '.join(used) or 'none'}{of_own}"
     grounded = sum(GROUND_INDEX in one.bodies for one in system.constraints)
     return [
-        Step("kinds not used", used_of),
-        Step("ground has no columns", f"{grounded} constraints with the ground", columns=6),
-        Step(
+        SavedStep("kinds not used", used_of),
+        SavedStep("ground has no columns", f"{grounded} constraints with the ground", columns=6),
+        SavedStep(
             "mass blocks inverted beforehand",
             f"{len(system.bodies)} constant diagonal blocks",
             operations=program.region("v").size,
@@ -298,7 +298,7 @@ def _without_zeros(constants: Constants) -> Constants:
     )
 
 
-def _of_design(system: System, program: Program) -> list[Step]:
+def _of_design(system: System, program: Program) -> list[SavedStep]:
     """Numbers that parameters change, and the cost of changing them."""
     if not program.design:
         return []
@@ -307,7 +307,7 @@ def _of_design(system: System, program: Program) -> list[Step]:
     known = [name for name, _ in system.parameters]
     used = [name for name in known if name in program.design.names]
     detail = f"{numbers} from {', '.join(used)}: {operations(setup)} operations, once in a run"
-    return [Step("numbers that stay arguments", detail)]
+    return [SavedStep("numbers that stay arguments", detail)]
 
 
 def _of_joints(found: Analysed) -> str:
@@ -332,7 +332,7 @@ def _of_moments(system: System) -> str:
 
 def _of_reduction(
     system: System, freedom: Freedom, programs: tuple[Program, Program, Program]
-) -> list[Step]:
+) -> list[SavedStep]:
     """Saving by the coordinates of joints with the ground.
 
     ``programs`` are without that, with bodies that drivers lead, and with all.
