@@ -28,7 +28,7 @@ MAY_IMPORT = {
 }
 #: Rooms of ``codegen/dynamics``, and files beside them; each may import what stands before it.
 STAGES = (
-    *("recording", "operations", "assembly", "elements", "simplification", "redundancy"),
+    *("recording", "operations", "elements", "assembly", "simplification", "redundancy"),
     *("analyse", "composition", "emission", "checking", "choose", "generate", "explanation"),
 )
 #: The files of ``model`` that ``runtime`` uses.

@@ -10,10 +10,10 @@ Where what is, the lowest first; a folder imports those before it only:
     What operations are recorded on: kernels, tasks and one workspace; a program run and counted.
 ``operations``
     What one task computes: of a body, a joint, a force, a block of a factorisation.
+``elements``
+    Forces and kinds of constraints: what is recorded of each, and what analyses ask of it.
 ``assembly``
     Positions and velocities that fit, near those that a scene gives.
-``elements``
-    Forces, one file each: what is recorded of them, and what analyses ask.
 ``simplification``
     Fewer bodies, coordinates and columns than a scene has.
 ``redundancy``

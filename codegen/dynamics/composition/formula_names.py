@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.formulas import LENGTHS
+from kousoku.model.elements.constraints import is_length
 from kousoku.model.formulas import RATE, TIME
 
 if TYPE_CHECKING:
@@ -63,8 +63,8 @@ class FormulaNames(Mapping[str, "Meaning"]):
         else:
             place = self._places[name]
             value = self._coordinates.value(place)
-        is_length = self._coordinates.all[place].kind in LENGTHS
-        return value, self._recorder.constant((self._unit,)) if is_length else one
+        kind = self._coordinates.all[place].kind
+        return value, self._recorder.constant((self._unit,)) if is_length(kind) else one
 
     def __contains__(self, name: object) -> bool:
         return name in self._fixed or name in self._places or name in self._rates

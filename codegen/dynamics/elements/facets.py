@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import Coordinate, Instance, System, Vector
     from kousoku.model.real import Real
 
-    #: Through what the ground acts on a body.
-    Source = Instance | Coordinate | ForceElement
+    #: What tells by its kind and constants what the ground does through it.
+    Source = Instance | Coordinate
 
 E = TypeVar("E", bound=ForceElement)
 

@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     #: What a name stands for: a value, and the unit that it is given in.
     Meaning = tuple[Block, Block]
 
-#: Kinds of coordinates that are lengths.
-LENGTHS = ("n2", "length")
-
 
 @dataclass(frozen=True, slots=True)
 class Scaled:

@@ -27,8 +27,8 @@ from kousoku.model.mechanism import GROUND_INDEX
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from kousoku.codegen.dynamics.elements.constraints import Contact
     from kousoku.codegen.dynamics.elements.facets import Applied
-    from kousoku.codegen.dynamics.simplification.contacts import Contact
     from kousoku.model.mechanism import System, Vector
 
 #: The axis of a plane may be given either way.

@@ -18,6 +18,7 @@ from kousoku.codegen.dynamics.simplification.outline import NORMAL
 from kousoku.codegen.dynamics.simplification.planar import is_planar
 from kousoku.codegen.dynamics.simplification.rigid_groups import grouped
 from kousoku.codegen.dynamics.simplification.static_potential import static_potential
+from kousoku.model.elements.constraints import base_of
 from kousoku.model.mechanism import GROUND_INDEX, Carried
 from kousoku.model.rows import variant
 
@@ -139,12 +140,12 @@ def _placed(
 
 
 def _instance(one: Instance, placements: Mapping[int, Placement]) -> Instance:
-    """Constraint between the bodies that carry its own."""
+    """Return a constraint between the bodies that carry its own."""
     constants = seen_from_carriers(one.constants, placements[one.i], placements[one.j])
-    kind, _, axis = one.kind.partition("_")
+    kind = base_of(one.kind)
     return replace(
         one,
-        kind=variant(kind, dict(constants)["a_i_b"]) if axis and kind in {"p1", "p2"} else one.kind,
+        kind=variant(kind, dict(constants)["a_i_b"]) if kind != one.kind else kind,
         i=placements[one.i].carrier,
         j=placements[one.j].carrier,
         constants=constants,

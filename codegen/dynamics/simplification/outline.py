@@ -21,7 +21,8 @@ from kousoku.codegen.dynamics.simplification.axis_permutation import (
     permuted_rows,
 )
 from kousoku.codegen.dynamics.simplification.bodies import GROUND, body_blocks
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.elements.constraints import COMBINATION
+from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

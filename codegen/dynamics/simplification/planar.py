@@ -34,8 +34,9 @@ from kousoku.codegen.dynamics.simplification.forces_plane import (
 )
 from kousoku.codegen.dynamics.simplification.outline import NORMAL, live_elements
 from kousoku.model.arithmetic import FLOAT
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.varying import fixed_system
 
