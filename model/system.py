@@ -306,7 +306,7 @@ def _constants(
     vectors: tuple[dict[str, Triple], dict[str, Triple]],
     unit: High,
 ) -> Iterator[tuple[str, tuple[float, ...]]]:
-    """Yield the inputs of a kernel that are fixed, in the order of its arguments."""
+    """Inputs of a kernel that are fixed, in the order of its arguments."""
     for name in CONSTRAINTS[part.kind].inputs:
         k = "ij".index(name[2])
         if name.startswith("s_"):

@@ -143,7 +143,7 @@ class JointKind:
         return sum(CONSTRAINTS[part.kind].rows for part in self.parts)
 
     def turns(self, body: int) -> bool:
-        """Return whether it needs the orientation of body i (0) or j (1), which a point lacks."""
+        """Whether it needs the orientation of body i (0) or j (1), which a point lacks."""
         return any(CONSTRAINTS[part.kind].turns(body) for part in self.parts)
 
     @property

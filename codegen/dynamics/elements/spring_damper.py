@@ -180,7 +180,7 @@ class SpringFacets(ForceFacets[PointSpring]):
         return Applied()
 
     def source(self, system: System) -> Source:
-        """Return the distance of its ends, along which it pulls."""
+        """Distance of its ends, along which it pulls."""
         ends = self.force.constants[: len(ENDS)]
         return Coordinate(self.force.name, "length", self.force.i, self.force.j, ends)
 

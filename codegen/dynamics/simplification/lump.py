@@ -140,7 +140,7 @@ def _placed(
 
 
 def _instance(one: Instance, placements: Mapping[int, Placement]) -> Instance:
-    """Return a constraint between the bodies that carry its own."""
+    """Constraint between the bodies that carry its own."""
     constants = seen_from_carriers(one.constants, placements[one.i], placements[one.j])
     kind = base_of(one.kind)
     return replace(
