@@ -58,7 +58,7 @@ class Angle(float):
 
 
 def number_of(text: str) -> float:
-    """Number that a text stands for; an angle, or the rate of one, is in radians.
+    """Return the number that a text stands for; an angle, or the rate of one, is in radians.
 
     Parameters
     ----------

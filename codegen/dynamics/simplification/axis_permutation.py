@@ -61,7 +61,7 @@ def permuted_columns(columns: Sequence[int], shift: int) -> tuple[int, ...]:
 
 
 def permuted_rows(rows: Iterable[Row], system: System, shift: int) -> tuple[Row, ...]:
-    """Rows of a system as rows of the turned system."""
+    """Rows of a system as rows of the permuted system."""
     kinds = [one.kind for one in system.constraints]
     return tuple(
         replace(one, row=permuted_row(kinds[one.instance], one.row, shift)) for one in rows
@@ -78,16 +78,16 @@ def permuted_row(kind: str, row: int, shift: int) -> int:
 
 
 def permuted_back(program: Program, system: System, shift: int) -> Program:
-    """Program of a turned system with the names that the scene has for all.
+    """Program of a permuted system with the names that the scene has for all.
 
     Parameters
     ----------
     program : Program
         What was composed.
     system : System
-        The turned system that it was composed of.
+        The permuted system that it was composed of.
     shift : int
-        By how much it was turned.
+        By how many places its axes were permuted.
     """
     back = -shift
     bodies = tuple(

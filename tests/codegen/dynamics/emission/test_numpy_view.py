@@ -36,7 +36,7 @@ def solver_of(program: Program, system: Any) -> Any:
 def run(solver: Any, values: list[float]) -> list[float]:
     """Run all segments on a workspace."""
     w = np.array(values)
-    workspace = sys.modules[type(solver.scene).__module__].ProgramInterpreter(solver.scene, w)
+    workspace = sys.modules[type(solver.scene).__module__].Workspace(solver.scene, w)
     with np.errstate(all="ignore"):
         for name in SEGMENTS:
             workspace.run(name)
