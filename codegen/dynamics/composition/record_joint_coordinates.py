@@ -17,11 +17,11 @@ from kousoku.codegen.dynamics.operations.joint_coordinates import (
     NOTHING,
     POINT,
     BiasAcceleration,
-    DrivenCoordinate,
     DriverPower,
     DriverWrench,
     JointArm,
     JointWrench,
+    PrescribedValue,
     ProjectPosition,
     ProjectVelocity,
     ReduceForces,
@@ -244,16 +244,14 @@ class JointCoordinateRecorder:
 
     def _since(self, led: Prescribed, law: Block) -> Block:
         start = self.recorder.constant((led.start,))
-        return self.recorder.call(DrivenCoordinate(led.sign), law, start)[0]
+        return self.recorder.call(PrescribedValue(led.sign), law, start)[0]
 
     def _derivatives(self, order: int) -> list[Block]:
         """Record the derivatives of what drives turn and displacement."""
         return [self._derivative(led, order) for _, led in self.one.prescribed]
 
     def _derivative(self, led: Prescribed, order: int) -> Block:
-        return self.recorder.call(DrivenCoordinate(led.sign), self._law(led, order), column((0,)))[
-            0
-        ]
+        return self.recorder.call(PrescribedValue(led.sign), self._law(led, order), column((0,)))[0]
 
     def _vector(self, values: Sequence[float]) -> Block:
         return self.recorder.constant(values)

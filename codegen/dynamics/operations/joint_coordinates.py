@@ -304,7 +304,7 @@ class DriverWrench:
 
 
 @dataclass(frozen=True, slots=True)
-class DrivenCoordinate:
+class PrescribedValue:
     """What a driver makes of a freedom. Blocks: its formula, what it is at the start.
 
     Parameters
