@@ -17,7 +17,7 @@
 #define COUNTABLE 1.0
 /* what Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
  * many steps it is tried even so */
-#define SURE 0.02
+#define SURE 1e-3
 #define TRIALS 64.0
 /* what a rule left counts from step to step by this part: at a turning point of the rate it is
  * small */
@@ -193,7 +193,7 @@ static double sum_works(
     const double h = end - s->time, *rate = s->f, *half = position_at(0, work).f;
     const double *f = position_at(1, work).f, *one = position_at(2, work).f;
     const double *other = position_at(3, work).f;
-    double *y = position_at(1, work).y, error = 0.0, most = 0.0, told = 0.0;
+    double *y = position_at(1, work).y, error = 0.0, most = 0.0, missed = 0.0, told = 0.0;
     *is_told = 1;
     if (WORKS == 0) return 0.0;
     *is_told = 0;
@@ -225,8 +225,10 @@ static double sum_works(
         const double squares = odd * odd + slope * slope * ODD_PART;
         if (squares > 0.0) told = larger(ODD * h * fabs(odd) * (odd * odd / squares) / size, told);
         most = larger(fabs(more), most);
+        missed = larger(fabs(more) / size, missed);
         y[k] += more;
     }
+    s->simpson = larger(missed / settings->tolerance, s->simpson);
     if (error < SURE) {
         s->work_error += most / h * s->untold;
         s->untold = 0.0;

@@ -63,7 +63,7 @@ FURTHEST = 8.0
 COUNTABLE = 1.0
 #: What Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
 #: many steps it is tried even so.
-SURE = 0.02
+SURE = 1e-3
 TRIALS = 64.0
 #: What a rule left counts from step to step by this part: at a turning point of the rate it is
 #: small.
@@ -290,6 +290,7 @@ def sum_works(
     square = odd * odd + slope * slope * ODD_PART
     odd_left = ODD * h * np.abs(odd) * (odd * odd / np.where(square > 0.0, square, 1.0))
     position_at(1, work).y[done] += more
+    state.simpson = larger(float(np.max(np.abs(more) / sizes)) / s.tolerance, state.simpson)
     told = larger(float(np.max(even_left / sizes)), float(np.max(odd_left / sizes)))
     return larger(told / s.tolerance, FADING * state.error), True
 

@@ -94,10 +94,12 @@ FAR = 0.5
 LONGEST = 0.75
 LOOSE = 1e-3
 LONGEST_OF_ALL = 1.2
-#: Both where drivers determine the motion: what they lead has no error that keeps steps short.
+LEVEL = 0.999
+#: All three where drivers determine the motion: what they lead has no error that keeps steps short.
+#: Ratios go with the square of the distance from such a place, and are not as level beside it.
 LOOSE_LED = 1e-5
 LONGEST_LED = 0.3
-LEVEL = 0.999
+LEVEL_LED = 0.5
 #: A step is not made shorter than this to find its branch.
 STILL_LONG = 1e-4
 #: A step is this much shorter than what would meet the tolerance.
@@ -344,7 +346,8 @@ def may_end_elsewhere(
     is_free = not settings.fixed_step > 0.0
     is_loose = settings.tolerance > (LOOSE_LED if work.scene.is_driven else LOOSE)
     first, last, most = state.position_ratio, trial.last_ratio, state.largest_pivot_ratio
-    is_steady = trial.least_ratio > LEVEL * larger(first, trial.most_ratio)
+    level = LEVEL_LED if work.scene.is_driven else LEVEL
+    is_steady = trial.least_ratio > level * larger(first, trial.most_ratio)
     longest = LONGEST_LED if work.scene.is_driven else LONGEST_OF_ALL
     if is_free and is_loose and not is_steady and way_of(trial, state, work) > longest:
         return True

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pytest
 from msgspec.structs import replace
 
+import kousoku
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.families import n_four_bar
 from kousoku.model.read import scene_from_toml
@@ -20,12 +22,12 @@ from kousoku.runtime.motion import Motion
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from kousoku.model.scene import Scene
 
 Load = Any
 Array = Any
+SCENES = Path(__file__).parents[2] / "scenes"
 OUTPUTS = ("accelerations", "reactions", "energies")
 CRANK, COUPLER, ROCKER, GROUND = 1.0, 3.0, 2.5, 3.0
 RATE = 6.0
@@ -241,6 +243,15 @@ def test_steps_of_driven_motions_keep_to_their_branch(
     motion = solver.simulate(times=times, method=method, tolerance=tolerance)
     wanted = pin(1.0 + RATE * motion.time, CRANK + gap)
     np.testing.assert_allclose(end_of(motion, "rocker", CRANK + gap), wanted, rtol=0, atol=1e-9)
+
+
+@pytest.mark.compiles
+@pytest.mark.parametrize(("method", "most"), [("dop853", 89), ("dopri5", 44)])
+def test_steps_far_from_other_branches_are_not_made_shorter(method: Any, most: int) -> None:
+    """As many evaluations as before steps were looked at."""
+    loop = kousoku.load(SCENES / "loop.toml")
+    run = loop.simulate(2, samples=8, method=method, tolerance=1e-4)
+    assert run.ledger.derivatives <= most
 
 
 def test_where_branches_are_not_told_apart_it_is_not_trusted_from_the_first_on(load: Load) -> None:

@@ -106,6 +106,21 @@ def test_works_cost_no_more_evaluations_than_unchecked_ones(name: str) -> None:
         assert trust.energy_error <= 0.5 * trust.limit * trust.energy_moved
 
 
+@pytest.mark.compiles
+@pytest.mark.parametrize("samples", [21, 61])
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-11])
+def test_works_hold_in_rows_between_positions(samples: int, tolerance: float) -> None:
+    """Its power is nearly straight where the motion begins: three of them tell no error there."""
+    mechanism = kousoku.load(SCENES / "constant_velocity.toml", outputs=["energies"])
+    for method in ("kinematics", "dopri5", "dop853"):
+        options: Any = {"samples": samples, "method": method, "tolerance": tolerance}
+        trust = mechanism.simulate(0.5, **options).ledger.trust
+        assert trust.is_trusted
+        assert trust.energy_error is not None
+        assert trust.energy_moved is not None
+        assert trust.energy_error < 0.3 * trust.limit * trust.energy_moved
+
+
 def pulsing(monkeypatch: pytest.MonkeyPatch) -> Mechanism:
     """Return a shaft that turns evenly, whose load is 2 at rows and between, and 1 on average.
 
