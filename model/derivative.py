@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, cast
 
+from kousoku.model.arithmetic import FormulaArithmetic
 from kousoku.model.polynomials import even_power
+from kousoku.model.slopes import SLOPES
 from kousoku.model.terms import (
     ONE,
     ZERO,
@@ -24,6 +28,8 @@ from kousoku.model.terms import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from kousoku.model.terms import Expression
 
 
@@ -123,32 +129,23 @@ def _slope(part: Apply) -> Expression:
     """Return the derivative of a function by its only argument."""
     (x,) = part.args
     match part.function:
-        case Function.SIN:
-            return apply(Function.COS, x)
-        case Function.COS:
-            return neg(apply(Function.SIN, x))
-        case Function.TAN:
-            return add(ONE, mul(part, part))
-        case Function.ASIN:
-            return div(ONE, _arc(x))
-        case Function.ACOS:
-            return div(number(-1), _arc(x))
-        case Function.ATAN:
-            return div(ONE, add(ONE, mul(x, x)))
-        case Function.SQRT:
-            return div(ONE, mul(number(2), part))
-        case Function.EXP:
-            return part
-        case Function.LOG:
-            return div(ONE, x)
         case Function.ABS:
             return apply(Function.SIGN, x)
+        case Function.SIGN:
+            return ZERO
         case Function.SHARE:
             return mul(part, apply(Function.SHARE, neg(x)))
-        case _:  # SIGN
-            return ZERO
+        case _:
+            (slope,) = SLOPES[part.function.value](part, part.args, FORMULAS)
+            return cast("Expression", slope)
 
 
-def _arc(x: Expression) -> Expression:
-    """Return √(1 − x²), as a product that keeps its digits near ±1."""
-    return apply(Function.SQRT, mul(add(ONE, neg(x)), add(ONE, x)))
+def _made(function: Function) -> Callable[..., Expression]:
+    return partial(apply, function)
+
+
+#: The arithmetic of formulas: what is computed is one.
+FORMULAS: FormulaArithmetic[Expression] = FormulaArithmetic(
+    number=lambda value: number(Fraction(value)),
+    **{one.name: _made(Function(one.name)) for one in fields(FormulaArithmetic)[1:]},
+)

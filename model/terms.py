@@ -7,12 +7,15 @@ the code that is generated from them computes it. Numbers are exact.
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from hashlib import blake2b
+from typing import TYPE_CHECKING, TypeVar, cast
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable, Sequence
+
+T = TypeVar("T")
 
 LARGEST_BITS = 4096
 """Bits of the largest numerator or denominator: a longer number is left as a formula."""
@@ -49,22 +52,82 @@ class Function(enum.Enum):
     SHARE = "share"
 
 
-@dataclass(frozen=True, slots=True)
-class Number:
+class Term:
+    """A formula, of which operators make others.
+
+    Its ``key`` is that of equal formulas, and of no others: parts are shared, and a tree that was
+    compared part by part would have many times as many.
+    """
+
+    __slots__ = ()
+
+    key: str
+
+    def __eq__(self, other: object) -> bool:
+        return self is other or (isinstance(other, Term) and self.key == other.key)
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __add__(self, other: Operand) -> Expression:
+        return add(_term(self), _term(other))
+
+    def __radd__(self, other: Operand) -> Expression:
+        return add(_term(other), _term(self))
+
+    def __sub__(self, other: Operand) -> Expression:
+        return add(_term(self), neg(_term(other)))
+
+    def __rsub__(self, other: Operand) -> Expression:
+        return add(_term(other), neg(_term(self)))
+
+    def __mul__(self, other: Operand) -> Expression:
+        return mul(_term(self), _term(other))
+
+    def __rmul__(self, other: Operand) -> Expression:
+        return mul(_term(other), _term(self))
+
+    def __truediv__(self, other: Operand) -> Expression:
+        return div(_term(self), _term(other))
+
+    def __rtruediv__(self, other: Operand) -> Expression:
+        return div(_term(other), _term(self))
+
+    def __neg__(self) -> Expression:
+        return neg(_term(self))
+
+    def _is_called(self, *parts: str) -> None:
+        key = blake2b(" ".join(parts).encode(), digest_size=16).hexdigest()
+        object.__setattr__(self, "key", key)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Number(Term):
     """An exact number."""
 
     value: Fraction
+    key: str = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Tell it from all others."""
+        above, below = self.value.as_integer_ratio()
+        self._is_called("number", f"{above:x}", f"{below:x}")
 
 
-@dataclass(frozen=True, slots=True)
-class Name:
+@dataclass(frozen=True, slots=True, eq=False)
+class Name(Term):
     """A quantity that changes, such as ``t``."""
 
     name: str
+    key: str = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Tell it from all others."""
+        self._is_called("name", self.name)
 
 
-@dataclass(frozen=True, slots=True)
-class Apply:
+@dataclass(frozen=True, slots=True, eq=False)
+class Apply(Term):
     """A function of formulas.
 
     Parameters
@@ -77,9 +140,15 @@ class Apply:
 
     function: Function
     args: tuple[Expression, ...]
+    key: str = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Tell it from all others."""
+        self._is_called(self.function.value, *(arg.key for arg in self.args))
 
 
 Expression = Number | Name | Apply
+Operand = Term | Fraction | int
 
 ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
 
@@ -182,10 +251,39 @@ def ordered(expression: Expression) -> tuple[Expression, ...]:
     return tuple(done.values())
 
 
+def evaluated(
+    expression: Expression,
+    leaf: Callable[[Number | Name], T],
+    apply: Callable[[Function, Sequence[T]], T],
+) -> T:
+    """Return what a formula is, of whatever its numbers and names are.
+
+    Parameters
+    ----------
+    expression : Expression
+        The formula.
+    leaf : callable
+        Gives the value of a number or a name.
+    apply : callable
+        Gives a function of values.
+    """
+    known: dict[int, T] = {}
+    for part in ordered(expression):
+        if isinstance(part, Apply):
+            known[id(part)] = apply(part.function, [known[id(arg)] for arg in part.args])
+        else:
+            known[id(part)] = leaf(part)
+    return known[id(expression)]
+
+
 def names_of(expression: Expression) -> tuple[str, ...]:
     """Return the names that a formula depends on, in the order of the text."""
     names = (part.name for part in ordered(expression) if isinstance(part, Name))
     return tuple(dict.fromkeys(names))
+
+
+def _term(given: Operand) -> Expression:
+    return cast("Expression", given) if isinstance(given, Term) else number(given)
 
 
 def _folded(a: Expression, b: Expression, sign: str) -> Number | None:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.traces import Codes
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
     from kousoku.model.precise import High
 
     #: For each block its entries, coded with leaves instead of slots, and its shape.
@@ -178,7 +178,7 @@ class Recorder:
         entries = []
         for value in exact:
             if isinstance(value, Traced):
-                place, _ = self.design.setdefault(value.key, (len(self.design), value))
+                place, _ = self.design.setdefault(value.expression.key, (len(self.design), value))
                 entries.append(DESIGN + place + 2)
             elif abs(value) in {0, 1}:
                 entries.append(int(value))
