@@ -41,8 +41,8 @@
 #define LOOSE 1e-3
 #define LONGEST_OF_ALL 1.2
 #define LEVEL 0.999
-/* all three where drivers determine the motion: what they lead has no error that keeps steps short.
- * Ratios go with the square of the distance from such a place, and are not as level beside it */
+/* what drivers lead has no error that keeps steps short: all three where they determine the motion.
+ * Beside such a place ratios, which go with the square of the distance, are not as level as that */
 #define LOOSE_LED 1e-5
 #define LONGEST_LED 0.3
 #define LEVEL_LED 0.5
@@ -258,9 +258,10 @@ static int may_end_elsewhere(
     const int is_free = !(settings->fixed_step > 0.0);
     const int is_loose = settings->tolerance > (IS_DRIVEN ? LOOSE_LED : LOOSE);
     const double first = s->position_ratio, last = trial->last_ratio;
-    const double level = IS_DRIVEN ? LEVEL_LED : LEVEL;
-    const int is_steady = trial->least_ratio > level * larger(first, trial->most_ratio);
-    const double longest = IS_DRIVEN ? LONGEST_LED : LONGEST_OF_ALL;
+    const double largest = larger(first, trial->most_ratio);
+    const int is_steady = trial->least_ratio > LEVEL * largest;
+    const int is_led = IS_DRIVEN && !(trial->least_ratio > LEVEL_LED * largest);
+    const double longest = is_led ? LONGEST_LED : LONGEST_OF_ALL;
     if (is_free && is_loose && !is_steady && way_of(trial, s, work) > longest) return 1;
     const double most = s->largest_pivot_ratio;
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);

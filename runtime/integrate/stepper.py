@@ -95,8 +95,8 @@ LONGEST = 0.75
 LOOSE = 1e-3
 LONGEST_OF_ALL = 1.2
 LEVEL = 0.999
-#: All three where drivers determine the motion: what they lead has no error that keeps steps short.
-#: Ratios go with the square of the distance from such a place, and are not as level beside it.
+#: What drivers lead has no error that keeps steps short: all three where they determine the motion.
+#: Beside such a place ratios, which go with the square of the distance, are not as level as that.
 LOOSE_LED = 1e-5
 LONGEST_LED = 0.3
 LEVEL_LED = 0.5
@@ -346,9 +346,10 @@ def may_end_elsewhere(
     is_free = not settings.fixed_step > 0.0
     is_loose = settings.tolerance > (LOOSE_LED if work.scene.is_driven else LOOSE)
     first, last, most = state.position_ratio, trial.last_ratio, state.largest_pivot_ratio
-    level = LEVEL_LED if work.scene.is_driven else LEVEL
-    is_steady = trial.least_ratio > level * larger(first, trial.most_ratio)
-    longest = LONGEST_LED if work.scene.is_driven else LONGEST_OF_ALL
+    largest = larger(first, trial.most_ratio)
+    is_steady = trial.least_ratio > LEVEL * largest
+    is_led = work.scene.is_driven and not trial.least_ratio > LEVEL_LED * largest
+    longest = LONGEST_LED if is_led else LONGEST_OF_ALL
     if is_free and is_loose and not is_steady and way_of(trial, state, work) > longest:
         return True
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
