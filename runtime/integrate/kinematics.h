@@ -122,7 +122,7 @@ static Position position_at(size_t place, Work *work)
  * the middle are summed by Simpson's rule to the works. The largest roughness of the parts goes to
  * rough; it is infinite where no position was found. */
 static int reach(
-    double end, const Part *parts, size_t n, State *s, Work *work, double *drift, double *rough)
+    double end, const Part *ways, size_t n, State *s, Work *work, double *drift, double *rough)
 {
     const Position start = { s->y, s->f }, half = position_at(0, work), last = position_at(1, work);
     const double h = end - s->time;
@@ -132,7 +132,7 @@ static int reach(
     *drift = *rough = 0.0;
     forget_trials(work);
     s->has_branch_point = is_leap ? 1.0 : 0.0; /* a leap is one over such a place */
-    for (const Part *part = parts; part != parts + n; ++part) {
+    for (const Part *part = ways; part != ways + n; ++part) {
         const Position to = position_at(part->place, work);
         const double way = (part->x - gone) * h;
         const double time = part->x == 1.0 ? end : s->time + part->x * h;
@@ -300,9 +300,9 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         const double end = is_last && part == 1.0 ? asked : s->time + part * whole;
         if (!(end - s->time > SMALLEST * larger(fabs(s->time), fabs(asked)))) return STEP_TOO_SMALL;
         const int has_nodes = part <= 1.0 && tells_works && s->simpson >= SURE;
-        const Part *parts = part > 1.0 ? leap : has_nodes ? nodes : halves;
+        const Part *ways = part > 1.0 ? leap : has_nodes ? nodes : halves;
         const size_t n = part > 1.0 ? 1 : has_nodes ? 4 : 2;
-        const int good = reach(end, parts, n, s, work, &drift, &rough);
+        const int good = reach(end, ways, n, s, work, &drift, &rough);
         const double ratio = pivot_ratio(work, s);
         double error = 0.0, moved = 0.0;
         int is_told = 0;
