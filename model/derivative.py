@@ -19,9 +19,6 @@ from kousoku.model.terms import (
     Number,
     add,
     apply,
-    div,
-    mul,
-    neg,
     number,
     ordered,
     power,
@@ -87,42 +84,38 @@ def _derivative(part: Apply, slopes: tuple[Expression, ...]) -> Expression:
             return add(*slopes)
         case Function.MUL:
             (a, b), (da, db) = args, slopes
-            return add(mul(da, b), mul(a, db))
+            return da * b + a * db
         case Function.DIV:
             (_, b), (da, db) = args, slopes
-            return div(add(da, neg(mul(part, db))), b)
+            return (da - part * db) / b
         case Function.NEG:
-            return neg(slopes[0])
+            return -slopes[0]
         case Function.POW:
             return _of_power(part, *slopes)
         case Function.ATAN2:
             (y, x), (dy, dx) = args, slopes
-            square = add(mul(y, y), mul(x, x))
-            return div(add(mul(dy, x), neg(mul(y, dx))), square)
+            return (dy * x - y * dx) / (y * y + x * x)
         case Function.MAX | Function.MIN:
             return _of_extreme(part, *slopes)
         case Function.LOG_SUM:
             (a, b), (da, db) = args, slopes
-            shares = [apply(Function.SHARE, add(x, neg(y))) for x, y in ((a, b), (b, a))]
-            return add(mul(shares[0], da), mul(shares[1], db))
+            return apply(Function.SHARE, a - b) * da + apply(Function.SHARE, b - a) * db
         case _:
-            return mul(_slope(part), slopes[0])
+            return _slope(part) * slopes[0]
 
 
 def _of_power(part: Apply, da: Expression, db: Expression) -> Expression:
     a, b = part.args
     if isinstance(b, Number):
-        return mul(b, power(a, number(b.value - 1)), da)
-    through_a = mul(b, power(a, add(b, neg(ONE))), da)
-    return add(through_a, mul(part, apply(Function.LOG, a), db))
+        return b * power(a, number(b.value - 1)) * da
+    return b * power(a, b - 1) * da + part * apply(Function.LOG, a) * db
 
 
 def _of_extreme(part: Apply, da: Expression, db: Expression) -> Expression:
     """Return ½ ((1 + s) a′ + (1 − s) b′), where s is the sign of a − b, or of b − a for ``MIN``."""
     a, b = part.args if part.function is Function.MAX else part.args[::-1]
-    sign = apply(Function.SIGN, add(a, neg(b)))
-    both = add(mul(add(ONE, sign), da), mul(add(ONE, neg(sign)), db))
-    return div(both, number(2))
+    sign = apply(Function.SIGN, a - b)
+    return ((1 + sign) * da + (1 - sign) * db) / 2
 
 
 def _slope(part: Apply) -> Expression:
@@ -134,7 +127,7 @@ def _slope(part: Apply) -> Expression:
         case Function.SIGN:
             return ZERO
         case Function.SHARE:
-            return mul(part, apply(Function.SHARE, neg(x)))
+            return part * apply(Function.SHARE, -x)
         case _:
             (slope,) = SLOPES[part.function.value](part, part.args, FORMULAS)
             return cast("Expression", slope)

@@ -14,6 +14,14 @@ CONTEXT = mpmath.mp.clone()
 CONTEXT.dps = 50
 
 
+def exact(number: Any) -> Fraction:
+    """Return a number of mpmath, a double or a fraction as it is."""
+    if not hasattr(number, "_mpf_"):
+        return Fraction(number)
+    sign, mantissa, exponent, _ = number._mpf_
+    return Fraction(-int(mantissa) if sign else int(mantissa)) * Fraction(2) ** int(exponent)
+
+
 def _number(value: Fraction | float) -> Any:
     exact = value if isinstance(value, Fraction) else Fraction(value)
     return CONTEXT.mpf(exact.numerator) / exact.denominator

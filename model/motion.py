@@ -25,15 +25,6 @@ def turns_of(given: Input) -> float | None:
     return 1.0 if given.slider is None and given.to is None else None
 
 
-def span_of(given: Input) -> Fraction:
-    """Return how far an input goes until the last division."""
-    if given.to is not None:
-        return Fraction(given.to) - Fraction(given.start)
-    from kousoku.model.directions import HALF_TURN  # starts mpmath, which reading does not need
-
-    return 2 * HALF_TURN * Fraction(turns_of(given) or 0)
-
-
 def input_values(given: Input, divisions: int, ks: Sequence[int] | np.ndarray) -> np.ndarray:
     """Return the values of an input at the divisions `ks`, angles with whole turns taken off.
 

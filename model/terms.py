@@ -55,16 +55,37 @@ class Function(enum.Enum):
 class Term:
     """A formula, of which operators make others.
 
-    Its ``key`` is that of equal formulas, and of no others: parts are shared, and a tree that was
-    compared part by part would have many times as many.
+    Formulas are compared by their keys: parts are shared, and a tree that was compared part by
+    part would have many times as many.
     """
 
     __slots__ = ()
 
-    key: str
+    _key: str
+
+    @property
+    def key(self) -> str:
+        """That of equal formulas, and of no others; it is found when it is first asked for."""
+        stack = [_term(self)] if not self._key else []
+        while stack:
+            args = stack[-1].args if isinstance(stack[-1], Apply) else ()
+            missing = [arg for arg in args if not arg._key]
+            stack.extend(missing)
+            if not missing:
+                part = stack.pop()
+                text = " ".join((*part._own(), *(arg._key for arg in args)))
+                digest = blake2b(text.encode(), digest_size=16).hexdigest()
+                object.__setattr__(part, "_key", digest)
+        return self._key
+
+    def _own(self) -> tuple[str, ...]:
+        """Return what tells it from others, but for its parts."""
+        raise NotImplementedError
 
     def __eq__(self, other: object) -> bool:
-        return self is other or (isinstance(other, Term) and self.key == other.key)
+        if self is other:
+            return True
+        return type(self) is type(other) and self.key == other.key
 
     def __hash__(self) -> int:
         return hash(self.key)
@@ -96,22 +117,17 @@ class Term:
     def __neg__(self) -> Expression:
         return neg(_term(self))
 
-    def _is_called(self, *parts: str) -> None:
-        key = blake2b(" ".join(parts).encode(), digest_size=16).hexdigest()
-        object.__setattr__(self, "key", key)
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Number(Term):
     """An exact number."""
 
     value: Fraction
-    key: str = field(init=False, repr=False)
+    _key: str = field(default="", init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        """Tell it from all others."""
+    def _own(self) -> tuple[str, ...]:
         above, below = self.value.as_integer_ratio()
-        self._is_called("number", f"{above:x}", f"{below:x}")
+        return "number", f"{above:x}", f"{below:x}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,11 +135,10 @@ class Name(Term):
     """A quantity that changes, such as ``t``."""
 
     name: str
-    key: str = field(init=False, repr=False)
+    _key: str = field(default="", init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        """Tell it from all others."""
-        self._is_called("name", self.name)
+    def _own(self) -> tuple[str, ...]:
+        return "name", self.name
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,11 +155,10 @@ class Apply(Term):
 
     function: Function
     args: tuple[Expression, ...]
-    key: str = field(init=False, repr=False)
+    _key: str = field(default="", init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        """Tell it from all others."""
-        self._is_called(self.function.value, *(arg.key for arg in self.args))
+    def _own(self) -> tuple[str, ...]:
+        return (self.function.value,)
 
 
 Expression = Number | Name | Apply

@@ -16,7 +16,7 @@ from fractions import Fraction
 from functools import partial, reduce
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.digits import CONTEXT, HIGH, exact
 from kousoku.model.terms import Function, Name, Number, apply, evaluated
 
 if TYPE_CHECKING:
@@ -133,14 +133,6 @@ class Traced:
 def at_scene(number: Any) -> Any:
     """Return a number with the parameters of the scene."""
     return number.value if isinstance(number, Traced) else number
-
-
-def exact(number: Any) -> Fraction:
-    """Return a number of 50 digits, a double or a fraction as it is."""
-    if not hasattr(number, "_mpf_"):
-        return Fraction(number)
-    sign, mantissa, exponent, _ = number._mpf_
-    return Fraction(-int(mantissa) if sign else int(mantissa)) * Fraction(2) ** int(exponent)
 
 
 def other_value(value: float, place: int) -> float:

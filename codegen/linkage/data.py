@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model.motion import span_of, turns_of
+from kousoku.codegen.linkage.solution import span_of
+from kousoku.model.motion import turns_of
 from kousoku.runtime.kinematics.rows import METHODS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.linkage.blocks import Block
     from kousoku.codegen.linkage.layout import Layout
     from kousoku.model.assemble import Element, Term
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 FORMAT = 1
 
 
-def linkage_data(layout: Layout) -> dict[str, Any]:
+def linkage_data(program: Program, layout: Layout) -> dict[str, Any]:
     """Return what ``motion.json`` holds: fields of ``kinematics.Mechanism``, and of its ``Run``."""
     system = layout.system
     scene, coordinates = system.scene, system.coordinates
@@ -47,6 +49,9 @@ def linkage_data(layout: Layout) -> dict[str, Any]:
             }
             for block in layout.blocks
         ],
+        "work_size": program.size,
+        "places": {one.name: [one.base, one.size] for one in program.regions},
+        "segments": [one.name for one in program.segments],
         "run": _run(layout),
     }
 

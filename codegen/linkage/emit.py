@@ -18,6 +18,7 @@ from kousoku.codegen.linkage.data import linkage_data
 from kousoku.codegen.linkage.layout import REGIONS
 from kousoku.codegen.view_lines import ascii_of, plain
 from kousoku.model.jsontext import to_text
+from kousoku.runtime.kinematics.rows import RUN
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -80,14 +81,14 @@ def emit_linkage(program: Program, layout: Layout, more: Mapping[str, str]) -> d
         "kernels": list(python_kernels(program)),
         "segments": [python_segment(program, one) for one in program.segments],
     }
-    data, analysis = linkage_data(layout), along(LIBRARY, *SHARED)
+    data, analysis = linkage_data(program, layout), along(LIBRARY, *SHARED)
     inputs = hashed(
         scene=to_text(data),
         composition=repr((view, python)),
         templates="".join(map(template, (*TEMPLATES.values(), *PARTS))),
         runtime=repr(analysis),
     )
-    given = {"view": view, "mechanism": data, "python": python, "listed": listed}
+    given = {"view": view, "mechanism": data, "python": python, "run": RUN, "listed": listed}
     files = {**analysis, MOTION_FILE: to_text(data), **more}
     return filled(promise(package_of(scene.name, title), inputs), TEMPLATES, given, files)
 

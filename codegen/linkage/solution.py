@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 from kousoku.codegen.linkage.exact import Exact
 from kousoku.codegen.linkage.layout import OF_NODES
 from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.motion import span_of
+from kousoku.model.directions import HALF_TURN
+from kousoku.model.motion import turns_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.linkage.layout import Layout
+    from kousoku.model.planar import Input
 
 High = Any  # a number of CONTEXT: mpmath is untyped
 
@@ -41,6 +43,13 @@ class Place:
 
     part: Fraction
     motion: dict[str, list[High]]
+
+
+def span_of(given: Input) -> Fraction:
+    """Return how far an input goes until the last division."""
+    if given.to is not None:
+        return Fraction(given.to) - Fraction(given.start)
+    return 2 * HALF_TURN * Fraction(turns_of(given) or 0)
 
 
 def places(layout: Layout) -> list[Place]:
