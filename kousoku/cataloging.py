@@ -131,7 +131,8 @@ class Catalog(_Named[Section]):
 def _catalog() -> Catalog:
     import json
 
-    from kousoku.model import joints, validate_coordinates, validate_drivers
+    from kousoku.model import joints, validate_coordinates
+    from kousoku.model.elements.drivers import DRIVERS
     from kousoku.model.elements.forces import FORCES
 
     text = (files("kousoku.model") / "scene.schema.json").read_text(encoding="utf-8")
@@ -149,7 +150,11 @@ def _catalog() -> Catalog:
             {name: one.title for name, one in FORCES.items()},
             "type",
         ),
-        "drivers": _sorts(records["Driver"], validate_drivers.KEYS, validate_drivers.TITLES),
+        "drivers": _sorts(
+            records["Driver"],
+            {name: one.keys for name, one in DRIVERS.items()},
+            {name: one.title for name, one in DRIVERS.items()},
+        ),
         "coordinates": _sorts(
             records["Coordinate"],
             validate_coordinates.KEYS,

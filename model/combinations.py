@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.frames import joint_points
 from kousoku.model.joints import JOINTS, NAMES
-from kousoku.model.mechanism import COMBINATION, Instance, Term
+from kousoku.model.mechanism import Instance, Term
 from kousoku.model.precise import NOISE
 from kousoku.model.traced import Traced, at_scene
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT
+from kousoku.model.elements.constraints import is_length
 from kousoku.model.frames import GROUND_FRAME
 from kousoku.model.joints import JOINTS, NAMES, sort_of
 from kousoku.model.mechanism import Coordinate
@@ -137,7 +138,7 @@ class CoordinateList:
     def unit_of(self, place: int) -> tuple[str, High]:
         """Return ``rad`` or ``m``, and what a value of the scene is multiplied by."""
         kind = self._records[place].kind
-        return ("rad", CONTEXT.mpf(1)) if kind in ("angle", "n1") else ("m", self.unit)
+        return ("m", self.unit) if is_length(kind) else ("rad", CONTEXT.mpf(1))
 
     def place(self, name: str) -> int:
         """Return the place of a coordinate of the scene."""

@@ -6,9 +6,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import DIRECTIONS, GROUND_FRAME, joint_vectors, to_vector
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Instance, Term
+from kousoku.model.mechanism import GROUND_INDEX, Instance, Term
 from kousoku.model.moved import moved_by_parameters
 from kousoku.model.precise import ZERO
 from kousoku.model.rows import variant

@@ -13,6 +13,7 @@ import msgspec
 
 from kousoku.model import precise
 from kousoku.model.coordinates import CoordinateList
+from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
 from kousoku.model.errors import SceneError
 from kousoku.model.formulas import used_parameters
 from kousoku.model.frames import (
@@ -27,7 +28,7 @@ from kousoku.model.frames import (
 from kousoku.model.held import held_coordinates, held_of
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.mass import mass_properties
-from kousoku.model.mechanism import COMBINATION, Instance, MovingBody, System
+from kousoku.model.mechanism import Instance, MovingBody, System
 from kousoku.model.own_kind import FRAMES, ORIGINS, input_name
 from kousoku.model.precise import ZERO, High, Triple
 from kousoku.model.quaternions import quaternion
@@ -96,7 +97,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     start_values(scene, coordinates)
     constraints = (
         *_constraints(scene, frames, coordinates),
-        *driver_instances(scene, coordinates, frames),
+        *driver_instances(scene, coordinates),
     )
     forces = force_elements(scene, frames, coordinates, unit)
     events = events_of(scene, coordinates)
@@ -236,7 +237,7 @@ def _instances(
             continue
         constants = dict(_constants(part, ends, points, vectors, unit))
         package = part.kind
-        if package in ("p1", "p2"):
+        if CONSTRAINTS[package].has_variants:
             package = variant(package, constants["a_i_b"])
         if package == "distance":
             constants["length"] = (_length(name, joint, ends, points, unit),)
@@ -306,12 +307,12 @@ def _constants(
     unit: High,
 ) -> Iterator[tuple[str, tuple[float, ...]]]:
     """Yield the inputs of a kernel that are fixed, in the order of its arguments."""
-    for k, body in enumerate("ij"):
-        if part.kind in ("n1", "p1") or (k == 0 and part.kind in ("n2", "p2")):
-            vector = vectors[k][part.j if k else part.i]
-            yield f"a_{body}_b", precise.rounded(vector)
-        if part.kind not in ("n1", "p1"):
-            yield f"s_{body}_b", ends[k].point(points[k], unit)
+    for name in CONSTRAINTS[part.kind].inputs:
+        k = "ij".index(name[2])
+        if name.startswith("s_"):
+            yield name, ends[k].point(points[k], unit)
+        else:
+            yield name, precise.rounded(vectors[k][part.j if k else part.i])
 
 
 def _length(

@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 from kousoku.model.builder import SceneBuilder
-from kousoku.model.elements.joint import ROWS_OF
+from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
-from kousoku.model.mechanism import COMBINATION
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 
@@ -143,9 +142,9 @@ def test_each_joint_has_a_section_with_its_picture_its_names_and_a_scene(joint: 
     assert NAMES[joint] == joint
 
 
-@pytest.mark.parametrize("kind", ROWS_OF)
+@pytest.mark.parametrize("kind", CONSTRAINTS)
 def test_the_table_of_kinds_counts_their_rows(kind: str) -> None:
-    assert re.search(rf"^\| `{kind}` \| {ROWS_OF[kind]} \|", TEXT, re.M)
+    assert re.search(rf"^\| `{kind}` \| {CONSTRAINTS[kind].rows} \|", TEXT, re.M)
 
 
 @pytest.mark.parametrize("name", COUPLINGS)

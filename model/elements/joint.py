@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -25,17 +27,6 @@ DISPLACEMENT, SECOND_DISPLACEMENT = "displacement", "second_displacement"
 ANGLES, DISPLACEMENTS = (ANGLE, SECOND_ANGLE), (DISPLACEMENT, SECOND_DISPLACEMENT)
 """Those of them that are in rad, and those that are lengths."""
 
-ROWS_OF = {
-    "point": 3,
-    "distance": 1,
-    "n1": 1,
-    "n2": 1,
-    "p1": 2,
-    "p2": 2,
-    "linear_combination": 1,
-}
-"""Equations of each kind that joints are made of."""
-
 
 @dataclass(frozen=True, slots=True)
 class Part:
@@ -44,8 +35,7 @@ class Part:
     Parameters
     ----------
     kind : str
-        ``point``, ``distance``, ``n1``, ``n2``, ``p1``, ``p2``, or ``linear_combination`` of
-        coordinates.
+        One of :data:`~kousoku.model.elements.constraints.CONSTRAINTS`.
     i, j : {"axis", "across", "third"}
         Which vectors of the joint frames are a_i and a_j, where the kind has them.
     """
@@ -150,12 +140,11 @@ class JointKind:
     @property
     def rows(self) -> int:
         """Count of equations, the freedoms that the joint takes away."""
-        return sum(ROWS_OF[part.kind] for part in self.parts)
+        return sum(CONSTRAINTS[part.kind].rows for part in self.parts)
 
     def turns(self, body: int) -> bool:
         """Return whether it needs the orientation of body i (0) or j (1), which a point lacks."""
-        both, first = ("n1", "p1", "linear_combination"), ("n2", "p2")
-        return any(part.kind in (both if body else both + first) for part in self.parts)
+        return any(CONSTRAINTS[part.kind].turns(body) for part in self.parts)
 
     @property
     def keeps_zero(self) -> bool:
@@ -175,5 +164,5 @@ class JointKind:
 
 
 POINT, PARALLEL, ON_LINE, ON_PLANE = Part("point"), Part("p1"), Part("p2"), Part("n2")
-COMBINED = Part("linear_combination")
+COMBINED = Part(COMBINATION)
 NO_TURN = Part("n1", "across", "third")

@@ -21,8 +21,8 @@ from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
 from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import ARRAY, evaluate
-from kousoku.model.mechanism import COMBINATION
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence

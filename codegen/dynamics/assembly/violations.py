@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.elements.constraints import Seen, facets_of_kind
 from kousoku.model import precise
-from kousoku.model.digits import CONTEXT
-from kousoku.model.mechanism import COMBINATION
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.own_kind import is_own
 from kousoku.model.precise import ZERO
 from kousoku.runtime.integrate.result import listed
@@ -86,19 +86,9 @@ def _size(instance: Instance, pose: Pose) -> tuple[High, int]:
     axis, other = (seen("a", body, index) for body, index in ends)
     start, end = (precise.add(pose.r[index], seen("s", body, index)) for body, index in ends)
     d = precise.subtract(end, start)
-    match instance.kind.partition("_")[0]:
-        case "point":
-            return precise.length(d), 0
-        case "distance":
-            return abs(precise.length(d) - precise.number(constants["length"][0])), 0
-        case "n2":
-            return abs(precise.dot(axis, d)), 0
-        case "p2":
-            return precise.length(precise.cross(axis, d)), 0
-    sine, cosine = precise.length(precise.cross(axis, other)), abs(precise.dot(axis, other))
-    if instance.kind == "n1":
-        sine, cosine = cosine, sine
-    return CONTEXT.atan2(sine, cosine), 1
+    length = constants.get("length")
+    now = Seen((axis, other), d, None if length is None else precise.number(length[0]))
+    return facets_of_kind(instance.kind).gap(now)
 
 
 def sizes_of(open_joints: dict[str, tuple[float, float]], units: tuple[str, str]) -> str:

@@ -17,20 +17,19 @@ from typing import TYPE_CHECKING, Any
 from kousoku.codegen.dynamics.checking.jets import (
     Jet,
     arithmetic_of,
-    atan2,
     cross,
-    dot,
     formula,
-    sqrt,
 )
+from kousoku.codegen.dynamics.elements.constraints import facets_of_kind
 from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.codegen.store import load_frozen
 from kousoku.model.digits import HIGH
+from kousoku.model.elements.constraints import COMBINATION, is_length
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.own_kind import PREFIX, is_own
 
 if TYPE_CHECKING:
@@ -40,9 +39,6 @@ if TYPE_CHECKING:
     from kousoku.model.arithmetic import FormulaArithmetic
     from kousoku.model.mechanism import ForceElement, Instance, MovingBody, System
     from kousoku.model.terms import Expression
-
-#: Kinds of coordinates that are lengths.
-LENGTHS = ("n2", "length")
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,19 +232,12 @@ class BodyEquations:
         one = self.system.coordinates[place]
         own = {name: self._numbers(values) for name, values in one.constants}
         i, j = at[one.i], at[one.j]
-        if one.kind == "n1":
-            return dot(i.vector(own["a_i_b"]), j.vector(own["a_j_b"]))
-        if one.kind == "angle":
-            a_j = j.vector(own["a_j_b"])
-            sine, cosine = (dot(i.vector(own[name]), a_j) for name in ("b_i_b", "a_i_b"))
-            angle = atan2(sine, cosine, self.digits)
-            turn = 8 * self.digits.atan(self.digits.number(1))
-            count = round(float((self.digits.number(one.near) - angle.x) / turn))
-            return angle + Jet(turn * count)
-        across = _difference(j.point(own["s_j_b"]), i.point(own["s_i_b"]))
-        if one.kind == "n2":
-            return dot(i.vector(own["a_i_b"]), across)
-        return sqrt(dot(across, across), self.digits)
+        (value,) = facets_of_kind(one.kind).residuals(i, j, own, self.digits)
+        if not one.counts_turns:
+            return value
+        turn = 8 * self.digits.atan(self.digits.number(1))
+        count = round(float((self.digits.number(one.near) - value.x) / turn))
+        return value + Jet(turn * count)
 
     def _residuals(self, one: Instance, at: Mapping[int, Course], time: High) -> Sequence[Jet]:
         """Return what is zero where a joint or driver holds."""
@@ -264,23 +253,8 @@ class BodyEquations:
             return (total,)
         if is_own(one.kind):
             return self._own(one, at)
-        i, j = at[one.i], at[one.j]
-        kind = one.kind.partition("_")[0]
-        if kind == "n1":
-            return (dot(i.vector(own["a_i_b"]), j.vector(own["a_j_b"])),)
-        if kind == "p1":
-            return cross(i.vector(own["a_i_b"]), j.vector(own["a_j_b"]))
-        across = _difference(j.point(own["s_j_b"]), i.point(own["s_i_b"]))
-        if kind == "point":
-            return across
-        if kind == "p2":
-            return cross(i.vector(own["a_i_b"]), across)
-        if kind == "n2":
-            return (dot(i.vector(own["a_i_b"]), across),)
-        if kind == "distance":
-            (length,) = own["length"]
-            return (sqrt(dot(across, across), self.digits) - Jet(length),)
-        raise ValueError(f"{one.joint}: no definition of the kind {one.kind}")
+        kind = facets_of_kind(one.kind)
+        return kind.residuals(at[one.i], at[one.j], own, self.digits)
 
     def _own(self, one: Instance, at: Mapping[int, Course]) -> Sequence[Jet]:
         """Return C of a kind of one's own: its definition is that of its kernels.
@@ -405,7 +379,7 @@ class BodyEquations:
         names = {TIME: Jet(time, self.digits.number(1))}
         for place, one in enumerate(self.system.coordinates):
             value = self.coordinate(place, at)
-            if one.kind in LENGTHS:
+            if is_length(one.kind):
                 value = value.times(1 / self.digits.number(self.system.unit))
             names |= {one.name: value, f"{one.name}{RATE}": Jet(value.d)}
         return names
@@ -465,7 +439,3 @@ class BodyEquations:
                 spin = turned(one.p, [a * b for a, b in zip(moments, one.omega_b, strict=True)])
             total = [a + b + c for a, b, c in zip(total, part, spin, strict=True)]
         return linear, total
-
-
-def _difference(a: Vector, b: Vector) -> Vector:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]

@@ -10,54 +10,26 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.elements.constraints import ANYTHING, FACETS, Contact
 from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.model import precise
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.elements.constraints import COMBINATION, base_of, kind_of
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kousoku.model.mechanism import Coordinate, ForceElement, Instance, System, Vector
+    from kousoku.model.mechanism import Coordinate, Instance, System, Vector
     from kousoku.model.precise import Triple
 
     #: What tells by its kind and constants what the ground does through it.
-    Source = Instance | Coordinate | ForceElement
+    Source = Instance | Coordinate
     Numbers = tuple[float, ...]
 
 PARALLEL = 1e-9
 """Vectors whose angle is smaller count as parallel [rad]; points that are so near, as one."""
-
-
-@dataclass(frozen=True, slots=True)
-class Contact:
-    """What the ground does through one row, or one force.
-
-    Parameters
-    ----------
-    push : (3,), optional
-        Its forces are along this direction of frame O, wherever they act.
-    through : (3,) [m], optional
-        Its forces are of any direction, through this point of the ground.
-    line : ((3,), (3,)), optional
-        Its forces are across a direction, through a point of the line along it: direction, and a
-        point of the line.
-    about : (3,), optional
-        Its moments are across this direction.
-    turns : bool
-        Whether its moments are of any direction.
-    """
-
-    push: Triple | None = None
-    through: Triple | None = None
-    line: tuple[Triple, Triple] | None = None
-    about: Triple | None = None
-    turns: bool = False
-
-
-ANYTHING = Contact(through=precise.ZERO, turns=True)
-"""Any force and any moment."""
 
 
 def contacts_of(system: System) -> Iterator[tuple[int, Contact]]:
@@ -65,7 +37,7 @@ def contacts_of(system: System) -> Iterator[tuple[int, Contact]]:
     parallel = {
         (row.i, given["a_i_b"]): given["a_j_b"]
         for row in system.constraints
-        if row.j == GROUND_INDEX and row.kind.startswith("p1")
+        if row.j == GROUND_INDEX and base_of(row.kind) == "p1"
         for given in [dict(row.constants)]
     }
     for one in _acting(system):
@@ -94,7 +66,7 @@ def _contact(one: Source, parallel: Mapping[tuple[int, Numbers], Numbers]) -> Co
 
     Parameters
     ----------
-    one : Instance, Coordinate or ForceElement
+    one : Instance or Coordinate
         Between the ground and a body.
     parallel : mapping
         By body i and one of its axes the axis of the ground that a joint keeps parallel to it.
@@ -102,22 +74,13 @@ def _contact(one: Source, parallel: Mapping[tuple[int, Numbers], Numbers]) -> Co
     given = dict(one.constants)
     letter = "i" if one.i == GROUND_INDEX else "j"
     axis, point = (given.get(f"{name}_{letter}_b") for name in ("a", "s"))
-    kind = one.kind.partition("_")[0]
-    if letter == "j" and kind in ("n2", "p2"):
-        axis = parallel.get((one.i, given["a_i_b"]))
+    kind = base_of(one.kind)
+    if letter == "j" and "a_j_b" not in kind_of(kind).inputs:
+        axis = parallel.get((one.i, given.get("a_i_b", ())))
     if is_varying((axis, point)):
         return ANYTHING
-    if kind in ("n1", "p1"):
-        assert axis is not None
-        return Contact(about=precise.triple(axis))
-    if point is None:  # an angle
-        return Contact(turns=True)
-    if axis is not None:
-        direction = precise.unit(precise.triple(axis))
-        if kind == "n2":
-            return Contact(push=direction)
-        return Contact(line=(direction, precise.triple(point)))
-    return Contact(through=precise.triple(point))
+    fixed = (None if x is None else precise.triple(x) for x in (axis, point))
+    return FACETS[kind].contact(*fixed)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.operations.coordinates import Along
 from kousoku.codegen.dynamics.operations.mechanics import Joint, Rates, Rows
 from kousoku.codegen.dynamics.recording.recorder import column
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.elements.constraints import COMBINATION
+from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -65,6 +65,6 @@ def extent(system: System) -> float:
             else:
                 lengths += (abs(float(x)) for x in numbers)
     lengths += (max(along) - min(along) for along in zip(*places, strict=True))
-    bodies = ((max(body.inertia), body.mass) for body in system.bodies)
+    bodies = ((float(max(body.inertia)), float(body.mass)) for body in system.bodies)
     gyration = (math.sqrt(moment / mass) for moment, mass in bodies if mass > 0.0)
     return max(lengths) or max(gyration, default=0.0) or 1.0

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
-    from kousoku.codegen.dynamics.composition.contacts import Contact
+    from kousoku.codegen.dynamics.elements.constraints import Contact
     from kousoku.codegen.dynamics.elements.facets import Applied
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace

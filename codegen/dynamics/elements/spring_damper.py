@@ -13,6 +13,7 @@ from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, share
 from kousoku.codegen.dynamics.simplification.heights import ends_of, is_level
 from kousoku.model import precise
 from kousoku.model.elements.spring_damper import PointSpring
+from kousoku.model.mechanism import Coordinate
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -178,8 +179,9 @@ class SpringFacets(ForceFacets[PointSpring]):
         return Applied()
 
     def source(self, system: System) -> Source:
-        """Return the spring, which pulls at its points."""
-        return self.force
+        """Return the distance of its ends, along which it pulls."""
+        ends = self.force.constants[: len(ENDS)]
+        return Coordinate(self.force.name, "length", self.force.i, self.force.j, ends)
 
     def by_definition(
         self,

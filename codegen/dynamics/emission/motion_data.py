@@ -10,7 +10,6 @@ from kousoku.codegen.dynamics.composition.least_norm import ORIGIN, points_of
 from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.composition.reactions import ends_of
 from kousoku.codegen.dynamics.emission.view_numbers import (
-    LENGTHS,
     is_driven,
     row_of,
     start_places,
@@ -18,6 +17,7 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, Coordinates, Place
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.model.about import About
+from kousoku.model.elements.constraints import is_length
 from kousoku.model.switching import seen_of
 from kousoku.model.system import UNIT_NAMES
 from kousoku.model.varying import is_varying
@@ -199,7 +199,7 @@ def _coordinates(system: System, parts: Sequence[str]) -> list[dict[str, object]
     return [
         {
             "name": system.coordinates[place].name,
-            "is_length": system.coordinates[place].kind in LENGTHS,
+            "is_length": is_length(system.coordinates[place].kind),
             "columns": list(range(count * k, count * (k + 1))),
         }
         for k, place in enumerate(system.shown)

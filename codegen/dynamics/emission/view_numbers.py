@@ -11,6 +11,7 @@ from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.dynamics.redundancy.left_out import take_over
 from kousoku.codegen.dynamics.simplification.shapes import thickened
 from kousoku.model import precise
+from kousoku.model.elements.constraints import is_length
 from kousoku.model.switching import seen_of
 from kousoku.model.varying import is_varying
 from kousoku.runtime.integrate.settings import ACTIONS
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import System
     from kousoku.model.switching import Measure
 
-#: Kinds whose residuals are lengths; those of the others are angles.
-LENGTHS = ("point", "distance", "length", "n2", "p2")
 #: An error that is compared with this counts as none.
 IGNORED = 1e300
 
@@ -135,7 +134,7 @@ def measure_size(one: Measure, system: System, length: float) -> float:
     """Return a length of the scene in its unit, or 1 rad: what errors are compared with."""
     if one.coordinate < 0:
         return length / system.unit
-    if system.coordinates[one.coordinate].kind not in LENGTHS:
+    if not is_length(system.coordinates[one.coordinate].kind):
         return 1.0
     return length / (system.unit if one.force < 0 else 1.0)
 
@@ -143,9 +142,8 @@ def measure_size(one: Measure, system: System, length: float) -> float:
 def row_of(row: Row, system: System) -> list[str]:
     """Return the joint of a row, or the key of its driver, and the unit of its residual."""
     instance = system.constraints[row.instance]
-    is_length = instance.kind.partition("_")[0] in LENGTHS
     name = f"drivers.{row.joint}" if instance.is_driver else row.joint
-    return [name, instance.unit or ("m" if is_length else "rad")]
+    return [name, instance.unit or ("m" if is_length(instance.kind) else "rad")]
 
 
 def owners(program: Program) -> dict[int, str]:

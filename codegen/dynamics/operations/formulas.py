@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.expressions import to_graph
+from kousoku.model.elements.constraints import is_length
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME, WORD, used_names
 
@@ -21,9 +22,6 @@ if TYPE_CHECKING:
 
     #: What a name stands for: a value, and the unit that it is given in.
     Meaning = tuple[Block, Block]
-
-#: Kinds of coordinates that are lengths.
-LENGTHS = ("n2", "length")
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,8 +144,8 @@ class Names(Mapping[str, "Meaning"]):
         else:
             place = self._places[name]
             value = self._coordinates.value(place)
-        is_length = self._coordinates.all[place].kind in LENGTHS
-        return value, self._recorder.constant((self._unit,)) if is_length else one
+        kind = self._coordinates.all[place].kind
+        return value, self._recorder.constant((self._unit,)) if is_length(kind) else one
 
     def __contains__(self, name: object) -> bool:
         return name in self._fixed or name in self._places or name in self._rates

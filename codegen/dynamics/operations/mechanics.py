@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.operations.own_frames import framed
 from kousoku.codegen.dynamics.recording.matrix import Matrix, square, stack
 from kousoku.codegen.store import load_frozen
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.elements.constraints import COMBINATION
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name
 
 if TYPE_CHECKING:

@@ -28,8 +28,9 @@ from kousoku.codegen.dynamics.redundancy.branch import (
 )
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
 from kousoku.model import precise
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.system import UNIT_NAMES
 from kousoku.model.varying import fixed_system
 from kousoku.runtime.integrate.continuation import NEAR_SINGULAR

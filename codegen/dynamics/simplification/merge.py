@@ -22,6 +22,7 @@ from kousoku.codegen.dynamics.simplification.planar import is_planar
 from kousoku.codegen.dynamics.simplification.resting_energy import resting_energy
 from kousoku.codegen.dynamics.simplification.rigid_groups import grouped
 from kousoku.codegen.dynamics.simplification.turned import can_turn, turned
+from kousoku.model.elements.constraints import base_of
 from kousoku.model.mechanism import GROUND_INDEX, Carried
 from kousoku.model.rows import variant
 
@@ -141,10 +142,10 @@ def _seated(
 def _instance(one: Instance, seats: Mapping[int, Seat]) -> Instance:
     """Return a constraint between the bodies that carry its own."""
     constants = seen_from_carriers(one.constants, seats[one.i], seats[one.j])
-    kind, _, axis = one.kind.partition("_")
+    kind = base_of(one.kind)
     return replace(
         one,
-        kind=variant(kind, dict(constants)["a_i_b"]) if axis and kind in {"p1", "p2"} else one.kind,
+        kind=variant(kind, dict(constants)["a_i_b"]) if kind != one.kind else kind,
         i=seats[one.i].carrier,
         j=seats[one.j].carrier,
         constants=constants,

@@ -17,7 +17,8 @@ from kousoku.codegen.dynamics.recording.recorder import Recorder, pattern_of
 from kousoku.codegen.dynamics.recording.traces import Trace
 from kousoku.codegen.dynamics.simplification.shapes import shape, sizes
 from kousoku.codegen.dynamics.simplification.turned import own_columns, turned, turned_rows
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.elements.constraints import COMBINATION
+from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

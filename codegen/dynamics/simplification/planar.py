@@ -31,8 +31,9 @@ from kousoku.codegen.dynamics.simplification.outline import NORMAL, live_element
 from kousoku.codegen.dynamics.simplification.shapes import NO_TURN, start
 from kousoku.codegen.dynamics.simplification.turned import can_turn, turned
 from kousoku.model.arithmetic import FLOAT
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.varying import fixed_system
 

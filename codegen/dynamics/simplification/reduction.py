@@ -17,8 +17,9 @@ from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:

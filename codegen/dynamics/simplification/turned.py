@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
-from kousoku.model.mechanism import COMBINATION
+from kousoku.model.elements.constraints import is_known
 from kousoku.model.own_kind import is_own
 from kousoku.model.rows import ROWS
 
@@ -25,20 +25,13 @@ if TYPE_CHECKING:
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
 
 AXES = "xyz"
-#: The kinds that know which of their axes is which.
-KINDS = frozenset(
-    {
-        *("point", "distance", "n1", "n2", "angle", "length", COMBINATION),
-        *(f"{p}_{x}" for p in ("p1", "p2") for x in AXES),
-    }
-)
 
 
 def can_turn(system: System) -> bool:
     """Return whether all kinds of a system are known to mean the same after a turn."""
     kinds = [instance.kind for instance in system.constraints]
     kinds += [coordinate.kind for coordinate in system.coordinates]
-    return KINDS.issuperset(kinds)
+    return all(map(is_known, kinds))
 
 
 def turned(system: System, shift: int) -> System:

@@ -15,7 +15,8 @@ from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Coordinate, Instance, Term
+from kousoku.model.elements.constraints import COMBINATION
+from kousoku.model.mechanism import GROUND_INDEX, Coordinate, Instance, Term
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:

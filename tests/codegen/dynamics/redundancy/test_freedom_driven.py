@@ -19,8 +19,9 @@ from kousoku.codegen.dynamics.redundancy.branch import Branch
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hold
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import COMBINATION, Coordinate, Instance, System, Term
+from kousoku.model.mechanism import Coordinate, Instance, System, Term
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
 from tests.analysed import all_rows
