@@ -45,7 +45,7 @@ from kousoku.model.zero_directions import check_zero_directions
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kousoku.model.elements.joint import Part
+    from kousoku.model.elements.joint import JointPart
     from kousoku.model.errors import Problem
     from kousoku.model.mass import MassProperties
     from kousoku.model.own_kind import OwnInput, OwnKind
@@ -69,7 +69,7 @@ UNIT_NAMES = {float(precise.number(length)): name for name, length in METRES.ite
 
 
 def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
-    """Return the system of a spatial scene, at the positions and velocities that the scene gives.
+    """System of a spatial scene, at the positions and velocities that the scene gives.
 
     Coordinates that nothing needs, and parameters that stand in no formula, are left out of it.
 
@@ -130,7 +130,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
 
 
 def _outputs(scene: Scene, outputs: Sequence[str] | None) -> Sequence[str]:
-    """Return what is wanted, unless no scene of bodies has it."""
+    """Outputs that are wanted, unless no scene of bodies has them."""
     wanted = scene.outputs if outputs is None else outputs
     for index, output in enumerate(wanted):
         if output not in OUTPUTS:
@@ -139,7 +139,7 @@ def _outputs(scene: Scene, outputs: Sequence[str] | None) -> Sequence[str]:
 
 
 def _bodies(scene: Scene, frames: dict[str, BodyFrame], unit: High) -> Iterator[MovingBody]:
-    """Yield the bodies of a scene, and add their frames to those that are known."""
+    """Bodies of a scene, and add their frames to those that are known."""
     for index, (name, body) in enumerate(scene.bodies.items()):
         properties = mass_properties(body, f"bodies.{name}")
         frames[name] = BodyFrame(
@@ -154,7 +154,7 @@ def _bodies(scene: Scene, frames: dict[str, BodyFrame], unit: High) -> Iterator[
 
 
 def _moments(scene: Scene, bodies: Sequence[MovingBody]) -> Iterator[tuple[str, float]]:
-    """Yield what of principal moments depends on parameters, and is positive of a body.
+    """Principal moments that depend on parameters, and are positive of a body.
 
     That are the moments, and the sum of two less the third where they are given: those of solids
     have it.
@@ -201,7 +201,7 @@ def _moving(
 def _constraints(
     scene: Scene, frames: Mapping[str, BodyFrame], coordinates: CoordinateList
 ) -> list[Instance]:
-    """Return what all joints are composed of; all that cannot be composed is refused at once."""
+    """Constraints of all joints; all that cannot be composed is refused at once."""
     made: list[Instance] = []
     problems: list[Problem] = []
     for name, joint in scene.joints.items():
@@ -220,7 +220,7 @@ def _constraints(
 def _instances(
     name: str, joint: Joint, frames: Mapping[str, BodyFrame], coordinates: CoordinateList
 ) -> Iterator[Instance]:
-    """Yield what a joint is composed of, in the order of the table of joints."""
+    """Instances of a joint, in the order of the table of joints."""
     if NAMES[joint.type] in COUPLINGS:
         yield COUPLINGS[NAMES[joint.type]].combination(name, joint, coordinates)
         return
@@ -247,7 +247,7 @@ def _instances(
 def _own_instance(
     name: str, joint: Joint, kind: OwnKind, frames: Mapping[str, BodyFrame], scene: Scene
 ) -> Instance:
-    """Return a joint of one's own: its frames in the principal ones, and its inputs in SI units.
+    """Joint of one's own: its frames in the principal ones, and its inputs in SI units.
 
     Its point in a body is the first that its kind has there, or else the origin of the body frame.
     """
@@ -271,7 +271,7 @@ def _own_instance(
 
 
 def _own_value(one: OwnInput, value: Any, unit: High) -> tuple[float, ...]:
-    """Return an input of a kind of one's own; directions have norm one."""
+    """Input of a kind of one's own; directions have norm one."""
     factor = unit if one.unit == "m" else precise.number(1)
     if not one.vector:
         return (precise.double(factor * precise.number(value)),)
@@ -300,13 +300,13 @@ def _require_near(
 
 
 def _constants(
-    part: Part,
+    part: JointPart,
     ends: tuple[BodyFrame, BodyFrame],
     points: Sequence[Triple],
     vectors: tuple[dict[str, Triple], dict[str, Triple]],
     unit: High,
 ) -> Iterator[tuple[str, tuple[float, ...]]]:
-    """Yield the inputs of a kernel that are fixed, in the order of its arguments."""
+    """Inputs of a kernel that are fixed, in the order of its arguments."""
     for name in CONSTRAINTS[part.kind].inputs:
         k = "ij".index(name[2])
         if name.startswith("s_"):
@@ -318,7 +318,7 @@ def _constants(
 def _length(
     name: str, joint: Joint, ends: tuple[BodyFrame, BodyFrame], points: Sequence[Triple], unit: High
 ) -> float:
-    """Return the length of a rod, the distance of its points where the scene gives none."""
+    """Length of a rod, the distance of its points where the scene gives none."""
     if joint.length is not None:
         return precise.double(unit * precise.number(joint.length))
     start, end = (frame.place(point) for frame, point in zip(ends, points, strict=True))

@@ -43,7 +43,7 @@ def _at_start(scene: Scene, value: Value) -> float:
 
 
 def driver_instances(scene: Scene, coordinates: CoordinateList) -> Iterator[Instance]:
-    """Yield the drivers of a scene as combinations: coordinate − law = 0."""
+    """Drivers of a scene as combinations: coordinate − law = 0."""
     for name, driver in drivers_of(scene).items():
         for place, value in kind_of(driver).laws(name, driver, coordinates):
             yield _driver(name, place, value, coordinates)

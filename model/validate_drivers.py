@@ -130,7 +130,7 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
 
 
 def _with_state(scene: Scene, problem: str) -> str:
-    """Return a message, and that formulas of drivers do not depend on coordinates."""
+    """Message, and that formulas of drivers do not depend on coordinates."""
     names = (f"{name}{end}" for name in scene.coordinates for end in ("", RATE))
     if any(f"name {name!r}" in problem for name in names):
         return f"{problem.partition('; ')[0]}; a driver depends on t and on parameters only"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.context_lines import ascii_of, plain
 from kousoku.codegen.dynamics.emission.emit import MOTION_FILE, filled, package_of
 from kousoku.codegen.dynamics.emission.numpy_view import (
     python_kernels,
@@ -16,7 +17,6 @@ from kousoku.codegen.dynamics.emission.view import enumerators, segment_text
 from kousoku.codegen.emit import along, hashed, promise, template
 from kousoku.codegen.linkage.data import linkage_data
 from kousoku.codegen.linkage.layout import REGIONS
-from kousoku.codegen.view_lines import ascii_of, plain
 from kousoku.model.jsontext import to_text
 from kousoku.runtime.kinematics.rows import RUN
 

@@ -36,7 +36,7 @@ class ConstraintKind:
     has_variants: bool = False
 
     def turns(self, body: int) -> bool:
-        """Return whether it needs the orientation of body i (0) or j (1), which a point lacks."""
+        """Whether it needs the orientation of body i (0) or j (1), which a point lacks."""
         return not self.inputs or any(name in (AXES_I, AXES_J)[body] for name in self.inputs)
 
 
@@ -62,22 +62,22 @@ COORDINATES: dict[str, ConstraintKind] = {
 
 
 def base_of(package: str) -> str:
-    """Return the kind of a package: ``p1`` of ``p1_z``."""
+    """Kind of a package: ``p1`` of ``p1_z``."""
     name, _, axis = package.partition("_")
     return name if len(axis) == 1 and name in CONSTRAINTS else package
 
 
 def kind_of(package: str) -> ConstraintKind:
-    """Return what is known of a package of one of these kinds."""
+    """Constraint of a package of one of these kinds."""
     base = base_of(package)
     return CONSTRAINTS[base] if base in CONSTRAINTS else COORDINATES[base]
 
 
 def is_known(package: str) -> bool:
-    """Return whether a package is one of these kinds, and none of one's own."""
+    """Whether a package is one of these kinds, and none of one's own."""
     return base_of(package) in CONSTRAINTS or package in COORDINATES
 
 
 def is_length(package: str) -> bool:
-    """Return whether the residual of a package is a length; a combination does not say so."""
+    """Whether the residual of a package is a length; a combination does not say so."""
     return is_known(package) and kind_of(package).unit == "m"

@@ -25,7 +25,7 @@ class DrivenCoordinate(DriverKind):
     keys = ("coordinate", "value")
 
     def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
-        """Yield what the coordinate is of; refuse one that is held."""
+        """Driven coordinate; one that is held is refused."""
         require_value(driver, key)
         name = driver.coordinate or ""
         require_known("coordinate", name, scene.coordinates, f"{key}.coordinate")
@@ -45,18 +45,18 @@ class DrivenCoordinate(DriverKind):
     def laws(
         self, name: str, driver: Driver, coordinates: CoordinateList
     ) -> Iterator[tuple[int, Value]]:
-        """Yield the coordinate and its law."""
+        """Coordinate and its law."""
         assert driver.coordinate is not None
         assert driver.value is not None
         yield coordinates.place(driver.coordinate), driver.value
 
     def of_joint(self, scene: Scene, driver: Driver) -> tuple[str, str | None] | None:
-        """Return the joint that the coordinate is of, if it is of one."""
+        """Joint that the coordinate is of, if it is of one."""
         named = scene.coordinates[driver.coordinate or ""]
         return None if named.joint is None else (named.joint, named.of)
 
     def near(self, scene: Scene, driver: Driver) -> tuple[str, float] | None:
-        """Return the coordinate and ``near``, if that is given."""
+        """Coordinate and ``near``, if that is given."""
         name = driver.coordinate or ""
         near = scene.coordinates[name].near
         return None if near is None else (name, near)

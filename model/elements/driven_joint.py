@@ -23,7 +23,7 @@ class DrivenJoint(DriverKind):
     keys = ("joint", "of", "value")
 
     def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
-        """Yield the joint, and which of what it leaves free."""
+        """Joint, and which of what it leaves free."""
         require_value(driver, key)
         joint = driver.joint or ""
         yield joint, check_leaves(scene, joint, driver.of, key)
@@ -31,11 +31,11 @@ class DrivenJoint(DriverKind):
     def laws(
         self, name: str, driver: Driver, coordinates: CoordinateList
     ) -> Iterator[tuple[int, Value]]:
-        """Yield what the joint leaves free, and its law."""
+        """Coordinate that the joint leaves free, and its law."""
         assert driver.joint is not None
         assert driver.value is not None
         yield coordinates.of_joint(driver.joint, driver.of), driver.value
 
     def of_joint(self, scene: Scene, driver: Driver) -> tuple[str, str | None] | None:
-        """Return the joint, and which of what it leaves free."""
+        """Joint, and which of what it leaves free."""
         return driver.joint or "", driver.of

@@ -24,7 +24,7 @@ class DrivenPoint(DriverKind):
     keys = ("body", "point", "path")
 
     def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
-        """Yield the places of the point along the axes of frame O."""
+        """Places of the point along the axes of frame O."""
         check_place(scene, driver.body or "", driver.point, key)
         if driver.path is None:
             raise SceneError("is missing; wanted three formulas", key=f"{key}.path")
@@ -35,7 +35,7 @@ class DrivenPoint(DriverKind):
     def laws(
         self, name: str, driver: Driver, coordinates: CoordinateList
     ) -> Iterator[tuple[int, Value]]:
-        """Yield each place along an axis of frame O, and its law."""
+        """Places along the axes of frame O, each with its law."""
         from kousoku.model import precise
         from kousoku.model.coordinates import place_measure
         from kousoku.model.frames import DIRECTIONS

@@ -55,14 +55,14 @@ class DriverKind(ABC):
     def laws(
         self, name: str, driver: Driver, coordinates: CoordinateList
     ) -> Iterator[tuple[int, Value]]:
-        """Yield places of coordinates and their laws; the coordinates are added to the list."""
+        """Places of coordinates and their laws; the coordinates are added to the list."""
 
     def of_joint(self, scene: Scene, driver: Driver) -> tuple[str, str | None] | None:
-        """Return the joint that it drives, and which of what that leaves free, if it does."""
+        """Joint that it drives, and which of what that leaves free, if it does."""
         return None
 
     def near(self, scene: Scene, driver: Driver) -> tuple[str, float] | None:
-        """Return a coordinate that says which turn it is in at the start, and what it is near."""
+        """Coordinate that says which turn it is in at the start, and what it is near."""
         return None
 
 

@@ -21,5 +21,5 @@ DRIVERS: dict[str, DriverKind] = {
 
 
 def kind_of(driver: Driver) -> DriverKind:
-    """Return the kind of a driver that has one of these keys."""
+    """Kind of a driver that has one of these keys."""
     return next(kind for key, kind in DRIVERS.items() if getattr(driver, key) is not None)

@@ -14,7 +14,7 @@ from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.model.coordinates import CoordinateList, Measure
+    from kousoku.model.coordinates import CoordinateList, PreciseMeasure
     from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.frames import BodyFrame
     from kousoku.model.mechanism import Instance
@@ -29,7 +29,7 @@ ANGLES, DISPLACEMENTS = (ANGLE, SECOND_ANGLE), (DISPLACEMENT, SECOND_DISPLACEMEN
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class JointPart:
     """One kind in a joint.
 
     Parameters
@@ -53,7 +53,7 @@ class JointKind:
     ----------
     title : str
         What the joint allows, in one line.
-    parts : tuple of Part
+    parts : tuple of JointPart
         What it is composed of, in the order of its rows.
     axes : int
         Axes that a scene gives: none, 1 that is the same in both bodies, or 2.
@@ -72,7 +72,7 @@ class JointKind:
     """
 
     title: str
-    parts: tuple[Part, ...]
+    parts: tuple[JointPart, ...]
     axes: int
     has_point: bool = True
     aliases: tuple[str, ...] = ()
@@ -108,7 +108,7 @@ class JointKind:
         """
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Return the row of a joint that combines coordinates.
+        """Row of a joint that combines coordinates.
 
         Raises
         ------
@@ -117,25 +117,25 @@ class JointKind:
         """
         raise NotImplementedError(f"no row of coordinates of {joint.type}")
 
-    def measure(self, joint: Joint, sort: str, ends: tuple[BodyFrame, BodyFrame]) -> Measure:
-        """Return what it leaves free: an angle or a displacement.
+    def measure(self, joint: Joint, sort: str, ends: tuple[BodyFrame, BodyFrame]) -> PreciseMeasure:
+        """Measure that it leaves free: an angle or a displacement.
 
         The angle is that of the zero direction of body j, counted from the zero direction of body i
         counter-clockwise about the axis of body i. The displacement is that of the point of j, from
         the point of i along the axis of i; in a plane it is along the zero direction of i, and the
         second one along axis × zero direction.
         """
-        from kousoku.model.coordinates import Measure
+        from kousoku.model.coordinates import PreciseMeasure
         from kousoku.model.frames import joint_points, joint_vectors
 
         i, j = joint_vectors(ends, joint)
         if sort == ANGLE:
             vectors = (("a_i_b", i["across"]), ("b_i_b", i["third"]), ("a_j_b", j["across"]))
-            return Measure("angle", ends, vectors)
+            return PreciseMeasure("angle", ends, vectors)
         along = i["axis"]
         if self.counts_along_zero:
             along = i["across"] if sort == DISPLACEMENT else i["third"]
-        return Measure("n2", ends, (("a_i_b", along),), joint_points(joint, ends))
+        return PreciseMeasure("n2", ends, (("a_i_b", along),), joint_points(joint, ends))
 
     @property
     def rows(self) -> int:
@@ -143,7 +143,7 @@ class JointKind:
         return sum(CONSTRAINTS[part.kind].rows for part in self.parts)
 
     def turns(self, body: int) -> bool:
-        """Return whether it needs the orientation of body i (0) or j (1), which a point lacks."""
+        """Whether it needs the orientation of body i (0) or j (1), which a point lacks."""
         return any(CONSTRAINTS[part.kind].turns(body) for part in self.parts)
 
     @property
@@ -163,6 +163,11 @@ class JointKind:
         return across or ANGLE in self.leaves or (self.axes == 2 and COMBINED in self.parts)
 
 
-POINT, PARALLEL, ON_LINE, ON_PLANE = Part("point"), Part("p1"), Part("p2"), Part("n2")
-COMBINED = Part(COMBINATION)
-NO_TURN = Part("n1", "across", "third")
+POINT, PARALLEL, ON_LINE, ON_PLANE = (
+    JointPart("point"),
+    JointPart("p1"),
+    JointPart("p2"),
+    JointPart("n2"),
+)
+COMBINED = JointPart(COMBINATION)
+NO_TURN = JointPart("n1", "across", "third")

@@ -19,6 +19,10 @@
  * far, where it is rounding */
 #define FORGIVEN 0.5
 #define CLEAR 1e-3
+/* what a step may be off the constraints, in tolerances, and the least of these: half of what is
+ * trusted. Estimates can be blind where bodies turn by some radians in a step, this is not */
+#define MOST_DRIFT 50.0
+#define LEAST_DRIFT 1e-11
 /* what the worse of two estimates counts, of a step from a switch to the next: such steps begin
  * and end at the same phases of a force that repeats, so that their errors have one sign and add
  * up, and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
@@ -137,6 +141,14 @@ static double estimate(const Method *m, const double *row, const Trial *trial, c
         sum += (error[i] / size) * (error[i] / size);
     }
     return sqrt(sum / (double)(2 * NV)) / tolerance;
+}
+
+/* whether what a step is off the constraints tells of its error: neither drivers nor rows that take
+ * over lead it there, and it is no rounding */
+static int tells_drift(const Trial *trial, const State *s)
+{
+    if (HAS_DRIVERS || HAS_ROW_SWITCH) return 0;
+    return trial->least_ratio >= CLEAR * s->largest_pivot_ratio;
 }
 
 /* the error of a step, in units of the tolerance; locked from a switch to the next */
@@ -348,6 +360,10 @@ static int step(
             const int is_locked = trial.is_last && s->time == s->switched &&
                                   (end == s->limit || end == look.cut);
             trial.error = local_error(m, &trial, is_locked, s, work, settings->tolerance);
+            if (tells_drift(&trial, s)) {
+                const double most = MOST_DRIFT * larger(settings->tolerance, LEAST_DRIFT);
+                trial.error = larger(trial.drift / most, trial.error);
+            }
         }
         const int is_vague = N_SEEN > 0 && is_fixed && good &&
                              !(local_error(m, &trial, 0, s, work, LEAST_PART) <= 1.0);

@@ -74,6 +74,10 @@ NEAR = 1e-3
 #: far, where it is rounding.
 FORGIVEN = 0.5
 CLEAR = 1e-3
+#: What a step may be off the constraints, in tolerances, and the least of these: half of what is
+#: trusted. Estimates can be blind where bodies turn by some radians in a step, this is not.
+MOST_DRIFT = 50.0
+LEAST_DRIFT = 1e-11
 #: What the worse of two estimates counts, of a step from a switch to the next: such steps begin and
 #: end at the same phases of a force that repeats, so that their errors have one sign and add up,
 #: and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
@@ -223,6 +227,16 @@ def estimate(
     size = least + np.maximum(np.abs(now[done]), np.abs(end[done]))
     every = np.concatenate((errors.ravel(), error[done] / size))
     return math.sqrt(mean_square(every, 2 * nv)) / tolerance
+
+
+def tells_drift(trial: Trial, state: State, work: Work) -> bool:
+    """Return whether what a step is off the constraints tells of its error.
+
+    Neither drivers nor rows that take over lead it there, and it is no rounding.
+    """
+    if work.scene.has_drivers or work.all is not None:
+        return False
+    return trial.least_ratio >= CLEAR * state.largest_pivot_ratio
 
 
 def local_error(
@@ -441,6 +455,9 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
         if not is_fixed and is_good:
             is_locked = is_last and state.time == state.switched and end in {state.limit, look.cut}
             trial.error = local_error(m, trial, state, work, s.tolerance, is_locked=is_locked)
+            if tells_drift(trial, state, work):
+                most = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
+                trial.error = larger(trial.drift / most, trial.error)
         is_vague = (
             work.scene.sees
             and is_fixed

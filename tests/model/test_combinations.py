@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError

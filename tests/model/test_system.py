@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model import precise
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS

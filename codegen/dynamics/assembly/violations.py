@@ -27,7 +27,7 @@ WORTH_NAMING = 1e-6
 def violations(
     rows: Residuals, pose: Pose, at_least: float, length: float
 ) -> dict[str, tuple[float, float]]:
-    """Return by key the largest violation in metres and in radians, the worst first.
+    """Violations in metres and in radians, the largest by each key, the worst first.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def violations(
 
 
 def key_of(instance: Instance) -> str:
-    """Return the dotted key of what an instance comes from: ``joints.a``, ``drivers.motor``."""
+    """Dotted key of what an instance comes from: ``joints.a``, ``drivers.motor``."""
     if "." in instance.joint:
         return instance.joint
     return f"{'drivers' if instance.is_driver else 'joints'}.{instance.joint}"
@@ -64,7 +64,7 @@ def key_of(instance: Instance) -> str:
 def worst_first(
     sizes: Mapping[str, Sequence[float]], at_least: float, length: float
 ) -> dict[str, tuple[float, float]]:
-    """Return the joints whose larger size is above a limit and worth naming, the worst first.
+    """Joints whose larger size is above a limit and worth naming, the worst first.
 
     Metres are compared with radians by a length, so that it is no matter how large a mechanism is.
     """
@@ -75,7 +75,7 @@ def worst_first(
 
 
 def _size(instance: Instance, pose: Pose) -> tuple[High, int]:
-    """Return how far an instance is from holding, and 0 for metres or 1 for radians."""
+    """Violation of an instance, and 0 for metres or 1 for radians."""
     constants = dict(instance.constants)
     ends = tuple(zip("ij", (instance.i, instance.j), strict=True))
 
@@ -92,7 +92,7 @@ def _size(instance: Instance, pose: Pose) -> tuple[High, int]:
 
 
 def sizes_of(open_joints: dict[str, tuple[float, float]], units: tuple[str, str]) -> str:
-    """Return text such as ``joints.a by 0.25 m and 0.1 rad, joints.b by 0.2 m``."""
+    """Text such as ``joints.a by 0.25 m and 0.1 rad, joints.b by 0.2 m``."""
     texts = []
     worst = max(map(max, open_joints.values()))
     for key, sizes in open_joints.items():

@@ -17,7 +17,7 @@ from kousoku.model.terms import Name, add, mul
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.mechanism import System
@@ -52,7 +52,7 @@ class Enclosed:
     title: str = "bounds between two times"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return four numbers of each, one column."""
+        """Numbers of each formula, four, in one column."""
         ranges, parameters = (block.flat for block in blocks)
         varying = [TIME]
         for one in self.measures:
@@ -66,7 +66,7 @@ class Enclosed:
         return (Matrix(trace.graph, tuple((node,) for node in nodes), 1),)
 
     def _rate(self, formula: Expression) -> Expression:
-        """Return the derivative by time."""
+        """Derivative by time."""
         rate = derivative(formula, TIME)
         for one in self.measures:
             rate = add(rate, mul(derivative(formula, one.name), Name(one.rate)))
@@ -76,7 +76,7 @@ class Enclosed:
 
 
 def record_switching(
-    recorder: Recorder, system: System, parameters: Block, forces: ForceTasks
+    recorder: Recorder, system: System, parameters: Block, forces: ForceRecorder
 ) -> None:
     """Record the segments, if some formula switches or varies, or there are events.
 
@@ -88,7 +88,7 @@ def record_switching(
         The scene.
     parameters : Block
         Where its parameters are.
-    forces : ForceTasks
+    forces : ForceRecorder
         What records its forces.
     """
     seen, names = seen_of(system), tuple(name for name, _ in system.parameters)

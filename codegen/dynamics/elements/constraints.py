@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.checking.jets import Jet, atan2, cross, dot, sqrt
+from kousoku.codegen.dynamics.operations.jets import Jet, atan2, cross, dot, sqrt
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT
 from kousoku.model.elements.constraints import base_of
@@ -18,14 +18,15 @@ from kousoku.model.elements.constraints import base_of
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.jets import High, Vector
     from kousoku.codegen.dynamics.checking.newton_euler import Course
+    from kousoku.codegen.dynamics.operations.jets import Vector
     from kousoku.model.arithmetic import FormulaArithmetic
     from kousoku.model.precise import Triple
+    from kousoku.model.real import Real
 
-    Digits = FormulaArithmetic[High]
+    Digits = FormulaArithmetic[Real]
     #: Its inputs by name.
-    Own = Mapping[str, Sequence[High]]
+    Own = Mapping[str, Sequence[Real]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +75,7 @@ class Seen:
 
     axes: tuple[Triple, Triple]
     d: Triple
-    length: High | None
+    length: Real | None
 
 
 class ConstraintFacets(ABC):
@@ -82,7 +83,7 @@ class ConstraintFacets(ABC):
 
     @abstractmethod
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Return what is zero where it holds, or what it measures, from moving bodies.
+        """Residuals, zero where it holds, or the value that it measures, from moving bodies.
 
         Parameters
         ----------
@@ -94,13 +95,13 @@ class ConstraintFacets(ABC):
             What numbers are computed with.
         """
 
-    def gap(self, seen: Seen) -> tuple[High, int]:
-        """Return how far it is from holding, and 0 for metres or 1 for radians."""
+    def gap(self, seen: Seen) -> tuple[Real, int]:
+        """Gap that is left until it holds, and 0 for metres or 1 for radians."""
         raise NotImplementedError(f"{type(self).__name__} is no constraint")
 
     @abstractmethod
     def contact(self, axis: Triple | None, point: Triple | None) -> Contact:
-        """Return what the ground can do through it, whatever the position.
+        """Contact with the ground through it, whatever the position.
 
         Parameters
         ----------
@@ -115,7 +116,7 @@ class OfPoints(ConstraintFacets):
     """Kinds of two points and no axis."""
 
     def contact(self, axis: Triple | None, point: Triple | None) -> Contact:
-        """Return forces through the point of the ground."""
+        """Forces through the point of the ground."""
         return Contact(through=point)
 
 
@@ -123,11 +124,11 @@ class Point(OfPoints):
     """Two points coincide."""
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Return d."""
+        """Vector d [m]."""
         return _across(i, j, own)
 
-    def gap(self, seen: Seen) -> tuple[High, int]:
-        """Return |d|."""
+    def gap(self, seen: Seen) -> tuple[Real, int]:
+        """Length |d| [m]."""
         return precise.length(seen.d), 0
 
 
@@ -135,7 +136,7 @@ class Length(OfPoints):
     """The distance of two points."""
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Return |d|."""
+        """Length |d| [m]."""
         d = _across(i, j, own)
         return (sqrt(dot(d, d), digits),)
 
@@ -144,12 +145,12 @@ class Distance(Length):
     """Two points at a given distance."""
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Return |d| − l."""
+        """Residual |d| − l [m]."""
         (distance,), (length,) = super().residuals(i, j, own, digits), own["length"]
         return (distance - Jet(length),)
 
-    def gap(self, seen: Seen) -> tuple[High, int]:
-        """Return ||d| − l|."""
+    def gap(self, seen: Seen) -> tuple[Real, int]:
+        """Gap ||d| − l| [m]."""
         return abs(precise.length(seen.d) - seen.length), 0
 
 
@@ -157,7 +158,7 @@ class OfAxes(ConstraintFacets):
     """Kinds of two axes and no point."""
 
     def contact(self, axis: Triple | None, point: Triple | None) -> Contact:
-        """Return moments across the axis of the ground."""
+        """Moments across the axis of the ground."""
         return Contact(about=axis)
 
 
@@ -165,11 +166,11 @@ class Perpendicular(OfAxes):
     """n1: two axes are perpendicular, or the cosine between them."""
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Return a_i · a_j."""
+        """Product a_i · a_j."""
         return (dot(i.vector(own["a_i_b"]), j.vector(own["a_j_b"])),)
 
-    def gap(self, seen: Seen) -> tuple[High, int]:
-        """Return by how much the angle between them differs from a right one."""
+    def gap(self, seen: Seen) -> tuple[Real, int]:
+        """Difference of the angle between them from a right one [rad]."""
         sine, cosine = _angle(seen)
         return CONTEXT.atan2(cosine, sine), 1
 
@@ -178,11 +179,11 @@ class Parallel(OfAxes):
     """p1: two axes are parallel."""
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Return a_i × a_j."""
+        """Product a_i × a_j."""
         return cross(i.vector(own["a_i_b"]), j.vector(own["a_j_b"]))
 
-    def gap(self, seen: Seen) -> tuple[High, int]:
-        """Return the angle between their lines."""
+    def gap(self, seen: Seen) -> tuple[Real, int]:
+        """Angle between their lines."""
         return CONTEXT.atan2(*_angle(seen)), 1
 
 
@@ -190,13 +191,13 @@ class Angle(ConstraintFacets):
     """The angle from a_i to a_j, counted about a_i × b_i; without its turns."""
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Return the angle."""
+        """Angle."""
         a_j = j.vector(own["a_j_b"])
         sine, cosine = (dot(i.vector(own[name]), a_j) for name in ("b_i_b", "a_i_b"))
         return (atan2(sine, cosine, digits),)
 
     def contact(self, axis: Triple | None, point: Triple | None) -> Contact:
-        """Return moments of any direction."""
+        """Moments of any direction."""
         return Contact(turns=True)
 
 
@@ -204,15 +205,15 @@ class InPlane(ConstraintFacets):
     """n2: d is perpendicular to an axis of body i, or its component along that."""
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Return a_i · d."""
+        """Product a_i · d [m]."""
         return (dot(i.vector(own["a_i_b"]), _across(i, j, own)),)
 
-    def gap(self, seen: Seen) -> tuple[High, int]:
-        """Return |a_i · d|."""
+    def gap(self, seen: Seen) -> tuple[Real, int]:
+        """Gap |a_i · d| [m]."""
         return abs(precise.dot(seen.axes[0], seen.d)), 0
 
     def contact(self, axis: Triple | None, point: Triple | None) -> Contact:
-        """Return forces along the axis, wherever they act; where it turns, through the point."""
+        """Forces along the axis, wherever they act; where it turns, through the point."""
         return Contact(through=point) if axis is None else Contact(push=precise.unit(axis))
 
 
@@ -220,28 +221,28 @@ class OnLine(ConstraintFacets):
     """p2: d is parallel to an axis of body i."""
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Return a_i × d."""
+        """Product a_i × d [m]."""
         return cross(i.vector(own["a_i_b"]), _across(i, j, own))
 
-    def gap(self, seen: Seen) -> tuple[High, int]:
-        """Return |a_i × d|."""
+    def gap(self, seen: Seen) -> tuple[Real, int]:
+        """Gap |a_i × d| [m]."""
         return precise.length(precise.cross(seen.axes[0], seen.d)), 0
 
     def contact(self, axis: Triple | None, point: Triple | None) -> Contact:
-        """Return forces across the axis, through its line; where it turns, through the point."""
+        """Forces across the axis, through its line; where it turns, through the point."""
         if axis is None or point is None:
             return Contact(through=point)
         return Contact(line=(precise.unit(axis), point))
 
 
 def _across(i: Course, j: Course, own: Own) -> Vector:
-    """Return d, from the point of body i to that of body j."""
+    """Vector d, from the point of body i to that of body j [m]."""
     start, end = i.point(own["s_i_b"]), j.point(own["s_j_b"])
     return end[0] - start[0], end[1] - start[1], end[2] - start[2]
 
 
-def _angle(seen: Seen) -> tuple[High, High]:
-    """Return sine and cosine of the angle between the lines of two axes."""
+def _angle(seen: Seen) -> tuple[Real, Real]:
+    """Sine and cosine of the angle between the lines of two axes."""
     axis, other = seen.axes
     return precise.length(precise.cross(axis, other)), abs(precise.dot(axis, other))
 
@@ -260,5 +261,5 @@ FACETS: dict[str, ConstraintFacets] = {
 
 
 def facets_of_kind(package: str) -> ConstraintFacets:
-    """Return the facets of a package, such as ``p1_z``."""
+    """Facets of a package, such as ``p1_z``."""
     return FACETS[base_of(package)]

@@ -27,7 +27,7 @@ MOST_JOINTS = 4
 
 
 def grouped(system: System) -> tuple[tuple[int, ...], ...]:
-    """Return the bodies that are one, in groups of two and more; what stands still with the ground.
+    """Bodies that are one, in groups of two and more; what stands still with the ground.
 
     Two bodies of a group stay apart if there is a coordinate between them, or a force whose work is
     told or whose energy depends on parameters; so does a body with a force or constraint that is
@@ -50,7 +50,7 @@ def grouped(system: System) -> tuple[tuple[int, ...], ...]:
 
 
 def _joined(count: int, edges: Sequence[Edge], counts: Mapping[int, int]) -> DisjointSets:
-    """Return the groups that fixed joints make: first what they hold to the ground."""
+    """Groups that fixed joints make: first what they hold to the ground."""
     leaders = DisjointSets(range(GROUND_INDEX, count))
     beside: dict[int, list[int]] = {}
     for i, j in edges:
@@ -71,7 +71,7 @@ def _joined(count: int, edges: Sequence[Edge], counts: Mapping[int, int]) -> Dis
 
 
 def fixed_joints(system: System) -> list[Edge]:
-    """Return the bodies of each joint that leaves no motion."""
+    """Bodies of each joint that leaves no motion."""
     kinds: dict[tuple[str, int, int], list[str]] = {}
     for one in system.constraints:
         if moved_by_parameters(system, one):
@@ -81,7 +81,7 @@ def fixed_joints(system: System) -> list[Edge]:
 
 
 def _joint_counts(system: System, edges: list[Edge]) -> dict[int, int]:
-    """Return how many joints each body has beside those that are fixed."""
+    """Number of joints of each body beside those that are fixed."""
     joints = dict.fromkeys((one.joint, one.bodies) for one in system.constraints)
     counts = dict.fromkeys(range(GROUND_INDEX, len(system.bodies)), 0)
     for _, bodies in joints:
@@ -94,7 +94,7 @@ def _joint_counts(system: System, edges: list[Edge]) -> dict[int, int]:
 
 
 def _kept(system: System, leaders: DisjointSets) -> set[int]:
-    """Return the bodies that stay what they are."""
+    """Bodies that stay what they are."""
     found: set[int] = set()
     for coordinate in system.coordinates:
         if leaders.of(coordinate.i) == leaders.of(coordinate.j):
