@@ -4,6 +4,7 @@
 /* what rows may be off a smooth way, in lengths and radians. A gap between branches of as much as
  * that, times the distance at which it is looked for, is none: about 1e-14, which is rounding */
 #define OFF_WAY 1e-9
+#define NO_GAP 1e-14
 /* how far beside the place where branches meet that is seen, in a step; how much nearer each time,
  * and in lengths and radians at last; how often */
 #define ASIDE 0.03
@@ -103,7 +104,7 @@ static int follow_branch(
         part -= is_between ? beside * change / sum : beside * sum / change;
         const int is_inside = part > 0.0 && part < 1.0;
         if (!is_between && is_inside) continue; /* the place is farther away */
-        const int is_on = larger(off[0], off[1]) <= OFF_WAY;
+        const int is_on = larger(off[0], off[1]) <= larger(OFF_WAY, NO_GAP / (beside * way));
         if (is_on && !is_between) return is_even && farthest <= AWAY * nearest ? STAYS : LEAPS;
         if (is_on && beside * way <= NEAREST) return MEETS;
         if (is_between) slope = sum / (2.0 * beside);

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 #: What rows may be off a smooth way, in lengths and radians. A gap between branches of as much as
 #: that, times the distance at which it is looked for, is none: about 1e-14, which is rounding.
 OFF_WAY = 1e-9
+NO_GAP = 1e-14
 #: How far beside the place where branches meet that is seen, in a step; how much nearer each time,
 #: and in lengths and radians at last; how often.
 ASIDE = 0.03
@@ -136,7 +137,7 @@ def follow_branch(
         is_inside = 0.0 < part < 1.0
         if not is_between and is_inside:
             continue  # the place is farther away
-        is_on = worst <= OFF_WAY
+        is_on = worst <= larger(OFF_WAY, NO_GAP / (beside * way))
         if is_on and not is_between:
             return STAYS if is_even and farthest <= AWAY * nearest else LEAPS
         if is_on and beside * way <= NEAREST:

@@ -289,6 +289,7 @@ def test_branches_that_meet_are_told_and_leave_the_motion_trusted(load: Load, me
     assert ledger.trust.is_trusted
     assert ledger.as_data()["meetings"] == 2
     assert ledger.trust.as_data()["meeting_time"] == ledger.meeting_time
+    assert ledger.meeting_time is not None
     assert f"branches meet at t = {shortly(ledger.meeting_time, 6)} s" in repr(motion)
 
 
