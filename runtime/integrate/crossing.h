@@ -47,6 +47,9 @@
 /* a function is near to zero where it is less than so many times what it is known to; what that is
  * further away tells nothing of how near it comes between */
 #define BANDS 16.0
+/* what gets further than so many times what it is known to passes by, as fast as it is at a time: in
+ * the longest step, and before it comes to rest */
+#define PASSING 16.0
 
 enum {
     N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
@@ -75,12 +78,12 @@ typedef struct {
  * motion and in its polynomial, which functions cross, where it was cut, and at which part of it at
  * least, whether samples leave open how narrow parts vary somewhere in it, whether it is kept if
  * nothing cuts it, the event without a value right behind its start, counted from 1, the function
- * that is zero in it where a force is infinite, counted likewise, when that is, and by what rates
- * change in it, in the mean */
+ * that is zero in it where a force is infinite, counted likewise, when that is, by what rates change
+ * in it, in the mean, and at most */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
-    double pole_time, bend[ROOM(N_MEASURES)];
+    double pole_time, bend[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold, is_kept, lost, pole;
 } Look;
 
@@ -128,10 +131,29 @@ static void look_closely(
     see_at(noise, time, work->w, node);
 }
 
-/* what is seen at a time of the motion */
+/* what is seen at a time of the motion: of what passes by there its polynomial tells where it is,
+ * however far off that may be, so that nothing that is narrower is passed over */
 static void look_at(double time, const Look *look, const State *s, Work *work, Node *node)
 {
-    look_closely(look->noise, time, look, s, work, node);
+    double noise[ROOM(N_READ)];
+    read_at(time, look, s, work, node->read);
+    memcpy(noise, look->noise, sizeof noise);
+    for (size_t k = 0; k != N_READ; k += 2) {
+        const double speed = fabs(node->read[k + 1]), far = PASSING * look->noise[k];
+        const int is_slow = !(speed * larger(s->stride, look->h) > far);
+        if (!is_slow && speed * speed > far * look->pull[k / 2]) noise[k] = look->rounding[k];
+    }
+    see_at(noise, time, work->w, node);
+}
+
+/* by how much a second derivative is further from the mean of a step than that of a parabola, as
+ * value and rate at its ends tell. What reads a coordinate are numbers as large as its size, however
+ * small it is */
+static double bend_of(double size, const double *a, const double *b, double h)
+{
+    const double rounding = 6.0 * SMALLEST * (size + fabs(a[0]) + fabs(b[0])) / h;
+    const double off = fabs(3.0 * (a[1] + b[1]) - 6.0 * (b[0] - a[0]) / h);
+    return larger(0.0, off - rounding) / h;
 }
 
 /* makes the polynomial of a step from the state to y, whose rates at both ends are given */
@@ -143,6 +165,7 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
     look->start = s->time;
     look->h = h;
     look->slack = settings->tolerance * h;
+    look->is_untold = 0;
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memset(s->dense, 0, sizeof s->dense);
     hermite_cubic(h, y, f_before, f, s);
@@ -156,6 +179,7 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
         const double fast = larger(fabs(a[1]), fabs(b[1])) + SLOW * size / h;
         look->noise[2 * k + 1] = settings->tolerance * fast;
         look->bend[k] = (b[1] - a[1]) / h;
+        look->pull[k] = fabs(look->bend[k]) + bend_of(size, a, b, h);
         look->rounding[2 * k] = SMALLEST * (size + most);
         look->rounding[2 * k + 1] = SMALLEST * fast;
     }
@@ -184,11 +208,7 @@ static void bound_seen(const Node *a, const Node *b, double *w)
         const double *p = a->read + 2 * k, *q = b->read + 2 * k;
         double *own = ranges + 2 + 6 * k;
         const double mean = (q[1] - p[1]) / h;
-        /* what reads a coordinate are numbers as large as its size, however small it is */
-        const double known = measure_sizes[k] + fabs(p[0]) + fabs(q[0]);
-        const double rounding = 6.0 * SMALLEST * known / h;
-        const double off = fabs(3.0 * (p[1] + q[1]) - 6.0 * (q[0] - p[0]) / h);
-        const double bend = larger(0.0, off - rounding) / h;
+        const double bend = bend_of(measure_sizes[k], p, q, h);
         own[4] = mean - DOUBT * bend;
         own[5] = mean + DOUBT * bend;
         reach_between(p[1], q[1], own[4], own[5], h, own + 2);
@@ -307,6 +327,9 @@ static double time_of(
     const double *noise = noise_of(k, look);
     double first = a->time, last = b->time;
     Node node;
+    /* by the polynomial it is beyond zero, by less than that */
+    look_closely(noise, last, look, s, work, &node);
+    if (side_at(&node, k) != -side) noise = look->rounding;
     while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
         const double time = 0.5 * (first + last);
         if (!(first < time && time < last)) break;
@@ -524,7 +547,10 @@ static double seen_end(double end, Look *look, State *s, Work *work)
         a = b;
         width = smaller(2.0 * width, widest);
     }
-    return a.time < end && a.time > nearest ? a.time : end;
+    if (!(a.time < end)) return end;
+    if (a.time > nearest) return a.time;
+    look->is_untold = 1;
+    return end;
 }
 
 /* cuts a step where it must end, and remembers what crosses there */
@@ -603,11 +629,13 @@ static double polished_cut(const Look *look, const State *s, Work *work)
 /* notes what a step that is kept has crossed: one that was cut, also what is at zero there */
 static void note_crossings(double end, const Look *look, State *s, Work *work)
 {
-    Node last;
+    Node last, known;
     look_at(end, look, s, work, &last);
+    look_closely(look->noise, end, look, s, work, &known);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         const int side = (int)s->sides[k], now = side_at(&last, k);
-        const int is_there = now == 0 && end == look->cut && look->was_crossing[k];
+        const int is_near = now == 0 || side_at(&known, k) == 0;
+        const int is_there = is_near && end == look->cut && look->was_crossing[k];
         if (side == 0 || !(now == -side || is_there)) continue;
         s->sides[k] = -side;
         if ((int)k >= EVENTS || (events[k][0] != 0 && events[k][0] != -side)) continue;
@@ -661,7 +689,6 @@ static double told_end(double end, Look *look, const State *s, Work *work)
 {
     const double start = look->start, whole = end - start;
     double first = start, allowed = whole, width = whole;
-    look->is_untold = 0;
     for (size_t n = 0; first < start + allowed; ++n) {
         if (n == MOST_LOOKS) {
             look->is_untold = 1;

@@ -70,6 +70,9 @@ NO_WAY = 1e-6
 #: A function is near to zero where it is less than so many times what it is known to; what that is
 #: further away tells nothing of how near it comes between.
 BANDS = 16.0
+#: What gets further than so many times what it is known to passes by, as fast as it is at a time: in
+#: the longest step, and before it comes to rest.
+PASSING = 16.0
 
 
 def largest(a: Array, b: Array) -> Array:
@@ -137,6 +140,8 @@ class Look:
         What values are known to, in the motion and in its polynomial.
     bend : (n,) array
         By what rates change in it, in the mean.
+    pull : (n,) array
+        By what they do at most.
     crosses, was_crossing : array of bool
         Which functions cross, and crossed where it was cut.
     is_untold : bool
@@ -162,6 +167,7 @@ class Look:
     noise: Array = field(init=False)
     rounding: Array = field(init=False)
     bend: Array = field(init=False)
+    pull: Array = field(init=False)
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
     is_untold: bool = False
@@ -197,8 +203,16 @@ def read_at(time: float, look: Look) -> Array:
 
 
 def look_at(time: float, look: Look) -> Node:
-    """Return what is seen at a time of the motion."""
-    return look_closely(look.noise, time, look)
+    """Return what is seen at a time of the motion.
+
+    Of what passes by there its polynomial tells where it is, however far off that may be, so that
+    nothing that is narrower is passed over.
+    """
+    read, noise = read_at(time, look), look.noise.copy()
+    speed, far = np.abs(read[:, 1]), PASSING * noise[:, 0]
+    passes = (speed * larger(look.state.stride, look.h) > far) & (speed * speed > far * look.pull)
+    noise[:, 0] = np.where(passes, look.rounding[:, 0], noise[:, 0])
+    return see_at(read, noise, time, look.work.w)
 
 
 def look_closely(noise: Array, time: float, look: Look) -> Node:
@@ -222,6 +236,7 @@ def look_into(
     """Make the polynomial of a step from the state to y, where the derivative is f."""
     state, sizes = look.state, look.work.scene.measure_sizes
     look.m, look.start, look.h, look.slack = m, state.time, h, s.tolerance * h
+    look.is_untold = False
     state.y_before[:] = state.y
     state.dense[:] = 0.0
     hermite_cubic(h, y, state.f, f, state)
@@ -230,6 +245,7 @@ def look_into(
     first, last = read_at(state.time, look), read_at(state.time + h, look)
     most = largest(np.abs(first), np.abs(last))
     look.bend = (last[:, 1] - first[:, 1]) / h
+    look.pull = np.abs(look.bend) + bend_of(sizes, first, last, h)
     look.noise = np.empty_like(most)
     look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
     look.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
@@ -238,17 +254,25 @@ def look_into(
     look.rounding[:, 1] = SMALLEST * (most[:, 1] + SLOW * sizes / h)
 
 
+def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
+    """Return by how much second derivatives are further from their mean than those of parabolas.
+
+    Values and rates at both ends of h tell. What reads a coordinate are numbers as large as its
+    size, however small it is.
+    """
+    (x, v), (y, u) = a.T, b.T
+    rounding = 6.0 * SMALLEST * (sizes + np.abs(x) + np.abs(y)) / h
+    off = np.abs(3.0 * (v + u) - 6.0 * (y - x) / h)
+    return largest(np.zeros_like(off), off - rounding) / h
+
+
 def bound_seen(a: Node, b: Node, look: Look) -> Array:
     """Return least, most, slowest and fastest of the functions between two nodes."""
     w, h = look.work.w, b.time - a.time
     (x, v), (y, u) = a.read.T, b.read.T
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = a.time, b.time
-    mean = (u - v) / h
-    # what reads a coordinate are numbers as large as its size, however small it is
-    rounding = 6.0 * SMALLEST * (look.work.scene.measure_sizes + np.abs(x) + np.abs(y)) / h
-    off = np.abs(3.0 * (v + u) - 6.0 * (y - x) / h)
-    bend = largest(np.zeros_like(off), off - rounding) / h
+    mean, bend = (u - v) / h, bend_of(look.work.scene.measure_sizes, a.read, b.read, h)
     own[:, 4], own[:, 5] = mean - DOUBT * bend, mean + DOUBT * bend
     reach_between(v, u, own[:, 4], own[:, 5], h, own[:, 2:4])
     reach_between(x, y, own[:, 2], own[:, 3], h, own[:, :2])
@@ -366,6 +390,9 @@ def time_of(k: int, a: Node, b: Node, look: Look) -> float:
     """
     side, first, last = -float(side_at(b)[k]), a.time, b.time
     is_event, noise = k < len(look.work.scene.events), noise_of(k, look)
+    # by the polynomial it is beyond zero, by less than that
+    if side_at(look_closely(noise, last, look))[k] != -side:
+        noise = look.rounding
     while last - first > SMALLEST * larger(abs(first), abs(last)):
         time = 0.5 * (first + last)
         if not first < time < last:
@@ -463,7 +490,12 @@ def seen_end(end: float, look: Look) -> float:
         if look.crosses.any():
             return smaller(larger(first_time(a, b, look), nearest), end)
         a, width = b, smaller(2.0 * width, widest)
-    return a.time if nearest < a.time < end else end
+    if not a.time < end:
+        return end
+    if a.time > nearest:
+        return a.time
+    look.is_untold = True
+    return end
 
 
 def find_pole(passes: Flags, a: Node, b: Node, look: Look) -> None:
@@ -610,8 +642,9 @@ def note_crossings(end: float, look: Look) -> None:
     """Note what a step that is kept has crossed: one that was cut, also what is zero there."""
     state, events = look.state, look.work.scene.events
     sides, now = state.sides.copy(), side_at(look_at(end, look))
+    is_near = (now == 0.0) | (side_at(look_closely(look.noise, end, look)) == 0.0)
     for k, side in enumerate(sides.tolist()):
-        is_there = now[k] == 0.0 and end == look.cut and look.was_crossing[k]
+        is_there = is_near[k] and end == look.cut and look.was_crossing[k]
         if side == 0.0 or not (now[k] == -side or is_there):
             continue
         state.sides[k] = -side
@@ -651,7 +684,6 @@ def told_end(end: float, look: Look) -> float:
     """
     start = first = look.start
     whole = allowed = width = end - start
-    look.is_untold = False
     looks = 0
     while first < start + allowed:
         if looks == MOST_LOOKS:
