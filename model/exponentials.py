@@ -106,8 +106,9 @@ def _product(
     logarithm: Expression | None,
     args: Sequence[Form],
 ) -> Form:
-    """Return a product: its exponentials are one where some of them was a quotient."""
-    is_anew = any(one.is_anew for one in args)
+    """Return a product: its exponentials are one where there are more, or one was a quotient."""
+    are_many = sum(one.exponent != ZERO for one in args) > 1
+    is_anew = are_many or any(one.is_anew for one in args)
     whole = mul(factor, apply(Function.EXP, exponent)) if is_anew else whole
     is_sum = logarithm is not None and any(one.is_sum for one in args)
     return Form(whole, factor, exponent, logarithm, is_sum, is_anew)

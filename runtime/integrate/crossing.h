@@ -131,12 +131,22 @@ static void look_closely(
     see_at(noise, time, work->w, node);
 }
 
+/* on which side of zero a function is, 0 where that is not known */
+static int side_at(const Node *node, size_t k)
+{
+    return (node->least[k] > 0.0) - (node->most[k] < 0.0);
+}
+
 /* what is seen at a time of the motion: of what passes by there its polynomial tells where it is,
- * however far off that may be, so that nothing that is narrower is passed over */
+ * however far off that may be, so that nothing that is narrower is passed over. Where a force may
+ * be infinite places are known to the noise */
 static void look_at(double time, const Look *look, const State *s, Work *work, Node *node)
 {
     double noise[ROOM(N_READ)];
-    read_at(time, look, s, work, node->read);
+    look_closely(look->noise, time, look, s, work, node);
+    for (size_t k = N_SWITCHING; k != N_CROSSINGS; ++k) {
+        if (side_at(node, k) == 0) return;
+    }
     memcpy(noise, look->noise, sizeof noise);
     for (size_t k = 0; k != N_READ; k += 2) {
         const double speed = fabs(node->read[k + 1]), far = PASSING * look->noise[k];
@@ -215,12 +225,6 @@ static void bound_seen(const Node *a, const Node *b, double *w)
         reach_between(p[0], q[0], own[2], own[3], h, own);
     }
     crossing(w);
-}
-
-/* on which side of zero a function is, 0 where that is not known */
-static int side_at(const Node *node, size_t k)
-{
-    return (node->least[k] > 0.0) - (node->most[k] < 0.0);
 }
 
 static double middle(const Node *node, size_t k) { return 0.5 * (node->least[k] + node->most[k]); }
