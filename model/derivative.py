@@ -106,9 +106,21 @@ def _derivative(part: Apply, slopes: tuple[Expression, ...]) -> Expression:
 def _of_power(part: Apply, da: Expression, db: Expression) -> Expression:
     a, b = part.args
     if isinstance(b, Number):
-        return mul(b, power(a, number(b.value - 1)), da)
+        base = a if b.value > 1 else _where_positive(a)
+        return mul(b, power(base, number(b.value - 1)), da)
     through_a = mul(b, power(a, add(b, neg(ONE))), da)
     return add(through_a, mul(part, apply(Function.LOG, a), db))
+
+
+def _where_positive(a: Expression) -> Expression:
+    """Return a, and of ``max(0, x)`` something that is not zero where x is negative.
+
+    There its derivative is zero, and so are those of its powers, which else are 0 ∞.
+    """
+    if not isinstance(a, Apply) or a.function is not Function.MAX or ZERO not in a.args:
+        return a
+    x = a.args[a.args[0] == ZERO]
+    return add(a, div(add(ONE, neg(apply(Function.SIGN, x))), number(2)))
 
 
 def _of_extreme(part: Apply, da: Expression, db: Expression) -> Expression:

@@ -75,7 +75,7 @@ def enclosure(expression: Expression, spans: Mapping[str, Bounds]) -> Bounds:
                 own = [known[id(arg)] for arg in args]
                 is_one = all(one.is_one for one in own)
                 if is_one:
-                    same = _value(function, *(one.least for one in own))
+                    same = composed(function, *(one.least for one in own))
                     known[id(part)] = Bounds(same, same)
                 else:
                     known[id(part)] = _applied(function, own)
@@ -111,13 +111,13 @@ def _applied(function: Function, args: list[Bounds]) -> Bounds:
         case _:
             assert function in RISING
             return Bounds(
-                _value(function, *(x.least for x in args)),
-                _value(function, *(x.most for x in args)),
+                composed(function, *(x.least for x in args)),
+                composed(function, *(x.most for x in args)),
             )
 
 
-def _value(function: Function, *args: Expression) -> Expression:
-    """Return a function of numbers, in functions that texts have, so that none overflows."""
+def composed(function: Function, *args: Expression) -> Expression:
+    """Return a function of formulas, in functions that texts have, so that none overflows."""
     match function:
         case Function.LOG_SUM:
             a, b = args

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import TYPE_CHECKING
 
+from kousoku.model.derivative import derivative
+from kousoku.model.enclosure import composed
 from kousoku.model.terms import (
     ONE,
     ZERO,
@@ -63,6 +65,25 @@ def without_overflow(formula: Expression) -> Expression:
         args = [known[id(arg)] for arg in part.args] if isinstance(part, Apply) else []
         known[id(part)] = _form(part, args)
     return known[id(formula)].whole
+
+
+def rate_of(law: Expression, time: str, order: int) -> Expression:
+    """Return a derivative of a formula by the time, in functions that texts have.
+
+    That of 1/(1 + eᵃ) is 0 ∞/∞ where eᵃ is infinite, unless it is written anew.
+    """
+    if order == 0:
+        return law
+    rate = without_overflow(law)
+    for _ in range(order):
+        rate = derivative(rate, time)
+    known: dict[int, Expression] = {}
+    for part in ordered(rate):
+        if isinstance(part, Apply):
+            known[id(part)] = composed(part.function, *(known[id(arg)] for arg in part.args))
+        else:
+            known[id(part)] = part
+    return known[id(rate)]
 
 
 def _form(part: Expression, args: Sequence[Form]) -> Form:

@@ -365,6 +365,7 @@ def _varies(place: Expression) -> bool:
 
 
 def _with_rates(law: Expression) -> tuple[Expression, ...]:
+    law = without_overflow(law)
     rate = derivative(law, TIME)
     return law, rate, derivative(rate, TIME)
 

@@ -6,7 +6,7 @@ from math import isfinite, pi
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join, require_known
-from kousoku.model.derivative import derivative
+from kousoku.model.exponentials import rate_of
 from kousoku.model.drivers import text_of
 from kousoku.model.errors import ExpressionError, SceneError
 from kousoku.model.expression import parse_expression
@@ -172,11 +172,10 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
             key=key,
         )
     starts = []
-    for what in ("value", "rate", "acceleration"):
-        starts.append(value_of(law, start))
+    for order, what in enumerate(("value", "rate", "acceleration")):
+        starts.append(value_of(rate_of(law, TIME, order), start))
         if not isfinite(starts[-1]):
             raise SceneError(f"has no finite {what} at t = 0; wanted one", key=key)
-        law = derivative(law, TIME)
     return starts[0]
 
 

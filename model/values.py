@@ -54,12 +54,15 @@ def value_of(expression: Expression, values: Mapping[str, float]) -> float:
                 known[id(part)] = values[part.name]
             case Apply():
                 known[id(part)] = _applied(part.function, [known[id(arg)] for arg in part.args])
-    return known[id(expression)]
+    value = known[id(expression)]
+    return value if math.isfinite(value) else math.nan
 
 
 def _applied(function: Function, values: list[float]) -> float:
     try:
         value = _CALLS[function](*values)
-    except (ValueError, ZeroDivisionError, OverflowError):
+    except OverflowError:  # as in solvers: what is divided by it is zero
+        return math.inf if function is Function.EXP else math.nan
+    except (ValueError, ZeroDivisionError):
         return math.nan
-    return value if isinstance(value, float) and math.isfinite(value) else math.nan
+    return value if isinstance(value, float) else math.nan

@@ -687,6 +687,20 @@ static int are_narrow_told(double start, double end, const Look *look, const Sta
     return 1;
 }
 
+/* whether between two times a function is near to zero at which a force may be infinite: no bound
+ * tells there how it varies, and of what is narrow the energy does */
+static int is_at_pole(double first, double last, const Look *look, const State *s, Work *work)
+{
+    Node a, b;
+    if (N_POLES == 0) return 0;
+    look_closely(look->noise, first, look, s, work, &a);
+    look_closely(look->noise, last, look, s, work, &b);
+    for (size_t k = N_SWITCHING; k != N_CROSSINGS; ++k) {
+        if (side_at(&a, k) == 0 || side_at(&b, k) != side_at(&a, k)) return 1;
+    }
+    return 0;
+}
+
 /* where a step to an end must end so that samples tell how parts vary with the state; what they do
  * not tell in the finest intervals either is gone over, and noted */
 static double told_end(double end, Look *look, const State *s, Work *work)
@@ -695,7 +709,7 @@ static double told_end(double end, Look *look, const State *s, Work *work)
     double first = start, allowed = whole, width = whole;
     for (size_t n = 0; first < start + allowed; ++n) {
         if (n == MOST_LOOKS) {
-            look->is_untold = 1;
+            look->is_untold = look->is_untold || !is_at_pole(first, end, look, s, work);
             break;
         }
         const double last = smaller(first + width, end);
@@ -706,7 +720,7 @@ static double told_end(double end, Look *look, const State *s, Work *work)
         }
         if (good) {
             allowed = smaller(allowed, larger(first - start, last - first));
-        } else {
+        } else if (!is_at_pole(first, last, look, s, work)) {
             look->is_untold = 1;
         }
         first = last;

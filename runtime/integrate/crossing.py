@@ -681,6 +681,17 @@ def are_narrow_told(start: float, end: float, look: Look) -> bool:
     return bool(np.all(is_explained | (high - low <= STEADY * size + nothing)))
 
 
+def is_at_pole(first: float, last: float, look: Look) -> bool:
+    """Return whether between two times a function is near to zero at which a force may be infinite.
+
+    No bound tells there how it varies, and of what is narrow the energy does.
+    """
+    n = len(look.state.sides)
+    poles = slice(n - look.work.scene.n_poles, n)
+    a, b = (side_at(look_closely(look.noise, time, look))[poles] for time in (first, last))
+    return bool(((a == 0.0) | (b != a)).any())
+
+
 def told_end(end: float, look: Look) -> float:
     """Return where a step to an end must end so that samples tell how parts vary.
 
@@ -691,7 +702,7 @@ def told_end(end: float, look: Look) -> float:
     looks = 0
     while first < start + allowed:
         if looks == MOST_LOOKS:
-            look.is_untold = True
+            look.is_untold = look.is_untold or not is_at_pole(first, end, look)
             break
         looks += 1
         last = smaller(first + width, end)
@@ -701,7 +712,7 @@ def told_end(end: float, look: Look) -> float:
             continue
         if is_good:
             allowed = smaller(allowed, larger(first - start, last - first))
-        else:
+        elif not is_at_pole(first, last, look):
             look.is_untold = True
         first = last
         width = 2.0 * width

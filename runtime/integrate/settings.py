@@ -107,3 +107,4 @@ class Doubt(IntFlag):
     DRIFT = 32
     ROW_DRIFT = 64
     BRANCH_POINTS = 128
+    NARROW = 256

@@ -388,7 +388,8 @@ static int step(
             if (N_NARROW > 0 && is_kept && shorter++ < MOST_SHORTER) {
                 to = told_end(last, &look, s, work);
             } else if (N_NARROW > 0 && is_kept) { /* it cannot be shorter for that */
-                look.is_untold = !are_narrow_told(s->time, last, &look, s, work);
+                look.is_untold = !are_narrow_told(s->time, last, &look, s, work) &&
+                                 !is_at_pole(s->time, last, &look, s, work);
             }
             /* one that leads beyond its end stays as it is */
             double seen = is_beyond ? last : seen_end(last, &look, s, work);

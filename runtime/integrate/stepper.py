@@ -16,6 +16,7 @@ from .crossing import (
     are_narrow_told,
     cut_at,
     end_before_pole,
+    is_at_pole,
     look_into,
     note_crossings,
     note_unresolved,
@@ -485,7 +486,8 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             if work.scene.has_narrow and is_kept and shorter < MOST_SHORTER:
                 to, shorter = told_end(last, look), shorter + 1
             elif work.scene.has_narrow and is_kept:  # it cannot be shorter for that
-                look.is_untold = not are_narrow_told(state.time, last, look)
+                is_told = are_narrow_told(state.time, last, look)
+                look.is_untold = not (is_told or is_at_pole(state.time, last, look))
             # one that leads beyond its end stays as it is
             seen = last if is_beyond else seen_end(last, look)
             if look.pole and not has_stages and make_dense_stages(m, trial, work, state):

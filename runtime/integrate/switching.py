@@ -17,6 +17,7 @@ from .arithmetic import larger, smaller
 from .crossing import (
     EXPLAINED,
     FINEST,
+    FURTHER,
     NOTHING,
     SMALLEST,
     largest,
@@ -54,6 +55,8 @@ LONG = 0.1
 FAR_BESIDE = 1e-6
 BESIDE = 1e-7
 EQUAL = 1e-12
+#: How far behind a switch a force has a value, in parts of the time, if it has one.
+FURTHEST_BEHIND = 1e-12
 #: How much the third derivative may be beyond that on the sides.
 BENDING = 4.0
 #: Samples of an interval, by pieces between them.
@@ -215,6 +218,21 @@ def find_switch(end: float, state: State, work: Work) -> None:
     state.limit = state.behind = math.inf if not has_switches and first == end else first
 
 
+def is_put_behind(span: float, state: State, work: Work) -> bool:
+    """Put bodies behind a switch, and return whether forces have values there.
+
+    They are put so little further that one has that is infinite at the switch, as log|t - 5| is.
+    """
+    further = SMALLEST
+    while further < FURTHEST_BEHIND:
+        forget_trials(work)
+        if project(state.time, 0.0, state.y, state.low, state.f, work, state) >= 0.0:
+            return True
+        state.time = state.switched = state.switched + further * span
+        further *= FURTHER
+    return False
+
+
 def meet_switches(end: float, state: State, work: Work) -> Status:
     """Go over the switch that a step has come to, and find the next one.
 
@@ -232,8 +250,7 @@ def meet_switches(end: float, state: State, work: Work) -> Status:
             state.dense[:] = 0.0
             state.time_before = state.time
             state.time = state.switched = smaller(state.behind, end)
-            forget_trials(work)
-            if project(state.time, 0.0, state.y, state.low, state.f, work, state) < 0.0:
+            if not is_put_behind(span, state, work):
                 return Status.NOT_PROJECTED
         else:
             find_switch(end, state, work)

@@ -46,7 +46,7 @@ TYPES: dict[type, Any] = {float: ctypes.c_double, int: ctypes.c_int}
 #: Numbers of a state that the verdict looks at.
 SEEN = (
     *("energy_error", "energy_moved", "work_error", "energy", "potential", "steps", "drift"),
-    *("row_drift", "not_finite", "branch_points", "fallbacks"),
+    *("row_drift", "not_finite", "branch_points", "fallbacks", "unresolved"),
 )
 
 

@@ -15,7 +15,7 @@ from kousoku.codegen.graph import Graph
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT, evaluate
 from kousoku.codegen.kernel import Kernel
 from kousoku.model import precise
-from kousoku.model.derivative import derivative
+from kousoku.model.exponentials import rate_of
 from kousoku.model.errors import AssemblyError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
@@ -87,9 +87,8 @@ def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) ->
 @cache
 def _kernels(law: str, names: tuple[str, ...]) -> tuple[Kernel, ...]:
     """Return a formula and its derivatives by the time, each as a kernel of its names."""
-    levels = [parse_expression(law, names)]
-    while len(levels) < len(LEVELS):
-        levels.append(derivative(levels[-1], TIME))
+    formula = parse_expression(law, names)
+    levels = [rate_of(formula, TIME, order) for order in range(len(LEVELS))]
     kernels = []
     for expression in levels:
         graph = Graph()
