@@ -687,16 +687,18 @@ static int are_narrow_told(double start, double end, const Look *look, const Sta
     return 1;
 }
 
-/* whether between two times a function is near to zero at which a force may be infinite: no bound
- * tells there how it varies, and of what is narrow the energy does */
-static int is_at_pole(double first, double last, const Look *look, const State *s, Work *work)
+/* whether at both times a function is near to zero at which a force may be infinite, or in between:
+ * no bound tells there how it varies, and of what is narrow the energy does */
+static int is_at_pole(
+    int in_between, double first, double last, const Look *look, const State *s, Work *work)
 {
     Node a, b;
     if (N_POLES == 0) return 0;
     look_closely(look->noise, first, look, s, work, &a);
     look_closely(look->noise, last, look, s, work, &b);
     for (size_t k = N_SWITCHING; k != N_CROSSINGS; ++k) {
-        if (side_at(&a, k) == 0 || side_at(&b, k) != side_at(&a, k)) return 1;
+        const int before = side_at(&a, k), after = side_at(&b, k);
+        if ((before == 0 && after == 0) || (in_between && before * after != 1)) return 1;
     }
     return 0;
 }
@@ -709,18 +711,19 @@ static double told_end(double end, Look *look, const State *s, Work *work)
     double first = start, allowed = whole, width = whole;
     for (size_t n = 0; first < start + allowed; ++n) {
         if (n == MOST_LOOKS) {
-            look->is_untold = look->is_untold || !is_at_pole(first, end, look, s, work);
+            look->is_untold = look->is_untold || !is_at_pole(1, first, end, look, s, work);
             break;
         }
         const double last = smaller(first + width, end);
-        const int good = are_narrow_told(first, last, look, s, work);
-        if (!good && width > FINEST * whole) {
+        const int is_there = is_at_pole(0, first, last, look, s, work);
+        const int good = !is_there && are_narrow_told(first, last, look, s, work);
+        if (!good && !is_there && width > FINEST * whole) {
             width = 0.5 * width;
             continue;
         }
         if (good) {
             allowed = smaller(allowed, larger(first - start, last - first));
-        } else if (!is_at_pole(first, last, look, s, work)) {
+        } else if (!is_at_pole(1, first, last, look, s, work)) {
             look->is_untold = 1;
         }
         first = last;

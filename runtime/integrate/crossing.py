@@ -681,15 +681,20 @@ def are_narrow_told(start: float, end: float, look: Look) -> bool:
     return bool(np.all(is_explained | (high - low <= STEADY * size + nothing)))
 
 
-def is_at_pole(first: float, last: float, look: Look) -> bool:
-    """Return whether between two times a function is near to zero at which a force may be infinite.
+def is_at_pole(first: float, last: float, look: Look, *, in_between: bool) -> bool:
+    """Return whether at both times a function is near to zero, or in between, for a pole.
 
-    No bound tells there how it varies, and of what is narrow the energy does.
+    A force may be infinite there: no bound tells how it varies, and of what is narrow the energy
+    does.
     """
-    n = len(look.state.sides)
-    poles = slice(n - look.work.scene.n_poles, n)
-    a, b = (side_at(look_closely(look.noise, time, look))[poles] for time in (first, last))
-    return bool(((a == 0.0) | (b != a)).any())
+    n, count = len(look.state.sides), look.work.scene.n_poles
+    if count == 0:
+        return False
+    a, b = (
+        side_at(look_closely(look.noise, time, look))[n - count : n] for time in (first, last)
+    )
+    is_there = (a == 0.0) & (b == 0.0)
+    return bool((is_there | (in_between & (a * b != 1.0))).any())
 
 
 def told_end(end: float, look: Look) -> float:
@@ -702,17 +707,18 @@ def told_end(end: float, look: Look) -> float:
     looks = 0
     while first < start + allowed:
         if looks == MOST_LOOKS:
-            look.is_untold = look.is_untold or not is_at_pole(first, end, look)
+            look.is_untold = look.is_untold or not is_at_pole(first, end, look, in_between=True)
             break
         looks += 1
         last = smaller(first + width, end)
-        is_good = are_narrow_told(first, last, look)
-        if not is_good and width > FINEST * whole:
+        is_there = is_at_pole(first, last, look, in_between=False)
+        is_good = not is_there and are_narrow_told(first, last, look)
+        if not (is_good or is_there) and width > FINEST * whole:
             width = 0.5 * width
             continue
         if is_good:
             allowed = smaller(allowed, larger(first - start, last - first))
-        elif not is_at_pole(first, last, look):
+        elif not is_at_pole(first, last, look, in_between=True):
             look.is_untold = True
         first = last
         width = 2.0 * width
