@@ -95,7 +95,11 @@ class Quotient(NamedTuple):
         """
         place = enclosure(self.place, spans)
         ends = (apply(Function.MIN, place.least, ZERO), apply(Function.MAX, place.most, ZERO))
-        near = {PLACE: place, **self._rests(self.above, 0, ends), **self._rests(self.below, 1, ends)}
+        near = {
+            PLACE: place,
+            **self._rests(self.above, 0, ends),
+            **self._rests(self.below, 1, ends),
+        }
         (a, da), (b, db) = (self._series(one, k) for k, one in enumerate((self.above, self.below)))
         near[ITSELF] = value = self._both(
             enclosure(self.whole, spans), enclosure(div(a, b), near), place
@@ -157,13 +161,12 @@ def without_quotients(
         known[id(part)] = apply(part.function, *(known[id(arg)] for arg in part.args))
         same = known[id(part)]
         if isinstance(same, Apply) and same.function is Function.DIV:
-            known[id(part)] = _named(same, varying, found)
+            names = {*varying, *(one.name for one in found.values())}
+            known[id(part)] = _named(same, names, found)
     return known[id(formula)], tuple(found.values())
 
 
-def _named(
-    part: Apply, varying: Collection[str], found: dict[Expression, Quotient]
-) -> Expression:
+def _named(part: Apply, varying: Collection[str], found: dict[Expression, Quotient]) -> Expression:
     """Return a quotient with a name for what has a limit in it, if something has."""
     above, below = ([*_factors(one)] for one in part.args)
     for place in _places(part.args[1], varying):

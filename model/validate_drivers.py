@@ -6,9 +6,9 @@ from math import isfinite, pi
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join, require_known
-from kousoku.model.exponentials import rate_of
 from kousoku.model.drivers import text_of
 from kousoku.model.errors import ExpressionError, SceneError
+from kousoku.model.exponentials import rate_of
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME, values_at_start
 from kousoku.model.joints import sort_of

@@ -551,10 +551,8 @@ static double seen_end(double end, Look *look, State *s, Work *work)
         a = b;
         width = smaller(2.0 * width, widest);
     }
-    if (!(a.time < end)) return end;
-    if (a.time > nearest) return a.time;
-    look->is_untold = 1;
-    return end;
+    look->is_untold = a.time < end && !(a.time > nearest);
+    return a.time < end && a.time > nearest ? a.time : end;
 }
 
 /* cuts a step where it must end, and remembers what crosses there */

@@ -70,8 +70,8 @@ NO_WAY = 1e-6
 #: A function is near to zero where it is less than so many times what it is known to; what that is
 #: further away tells nothing of how near it comes between.
 BANDS = 16.0
-#: What gets further than so many times what it is known to passes by, as fast as it is at a time: in
-#: the longest step, and before it comes to rest.
+#: What gets further than so many times what it is known to passes by, as fast as it is at a time:
+#: in the longest step, and before it comes to rest.
 PASSING = 16.0
 
 
@@ -494,12 +494,8 @@ def seen_end(end: float, look: Look) -> float:
         if look.crosses.any():
             return smaller(larger(first_time(a, b, look), nearest), end)
         a, width = b, smaller(2.0 * width, widest)
-    if not a.time < end:
-        return end
-    if a.time > nearest:
-        return a.time
-    look.is_untold = True
-    return end
+    look.is_untold = a.time < end and not a.time > nearest
+    return a.time if nearest < a.time < end else end
 
 
 def find_pole(passes: Flags, a: Node, b: Node, look: Look) -> None:
@@ -690,9 +686,7 @@ def is_at_pole(first: float, last: float, look: Look, *, in_between: bool) -> bo
     n, count = len(look.state.sides), look.work.scene.n_poles
     if count == 0:
         return False
-    a, b = (
-        side_at(look_closely(look.noise, time, look))[n - count : n] for time in (first, last)
-    )
+    a, b = (side_at(look_closely(look.noise, time, look))[n - count : n] for time in (first, last))
     is_there = (a == 0.0) & (b == 0.0)
     return bool((is_there | (in_between & (a * b != 1.0))).any())
 

@@ -280,7 +280,7 @@ def trust_of(
         Doubt.BRANCH_POINTS: f"{count:.0f} step{'s' * (count > 1)} went by a singular"
         f" configuration, the first to t = {single['branch_point_time']:.6g} s: the motion may be"
         f" that of another branch, try {advice}",
-        Doubt.NARROW: _untold(single, advice),
+        Doubt.NARROW: untold(single, advice),
     }
     problems = [text for doubt, text in told.items() if doubt & verdict.doubts]
     if error is not None and error.unknown_from is not None:
@@ -303,13 +303,13 @@ def trust_of(
     )
 
 
-def _untold(single: Mapping[str, float], advice: str) -> str:
+def untold(single: Mapping[str, float], advice: str) -> str:
     """Return over which steps no bounds tell how formulas vary, and what to do."""
     count = single["unresolved"]
     return (
         f"narrow forces may be passed over in {count:.0f} step{'s' * (count > 1)}, the last from"
-        f" t = {single['unresolved_time']:.9g} s on, where bounds do not tell how formulas vary: try"
-        f" {advice}, or another way to write them"
+        f" t = {single['unresolved_time']:.9g} s on, where bounds do not tell how formulas vary:"
+        f" try {advice}, or another way to write them"
     )
 
 

@@ -75,6 +75,14 @@ def test_bounds_are_those_of_the_limit(text: str) -> None:
             assert most - least < 30.0 * (last - first)
 
 
+def test_a_quotient_of_a_quotient_varies_with_it() -> None:
+    formula = parse_expression("sin(t)/t*(exp(t - 1) - 1)/(t - 1)", ["t"])
+    anew, found = without_quotients(formula, SPANS)
+    assert anew == mul(*(Name(one.name) for one in found))
+    assert [one.order for one in found] == [1, 1]
+    assert without_quotients(parse_expression("(sin(t)/t)/t", ["t"]), SPANS)[1] == found[:1]
+
+
 def test_what_varies_beside_is_a_factor() -> None:
     formula = parse_expression("t*sin(t - k)/(3*(t - k))", ["t", "k"])
     anew, (quotient,) = without_quotients(formula, SPANS)

@@ -15,8 +15,8 @@ from kousoku.codegen.graph import Graph
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT, evaluate
 from kousoku.codegen.kernel import Kernel
 from kousoku.model import precise
-from kousoku.model.exponentials import rate_of
 from kousoku.model.errors import AssemblyError
+from kousoku.model.exponentials import rate_of
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
 from kousoku.model.quantity import Quantity

@@ -72,8 +72,8 @@ class Enclosed:
         same, quotients = without_quotients(formula, spans)
         spans = dict(spans)
         for k, one in enumerate(quotients):
-            rates = [self._rate(part, quotients[:k]) for part in (one.whole, one.place)]
-            spans |= one.bounds(*rates, spans)
+            rate, speed = (self._rate(part, quotients[:k]) for part in (one.whole, one.place))
+            spans |= one.bounds(rate, speed, spans)
         yield from enclosure(same, spans)
         yield from enclosure(without_overflow(self._rate(same, quotients)), spans)
 
