@@ -294,10 +294,7 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
     const double start = s->time, whole = smaller(h, end - start);
     s->longest = larger(FORGETTING * s->longest, smaller(whole, GROWTH * s->stride));
     const double last_step = start - s->time_before;
-    if (s->short_steps > MOST_SHORT && last_step < LONG * s->longest) {
-        note_unresolved(start, s);
-        return end;
-    }
+    const int is_tired = s->short_steps > MOST_SHORT && last_step < LONG * s->longest;
     double first = start, allowed = whole, width = whole / part;
     size_t n = 0;
     for (; n != MOST_INTERVALS; ++n) {
@@ -312,8 +309,10 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
         if (!(first < start + allowed)) break;
         width = 2.0 * width;
     }
-    if (n == MOST_INTERVALS) note_unresolved(start, s);
-    s->short_steps = allowed < SHORT * s->longest ? s->short_steps + 1 : 0;
+    if (n == MOST_INTERVALS || (is_tired && allowed < whole)) note_unresolved(start, s);
+    if (is_tired) return end;
+    if (!(allowed < SHORT * s->longest)) s->short_steps = 0;
+    else if (allowed < whole) s->short_steps += 1; /* others are short by their error */
     if (!(allowed < whole)) return end;
     /* in equal steps: what is left of the way must be none too short */
     return start + whole / ceil(whole / allowed);

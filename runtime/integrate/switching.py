@@ -298,11 +298,9 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
     start = first = state.time
     allowed = whole = smaller(h, end - start)
     state.longest = larger(FORGETTING * state.longest, smaller(whole, GROWTH * state.stride))
-    last_step = start - state.time_before
-    if state.short_steps > MOST_SHORT and last_step < LONG * state.longest:
-        note_unresolved(start, state)
-        return end
-    width = whole / part
+    last_step, width = start - state.time_before, whole / part
+    is_tired = state.short_steps > MOST_SHORT and last_step < LONG * state.longest
+    is_untold = False
     for _ in range(MOST_INTERVALS):
         last = first + width
         is_good = is_resolved(first, last, work.w)
@@ -316,8 +314,15 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
             break
         width = 2.0 * width
     else:
+        is_untold = True
+    if is_untold or (is_tired and allowed < whole):
         note_unresolved(start, state)
-    state.short_steps = state.short_steps + 1 if allowed < SHORT * state.longest else 0
+    if is_tired:
+        return end
+    if not allowed < SHORT * state.longest:
+        state.short_steps = 0
+    elif allowed < whole:  # others are short by their error
+        state.short_steps += 1
     if not allowed < whole:
         return end
     # in equal steps: what is left of the way must be none too short
