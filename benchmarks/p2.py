@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.limits import aligned
-from kousoku.codegen.dual import evaluate_dual
 from kousoku.codegen.freeze_components import freeze_components
+from kousoku.model.dual import evaluate_dual
 from kousoku.symbolic.kinds import derive
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from kousoku.symbolic.matrices import mul, transpose
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from kousoku.codegen.graph import Graph
+    from kousoku.model.graph import Graph
 
 Cells = tuple[tuple[int, ...], ...]
 Factors = tuple[Any, ...]

@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
-from kousoku.codegen.kernel import Package
 from kousoku.codegen.passes.optimise import optimise
 from kousoku.codegen.store import GRAPH_FILE, dump, parse
 from kousoku.model.cache import cache_folder, write_atomically
 from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
 from kousoku.model.jsontext import to_text
+from kousoku.model.kernel import Package
 from kousoku.model.manifest import REFERENCE_FILE
 
 if TYPE_CHECKING:
@@ -31,12 +31,8 @@ SOURCES = (
     "symbolic/*.py",
     "codegen/chain.py",
     "codegen/derived.py",
-    "codegen/dual.py",
     "codegen/freeze.py",
     "codegen/freeze_components.py",
-    "codegen/graph.py",
-    "codegen/interpret.py",
-    "codegen/kernel.py",
     "codegen/known.py",
     "codegen/manifold.py",
     "codegen/passes/*.py",
@@ -46,9 +42,16 @@ SOURCES = (
     "codegen/unit.py",
     "codegen/store.py",
     "codegen/stream.py",
+    "model/arithmetic.py",
+    "model/digits.py",
+    "model/dual.py",
+    "model/graph.py",
+    "model/interpret.py",
     "model/jsontext.py",
+    "model/kernel.py",
     "model/quantity.py",
     "model/rows.py",
+    "model/slopes.py",
 )
 #: File beside the committed kinds that says of which sources they were derived.
 RECORD_FILE = "derived.json"

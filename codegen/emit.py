@@ -19,8 +19,8 @@ from kousoku.model.manifest import ABI, KernelManifest, Manifest
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.codegen.kernel import Kernel, Package
     from kousoku.codegen.view_records import PackageView
+    from kousoku.model.kernel import Kernel, Package
 
     Inputs = tuple[tuple[str, str], ...]
 
@@ -127,30 +127,17 @@ def render(templates: Environment, path: str, view: PackageView) -> str:
     return templates.get_template(path).render(package=view)
 
 
-def inputs_of(
-    package: Package, solver: object = None, libraries: Mapping[str, str] | None = None
-) -> Inputs:
-    """Return the SHA-256 of all that a package is made of: graphs, templates, plain source.
-
-    Parameters
-    ----------
-    package : Package
-        The kernels.
-    solver : object, optional
-        What the solver of a linkage is made of beside them.
-    libraries : mapping of str to str, optional
-        Plain source that goes along with that.
-    """
+def inputs_of(package: Package) -> Inputs:
+    """Return the SHA-256 of all that a package is made of: graphs, templates, plain source."""
     templates = [
         name
         for name in sorted(_TEMPLATES.list_templates())
-        if not name.startswith("dynamics/")
-        and (solver is not None or not name.startswith("linkage/"))
+        if not name.startswith(("dynamics/", "linkage/"))
     ]
     return hashed(
-        **{"derivation" if solver is None else "scene": repr((astuple(package), solver))},
+        derivation=repr((astuple(package), None)),
         templates="".join(map(template, templates)),
-        runtime=repr(along(*LIBRARIES) | dict(libraries or {})),
+        runtime=repr(along(*LIBRARIES)),
     )
 
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.unit import SMALLEST_SUBNORMAL
 from kousoku.model.errors import FreezeError
-from kousoku.model.terms import Apply, Function, Name, Number, ordered
+from kousoku.model.terms import Function, Number, evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.graph import Graph
-    from kousoku.model.terms import Expression
+    from kousoku.model.graph import Graph
+    from kousoku.model.terms import Expression, Name
 
 LARGEST_EXPONENT = 2**64
 """Whole and half exponents up to it become products: exp and log have no value of negative numbers.
@@ -40,20 +40,19 @@ def to_graph(expression: Expression, graph: Graph, leaves: Mapping[str, int]) ->
     FreezeError
         A name has no node, or a constant is no double.
     """
-    known: dict[int, int] = {}
-    for part in ordered(expression):
-        match part:
-            case Number(value):
-                node = graph.const(value)
-            case Name(name):
-                if name not in leaves:
-                    known_names = ", ".join(leaves) or "none"
-                    raise FreezeError(f"the name {name} has no node; there are {known_names}")
-                node = leaves[name]
-            case Apply(function, args):
-                node = _apply(graph, function, [known[id(arg)] for arg in args])
-        known[id(part)] = _bounded(graph, node)
-    return known[id(expression)]
+
+    def leaf(part: Number | Name) -> int:
+        if isinstance(part, Number):
+            return _bounded(graph, graph.const(part.value))
+        if part.name not in leaves:
+            known = ", ".join(leaves) or "none"
+            raise FreezeError(f"the name {part.name} has no node; there are {known}")
+        return leaves[part.name]
+
+    def apply(function: Function, args: Sequence[int]) -> int:
+        return _bounded(graph, _apply(graph, function, args))
+
+    return evaluated(expression, leaf, apply)
 
 
 def _apply(graph: Graph, function: Function, args: Sequence[int]) -> int:

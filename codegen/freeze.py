@@ -25,11 +25,11 @@ from sympy.matrices.expressions.matexpr import MatrixElement
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.codegen.chain import Association, flip
-from kousoku.codegen.graph import Graph, Op
-from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.codegen.unit import SMALLEST_SUBNORMAL
 from kousoku.model.errors import FreezeError
+from kousoku.model.graph import Graph, Op
+from kousoku.model.kernel import Kernel
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from kousoku.codegen.graph import Node, Op
-from kousoku.codegen.kernel import Kernel
 from kousoku.model.errors import FreezeError
+from kousoku.model.graph import Node, Op
+from kousoku.model.kernel import Kernel
 from kousoku.symbolic.matrices import elements
 
 if TYPE_CHECKING:

@@ -15,11 +15,11 @@ from kousoku.codegen.derived import (
     recall_or_derive,
 )
 from kousoku.codegen.emit import LIBRARIES, along_file, emit, sha256, with_manifest
-from kousoku.codegen.kernel import Package
 from kousoku.codegen.store import GRAPH_FILE, dump
 from kousoku.model.cache import write_atomically
 from kousoku.model.compressed import content, stored
 from kousoku.model.jsontext import to_text
+from kousoku.model.kernel import Package
 from kousoku.model.manifest import PLAIN, REFERENCE_FILE, Manifest
 from kousoku.symbolic.kinds import KINDS, packages_of
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
     from kousoku.symbolic.derivation import Derivation
 
     SourceTree = dict[str, str]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.dual import evaluate_dual
-from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.points import is_euler_parameters
+from kousoku.model.digits import CONTEXT
+from kousoku.model.dual import evaluate_dual
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
 
     #: An element of an input: the input's name and the element's place, row-major.
     Place = tuple[str, int]
@@ -41,14 +41,14 @@ def solve_constraint(
         The point in doubles; None where the iteration does not converge.
     """
     numbers = {
-        (quantity.name, k): HIGH_CONTEXT.mpf(start[quantity.name][k])
+        (quantity.name, k): CONTEXT.mpf(start[quantity.name][k])
         for quantity in kernel.inputs
         for k in range(quantity.size)
     }
     for _ in range(MOST_ITERATIONS):
         try:
             values, rows = _equations(kernel, output, numbers)
-            if max(map(abs, values)) < HIGH_CONTEXT.mpf(10) ** -40:
+            if max(map(abs, values)) < CONTEXT.mpf(10) ** -40:
                 break
             step = _least_step(values, rows)
         except ArithmeticError:  # a pole, no real root, or rows that depend on each other
@@ -81,11 +81,11 @@ def _equations(
 def _least_step(values: Sequence[Any], rows: Sequence[Mapping[Place, Any]]) -> dict[Place, Any]:
     """Return the smallest x with J x = −values: x = Jᵀ (J Jᵀ)⁻¹ (−values)."""
     count = len(rows)
-    square = HIGH_CONTEXT.matrix(count, count)
+    square = CONTEXT.matrix(count, count)
     for i in range(count):
         for j in range(count):
             square[i, j] = sum(x * rows[j].get(k, 0) for k, x in rows[i].items())
-    multipliers = HIGH_CONTEXT.lu_solve(square, HIGH_CONTEXT.matrix([-value for value in values]))
+    multipliers = CONTEXT.lu_solve(square, CONTEXT.matrix([-value for value in values]))
     step: dict[Place, Any] = {}
     for multiplier, row in zip(multipliers, rows, strict=True):
         for place, derivative in row.items():

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 from kousoku.codegen.dynamics.operations.own_frames import COLUMNS, PLACES, RATES, own_inputs
-from kousoku.codegen.graph import Graph
 from kousoku.codegen.passes.rebuild import substitute
 from kousoku.codegen.store import keep_own
 from kousoku.model.errors import DerivationError
+from kousoku.model.graph import Graph
 from kousoku.model.joints import NAMES
 from kousoku.model.own_kind import KEYS, OwnInput, OwnKind
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import Literal
 
-    from kousoku.codegen.kernel import Kernel, Package
+    from kousoku.model.kernel import Kernel, Package
     from kousoku.model.quantity import Quantity
 
 #: Outputs of the kernels that a joint is made of, by kernel.

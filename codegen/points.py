@@ -10,16 +10,16 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.graph import Op
-from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.unit import SMALLEST_SUBNORMAL
+from kousoku.model.digits import CONTEXT
+from kousoku.model.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.graph import Node
-    from kousoku.codegen.kernel import Kernel
     from kousoku.codegen.stream import Stream
+    from kousoku.model.graph import Node
+    from kousoku.model.kernel import Kernel
     from kousoku.model.quantity import Quantity
 
     Numbers = Mapping[str, tuple[float, ...]]
@@ -55,7 +55,7 @@ def is_euler_parameters(quantity: Quantity) -> bool:
 
 def unit(p: Sequence[float]) -> tuple[float, ...]:
     """Return ``p`` divided by its norm, rounded once."""
-    norm = HIGH_CONTEXT.sqrt(sum(HIGH_CONTEXT.mpf(x) ** 2 for x in p))
+    norm = CONTEXT.sqrt(sum(CONTEXT.mpf(x) ** 2 for x in p))
     return tuple(float(x / norm) for x in p)
 
 
@@ -201,7 +201,7 @@ def _degenerate(
         if is_euler_parameters(quantity):
             chosen[quantity.name] = unit((math.ldexp(values[0], -30), *values[1:]))
         elif quantity.unit == "rad" and not quantity.shape:
-            chosen[quantity.name] = (float(HIGH_CONTEXT.pi * (turn + k + 1) / 2),)
+            chosen[quantity.name] = (float(CONTEXT.pi * (turn + k + 1) / 2),)
         elif quantity.size > 1:
             axis = (turn + k) % quantity.size
             chosen[quantity.name] = tuple(

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING, NamedTuple
 
-from kousoku.codegen.graph import Op, literal
 from kousoku.model.errors import EmitError
+from kousoku.model.graph import Op, literal
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -12,9 +12,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.dual import Dual, evaluate_dual
 from kousoku.codegen.freeze_components import freeze_components
-from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.known import known_errors, units_off
 from kousoku.codegen.manifold import solve_constraint
 from kousoku.codegen.points import (
@@ -27,14 +25,16 @@ from kousoku.codegen.points import (
 from kousoku.codegen.states import coincident_points, motion_points
 from kousoku.codegen.stream import Stream
 from kousoku.codegen.unit import columns
+from kousoku.model.digits import CONTEXT
+from kousoku.model.dual import Dual, evaluate_dual
 from kousoku.model.errors import DerivationError
 from kousoku.model.jsontext import to_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.kernel import Kernel, Package
     from kousoku.codegen.known import KnownError
+    from kousoku.model.kernel import Kernel, Package
     from kousoku.symbolic.derivation import Function, Output
 
 FORMAT = 1
@@ -79,7 +79,7 @@ def references(
     DerivationError
         The frozen kernel has a zero where the component level has none.
     """
-    with HIGH_CONTEXT.workdps(WORKING_DIGITS):
+    with CONTEXT.workdps(WORKING_DIGITS):
         kernels = _kernels(package, functions, is_thorough)
     return to_text({"format": FORMAT, "package": package.name, "kernels": kernels})
 
@@ -192,9 +192,7 @@ def values_at(
     finite = {
         name: [x if math.isfinite(x) else 1.25 for x in xs] for name, xs in point.inputs.items()
     }
-    numbers = {
-        (name, k): HIGH_CONTEXT.mpf(x) for name, xs in finite.items() for k, x in enumerate(xs)
-    }
+    numbers = {(name, k): CONTEXT.mpf(x) for name, xs in finite.items() for k, x in enumerate(xs)}
     try:
         duals = evaluate_dual(components, finite)
     except ArithmeticError:
@@ -213,7 +211,7 @@ def values_at(
 def _documented(output: Output) -> tuple[Dual, ...]:
     """Return what is documented of an output where its formula has a pole."""
     assert output.at_pole is not None
-    return (Dual(HIGH_CONTEXT.mpf(output.at_pole), {}),) * output.quantity.size
+    return (Dual(CONTEXT.mpf(output.at_pole), {}),) * output.quantity.size
 
 
 def _json_number(x: float) -> float | str:

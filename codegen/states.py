@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.points import Point, ordinary
+from kousoku.model.digits import CONTEXT
 from kousoku.symbolic.matrices import quadratic_form
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ def _arm_rate(numbers: Mapping[str, Triple], body: str) -> tuple[float, ...]:
 
 
 def _orientation(p: Sequence[float]) -> list[list[float]]:
-    return quadratic_form([HIGH_CONTEXT.mpf(e) for e in p])
+    return quadratic_form([CONTEXT.mpf(e) for e in p])
 
 
 def _transposed(p: Sequence[float]) -> list[list[float]]:

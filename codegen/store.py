@@ -15,12 +15,12 @@ from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.graph import Node, Op
-from kousoku.codegen.kernel import Kernel, Package
 from kousoku.model.cache import cache_folder, write_atomically
 from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
+from kousoku.model.graph import Node, Op
 from kousoku.model.jsontext import to_text
+from kousoku.model.kernel import Kernel, Package
 from kousoku.model.own_kind import PREFIX, is_own, kind_name
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.kinds import KINDS

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.interpret import HIGH_CONTEXT
+from kousoku.model.digits import CONTEXT
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.codegen.dual import Dual
+    from kousoku.model.dual import Dual
 
 SMALLEST_SUBNORMAL = 5e-324
 #: u, the rounding of a double.
-ROUNDING = HIGH_CONTEXT.mpf(2) ** -53
+ROUNDING = CONTEXT.mpf(2) ** -53
 #: A derivative below this, at numbers of order one, is a zero that 50 digits left over.
-NEGLIGIBLE = HIGH_CONTEXT.mpf(10) ** -40
+NEGLIGIBLE = CONTEXT.mpf(10) ** -40
 
 
 def columns(
@@ -41,7 +41,7 @@ def _row(
 ) -> tuple[float | None, float, float]:
     """Return high, low and unit u (|f| + Σ |x ∂f/∂x|) of one number."""
     is_bad = any(abs(element.gradient.get(place, 0)) > NEGLIGIBLE for place in bad)
-    if is_bad or HIGH_CONTEXT.isnan(element.value):
+    if is_bad or CONTEXT.isnan(element.value):
         return None, 0.0, SMALLEST_SUBNORMAL
     high = float(element.value)
     low = float(element.value - high)

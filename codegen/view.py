@@ -8,7 +8,6 @@ from textwrap import shorten, wrap
 from typing import TYPE_CHECKING
 
 from kousoku.codegen import printers
-from kousoku.codegen.graph import Op
 from kousoku.codegen.passes.trace import without_sharing
 from kousoku.codegen.view_body import count_operations
 from kousoku.codegen.view_calls import arguments_of, calls_of, unwanted_of
@@ -16,11 +15,12 @@ from kousoku.codegen.view_choices import Bodies
 from kousoku.codegen.view_lines import ascii_of, plain
 from kousoku.codegen.view_names import Namer, checked
 from kousoku.codegen.view_records import ArgumentView, KernelView, PackageView
+from kousoku.model.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.codegen.kernel import Kernel, Package
+    from kousoku.model.kernel import Kernel, Package
 
 #: Operations on which Python's floats behave as arrays do, whatever the operands.
 _POLYNOMIAL = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.NEG})

@@ -6,15 +6,15 @@ from collections import Counter
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.graph import Op
 from kousoku.codegen.printers import FUNCTIONS, C, Text
+from kousoku.model.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.kernel import Kernel
     from kousoku.codegen.printers import Printer
     from kousoku.codegen.view_names import Namer
+    from kousoku.model.kernel import Kernel
 
 #: Longest name and right-hand side together: what C writes around them keeps it within 100.
 WIDTH = 77

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen import printers
-from kousoku.codegen.graph import Op
 from kousoku.codegen.view_body import (
     layout,
     live_nodes,
@@ -17,13 +16,14 @@ from kousoku.codegen.view_body import (
 )
 from kousoku.codegen.view_names import Namer
 from kousoku.codegen.view_records import ArgumentView, BodyText, BodyView, TailText
+from kousoku.model.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.graph import Node
-    from kousoku.codegen.kernel import Kernel
     from kousoku.codegen.printers import Printer
+    from kousoku.model.graph import Node
+    from kousoku.model.kernel import Kernel
 
 #: Operations whose operands may change places.
 _COMMUTATIVE = frozenset({Op.ADD, Op.MUL})

@@ -17,6 +17,9 @@ from kousoku.runtime.integrate.result import listed
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from kousoku.model.elements.coupling import Coupling
+    from kousoku.model.elements.joint import JointKind
+
 T = TypeVar("T")
 
 
@@ -128,19 +131,24 @@ class Catalog(_Named[Section]):
 def _catalog() -> Catalog:
     import json
 
-    from kousoku.model import joints, loads, validate_coordinates, validate_drivers
+    from kousoku.model import joints, validate_coordinates, validate_drivers
+    from kousoku.model.elements.forces import FORCES
 
     text = (files("kousoku.model") / "scene.schema.json").read_text(encoding="utf-8")
     records = json.loads(text)["$defs"]
-    known: dict[str, joints.JointKind | joints.Coupling]
-    known = {**joints.JOINTS, **joints.COUPLINGS}
+    known: dict[str, JointKind | Coupling] = {**joints.JOINTS, **joints.COUPLINGS}
     sections = {
         "kinds": _kinds(),
         "joints": [
             Entry(name, x.title, _meanings(records["Joint"], joints.keys_of(name)), x.aliases)
             for name, x in known.items()
         ],
-        "forces": _sorts(records["Force"], loads.KEYS, loads.TITLES, "type"),
+        "forces": _sorts(
+            records["Force"],
+            {name: one.all_keys for name, one in FORCES.items()},
+            {name: one.title for name, one in FORCES.items()},
+            "type",
+        ),
         "drivers": _sorts(records["Driver"], validate_drivers.KEYS, validate_drivers.TITLES),
         "coordinates": _sorts(
             records["Coordinate"],

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from kousoku.codegen.dynamics.explanation.explain import Explanation
-    from kousoku.codegen.linkage_explain import LinkageExplanation
+    from kousoku.codegen.linkage.explain import LinkageExplanation
     from kousoku.model.builder import SceneBuilder
     from kousoku.model.scene import Scene
     from kousoku.own_kinds import Kind
@@ -76,7 +76,7 @@ def explain(
         scene, file = given.read(), given.file
     with naming(file):
         if not scene.is_spatial:
-            from kousoku.codegen.linkage_explain import explain_linkage
+            from kousoku.codegen.linkage.explain import explain_linkage
 
             return explain_linkage(scene)
         from kousoku.codegen.dynamics.explanation.explain import explain as explained

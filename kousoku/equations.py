@@ -25,13 +25,13 @@ from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.simplification.outline import outline_of
-from kousoku.codegen.interpret import ARRAY
-from kousoku.codegen.interpret import evaluate as evaluated
 from kousoku.labels import columns_of, is_turn, rows_of
 from kousoku.model.errors import SolveError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
 from kousoku.model.held import without_held
+from kousoku.model.interpret import ARRAY
+from kousoku.model.interpret import evaluate as evaluated
 from kousoku.model.system import system_of
 from kousoku.model.values import value_of
 from kousoku.model.varying import Varying, fixed_system

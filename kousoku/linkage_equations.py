@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
+from kousoku.model.arithmetic import FLOAT
 from kousoku.model.assemble import Role, assemble
 from kousoku.model.directions import unit_vector
 from kousoku.model.errors import SolveError
+from kousoku.model.interpret import evaluate
 from kousoku.runtime.integrate.given import misfit, numbers_of, require_numbers
 
 if TYPE_CHECKING:

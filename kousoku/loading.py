@@ -25,7 +25,7 @@ from kousoku.model.errors import (
 )
 from kousoku.own_kinds import own_kinds
 from kousoku.progress import told
-from kousoku.runtime.dynamics import MOTION_FILE, load_dynamics
+from kousoku.runtime.dynamics import LINKAGE_LIBRARY, load_dynamics
 from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.library import MANIFEST
 
@@ -299,11 +299,10 @@ def generated(
         return generate_dynamics(scene, outputs, references=references)
     import msgspec
 
-    from kousoku.codegen.linkage import generate_scene
+    from kousoku.codegen.linkage.generate import generate_scene
 
-    return generate_scene(
-        scene if outputs is None else msgspec.structs.replace(scene, outputs=tuple(outputs))
-    )
+    wanted = scene if outputs is None else msgspec.structs.replace(scene, outputs=tuple(outputs))
+    return generate_scene(wanted, references=references)
 
 
 def _written(shelf: Path, name: str, text: str, tree: Mapping[str, str]) -> Path:
@@ -329,7 +328,7 @@ def _look(key: str, options: str) -> Path | None:
 
 
 def _open(folder: Path, target: Target) -> Solver:
-    if (folder / MOTION_FILE).is_file():
+    if not (folder / LINKAGE_LIBRARY).is_dir():
         return load_dynamics(folder, target=target)
     from kousoku.runtime.linkage import load_scene
 

@@ -81,9 +81,7 @@ class Mechanism:
     @property
     def name(self) -> str:
         """The name of the scene."""
-        if isinstance(self.solver, DynamicsSolver):
-            return self.solver.name
-        return self.solver.library.manifest.package
+        return self.solver.name
 
     @property
     def unit(self) -> str:
@@ -111,8 +109,8 @@ class Mechanism:
     def files(self) -> dict[str, str]:
         """The emitted files by name: C and NumPy of its solver, to be read."""
         solver = self.solver
-        owner = solver.target.sources if isinstance(solver, DynamicsSolver) else solver.library
-        return _Files({name: data.decode() for name, data in owner.files.items()})
+        sources = (solver.target if isinstance(solver, DynamicsSolver) else solver).sources
+        return _Files({name: data.decode() for name, data in sources.files.items()})
 
     def __repr__(self) -> str:
         return f"<Mechanism {self.name}: {', '.join(self._facts())}; in {self.target}>"

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
-from kousoku.model.frames import GROUND_FRAME, joint_points, joint_vectors
-from kousoku.model.joints import ANGLE, DISPLACEMENT, JOINTS, NAMES, sort_of
+from kousoku.model.digits import CONTEXT
+from kousoku.model.frames import GROUND_FRAME
+from kousoku.model.joints import JOINTS, NAMES, sort_of
 from kousoku.model.mechanism import Coordinate
-from kousoku.model.precise import CONTEXT, NOISE, ZERO
+from kousoku.model.precise import NOISE, ZERO
 from kousoku.model.traced import Traced, at_scene
 
 if TYPE_CHECKING:
@@ -79,53 +80,9 @@ def _clean(value: High, size: High) -> High:
 
 
 def joint_measure(joint: Joint, sort: str, frames: Mapping[str, BodyFrame]) -> Measure:
-    """Return an angle or a displacement of a joint.
-
-    The angle is that of the zero direction of body j, counted from the zero direction of body i
-    counter-clockwise about the axis of body i. The displacement is that of the point of j, from the
-    point of i along the axis of i; in a plane it is along the zero direction of i, and the second
-    one along axis × zero direction.
-    """
+    """Return what a joint leaves free: an angle or a displacement."""
     ends = frames[joint.ends[0]], frames[joint.ends[1]]
-    i, j = joint_vectors(ends, joint)
-    if NAMES[joint.type] == "universal":
-        return _arm_measure(sort, ends, i, j, is_written=joint.zero is None)
-    if sort == ANGLE:
-        vectors = (("a_i_b", i["across"]), ("b_i_b", i["third"]), ("a_j_b", j["across"]))
-        return Measure("angle", ends, vectors)
-    along = i["axis"]
-    if JOINTS[NAMES[joint.type]].counts_along_zero:
-        along = i["across"] if sort == DISPLACEMENT else i["third"]
-    return Measure("n2", ends, (("a_i_b", along),), joint_points(joint, ends))
-
-
-def _arm_measure(
-    sort: str,
-    ends: tuple[BodyFrame, BodyFrame],
-    i: Mapping[str, Triple],
-    j: Mapping[str, Triple],
-    *,
-    is_written: bool,
-) -> Measure:
-    """Return a turn of the cross of a universal joint about one of its arms.
-
-    The angle is that of the arm of j, seen from body i, about the arm of i. The second is that of
-    body j about its own arm: against it the arm of i turns the other way.
-    """
-    first, second = ends
-    if sort == ANGLE:
-        own, arm, across = i["axis"], j["axis"], i["across"]
-    else:
-        ends = second, first
-        own, arm, across = j["axis"], i["axis"], j["across"]
-    if is_written:
-        seen = ends[0].from_ground(ends[1].to_ground(arm))
-        aside = precise.without(seen, own)
-        across = precise.across(own) if precise.length(aside) < NOISE else precise.unit(aside)
-    third = precise.cross(own, across)
-    if sort != ANGLE:
-        third = precise.scale(CONTEXT.mpf(-1), third)
-    return Measure("angle", ends, (("a_i_b", across), ("b_i_b", third), ("a_j_b", arm)))
+    return JOINTS[NAMES[joint.type]].measure(joint, sort, ends)
 
 
 def place_measure(frame: BodyFrame, point: Triple, along: Triple) -> Measure:

@@ -23,6 +23,7 @@ from kousoku.model.text import with_a
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Sequence
 
+    from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.errors import Problem
     from kousoku.model.own_kind import OwnInput, OwnKind
 
@@ -162,16 +163,14 @@ def _fields_of(record: type[msgspec.Struct]) -> dict[str, Any]:
 
 def _own_inputs(
     tree: Mapping[Any, object], record: type[msgspec.Struct], problems: Problems
-) -> Mapping[str, OwnInput] | None:
-    """Return the inputs of a kind of one's own, none of another type; None where nobody knows it.
-
-    What keys a type has that nobody knows is not known either: that the type is unknown is said
-    where types are looked at.
-    """
+) -> Mapping[str, OwnInput | ElementInput] | None:
+    """Return the keys that a type alone has, or None where nobody knows what keys it has."""
     sort = tree.get("type")
-    if not isinstance(sort, str) or _keys_of_type(sort, record):
+    if not isinstance(sort, str):
         return {}
-    return problems.kinds[sort].inputs if sort in problems.kinds else None
+    found: Mapping[str, OwnInput | ElementInput] | None
+    found = cast("Any", record).own_inputs(sort, problems.kinds)
+    return found
 
 
 def _keys_of_type(sort: object, record: type[msgspec.Struct]) -> tuple[str, ...]:
@@ -186,13 +185,15 @@ def _unknown_key(
     name: str,
     tree: Mapping[Any, object],
     record: type[msgspec.Struct],
-    inputs: Mapping[str, OwnInput],
+    inputs: Mapping[str, OwnInput | ElementInput],
 ) -> str:
     """Return the message for a key that a record does not have, with those that it may have."""
     fields = (*inputs, *_fields_of(record))
     near = _nearest(name, fields)
     sort = tree.get("type")
-    own = ("type", "bodies", *inputs) if inputs else _keys_of_type(sort, record)
+    own = _keys_of_type(sort, record)
+    if inputs and not own:
+        own = ("type", "bodies", *inputs)
     listed = ", ".join(own or fields)
     known = f"{with_a(str(sort))} has {listed}" if own else f"known here: {listed}"
     if name in NOT_THERE:

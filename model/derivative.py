@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, cast
 
+from kousoku.model.arithmetic import FormulaArithmetic
 from kousoku.model.polynomials import even_power
+from kousoku.model.slopes import SLOPES
 from kousoku.model.terms import (
     ONE,
     ZERO,
@@ -15,15 +19,14 @@ from kousoku.model.terms import (
     Number,
     add,
     apply,
-    div,
-    mul,
-    neg,
     number,
     ordered,
     power,
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from kousoku.model.terms import Expression
 
 
@@ -81,35 +84,32 @@ def _derivative(part: Apply, slopes: tuple[Expression, ...]) -> Expression:
             return add(*slopes)
         case Function.MUL:
             (a, b), (da, db) = args, slopes
-            return add(mul(da, b), mul(a, db))
+            return da * b + a * db
         case Function.DIV:
             (_, b), (da, db) = args, slopes
-            return div(add(da, neg(mul(part, db))), b)
+            return (da - part * db) / b
         case Function.NEG:
-            return neg(slopes[0])
+            return -slopes[0]
         case Function.POW:
             return _of_power(part, *slopes)
         case Function.ATAN2:
             (y, x), (dy, dx) = args, slopes
-            square = add(mul(y, y), mul(x, x))
-            return div(add(mul(dy, x), neg(mul(y, dx))), square)
+            return (dy * x - y * dx) / (y * y + x * x)
         case Function.MAX | Function.MIN:
             return _of_extreme(part, *slopes)
         case Function.LOG_SUM:
             (a, b), (da, db) = args, slopes
-            shares = [apply(Function.SHARE, add(x, neg(y))) for x, y in ((a, b), (b, a))]
-            return add(mul(shares[0], da), mul(shares[1], db))
+            return apply(Function.SHARE, a - b) * da + apply(Function.SHARE, b - a) * db
         case _:
-            return mul(_slope(part), slopes[0])
+            return _slope(part) * slopes[0]
 
 
 def _of_power(part: Apply, da: Expression, db: Expression) -> Expression:
     a, b = part.args
     if isinstance(b, Number):
         base = a if b.value > 1 else _where_positive(a)
-        return mul(b, power(base, number(b.value - 1)), da)
-    through_a = mul(b, power(a, add(b, neg(ONE))), da)
-    return add(through_a, mul(part, apply(Function.LOG, a), db))
+        return b * power(base, number(b.value - 1)) * da
+    return b * power(a, b - 1) * da + part * apply(Function.LOG, a) * db
 
 
 def _where_positive(a: Expression) -> Expression:
@@ -120,47 +120,37 @@ def _where_positive(a: Expression) -> Expression:
     if not isinstance(a, Apply) or a.function is not Function.MAX or ZERO not in a.args:
         return a
     x = a.args[a.args[0] == ZERO]
-    return add(a, div(add(ONE, neg(apply(Function.SIGN, x))), number(2)))
+    return a + (ONE - apply(Function.SIGN, x)) / 2
 
 
 def _of_extreme(part: Apply, da: Expression, db: Expression) -> Expression:
     """Return ½ ((1 + s) a′ + (1 − s) b′), where s is the sign of a − b, or of b − a for ``MIN``."""
     a, b = part.args if part.function is Function.MAX else part.args[::-1]
-    sign = apply(Function.SIGN, add(a, neg(b)))
-    both = add(mul(add(ONE, sign), da), mul(add(ONE, neg(sign)), db))
-    return div(both, number(2))
+    sign = apply(Function.SIGN, a - b)
+    return ((1 + sign) * da + (1 - sign) * db) / 2
 
 
 def _slope(part: Apply) -> Expression:
     """Return the derivative of a function by its only argument."""
     (x,) = part.args
     match part.function:
-        case Function.SIN:
-            return apply(Function.COS, x)
-        case Function.COS:
-            return neg(apply(Function.SIN, x))
-        case Function.TAN:
-            return add(ONE, mul(part, part))
-        case Function.ASIN:
-            return div(ONE, _arc(x))
-        case Function.ACOS:
-            return div(number(-1), _arc(x))
-        case Function.ATAN:
-            return div(ONE, add(ONE, mul(x, x)))
-        case Function.SQRT:
-            return div(ONE, mul(number(2), part))
-        case Function.EXP:
-            return part
-        case Function.LOG:
-            return div(ONE, x)
         case Function.ABS:
             return apply(Function.SIGN, x)
-        case Function.SHARE:
-            return mul(part, apply(Function.SHARE, neg(x)))
-        case _:  # SIGN
+        case Function.SIGN:
             return ZERO
+        case Function.SHARE:
+            return part * apply(Function.SHARE, -x)
+        case _:
+            (slope,) = SLOPES[part.function.value](part, part.args, FORMULAS)
+            return cast("Expression", slope)
 
 
-def _arc(x: Expression) -> Expression:
-    """Return √(1 − x²), as a product that keeps its digits near ±1."""
-    return apply(Function.SQRT, mul(add(ONE, neg(x)), add(ONE, x)))
+def _made(function: Function) -> Callable[..., Expression]:
+    return partial(apply, function)
+
+
+#: The arithmetic of formulas: what is computed is one.
+FORMULAS: FormulaArithmetic[Expression] = FormulaArithmetic(
+    number=lambda value: number(Fraction(value)),
+    **{one.name: _made(Function(one.name)) for one in fields(FormulaArithmetic)[1:]},
+)

@@ -82,7 +82,7 @@ def _require_fixed(text: str, moving: Collection[str]) -> None:
 
 
 def _in_fifty_digits(parameters: Mapping[str, float]) -> dict[str, Any]:
-    from kousoku.model.traced import CONTEXT
+    from kousoku.model.digits import CONTEXT
 
     return {name: CONTEXT.mpf(value) for name, value in parameters.items()}
 

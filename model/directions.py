@@ -11,8 +11,15 @@ from math import isqrt
 
 import mpmath
 
+from kousoku.model.digits import exact
+
 #: Bits to which angles and roots are rounded.
 BITS = 200
+
+#: Twice the bits first, so that rounding does not depend on the arithmetic that mpmath found. Both
+#: are apart from the context that other code may set, and stay as they are.
+WIDE, NARROW = mpmath.mp.clone(), mpmath.mp.clone()
+WIDE.prec, NARROW.prec = 2 * BITS, BITS
 
 
 def square_root(value: Fraction) -> Fraction:
@@ -34,17 +41,10 @@ def unit_vector(x: Fraction, y: Fraction) -> tuple[Fraction, Fraction]:
 
 def heading(x: Fraction | int, y: Fraction | int) -> Fraction:
     """Return the angle of the vector (x, y) in radians, in (−π, π]."""
-    # Twice the bits first, so that rounding does not depend on the arithmetic that mpmath found.
-    with mpmath.workprec(2 * BITS):
-        angle = mpmath.atan2(_number(Fraction(y)), _number(Fraction(x)))
-    with mpmath.workprec(BITS):
-        sign, mantissa, exponent, _ = (+angle)._mpf_
-    magnitude = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-    return -magnitude if sign else magnitude
-
-
-def _number(value: Fraction) -> mpmath.mpf:
-    return mpmath.mpf(value.numerator) / value.denominator
+    above, right = (
+        WIDE.mpf(value.numerator) / value.denominator for value in (Fraction(y), Fraction(x))
+    )
+    return exact(NARROW.mpf(WIDE.atan2(above, right)))
 
 
 #: π, rounded to :data:`BITS` bits.

@@ -18,6 +18,7 @@ from kousoku.model.terms import (
     add,
     apply,
     div,
+    evaluated,
     mul,
     neg,
     ordered,
@@ -77,13 +78,7 @@ def rate_of(law: Expression, time: str, order: int) -> Expression:
     rate = without_overflow(law)
     for _ in range(order):
         rate = derivative(rate, time)
-    known: dict[int, Expression] = {}
-    for part in ordered(rate):
-        if isinstance(part, Apply):
-            known[id(part)] = composed(part.function, *(known[id(arg)] for arg in part.args))
-        else:
-            known[id(part)] = part
-    return known[id(rate)]
+    return evaluated(rate, lambda part: part, lambda function, args: composed(function, *args))
 
 
 def _form(part: Expression, args: Sequence[Form]) -> Form:

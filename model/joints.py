@@ -1,182 +1,80 @@
-"""Every joint as a composition of the lecture's kinds: the one table that code and documents share.
+"""Every joint and coupling: the one table that code and documents share.
 
-A joint has a frame in each of its two bodies: an axis, a direction across it, and a third that is
-perpendicular to both. A row of the table says which kind keeps which of them.
+A joint is an entry of :data:`JOINTS`. One that has rows, numbers or angles as no other has them is
+a class of its own in :mod:`kousoku.model.elements`; so is each coupling.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kousoku.model.elements.constant_velocity import ConstantVelocity
+from kousoku.model.elements.gear import Gear
+from kousoku.model.elements.joint import (
+    ANGLE,
+    COMBINED,
+    DISPLACEMENT,
+    DISPLACEMENTS,
+    NO_TURN,
+    ON_LINE,
+    ON_PLANE,
+    PARALLEL,
+    POINT,
+    SECOND_ANGLE,
+    JointKind,
+    Part,
+)
+from kousoku.model.elements.linear_coupling import LinearCoupling
+from kousoku.model.elements.rack_and_pinion import RackAndPinion
+from kousoku.model.elements.rod import Rod
+from kousoku.model.elements.screw import Screw
+from kousoku.model.elements.universal import Universal
+
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
-ANGLE, SECOND_ANGLE = "angle", "second_angle"
-DISPLACEMENT, SECOND_DISPLACEMENT = "displacement", "second_displacement"
-"""What a joint can leave free that is one number."""
-
-ANGLES, DISPLACEMENTS = (ANGLE, SECOND_ANGLE), (DISPLACEMENT, SECOND_DISPLACEMENT)
-"""Those of them that are in rad, and those that are lengths."""
-
-ROWS_OF = {
-    "point": 3,
-    "distance": 1,
-    "n1": 1,
-    "n2": 1,
-    "p1": 2,
-    "p2": 2,
-    "linear_combination": 1,
-}
-"""Equations of each kind that joints are made of."""
-
-
-@dataclass(frozen=True, slots=True)
-class Part:
-    """One kind in a joint.
-
-    Parameters
-    ----------
-    kind : str
-        ``point``, ``distance``, ``n1``, ``n2``, ``p1``, ``p2``, or ``linear_combination`` of
-        coordinates.
-    i, j : {"axis", "across", "third"}
-        Which vectors of the joint frames are a_i and a_j, where the kind has them.
-    """
-
-    kind: str
-    i: str = "axis"
-    j: str = "axis"
-
-
-@dataclass(frozen=True, slots=True)
-class JointKind:
-    """One line of the table of joints.
-
-    Parameters
-    ----------
-    title : str
-        What the joint allows, in one line.
-    parts : tuple of Part
-        What it is composed of, in the order of its rows.
-    axes : int
-        Axes that a scene gives: none, 1 that is the same in both bodies, or 2.
-    has_point : bool
-        Whether a scene gives a point.
-    aliases : tuple of str
-        Other names that are accepted.
-    leaves : tuple of str
-        What it leaves free that is one number: its ``angle``, the ``second_angle`` of a universal
-        joint, its ``displacement``, the ``second_displacement`` of a planar joint.
-    keys : tuple of str
-        Numbers that a scene gives and that no other joint has.
-    """
-
-    title: str
-    parts: tuple[Part, ...]
-    axes: int
-    has_point: bool = True
-    aliases: tuple[str, ...] = ()
-    leaves: tuple[str, ...] = ()
-    keys: tuple[str, ...] = ()
-
-    @property
-    def rows(self) -> int:
-        """Count of equations, the freedoms that the joint takes away."""
-        return sum(ROWS_OF[part.kind] for part in self.parts)
-
-    def turns(self, body: int) -> bool:
-        """Return whether it needs the orientation of body i (0) or j (1), which a point lacks."""
-        both, first = ("n1", "p1", "linear_combination"), ("n2", "p2")
-        return any(part.kind in (both if body else both + first) for part in self.parts)
-
-    @property
-    def keeps_zero(self) -> bool:
-        """Whether directions across its axis stay parallel, or stay so but for a bend."""
-        return self.has_zero and ANGLE not in self.leaves
-
-    @property
-    def counts_along_zero(self) -> bool:
-        """Whether its displacements are across its axis: along the zero direction and beside it."""
-        return SECOND_DISPLACEMENT in self.leaves
-
-    @property
-    def has_zero(self) -> bool:
-        """Whether directions across its axis count: it has an angle, or keeps one."""
-        across = any("across" in (part.i, part.j) for part in self.parts)
-        return across or ANGLE in self.leaves or (self.axes == 2 and _COMBINED in self.parts)
-
-
-@dataclass(frozen=True, slots=True)
-class Coupling:
-    """A linear combination of what other joints leave free: it has no bodies of its own.
-
-    Parameters
-    ----------
-    title : str
-        What it couples, in one line.
-    keys : tuple of str
-        What a scene gives.
-    couples : tuple of str
-        What the two joints of it must leave free, where it names joints.
-    aliases : tuple of str
-        Other names that are accepted.
-    """
-
-    title: str
-    keys: tuple[str, ...]
-    couples: tuple[str, ...] = ()
-    aliases: tuple[str, ...] = ()
-
-    @property
-    def rows(self) -> int:
-        """Count of equations."""
-        return 1
-
-
-_POINT, _PARALLEL, _ON_LINE, _ON_PLANE = Part("point"), Part("p1"), Part("p2"), Part("n2")
-_COMBINED = Part("linear_combination")
-_NO_TURN = Part("n1", "across", "third")
+    from kousoku.model.elements.coupling import Coupling
+    from kousoku.model.elements.inputs import ElementInput
 
 JOINTS: dict[str, JointKind] = {
     "fixed": JointKind(
-        "no relative motion", (_POINT, _PARALLEL, _NO_TURN), 0, aliases=("weld", "rigid")
+        "no relative motion", (POINT, PARALLEL, NO_TURN), 0, aliases=("weld", "rigid")
     ),
     "revolute": JointKind(
         "a turn about an axis",
-        (_POINT, _PARALLEL),
+        (POINT, PARALLEL),
         1,
         aliases=("hinge", "pin"),
         leaves=(ANGLE,),
     ),
     "prismatic": JointKind(
         "a displacement along an axis",
-        (_PARALLEL, _ON_LINE, _NO_TURN),
+        (PARALLEL, ON_LINE, NO_TURN),
         1,
         aliases=("slider", "translational"),
         leaves=(DISPLACEMENT,),
     ),
     "cylindrical": JointKind(
         "a turn about an axis and a displacement along it",
-        (_PARALLEL, _ON_LINE),
+        (PARALLEL, ON_LINE),
         1,
         leaves=(ANGLE, DISPLACEMENT),
     ),
-    "spherical": JointKind("all turns about a point", (_POINT,), 0, aliases=("ball",)),
-    "universal": JointKind(
+    "spherical": JointKind("all turns about a point", (POINT,), 0, aliases=("ball",)),
+    "universal": Universal(
         "turns about the two arms of a cross",
-        (_POINT, Part("n1")),
+        (POINT, Part("n1")),
         2,
         aliases=("hooke", "cardan", "Hooke", "Cardan"),  # names of people
         leaves=(ANGLE, SECOND_ANGLE),
     ),
     "planar": JointKind(
         "displacements in a plane and a turn about its normal",
-        (_PARALLEL, _ON_PLANE),
+        (PARALLEL, ON_PLANE),
         1,
         leaves=(ANGLE, *DISPLACEMENTS),
     ),
-    "rod": JointKind(
+    "rod": Rod(
         "all that keeps the distance of two points",
         (Part("distance"),),
         0,
@@ -184,20 +82,20 @@ JOINTS: dict[str, JointKind] = {
     ),
     "point_on_line": JointKind(
         "all turns, and a displacement of the point of j on the line through the point of i",
-        (_ON_LINE,),
+        (ON_LINE,),
         1,
         aliases=("inline",),
         leaves=(DISPLACEMENT,),
     ),
     "point_on_plane": JointKind(
         "all turns, and displacements of the point of j in the plane through the point of i",
-        (_ON_PLANE,),
+        (ON_PLANE,),
         1,
         aliases=("inplane",),
     ),
     "parallel_axes": JointKind(
         "all displacements, and a turn about two axes that stay parallel",
-        (_PARALLEL,),
+        (PARALLEL,),
         1,
         has_point=False,
         aliases=("parallel",),
@@ -210,17 +108,17 @@ JOINTS: dict[str, JointKind] = {
         has_point=False,
         aliases=("perpendicular",),
     ),
-    "screw": JointKind(
+    "screw": Screw(
         "a turn about an axis and, with it, a displacement along it",
-        (_PARALLEL, _ON_LINE, _COMBINED),
+        (PARALLEL, ON_LINE, COMBINED),
         1,
         aliases=("helical",),
         leaves=(ANGLE, DISPLACEMENT),
         keys=("pitch",),
     ),
-    "constant_velocity": JointKind(
+    "constant_velocity": ConstantVelocity(
         "the bend of two shafts that turn equally fast",
-        (_POINT, _COMBINED),
+        (POINT, COMBINED),
         2,
         aliases=("cv", "homokinetic", "rzeppa", "convel"),
     ),
@@ -228,23 +126,9 @@ JOINTS: dict[str, JointKind] = {
 """All joints between two bodies by name."""
 
 COUPLINGS: dict[str, Coupling] = {
-    "gear": Coupling(
-        "the angles of two joints, in a ratio",
-        ("joints", "ratio"),
-        (ANGLE, ANGLE),
-        aliases=("gears",),
-    ),
-    "rack_and_pinion": Coupling(
-        "the angle of one joint and the displacement of another",
-        ("joints", "radius"),
-        (ANGLE, DISPLACEMENT),
-        aliases=("rack", "rackpin"),
-    ),
-    "linear": Coupling(
-        "the sum of coordinates, each multiplied by a factor",
-        ("coordinates", "factors"),
-        aliases=("coupler",),
-    ),
+    "gear": Gear(),
+    "rack_and_pinion": RackAndPinion(),
+    "linear": LinearCoupling(),
 }
 """All couplings by name."""
 
@@ -260,17 +144,15 @@ NAMES: dict[str, str] = {
 def keys_of(kind: str) -> tuple[str, ...]:
     """Return the keys of a joint or a coupling by its name or alias, none where there is none."""
     name = NAMES.get(kind, "")
-    if name in COUPLINGS:
-        return ("type", *COUPLINGS[name].keys)
-    if name not in JOINTS:
-        return ()
-    entry = JOINTS[name]
-    points = ("points",) if name == "rod" else ("points", "at")
-    axes = ("axes", "axis", "second_axis")[: 1 + entry.axes] if entry.axes else ()
-    zero = ("zero",) * entry.has_zero
-    length = ("length",) * (name == "rod")
-    own = (*points * entry.has_point, *axes, *zero, *length, *entry.keys)
-    return ("type", "bodies", *own)
+    entry = COUPLINGS.get(name) or JOINTS.get(name)
+    return ("type", *entry.all_keys) if entry is not None else ()
+
+
+def inputs_of(kind: str) -> Mapping[str, ElementInput]:
+    """Return the keys that a joint or a coupling alone has, by its name or alias."""
+    name = NAMES.get(kind, "")
+    entry = COUPLINGS.get(name) or JOINTS.get(name)
+    return entry.inputs if entry is not None else {}
 
 
 def leaves_of(kind: str) -> tuple[str, ...]:

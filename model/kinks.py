@@ -56,7 +56,7 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Appl
     parts = [part for part in ordered(law) if isinstance(part, Apply) and part.function in KINKS]
     if not parts:
         return None
-    from kousoku.model.traced import CONTEXT  # noqa: PLC0415 (mpmath is for kinks only)
+    from kousoku.model.digits import CONTEXT  # noqa: PLC0415 (mpmath is for kinks only)
 
     for part in parts:
         if time not in names_of(part):
@@ -106,7 +106,8 @@ def _is_smooth(
     values: Mapping[str, Any],
 ) -> bool:
     """Return whether both sides have the same value and derivatives where they meet."""
-    from kousoku.model.traced import CONTEXT, traced  # noqa: PLC0415
+    from kousoku.model.digits import CONTEXT  # noqa: PLC0415
+    from kousoku.model.traced import traced  # noqa: PLC0415
 
     def at(expression: Expression, when: Any) -> Any:
         return traced(expression, {**values, time: when})

@@ -1,38 +1,26 @@
 """What acts on the bodies of a spatial mechanism beside gravity, as a scene describes it."""
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
 import msgspec
 
 from kousoku.model.design import Place
+from kousoku.model.elements.forces import FORCES
+from kousoku.model.elements.inputs import Dependence, ElementInput
 from kousoku.model.spatial import Components, Free, Value
 
 Six = tuple[Value, Value, Value, Value, Value, Value]
 """Along three directions, then about them."""
 
 
-KEYS = {
-    "force": ("body", "point", "force", "force_b"),
-    "torque": ("body", "torque", "torque_b"),
-    "spring_damper": ("bodies", "points", "stiffness", "damping", "tension", "free_length"),
-    "rotational_spring_damper": (
-        *("joint", "of", "coordinate", "stiffness", "damping", "moment", "free_angle"),
-    ),
-    "along": ("coordinate", "force"),
-    "friction": ("joint", "of", "damping"),
-    "bushing": ("bodies", "points", "at", "axes", "stiffness", "damping"),
+DEPENDS_ON: dict[str, Dependence] = {
+    **dict.fromkeys(("stiffness", "damping", "free_length", "free_angle"), "parameters"),
+    **dict.fromkeys(("tension", "moment"), "law"),
+    **dict.fromkeys(("force", "force_b", "torque", "torque_b"), "motion"),
 }
-"""Keys of each type."""
-
-TITLES = {
-    "force": "a force on a body",
-    "torque": "a torque on a body",
-    "spring_damper": "a spring and damper between two points",
-    "rotational_spring_damper": "a spring and damper against an angle",
-    "along": "a force or moment along a coordinate",
-    "friction": "viscous friction in a joint",
-    "bushing": "springs and dampers along and about three directions",
-}
-"""What each type is, in one line."""
+"""What formulas of its keys may depend on."""
 
 
 class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -94,12 +82,21 @@ class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     free_angle : float or str [rad], optional
         Angle of a rotational spring without moment; the one as the orientations are written when
         left out.
+    inputs : mapping of str to object, optional
+        What its type alone has, by name; in a file they are keys of the force.
     """
+
+    FLAT: ClassVar = "inputs"
 
     @staticmethod
     def keys_of_type(sort: str) -> tuple[str, ...]:
         """Return the keys of a force of a type, none where there is no such type."""
-        return ("type", *KEYS[sort]) if sort in KEYS else ()
+        return ("type", *FORCES[sort].all_keys) if sort in FORCES else ()
+
+    @staticmethod
+    def own_inputs(sort: str, kinds: object) -> Mapping[str, ElementInput]:
+        """Return the keys that a type of forces alone has."""
+        return FORCES[sort].inputs if sort in FORCES else {}
 
     type: str
     body: str | None = None
@@ -121,3 +118,8 @@ class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     moment: str | None = None
     free_length: Value | None = None
     free_angle: Value | None = None
+    inputs: Mapping[str, Any] | None = None
+
+    def input(self, name: str) -> Any:
+        """Return the value of a key that its type alone has, None where it is left out."""
+        return (self.inputs or {}).get(name)

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 from msgspec import structs
 
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 from kousoku.model.errors import SceneError
-from kousoku.model.precise import CONTEXT, ZERO, High, Quadruple, Square, Triple
+from kousoku.model.precise import ZERO, High, Quadruple, Square, Triple
 from kousoku.model.quaternions import quaternion
 from kousoku.model.traced import Traced, at_scene
 

@@ -7,7 +7,7 @@ The ground is body :data:`GROUND_INDEX`; its frame is frame O and it has no coor
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -19,9 +19,6 @@ COMBINATION = "linear_combination"
 
 CLOSURE_TOLERANCE = 1e-4
 """What joints may miss that others imply, in lengths of the scene or rad, unless it says so."""
-
-SPRINGS = ("spring_damper", "coordinate_spring")
-"""Kinds of forces that hold potential energy unless they have a law of their own."""
 
 LAW_NAMES = ("x", "v", "t")
 """What the tension of a spring may depend on: elongation, rate of its length, time."""
@@ -186,26 +183,22 @@ class Instance:
 
 @dataclass(frozen=True, slots=True)
 class ForceElement:
-    """A force, a torque, or a spring and damper.
+    """What acts on bodies beside gravity; :mod:`kousoku.model.elements` has a class for each kind.
+
+    Its facets in a program, such as its equations and whether it leaves a plane, are in
+    :mod:`kousoku.codegen.dynamics.elements`.
 
     Parameters
     ----------
     name : str
         As in the scene; a bushing is several elements of one name.
     kind : str
-        ``force`` and ``torque`` in frame O, ``force_b`` and ``torque_b`` in the principal frame,
-        ``spring_damper``; ``along`` a coordinate, ``coordinate_spring`` against it.
+        What it is called, as the package of its kernels where it has one: each class has its own.
     i, j : int
-        Of a spring or a coordinate the two bodies; a force or torque acts on body j, and i is the
-        ground.
+        The two bodies; what acts on one body alone acts on j, and i is the ground.
     constants : tuple of (str, tuple of float)
-        ``s_j_b`` [m] and ``force`` [N] of a force, ``torque`` [N m] of a torque; of a spring
-        ``s_i_b``, ``s_j_b``, ``stiffness`` [N/m], ``damping`` [N s/m], ``free_length`` [m]. Points
-        are in the principal frames, frame O for the ground. Of a spring with a law of its own
-        ``unit`` [m] in place of stiffness and damping. A force or torque has a further vector
-        for each component that is a formula, such as ``force_x``: all are added up. Along a
-        coordinate ``force`` [N or N m]; of a spring against it ``stiffness``, ``damping`` and
-        ``free``, or with a law ``moment``, its unit, and ``free``.
+        Numbers, by names that its class knows. ``s_i_b`` and ``s_j_b`` [m] are points of bodies i
+        and j in the principal frames, frame O for the ground; three numbers are a vector.
     law : str
         Tension, or what acts against a coordinate, as a formula of :data:`LAW_NAMES` and
         parameters, in the unit of the scene; empty where linear.
@@ -218,7 +211,7 @@ class ForceElement:
     """
 
     name: str
-    kind: str
+    kind: str = field(init=False, default="")
     i: int
     j: int
     constants: tuple[tuple[str, tuple[float, ...]], ...]
@@ -229,9 +222,7 @@ class ForceElement:
     @property
     def has_potential(self) -> bool:
         """Whether work of it is potential energy."""
-        if self.kind in SPRINGS:
-            return not self.law
-        return self.kind == "force" and not self.formulas
+        return False
 
     @property
     def works(self) -> bool:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.model import traced
 from kousoku.model.angles import Angle
+from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.terms import Function
 from kousoku.model.traced import Traced, applied, at_scene
 from kousoku.model.varying import Varying
@@ -23,8 +24,6 @@ Triple = tuple[High, High, High]
 Quadruple = tuple[High, High, High, High]
 Square = tuple[Triple, Triple, Triple]
 
-#: mpmath with 50 digits, apart from the context that other code may set.
-CONTEXT = traced.CONTEXT
 NOISE = traced.NOISE
 """What is smaller than this part of the numbers it came from is a rounded zero."""
 
@@ -48,7 +47,7 @@ def number(value: float | Fraction | High) -> High:
     if isinstance(value, Traced):
         return value
     if isinstance(value, Fraction):
-        return CONTEXT.mpf(value.numerator) / value.denominator
+        return HIGH.number(value)
     return CONTEXT.mpf(value)
 
 

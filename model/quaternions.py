@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
-from kousoku.model.precise import CONTEXT, IDENTITY, Quadruple, compose
+from kousoku.model.digits import CONTEXT
+from kousoku.model.precise import IDENTITY, Quadruple, compose
 
 if TYPE_CHECKING:
     from kousoku.model.orientation import Orientation

@@ -9,17 +9,22 @@ import inspect
 import json
 import re
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
 from kousoku.model import loads, own_kind, planar, scene, spatial
 from kousoku.model.decode import LARGEST
-from kousoku.model.joints import NAMES
-from kousoku.model.loads import KEYS
+from kousoku.model.elements.forces import FORCES
+from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.names import LONGEST, PATTERN
 from kousoku.model.scene import TABLES, Scene
 from kousoku.model.validate import LONGEST_TITLE, MOST_CLOSURE, MOST_DIVISIONS, MOST_ITERATIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from kousoku.model.elements.inputs import ElementInput
 
 LIMITS: dict[str, dict[str, dict[str, object]]] = {
     "Scene": {
@@ -36,8 +41,8 @@ LIMITS: dict[str, dict[str, dict[str, object]]] = {
         "iterations": {"minimum": 1, "maximum": MOST_ITERATIONS},
     },
     "Body": {"mass": {"exclusiveMinimum": 0}},
-    "Joint": {"type": {"enum": list(NAMES)}, "length": {"exclusiveMinimum": 0}},
-    "Force": {"type": {"enum": list(KEYS)}, "free_length": {"minimum": 0}},
+    "Joint": {"length": {"exclusiveMinimum": 0}},
+    "Force": {"free_length": {"minimum": 0}},
     "MassPoint": {"mass": {"exclusiveMinimum": 0}},
     "Box": {"mass": {"exclusiveMinimum": 0}},
     "Rod": {"mass": {"exclusiveMinimum": 0}},
@@ -93,6 +98,13 @@ def scene_schema() -> dict[str, Any]:
         definition["properties"].pop(getattr(record, "FLAT", ""), None)
         for key, limits in LIMITS.get(name, {}).items():
             definition["properties"][key].update(limits)
+    of_joints = [one.inputs for one in JOINTS.values()]
+    of_joints += [one.inputs for one in COUPLINGS.values()]
+    of_forces = [one.inputs for one in FORCES.values()]
+    for name, types, inputs in (("Joint", NAMES, of_joints), ("Force", FORCES, of_forces)):
+        properties = definitions[name]["properties"]
+        properties["type"]["enum"] = list(types)
+        properties |= _of_types(inputs)
     for table in TABLES:
         definitions["Scene"]["properties"][table]["propertyNames"] = {
             "pattern": PATTERN,
@@ -110,6 +122,16 @@ def scene_schema() -> dict[str, Any]:
 def schema_text() -> str:
     """Return the text of ``scene.schema.json``."""
     return json.dumps(scene_schema(), indent=2, ensure_ascii=False) + "\n"
+
+
+def _of_types(inputs: Iterable[Mapping[str, ElementInput]]) -> dict[str, Any]:
+    """Return the keys that some types of a record alone have."""
+    every = {name: one for own in inputs for name, one in own.items()}
+    return {
+        name: {"anyOf": [msgspec.json.schema(one.type), {"type": "null"}]}
+        | {"default": None, "description": one.meaning}
+        for name, one in every.items()
+    }
 
 
 def _describe(definition: dict[str, Any], record: type[msgspec.Struct]) -> None:

@@ -2,13 +2,15 @@
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 from collections.abc import Mapping
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import msgspec
 
 from kousoku.model.design import Design, NumberOrAngle, Place, Turns
-from kousoku.model.joints import keys_of
+from kousoku.model.elements.inputs import ElementInput
+from kousoku.model.joints import inputs_of, keys_of
 from kousoku.model.orientation import Orientation
+from kousoku.model.own_kind import OwnInput, OwnKind
 from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 
 Vector = tuple[float, float, float]
@@ -134,8 +136,9 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         Of a linear coupling, names of coordinates of the scene.
     factors : tuple of float, optional
         Of a linear coupling, what each is multiplied by; the sum stays what it is.
-    inputs : mapping of str to float or (3,), optional
-        Of a kind of one's own its inputs by name; in a file they are keys of the joint.
+    inputs : mapping of str to object, optional
+        What its type alone has, as a kind of one's own its inputs, by name; in a file they are keys
+        of the joint.
     """
 
     FLAT: ClassVar = "inputs"
@@ -144,6 +147,19 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     def keys_of_type(sort: str) -> tuple[str, ...]:
         """Return the keys of a joint of a type, none where there is no such type."""
         return keys_of(sort)
+
+    @staticmethod
+    def own_inputs(
+        sort: str, kinds: Mapping[str, OwnKind]
+    ) -> Mapping[str, OwnInput | ElementInput] | None:
+        """Return the inputs that a type alone has: a shipped one, or a kind of one's own.
+
+        None where nobody knows the type: what keys it has is not known either, and that it is
+        unknown is said where types are looked at.
+        """
+        if keys_of(sort):
+            return inputs_of(sort)
+        return kinds[sort].inputs if sort in kinds else None
 
     type: str
     bodies: tuple[str, str] | None = None
@@ -160,7 +176,7 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     radius: Design | None = None
     coordinates: tuple[str, ...] | None = None
     factors: tuple[Design, ...] | None = None
-    inputs: Mapping[str, Design | Place] | None = None
+    inputs: Mapping[str, Any] | None = None
 
     @property
     def ends(self) -> tuple[str, str]:
@@ -168,9 +184,13 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         assert self.bodies is not None
         return self.bodies
 
+    def input(self, name: str) -> Any:
+        """Return the value of a key that its type alone has, None where it is left out."""
+        return (self.inputs or {}).get(name)
+
     def vector(self, name: str) -> tuple[float, float, float]:
         """Return an input of a kind of one's own that is a vector."""
-        value = (self.inputs or {})[name]
+        value = self.input(name)
         assert isinstance(value, tuple)
         return value
 

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from kousoku.model import precise
-from kousoku.model.combinations import combination_of
 from kousoku.model.coordinates import CoordinateList
 from kousoku.model.errors import SceneError
 from kousoku.model.formulas import used_parameters
@@ -45,8 +44,8 @@ from kousoku.model.zero_directions import check_zero_directions
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from kousoku.model.elements.joint import Part
     from kousoku.model.errors import Problem
-    from kousoku.model.joints import Part
     from kousoku.model.mass import MassProperties
     from kousoku.model.own_kind import OwnInput, OwnKind
     from kousoku.model.scene import Scene
@@ -222,7 +221,7 @@ def _instances(
 ) -> Iterator[Instance]:
     """Yield what a joint is composed of, in the order of the table of joints."""
     if NAMES[joint.type] in COUPLINGS:
-        yield combination_of(name, joint, frames, coordinates)
+        yield COUPLINGS[NAMES[joint.type]].combination(name, joint, coordinates)
         return
     unit = coordinates.unit
     kind = JOINTS[NAMES[joint.type]]
@@ -233,7 +232,7 @@ def _instances(
         _require_near(name, ends, vectors)
     for part in kind.parts:
         if part.kind == COMBINATION:
-            yield combination_of(name, joint, frames, coordinates)
+            yield kind.combination(name, joint, coordinates)
             continue
         constants = dict(_constants(part, ends, points, vectors, unit))
         package = part.kind

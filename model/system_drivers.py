@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 from kousoku.model import precise
 from kousoku.model.coordinates import place_measure
 from kousoku.model.drivers import drivers_of, text_of
+from kousoku.model.elements.joint import ANGLES
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
 from kousoku.model.frames import DIRECTIONS
-from kousoku.model.joints import ANGLES, sort_of
+from kousoku.model.joints import sort_of
 from kousoku.model.mechanism import COMBINATION, Instance, Term
 from kousoku.model.values import value_of
 

@@ -7,12 +7,15 @@ the code that is generated from them computes it. Numbers are exact.
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from hashlib import blake2b
+from typing import TYPE_CHECKING, TypeVar, cast
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable, Sequence
+
+T = TypeVar("T")
 
 LARGEST_BITS = 4096
 """Bits of the largest numerator or denominator: a longer number is left as a formula."""
@@ -49,22 +52,97 @@ class Function(enum.Enum):
     SHARE = "share"
 
 
-@dataclass(frozen=True, slots=True)
-class Number:
+class Term:
+    """A formula, of which operators make others.
+
+    Formulas are compared by their keys: parts are shared, and a tree that was compared part by
+    part would have many times as many.
+    """
+
+    __slots__ = ()
+
+    _key: str
+
+    @property
+    def key(self) -> str:
+        """That of equal formulas, and of no others; it is found when it is first asked for."""
+        stack = [_term(self)] if not self._key else []
+        while stack:
+            args = stack[-1].args if isinstance(stack[-1], Apply) else ()
+            missing = [arg for arg in args if not arg._key]
+            stack.extend(missing)
+            if not missing:
+                part = stack.pop()
+                text = " ".join((*part._own(), *(arg._key for arg in args)))
+                digest = blake2b(text.encode(), digest_size=16).hexdigest()
+                object.__setattr__(part, "_key", digest)
+        return self._key
+
+    def _own(self) -> tuple[str, ...]:
+        """Return what tells it from others, but for its parts."""
+        raise NotImplementedError
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        return type(self) is type(other) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __add__(self, other: Operand) -> Expression:
+        return add(_term(self), _term(other))
+
+    def __radd__(self, other: Operand) -> Expression:
+        return add(_term(other), _term(self))
+
+    def __sub__(self, other: Operand) -> Expression:
+        return add(_term(self), neg(_term(other)))
+
+    def __rsub__(self, other: Operand) -> Expression:
+        return add(_term(other), neg(_term(self)))
+
+    def __mul__(self, other: Operand) -> Expression:
+        return mul(_term(self), _term(other))
+
+    def __rmul__(self, other: Operand) -> Expression:
+        return mul(_term(other), _term(self))
+
+    def __truediv__(self, other: Operand) -> Expression:
+        return div(_term(self), _term(other))
+
+    def __rtruediv__(self, other: Operand) -> Expression:
+        return div(_term(other), _term(self))
+
+    def __neg__(self) -> Expression:
+        return neg(_term(self))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Number(Term):
     """An exact number."""
 
     value: Fraction
+    _key: str = field(default="", init=False, repr=False)
+
+    def _own(self) -> tuple[str, ...]:
+        above, below = self.value.as_integer_ratio()
+        return "number", f"{above:x}", f"{below:x}"
 
 
-@dataclass(frozen=True, slots=True)
-class Name:
+@dataclass(frozen=True, slots=True, eq=False)
+class Name(Term):
     """A quantity that changes, such as ``t``."""
 
     name: str
+    _key: str = field(default="", init=False, repr=False)
+
+    def _own(self) -> tuple[str, ...]:
+        return "name", self.name
 
 
-@dataclass(frozen=True, slots=True)
-class Apply:
+@dataclass(frozen=True, slots=True, eq=False)
+class Apply(Term):
     """A function of formulas.
 
     Parameters
@@ -77,9 +155,14 @@ class Apply:
 
     function: Function
     args: tuple[Expression, ...]
+    _key: str = field(default="", init=False, repr=False)
+
+    def _own(self) -> tuple[str, ...]:
+        return (self.function.value,)
 
 
 Expression = Number | Name | Apply
+Operand = Term | Fraction | int
 
 ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
 
@@ -182,10 +265,39 @@ def ordered(expression: Expression) -> tuple[Expression, ...]:
     return tuple(done.values())
 
 
+def evaluated(
+    expression: Expression,
+    leaf: Callable[[Number | Name], T],
+    apply: Callable[[Function, Sequence[T]], T],
+) -> T:
+    """Return what a formula is, of whatever its numbers and names are.
+
+    Parameters
+    ----------
+    expression : Expression
+        The formula.
+    leaf : callable
+        Gives the value of a number or a name.
+    apply : callable
+        Gives a function of values.
+    """
+    known: dict[int, T] = {}
+    for part in ordered(expression):
+        if isinstance(part, Apply):
+            known[id(part)] = apply(part.function, [known[id(arg)] for arg in part.args])
+        else:
+            known[id(part)] = leaf(part)
+    return known[id(expression)]
+
+
 def names_of(expression: Expression) -> tuple[str, ...]:
     """Return the names that a formula depends on, in the order of the text."""
     names = (part.name for part in ordered(expression) if isinstance(part, Name))
     return tuple(dict.fromkeys(names))
+
+
+def _term(given: Operand) -> Expression:
+    return cast("Expression", given) if isinstance(given, Term) else number(given)
 
 
 def _folded(a: Expression, b: Expression, sign: str) -> Number | None:

@@ -13,21 +13,16 @@ everywhere, such as √ and max, counts there as a quantity of its own, of which
 from __future__ import annotations
 
 from fractions import Fraction
-from hashlib import blake2b
+from functools import partial, reduce
 from typing import TYPE_CHECKING, Any
 
-import mpmath
-
-from kousoku.model.terms import Apply, Function, Name, Number, apply, ordered
+from kousoku.model.digits import CONTEXT, HIGH, exact
+from kousoku.model.terms import Function, Name, Number, apply, evaluated
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from kousoku.model.terms import Expression
-
-#: mpmath with 50 digits, apart from the context that other code may set.
-CONTEXT = mpmath.mp.clone()
-CONTEXT.dps = 50
 
 NOISE = CONTEXT.mpf(10) ** -40
 """What is smaller than this part of the numbers it came from is a rounded zero."""
@@ -35,30 +30,6 @@ NOISE = CONTEXT.mpf(10) ** -40
 LARGEST_EXPONENT = 4096
 """Powers of two beyond which there is no value, and below whose inverse it is zero: doubles end at
 1024, and the time and memory for a sine of a number grow with its exponent."""
-
-CALLS: dict[Function, Callable[..., Any]] = {
-    Function.ADD: lambda a, b: a + b,
-    Function.MUL: lambda a, b: a * b,
-    Function.DIV: lambda a, b: a / b,
-    Function.NEG: lambda a: -a,
-    Function.POW: CONTEXT.power,
-    Function.SIN: CONTEXT.sin,
-    Function.COS: CONTEXT.cos,
-    Function.TAN: CONTEXT.tan,
-    Function.ASIN: CONTEXT.asin,
-    Function.ACOS: CONTEXT.acos,
-    Function.ATAN: CONTEXT.atan,
-    Function.ATAN2: CONTEXT.atan2,
-    Function.SQRT: CONTEXT.sqrt,
-    Function.EXP: CONTEXT.exp,
-    Function.LOG: CONTEXT.log,
-    Function.ABS: abs,
-    Function.SIGN: CONTEXT.sign,
-    Function.MIN: min,
-    Function.MAX: max,
-}
-"""The functions of formulas in 50 digits."""
-
 
 OPAQUE = frozenset(
     {
@@ -79,16 +50,13 @@ class Traced:
         formula has no value.
     expression : Expression
         The formula.
-    key : str
-        Equal for equal formulas, and for no others.
     """
 
-    __slots__ = ("expression", "key", "values")
+    __slots__ = ("expression", "values")
 
-    def __init__(self, values: Sequence[Any], expression: Expression, key: str) -> None:
+    def __init__(self, values: Sequence[Any], expression: Expression) -> None:
         self.values = tuple(values)
         self.expression = expression
-        self.key = key
 
     @property
     def value(self) -> Any:
@@ -147,11 +115,13 @@ class Traced:
         # Two scenes may have the same formula and other parameters: what was found for one is not
         # that of the other. A value that is not a number makes them differ, which costs time only.
         return self is other or (
-            isinstance(other, Traced) and self.key == other.key and self.values == other.values
+            isinstance(other, Traced)
+            and self.expression == other.expression
+            and self.values == other.values
         )
 
     def __hash__(self) -> int:
-        return hash(self.key)
+        return hash(self.expression)
 
     def __bool__(self) -> bool:
         return True
@@ -163,14 +133,6 @@ class Traced:
 def at_scene(number: Any) -> Any:
     """Return a number with the parameters of the scene."""
     return number.value if isinstance(number, Traced) else number
-
-
-def exact(number: Any) -> Fraction:
-    """Return a number of 50 digits, a double or a fraction as it is."""
-    if not hasattr(number, "_mpf_"):
-        return Fraction(number)
-    sign, mantissa, exponent, _ = number._mpf_
-    return Fraction(-int(mantissa) if sign else int(mantissa)) * Fraction(2) ** int(exponent)
 
 
 def other_value(value: float, place: int) -> float:
@@ -193,26 +155,21 @@ def parameter(name: str, value: float, place: int) -> Traced:
     first, high = CONTEXT.mpf(value), CONTEXT.mpf(1)
     more, less = high / (17 + 3 * place), high / (23 + 5 * place)
     size = first or high
-    return Traced((first, first + size * more, first - size * less), Name(name), _key("name", name))
+    return Traced((first, first + size * more, first - size * less), Name(name))
 
 
 def traced(expression: Expression, parameters: Mapping[str, Any]) -> Any:
     """Return the value of a formula of parameters, with the formula where these are traced."""
-    known: dict[int, Any] = {}
-    for part in ordered(expression):
-        match part:
-            case Number(value):
-                known[id(part)] = CONTEXT.mpf(value.numerator) / value.denominator
-            case Name(name):
-                known[id(part)] = parameters[name]
-            case Apply(Function.ADD, args):
-                total = CONTEXT.mpf(0)
-                for arg in args:
-                    total = applied(Function.ADD, total, known[id(arg)])
-                known[id(part)] = total
-            case Apply(function, args):
-                known[id(part)] = applied(function, *(known[id(arg)] for arg in args))
-    return known[id(expression)]
+
+    def leaf(part: Number | Name) -> Any:
+        return HIGH.number(part.value) if isinstance(part, Number) else parameters[part.name]
+
+    def apply_to(function: Function, args: Sequence[Any]) -> Any:
+        if function is Function.ADD:
+            return reduce(partial(applied, function), args, CONTEXT.mpf(0))
+        return applied(function, *args)
+
+    return evaluated(expression, leaf, apply_to)
 
 
 def applied(function: Function, *args: Any) -> Any:
@@ -227,15 +184,14 @@ def applied(function: Function, *args: Any) -> Any:
     values = [_value(function, row) for row in zip(*columns, strict=True)]
     if count == 1:
         return values[0]
-    texts = [_expression(arg) for arg in args]
-    key = _key(function.value, *(key for _, key in texts))
+    formula = apply(function, *map(_expression, args))
     if _is_opaque(function, args):
-        values = _of_its_own(values[0], key)
+        values = _of_its_own(values[0], formula.key)
     size = max((abs(x) for column in columns for x in column), default=0)
     noise = NOISE * (size if function is Function.ADD else abs(values[0]))
     if all(abs(value - values[0]) <= noise for value in values):
         return _plain(values[0], noise)
-    return Traced(values, apply(function, *(text for text, _ in texts)), key)
+    return Traced(values, formula)
 
 
 def _short(function: Function, args: Sequence[Any]) -> tuple[Any, ...]:
@@ -256,7 +212,7 @@ def _short(function: Function, args: Sequence[Any]) -> tuple[Any, ...]:
 def _value(function: Function, args: Sequence[Any]) -> Any:
     """Return a value; not a number where there is none that is real, or only a huge one."""
     try:
-        value = CALLS[function](*args)
+        value = HIGH.applied(function.value, args)
     except (ValueError, ZeroDivisionError, OverflowError, TypeError):
         return CONTEXT.nan
     if not hasattr(value, "_mpf_"):
@@ -290,17 +246,10 @@ def _plain(value: Any, noise: Any) -> Any:
 
 def _high(number: Any) -> Any:
     if isinstance(number, Fraction):
-        return CONTEXT.mpf(number.numerator) / number.denominator
+        return HIGH.number(number)
     return CONTEXT.mpf(number)
 
 
-def _expression(number: Any) -> tuple[Expression, str]:
-    """Return a number as a formula, and its key."""
-    if isinstance(number, Traced):
-        return number.expression, number.key
-    value = exact(number)
-    return Number(value), _key("number", str(value))
-
-
-def _key(*parts: str) -> str:
-    return blake2b(" ".join(parts).encode(), digest_size=16).hexdigest()
+def _expression(number: Any) -> Expression:
+    """Return a number as a formula."""
+    return number.expression if isinstance(number, Traced) else Number(exact(number))

@@ -7,18 +7,11 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.angles import Angle
 from kousoku.model.decode import LARGEST, join, require_known
+from kousoku.model.elements.joint import ANGLES, DISPLACEMENTS
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import ARGUMENTS
 from kousoku.model.formulas import RATE, TIME
-from kousoku.model.joints import (
-    ANGLES,
-    DISPLACEMENTS,
-    JOINTS,
-    NAMES,
-    leaves_of,
-    listed,
-    sort_of,
-)
+from kousoku.model.joints import JOINTS, NAMES, leaves_of, listed, sort_of
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
 from kousoku.model.text import with_a

@@ -12,7 +12,7 @@ from kousoku.model.text import with_a
 from kousoku.model.validate_coordinates import check_counted
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Joint
@@ -29,29 +29,29 @@ def check_coupling(scene: Scene, joint: Joint, key: str) -> None:
     SceneError
         With the dotted key of what is wrong.
     """
-    own = COUPLINGS[NAMES[joint.type]].keys
+    kind = COUPLINGS[NAMES[joint.type]]
     for name in joint.__struct_fields__:
-        if name not in ("type", *own) and getattr(joint, name) is not None:
-            raise SceneError(
-                f"{with_a(joint.type)} couples what joints leave free, and has none; leave it out",
-                key=f"{key}.{name}",
-            )
-    for name in own:
-        if getattr(joint, name) is None:
-            raise SceneError(
-                f"is missing; {with_a(joint.type)} wants {WANTED[name]}", key=f"{key}.{name}"
-            )
+        if name in ("type", joint.FLAT, *kind.keys) or getattr(joint, name) is None:
+            continue
+        raise SceneError(
+            f"{with_a(joint.type)} couples what joints leave free, and has none; leave it out",
+            key=f"{key}.{name}",
+        )
+    wanted = [(name, what, getattr(joint, name)) for name, what in kind.wanted.items()]
+    wanted += [(name, one.meaning, joint.input(name)) for name, one in kind.inputs.items()]
+    for name, what, value in wanted:
+        if value is None:
+            raise SceneError(f"is missing; {with_a(joint.type)} wants {what}", key=f"{key}.{name}")
     if joint.joints is not None:
-        _check_joints(scene, joint, key)
-    for name in ("ratio", "radius"):
-        if getattr(joint, name) == 0:
+        _check_joints(scene, joint, kind.couples, key)
+    for name, _, value in wanted:
+        if name in kind.not_zero and value == 0:
             raise SceneError(
                 f"a {name} of zero holds one of the two and leaves the other free; wanted a "
                 "positive or negative number",
                 key=f"{key}.{name}",
             )
-    if joint.coordinates is not None:
-        _check_coordinates(scene, joint, key)
+    kind.check(scene, joint, key)
     bodies = dict.fromkeys(_bodies(scene, joint))
     if len(bodies) > MOST_BODIES:
         raise SceneError(
@@ -61,18 +61,8 @@ def check_coupling(scene: Scene, joint: Joint, key: str) -> None:
         )
 
 
-WANTED = {
-    "joints": "the names of two joints",
-    "ratio": "the turns of the second joint by a turn of the first",
-    "radius": "the displacement of the rack by the angle of the pinion",
-    "coordinates": "names of coordinates",
-    "factors": "a number for each coordinate",
-}
-
-
-def _check_joints(scene: Scene, joint: Joint, key: str) -> None:
+def _check_joints(scene: Scene, joint: Joint, wanted: Sequence[str], key: str) -> None:
     coupled: tuple[str, ...] = joint.joints or ()
-    wanted = COUPLINGS[NAMES[joint.type]].couples
     for index, (name, sort) in enumerate(zip(coupled, wanted, strict=True)):
         place = f"{key}.joints[{index}]"
         require_known("joint", name, scene.joints, place)
@@ -88,28 +78,6 @@ def _check_joints(scene: Scene, joint: Joint, key: str) -> None:
         raise SceneError(
             f"couples {coupled[0]} to itself; wanted two different joints", key=f"{key}.joints"
         )
-
-
-def _check_coordinates(scene: Scene, joint: Joint, key: str) -> None:
-    names, factors = joint.coordinates or (), joint.factors or ()
-    if not names:
-        raise SceneError("is empty; wanted names of coordinates", key=f"{key}.coordinates")
-    if len(names) != len(factors):
-        raise SceneError(
-            f"has {len(factors)} numbers for {len(names)} coordinates; wanted one for each",
-            key=f"{key}.factors",
-        )
-    for index, name in enumerate(names):
-        place = f"{key}.coordinates[{index}]"
-        require_known("coordinate", name, scene.coordinates, place)
-        if name in names[:index]:
-            raise SceneError(f"{name} stands there twice; leave one out", key=place)
-    for index, factor in enumerate(factors):
-        if factor == 0:
-            raise SceneError(
-                "is zero; wanted a number, or leave the coordinate out",
-                key=f"{key}.factors[{index}]",
-            )
 
 
 def _bodies(scene: Scene, joint: Joint) -> Iterator[str]:

@@ -22,7 +22,7 @@ from kousoku.model.validate_mass import check_mass
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.model.joints import JointKind
+    from kousoku.model.elements.joint import JointKind
     from kousoku.model.own_kind import OwnKind
     from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
@@ -133,7 +133,8 @@ def _check_joint(scene: Scene, joint: Joint, key: str, problems: Problems) -> No
         return
     problems.check(key, (), _check_axes, joint, kind, key)
     problems.check(key, (), _check_numbers, joint, kind, key)
-    problems.check(key, (), _check_length, joint, key)
+    problems.check(key, (), kind.check_numbers, joint, key)
+    problems.check(key, (), _check_length, joint, kind, key)
     problems.check(key, (), _check_point, joint, kind, key)
     problems.check(key, [key, *ends], _check_point_bodies, scene, joint, kind, key)
 
@@ -221,7 +222,7 @@ def _check_point(joint: Joint, kind: JointKind, key: str) -> None:
                     f"{with_a(joint.type)} joint has no point; leave it out", key=f"{key}.{name}"
                 )
         return
-    if joint.at is not None and (joint.points is not None or NAMES[joint.type] == "rod"):
+    if joint.at is not None and (joint.points is not None or "at" not in kind.point_keys):
         problem = (
             "its two points are apart; wanted points, one in each body"
             if joint.points is None
@@ -289,22 +290,13 @@ def _check_zero(joint: Joint, kind: JointKind, key: str) -> None:
 
 
 def _check_numbers(joint: Joint, kind: JointKind, key: str) -> None:
-    """Check the numbers of a screw, and that others have none."""
+    """Refuse numbers of other joints."""
     for name in ("pitch", "joints", "ratio", "radius", "coordinates", "factors"):
         given = getattr(joint, name)
         if given is not None and name not in kind.keys:
             raise SceneError(
                 f"{with_a(joint.type)} joint has none; leave it out", key=f"{key}.{name}"
             )
-    if "pitch" in kind.keys and joint.pitch is None:
-        raise SceneError(
-            f"is missing; {with_a(joint.type)} joint wants its advance in one turn",
-            key=f"{key}.pitch",
-        )
-    if joint.pitch == 0:
-        raise SceneError(
-            "a pitch of zero does not advance; take a revolute joint", key=f"{key}.pitch"
-        )
 
 
 def _check_lengths(axes: Mapping[str, tuple[float, float, float]]) -> None:
@@ -315,16 +307,8 @@ def _check_lengths(axes: Mapping[str, tuple[float, float, float]]) -> None:
         raise SceneError.of([Problem(problem, key) for key in zero])
 
 
-def _check_length(joint: Joint, key: str) -> None:
-    if joint.length is None:
-        return
-    if not NAMES[joint.type] == "rod":
+def _check_length(joint: Joint, kind: JointKind, key: str) -> None:
+    if joint.length is not None and "length" not in kind.own_keys:
         raise SceneError(
             f"{with_a(joint.type)} joint has no length; leave it out", key=f"{key}.length"
-        )
-    if not joint.length >= 1 / LARGEST:
-        raise SceneError(
-            f"a length of {joint.length!r}; wanted a positive length: where two points coincide, "
-            "take a spherical joint",
-            key=f"{key}.length",
         )

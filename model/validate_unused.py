@@ -5,22 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join, unknown
-from kousoku.model.formulas import used_names
+from kousoku.model.elements.forces import FORCES
 from kousoku.model.planar import Method
 from kousoku.model.spatial import SOLIDS
 
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from kousoku.model.loads import Force
     from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
-
-SPRINGS = {
-    "spring_damper": ("free_length", "tension"),
-    "rotational_spring_damper": ("free_angle", "moment"),
-}
-"""Forces that count from where they are free: its key, and that of their own law."""
 
 OUTPUTS = ("positions", "velocities", "accelerations", "coordinates", "reactions", "energies")
 """All outputs of a scene of bodies."""
@@ -64,7 +57,8 @@ def check_unused(scene: Scene, given: Collection[str], problems: Problems) -> No
     for name, force in scene.forces.items():
         key = join("forces", name)
         if not problems.is_broken(key):
-            _check_free(force, key, problems)
+            for own, problem in FORCES[force.type].unused(force) if force.type in FORCES else ():
+                problems.add(problem, f"{key}.{own}")
 
 
 def _check_outputs(scene: Scene, problems: Problems) -> None:
@@ -119,18 +113,3 @@ def _check_masses(scene: Scene, problems: Problems) -> None:
         return
     problem = "move nothing, since no body has a mass; give the bodies masses, or leave them out"
     problems.add(problem, "forces")
-
-
-def _check_free(force: Force, key: str, problems: Problems) -> None:
-    """Refuse a free length or angle where no force depends on the elongation; and a lost 'of'."""
-    if force.type not in SPRINGS:
-        return
-    free, law = SPRINGS[force.type]
-    formula = getattr(force, law)
-    counts = force.stiffness is not None if formula is None else bool(used_names(formula, "x"))
-    if getattr(force, free) is not None and not counts:
-        missing = "it has no stiffness" if formula is None else f"its {law} does not depend on x"
-        problems.add(f"changes nothing, since {missing}; leave it out", f"{key}.{free}")
-    if force.coordinate is not None and force.of is not None:
-        problem = "belongs to 'joint'; the coordinate says which angle it is, leave it out"
-        problems.add(problem, f"{key}.of")

@@ -47,7 +47,7 @@ class Varying(Guarded):
         return hash(self.traced)
 
     def __repr__(self) -> str:
-        return f"{float(self)!r} of {self.traced.key}"
+        return f"{float(self)!r} of {self.traced.expression.key}"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Varying, (self.traced,)

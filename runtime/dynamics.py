@@ -41,8 +41,10 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: What a scene's folder tells about its bodies.
+#: What a scene's folder tells about its bodies, or nodes.
 MOTION_FILE = "motion.json"
+#: The analysis that goes along with a linkage of nodes, and with nothing else.
+LINKAGE_LIBRARY = "kinematics"
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,9 +295,9 @@ def load_dynamics(
     folder = folder_of(folder)
     manifest = read_manifest(folder)
     files = read_files(folder, manifest)
-    if MOTION_FILE not in files:
-        raise LoadError(f"{folder} is not made from a scene of bodies: it has no {MOTION_FILE}")
-    data = json.loads(files[MOTION_FILE])
+    data = json.loads(files.get(MOTION_FILE, "{}"))
+    if "bodies" not in data:
+        raise LoadError(f"{folder} is not made from a scene of bodies: its {MOTION_FILE} has none")
     return DynamicsSolver(
         name=manifest.package,
         layout=Layout.from_data(data),

@@ -1,47 +1,44 @@
 """Check the solver of a scene of bodies: against 50 digits at a few states, and target by target.
 
-At each state of ``reference.json.gz`` all that the solver computes is computed again, by C and by
-NumPy, and its error is told in units of what rounding can do there. What the solver was composed of
-has no part in the states of :mod:`kousoku.runtime.independent_verify`. The tables of its methods
-must meet the conditions of their orders, and its steps show them. Then both targets make the same
-few steps: a scene without sines or logarithms must give the same bits.
+What the solver was composed of has no part in the states of
+:mod:`kousoku.runtime.independent_verify`. The tables of its methods must meet the conditions of
+their orders, and its steps show them. Then both targets make the same few steps: a scene without
+sines or logarithms must give the same bits.
 """
 
 from __future__ import annotations
 
-import json
 import re
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.model.errors import LoadError, NoCompilerError, SolveError, TargetError, VerifyError
-from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.model.errors import SolveError
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.independent_verify import independent_rows
 from kousoku.runtime.integrate.result import key_of
 from kousoku.runtime.integrate.settings import Doubt, Status
-from kousoku.runtime.notice import silent
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
 from kousoku.runtime.order import shown_order_problems, table_problems
 from kousoku.runtime.reference import Expected
-from kousoku.runtime.report import Report, Row
+from kousoku.runtime.report import Row, worst_rows
+from kousoku.runtime.solver_verify import NAMES, SolverCheck
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     import numpy.typing as npt
 
-    from kousoku.model.manifest import Manifest
+    from kousoku.runtime.choice import Target
     from kousoku.runtime.run import Run
+    from kousoku.runtime.solver_verify import Data
 
     Array = npt.NDArray[np.float64]
 
 HEADER = "solver.h"
-FORMAT = 2
-NAMES: dict[str, str] = {"c": "C", "numpy": "NumPy"}
 #: Regions with one number for each constraint.
 BY_ROW = ("C", "C_dot", "C_ddot", "lam", "pivots")
 #: Steps that both targets make, rows that they write, and how exactly.
@@ -50,85 +47,56 @@ STEPS, ROWS, TOLERANCE = 2, 5, 1e-7
 NEAR = 1e-9
 
 
-def verify_solver(
-    folder: Path,
-    manifest: Manifest,
-    files: Mapping[str, bytes],
-    target: Literal["auto", "c", "numpy"],
-) -> Report:
-    """Return whether a folder that was made from a scene of bodies computes what was composed.
+class BodiesCheck(SolverCheck[DynamicsSolver]):
+    """The check of a folder that was made from a scene of bodies."""
 
-    Parameters
-    ----------
-    folder : Path
-        Where the files lie.
-    manifest : Manifest
-        What the folder promises.
-    files : mapping of str to bytes
-        Name and content, compared with the manifest.
-    target : {"auto", "c", "numpy"}
-        What to check.
-    """
-    problems: list[str] = []
-    notes: list[str] = []
-    try:
-        data = _read(folder, files)
-    except VerifyError as error:
-        return Report(manifest.package, str(folder), (), (str(error),))
-    solvers = list(_solvers(folder, target, problems, notes))
-    if not solvers and not problems:
-        problems.append("nothing was checked, because nothing could be run")
-    points = data["points"] if data else []
-    notes += _without(folder, data)
-    independent = data["independent"] if data else []
-    rows = [row for solver in solvers for row in _rows(solver, points)]
-    rows += [row for solver in solvers for row in independent_rows(solver, independent)]
-    problems += [str(row) for row in rows if not row.ok]
-    if solvers:
-        problems += table_problems(folder, files)
-    problems += _code_problems(folder, files)
-    if data and data["is_smooth"] and solvers and solvers[0].target.name == "c":
-        methods = import_source(folder, files, "integrate/methods.py").METHODS
-        problems += shown_order_problems(solvers[0], methods, {})
-    if len(solvers) > 1:
-        is_exact = bool(data and data["is_exact"])
-        problems += _differences(solvers[0], solvers[1], _parameters(points), is_exact=is_exact)
-    return Report(manifest.package, str(folder), tuple(rows), tuple(problems), tuple(notes))
+    FORMAT = 2
 
+    def load(self, target: Target) -> DynamicsSolver:
+        """Return the solver by a target."""
+        return load_dynamics(self.sources.folder, target=target)
 
-def _read(folder: Path, files: Mapping[str, bytes]) -> dict[str, Any] | None:
-    """Return the reference values, None where the folder was generated without."""
-    if REFERENCE_FILE not in files:
-        return None
-    path = folder / REFERENCE_FILE
-    try:
-        data: dict[str, Any] = json.loads(files[REFERENCE_FILE])
-        if data["format"] != FORMAT:
-            raise VerifyError(f"{path}: its format is {data['format']}, wanted {FORMAT}")
-        _ = [(point["label"], point["outputs"]) for point in data["points"]], data["is_exact"]
-        _ = [(one["label"], one["values"]) for one in data["independent"]], data["is_smooth"]
-    except (ValueError, KeyError, TypeError) as error:
-        raise VerifyError(f"{path} cannot be read: {error!r}") from None
-    return data
+    def require(self, data: Mapping[str, Any]) -> object:
+        """Look at all that reference values must have."""
+        independent = [(one["label"], one["values"]) for one in data["independent"]]
+        points = [(point["label"], point["outputs"]) for point in data["points"]]
+        return points, independent, data["is_exact"], data["is_smooth"]
 
-
-def _without(folder: Path, data: dict[str, Any] | None) -> Iterator[str]:
-    """Yield why there is nothing to compare with."""
-    if data is None:
-        yield (
-            f"{folder.name} has no {REFERENCE_FILE}: it was generated without reference values;"
-            " kousoku generate SCENE.toml writes them"
+    def rows(self, solver: DynamicsSolver, data: Mapping[str, Any]) -> Iterable[Row]:
+        """Return the worst error of each region, and of each body's own equations."""
+        return (
+            *worst_rows(_rows(solver, data["points"])),
+            *independent_rows(solver, data["independent"]),
         )
-    elif not data["points"]:
-        yield (
-            f"{folder.name} has no reference values: its {data['operations']} operations are more"
-            f" than {data['most_operations']}, or nothing is finite at the states that were tried"
-        )
-    elif not data["independent"]:
-        yield (
-            f"{folder.name} is not compared with each body's own equations: no state near its start"
-            " is away from places where rows become dependent"
-        )
+
+    def notes(self, data: Mapping[str, Any]) -> Iterator[str]:
+        """Yield why there is nothing to compare with."""
+        name = self.sources.folder.name
+        if not data["points"]:
+            yield (
+                f"{name} has no reference values: its {data['operations']} operations are more"
+                f" than {data['most_operations']}, or nothing is finite at the states that were"
+                " tried"
+            )
+        elif not data["independent"]:
+            yield (
+                f"{name} is not compared with each body's own equations: no state near its start"
+                " is away from places where rows become dependent"
+            )
+
+    def problems(self, solvers: Sequence[DynamicsSolver], data: Data) -> Iterator[str]:
+        """Yield what is wrong with methods and codes, and where targets move differently."""
+        folder, files = self.sources.folder, self.sources.files
+        if solvers:
+            yield from table_problems(folder, files)
+        yield from _code_problems(folder, files)
+        if data and data["is_smooth"] and solvers and solvers[0].target.name == "c":
+            methods = import_source(folder, files, "integrate/methods.py").METHODS
+            yield from shown_order_problems(solvers[0], methods, {})
+        if len(solvers) > 1:
+            is_exact = bool(data and data["is_exact"])
+            values = _parameters(data["points"] if data else ())
+            yield from _differences(solvers[0], solvers[1], values, is_exact=is_exact)
 
 
 def _code_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
@@ -145,59 +113,23 @@ def _code_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
             yield f"{folder / HEADER}: {name} is {got}, wanted {value}"
 
 
-def _solvers(
-    folder: Path, target: str, problems: list[str], notes: list[str]
-) -> Iterator[DynamicsSolver]:
-    """Yield the solver by each target; what cannot be had is a problem or a note."""
-    targets: tuple[Literal["c", "numpy"], ...] = ("c", "numpy")
-    for wanted in targets:
-        if target not in {"auto", wanted}:
-            continue
-        try:
-            with silent():
-                solver = load_dynamics(folder, target=wanted)
-            yield solver
-        except (NoCompilerError, TargetError) as error:
-            text = f"{NAMES[wanted]} is not checked: {error}"
-            (notes if target == "auto" else problems).append(text)
-        except LoadError as error:
-            problems.append(str(error))
-
-
 def _rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
-    """Yield the worst error of each region over all states."""
-    worst: dict[str, Row] = {}
+    """Yield the error of each region at each state."""
     for number, point in enumerate(points):
-        for row in _rows_at(solver, number, point):
-            known = worst.get(row.output)
-            if known is None or row.worst > known.worst:
-                worst[row.output] = row
-    yield from worst.values()
-
-
-def _rows_at(solver: DynamicsSolver, number: int, point: Mapping[str, Any]) -> Iterator[Row]:
-    q, v = (np.array(point[name], dtype=np.float64) for name in ("q", "v"))
-    given = zip(solver.parameters, point.get("parameters", ()), strict=False)
-    found = solver.evaluate(point["time"], q, v, {name: value for (name, _), value in given})
-    for name, columns in point["outputs"].items():
-        expected = Expected(
-            *(np.array([columns[key]], dtype=np.float64) for key in ("high", "low", "unit"))
-        )
-        values = found[name][None, :]
-        (errors,) = expected.errors(values)
-        element = int(np.argmax(errors))
-        yield Row(
-            kernel="solver",
-            output=name,
-            way=NAMES[solver.target.name],
-            worst=float(errors[element]),
-            element=(element,),
-            point=number,
-            label=point["label"] + _owner(solver, name, element),
-            inputs=(("time", repr(point["time"])),),
-            got=float(values[0, element]),
-            wanted=float(expected.high[0, element]),
-        )
+        q, v = (np.array(point[name], dtype=np.float64) for name in ("q", "v"))
+        given = zip(solver.parameters, point.get("parameters", ()), strict=False)
+        found = solver.evaluate(point["time"], q, v, {name: value for (name, _), value in given})
+        for name, columns in point["outputs"].items():
+            row = Expected.of_columns(columns).row(
+                found[name],
+                kernel="solver",
+                output=name,
+                way=NAMES[solver.target.name],
+                point=number,
+                label=point["label"],
+                inputs=(("time", repr(point["time"])),),
+            )
+            yield replace(row, label=row.label + _owner(solver, name, row.element[0]))
 
 
 def _owner(solver: DynamicsSolver, region: str, element: int) -> str:

@@ -3,81 +3,118 @@
 from __future__ import annotations
 
 import ctypes
+import json
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from kousoku.model.errors import LoadError
+from kousoku.runtime.choice import choose
+from kousoku.runtime.dynamics import LINKAGE_LIBRARY, MOTION_FILE
+from kousoku.runtime.dynamics_numpy import NUMPY_SOURCE
+from kousoku.runtime.dynamics_targets import C_SOURCE
+from kousoku.runtime.given import folder_of
 from kousoku.runtime.importing import import_source
+from kousoku.runtime.kinematics.mechanism import Mechanism
 from kousoku.runtime.kinematics.moving import Linkage
-from kousoku.runtime.kinematics.rows import empty_rows
+from kousoku.runtime.kinematics.rows import OF_LINKS, OF_NODES, Run, empty_rows
 from kousoku.runtime.kinematics.trajectory import Trajectory
-from kousoku.runtime.library import Library, load, read_files
+from kousoku.runtime.library import compiled, read_files, read_manifest, require_digest
+from kousoku.runtime.notice import say_once
+from kousoku.runtime.sources import Sources
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
     from pathlib import Path
     from types import ModuleType
 
-    from kousoku.runtime.kinematics.rows import Rows, Run
+    from kousoku.runtime.choice import Target
+    from kousoku.runtime.kinematics.mechanism import Array
+    from kousoku.runtime.kinematics.rows import Rows
 
 __all__ = ["LinkageSolver", "Trajectory", "load_scene", "solve"]
 
-SOLVER = "solver.py"
-#: Room for the results, in the order of the fields of ``kernels.h``.
-RESULTS = ("alpha", "position", "velocity", "acceleration")
-ANGLES = ("angle", "angle_dot", "angle_ddot")
+#: Room for the results, in the order of the fields of ``solver.h``.
+RESULTS = ("alpha", *OF_NODES, *OF_LINKS, "iterations", "residual", "condition")
 
 
 class LinkageSolver(Linkage):
-    """A loaded scene.
+    """A loaded linkage.
 
     Parameters
     ----------
-    library : Library
-        The kernels, and in C the solver.
+    sources : Sources
+        The generated files.
     module : module
         The folder's ``solver.py``.
+    library : ctypes.CDLL, optional
+        Its compiled solver; NumPy computes without.
     """
 
-    def __init__(self, library: Library, module: ModuleType) -> None:
-        super().__init__(library.manifest.package, module, library)
-        self.library = library
+    def __init__(
+        self, sources: Sources, module: ModuleType, library: ctypes.CDLL | None = None
+    ) -> None:
+        data = json.loads(sources.files[MOTION_FILE])
+        mechanism = Mechanism.from_data(data, module)
+        super().__init__(sources.manifest.package, mechanism, Run(**data["run"]))
+        self.sources = sources
+        self._library = library
 
     def __repr__(self) -> str:
         return f"<LinkageSolver {self.name}; in {self.target}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return solver_of, (self.library,)
+        return _open_same, (self.sources, self.target)
 
     @property
     def target(self) -> str:
         """What computes, ``c`` or ``numpy``."""
-        return self.library.target
+        return "numpy" if self._library is None else "c"
 
     def rows(self, run: Run) -> Rows:
         """Return what :meth:`solve` starts from, for a run."""
-        return self._run_c(run) if self.target == "c" else super().rows(run)
+        return super().rows(run) if self._library is None else self._run_c(run)
+
+    def evaluate(self, segment: str, given: dict[str, Array]) -> dict[str, Array]:
+        """Return the workspace after a segment, region by region.
+
+        Parameters
+        ----------
+        segment : str
+            As in the mechanism: ``position_1`` … ``nodes``.
+        given : dict of str to array
+            What stands in regions before.
+        """
+        mechanism = self.mechanism
+        slots = np.zeros(mechanism.work_size)
+        places = {name: slice(base, base + n) for name, (base, n) in mechanism.regions.items()}
+        for name, values in given.items():
+            slots[places[name]] = values
+        if self._library is None:
+            mechanism.segments[segment](slots)
+        else:
+            number = ctypes.c_size_t([*mechanism.segments].index(segment))
+            self._function("evaluate", None)(number, slots.ctypes.data_as(ctypes.c_void_p))
+        return {name: slots[place] for name, place in places.items()}
 
     def _run_c(self, run: Run) -> Rows:
         """Run the whole turn in one call of the compiled library."""
-        prefix = f"kousoku_{self.name}"
         rows = empty_rows(self.mechanism, run.rows)
         record = record_of(run, rows)
-        sizes = [self._size(f"{prefix}_{name}_size") for name in ("run", "workspace")]
+        sizes = [self._function(f"{name}_size", ctypes.c_size_t)() for name in ("run", "workspace")]
         if sizes[0] != ctypes.sizeof(record):
-            raise LoadError(f"{self.library.path}: its run is not as in this version of kousoku")
-        function = self.library.function(f"{prefix}_solve")
-        function.restype = ctypes.c_int
+            raise LoadError(f"{self.name}: its run is not as in this version of kousoku")
         workspace = (ctypes.c_double * -(-sizes[1] // 8))()
-        rows.status = function(ctypes.byref(record), workspace)
+        rows.status = self._function("solve")(ctypes.byref(record), workspace)
         rows.done, rows.block = int(record.done), int(record.block)
         rows.reached = np.array(record.reached[:])
         return rows
 
-    def _size(self, name: str) -> int:
-        function = self.library.function(name)
-        function.restype = ctypes.c_size_t
-        return int(function())
+    def _function(self, name: str, result: Any = ctypes.c_int) -> Any:
+        assert self._library is not None
+        function = self._library[f"kousoku_{self.name}_{name}"]
+        function.restype = result
+        return function
 
 
 def load_scene(
@@ -88,7 +125,7 @@ def load_scene(
     Parameters
     ----------
     folder : path
-        As ``kousoku.codegen.linkage.generate_scene`` made it.
+        As ``kousoku.codegen.linkage.generate.generate_scene`` made it.
     target : {"auto", "c", "numpy"}
         As of :func:`kousoku.runtime.load`.
 
@@ -97,22 +134,52 @@ def load_scene(
     LoadError
         It is not such a folder, or a file of it was edited.
     """
-    return solver_of(load(folder, target=target))
+    folder = folder_of(folder)
+    manifest = read_manifest(folder)
+    return open_linkage(Sources(folder, manifest, read_files(folder, manifest)), target)
 
 
-def solver_of(library: Library) -> LinkageSolver:
-    """Return the solver of a loaded package.
+def is_linkage(files: Collection[str]) -> bool:
+    """Whether files are those of the solver of a linkage, by their names."""
+    return any(name.startswith(f"{LINKAGE_LIBRARY}/") for name in files)
+
+
+def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
+    """Return the solver of files that were read.
 
     Raises
     ------
     LoadError
-        It has kernels only, or a file of it was edited.
+        They have no solver of a linkage, or are of two packages.
     """
-    folder = library.folder
-    files = read_files(folder, library.manifest)
-    if SOLVER not in files:
-        raise LoadError(f"{folder} has kernels, but no solver: it is not made from a scene")
-    return LinkageSolver(library, import_source(folder, files, SOLVER))
+    folder, manifest, files = sources.folder, sources.manifest, sources.files
+    if not is_linkage(files):
+        raise LoadError(
+            f"{folder} is not made from a linkage of nodes: it has no {LINKAGE_LIBRARY}"
+        )
+    if NUMPY_SOURCE not in files:
+        raise LoadError(f"{folder} was generated without {NUMPY_SOURCE}, which has its tables")
+    module = import_source(folder, files, NUMPY_SOURCE)
+    require_digest(folder, manifest, NUMPY_SOURCE, module.DIGEST)
+
+    def in_c() -> LinkageSolver:
+        from kousoku.runtime.toolchain import find_toolchain
+
+        library, _ = compiled(manifest, files, find_toolchain())
+        return LinkageSolver(sources, module, library)
+
+    def in_numpy(reason: Exception | None) -> LinkageSolver:
+        if reason is not None:
+            say_once(f"kousoku uses the NumPy solver: {reason}")
+        return LinkageSolver(sources, module)
+
+    return choose(target, folder, files, (C_SOURCE, in_c), (NUMPY_SOURCE, in_numpy))
+
+
+def _open_same(sources: Sources, target: Target) -> LinkageSolver:
+    """Open the target that another process had; NumPy, and say so, where there is no compiler."""
+    placed = Sources(sources.place(), sources.manifest, sources.files)
+    return open_linkage(placed, target if target == "numpy" else "auto")
 
 
 def solve(
@@ -123,7 +190,7 @@ def solve(
 
 
 def record_of(run: Run, rows: Rows) -> Any:
-    """Return the record of ``kernels.h`` that asks for a run and points at room for its rows."""
+    """Return the record of ``solver.h`` that asks for a run and points at room for its rows."""
     record = _run_type(len(run.origin))()
     for name in ("method", "max_iterations", "limit", "divisions", "start", "first", "rows"):
         setattr(record, name, getattr(run, name))
@@ -131,14 +198,14 @@ def record_of(run: Run, rows: Rows) -> Any:
         getattr(record, name)[:] = getattr(run, name)
     if run.times is not None:
         record.times = run.times.ctypes.data
-    for name in (*RESULTS, *ANGLES, "iterations", "residual", "condition"):
+    for name in RESULTS:
         array = getattr(rows, name)
         setattr(record, name, array.ctypes.data if array.size else None)
     return record
 
 
 def _run_type(inputs: int) -> type[ctypes.Structure]:
-    """Return the record of ``kernels.h``."""
+    """Return the record of ``solver.h``."""
     numbers = ctypes.c_double * inputs
     whole = ctypes.c_longlong
 
@@ -155,10 +222,7 @@ def _run_type(inputs: int) -> type[ctypes.Structure]:
             ("rate", numbers),
             ("rate_dot", numbers),
             ("times", ctypes.c_void_p),
-            *((name, ctypes.c_void_p) for name in (*RESULTS, *ANGLES)),
-            ("iterations", ctypes.c_void_p),
-            ("residual", ctypes.c_void_p),
-            ("condition", ctypes.c_void_p),
+            *((name, ctypes.c_void_p) for name in RESULTS),
             ("done", ctypes.c_size_t),
             ("block", ctypes.c_size_t),
             ("reached", numbers),

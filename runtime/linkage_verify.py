@@ -1,68 +1,129 @@
-"""Check a scene's solver against motions that were computed in 50 digits."""
+"""Check the solver of a linkage: its segments against 50 digits, then its motions.
+
+Segments that use only + − × ÷ √ must give the same bits in C and in NumPy. Then both methods move
+the linkage, and rows are compared with motions in 50 digits.
+"""
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.model.errors import VerifyError
-from kousoku.runtime.kinematics.rows import METHODS
+from kousoku.runtime.kinematics.rows import METHODS, OF_NODES
 from kousoku.runtime.kinematics.status import Status
-from kousoku.runtime.library import read_files
-from kousoku.runtime.linkage import SOLVER, solver_of
+from kousoku.runtime.linkage import LinkageSolver, open_linkage
+from kousoku.runtime.reference import Expected
+from kousoku.runtime.report import Row, worst_rows
+from kousoku.runtime.solver_verify import NAMES, SolverCheck
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kousoku.runtime.arguments import Floats
+    from kousoku.runtime.choice import Target
     from kousoku.runtime.kinematics.rows import Run
-    from kousoku.runtime.library import Library
-    from kousoku.runtime.linkage import LinkageSolver
+    from kousoku.runtime.solver_verify import Data
 
-SOLUTION_FILE = "solution.json"
 #: Largest difference, relative to the largest length, velocity or acceleration: far above the
 #: rounding of a mechanism that comes near its dead centres, far below any wrong formula.
 LIMIT = 1e-9
-MOTIONS = ("position", "velocity", "acceleration")
 #: Other rates, so that no term of the velocities and accelerations is zero or counts once.
 SPEED, SPEED_DOT = -1.5, 0.75
 
 
-def solver_problems(library: Library) -> list[str]:
-    """Return what is wrong with the solver of a package; nothing where it has none.
+class LinkageCheck(SolverCheck[LinkageSolver]):
+    """The check of a folder that was made from a linkage."""
+
+    FORMAT = 1
+
+    def load(self, target: Target) -> LinkageSolver:
+        """Return the solver by a target."""
+        return open_linkage(self.sources, target)
+
+    def require(self, data: Mapping[str, Any]) -> object:
+        """Look at all that reference values must have."""
+        solution = [data["solution"][name] for name in ("divisions", "rows", *OF_NODES)]
+        points = [(point["label"], point["inputs"], point["outputs"]) for point in data["points"]]
+        return points, solution, data["exact"]
+
+    def rows(self, solver: LinkageSolver, data: Mapping[str, Any]) -> Iterable[Row]:
+        """Return the worst error of each output of each segment."""
+        return worst_rows(_rows(solver, data["points"]))
+
+    def problems(self, solvers: Sequence[LinkageSolver], data: Data) -> Iterator[str]:
+        """Yield which segments have other bits by C, and what is wrong with motions."""
+        if data is None:
+            return
+        if len(solvers) > 1:
+            yield from _differences(solvers[0], solvers[1], data)
+        for solver in solvers:
+            yield from _motion_problems(solver, data["solution"])
+
+
+def _found(
+    solver: LinkageSolver, point: Mapping[str, Any]
+) -> Iterator[tuple[str, str, Floats, Mapping[str, Any]]]:
+    """Yield segment, output, what was computed at a point, and what is stored of it."""
+    given = {name: np.array(x, dtype=np.float64) for name, x in point["inputs"].items()}
+    for segment, outputs in point["outputs"].items():
+        with np.errstate(all="ignore"):
+            found = solver.evaluate(segment, given)
+        for name, columns in outputs.items():
+            yield segment, name, found[name][: len(columns["high"])], columns
+
+
+def _rows(solver: LinkageSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
+    """Yield the error of each output of each segment at each point."""
+    for number, point in enumerate(points):
+        inputs = tuple((name, ", ".join(map(repr, x))) for name, x in point["inputs"].items())
+        for segment, name, values, columns in _found(solver, point):
+            yield Expected.of_columns(columns).row(
+                values,
+                kernel=segment,
+                output=name,
+                way=NAMES[solver.target],
+                point=number,
+                label=point["label"],
+                inputs=inputs,
+            )
+
+
+def _differences(
+    one: LinkageSolver, other: LinkageSolver, data: Mapping[str, Any]
+) -> Iterator[str]:
+    """Yield where two targets give other bits first, of segments that use only + − × ÷ √."""
+    known = set[tuple[str, str]]()
+    for point in data["points"]:
+        pairs = zip(_found(one, point), _found(other, point), strict=True)
+        for (segment, name, a, _), (_, _, b, _) in pairs:
+            is_told = segment not in data["exact"] or (segment, name) in known
+            if not is_told and not np.array_equal(a, b, equal_nan=True):
+                known.add((segment, name))
+                yield (
+                    f"{segment}: {name} has not the same bits in C and in NumPy, at the point"
+                    f" {point['label']}: {a.tolist()} and {b.tolist()}"
+                )
+
+
+def _motion_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iterator[str]:
+    """Yield what is wrong with the motions that a solver gives.
 
     Both methods are run as the scene says, and once more with other rates, from another turn on
-    where the inputs turn; each row that ``solution.json`` has is compared.
-
-    Raises
-    ------
-    VerifyError
-        ``solution.json`` cannot be read.
+    where the inputs turn; each row that is known is compared.
     """
-    files = read_files(library.folder, library.manifest)
-    if SOLUTION_FILE not in files or SOLVER not in files:
-        return []
-    try:
-        data = json.loads(files[SOLUTION_FILE])
-        rows, divisions = data["rows"], data["divisions"]
-        exact = {name: np.array(data[name], dtype=np.float64) for name in MOTIONS}
-    except (ValueError, KeyError, TypeError) as error:
-        raise VerifyError(f"{library.folder / SOLUTION_FILE} cannot be read: {error!r}") from None
-    solver = solver_of(library)
-    problems: list[str] = []
+    rows, divisions = solution["rows"], solution["divisions"]
+    exact = {name: np.array(solution[name], dtype=np.float64) for name in OF_NODES}
     for method in METHODS if rows else ():
         run = solver.request(method=method, divisions=divisions)
         other, wanted = _at_other_rates(run, exact)
         if run.is_periodic and rows[-1] == divisions:
             # the continuation begins at the turn before
             other = replace(other, start=divisions + 3, first=2 * divisions)
-        where = f"solver by {library.target}, {method}"
-        problems += _problems(where, solver, run, rows, exact)
-        problems += _problems(f"{where}, at other rates", solver, other, rows, wanted)
-    return problems
+        where = f"solver by {solver.target}, {method}"
+        yield from _problems(where, solver, run, rows, exact)
+        yield from _problems(f"{where}, at other rates", solver, other, rows, wanted)
 
 
 def _at_other_rates(run: Run, exact: dict[str, Floats]) -> tuple[Run, dict[str, Floats]]:
@@ -71,7 +132,7 @@ def _at_other_rates(run: Run, exact: dict[str, Floats]) -> tuple[Run, dict[str, 
     With t(τ), dt/dτ = s and d²t/dτ² = c, a velocity v becomes s v, an acceleration a becomes
     s² a + c v; the same holds for the inputs.
     """
-    position, velocity, acceleration = (exact[name] for name in MOTIONS)
+    position, velocity, acceleration = (exact[name] for name in OF_NODES)
     s, c = SPEED, SPEED_DOT
     other = replace(
         run,
@@ -82,7 +143,7 @@ def _at_other_rates(run: Run, exact: dict[str, Floats]) -> tuple[Run, dict[str, 
         ],
     )
     motions = (position, s * velocity, s * s * acceleration + c * velocity)
-    return other, dict(zip(MOTIONS, motions, strict=True))
+    return other, dict(zip(OF_NODES, motions, strict=True))
 
 
 def _problems(

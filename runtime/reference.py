@@ -10,7 +10,7 @@ import numpy as np
 
 from kousoku.model.errors import VerifyError
 from kousoku.model.manifest import REFERENCE_FILE
-from kousoku.runtime.report import LIMIT
+from kousoku.runtime.report import LIMIT, Row
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -38,6 +38,31 @@ class Expected:
     high: Floats
     low: Floats
     unit: Floats
+
+    @classmethod
+    def of_columns(cls, columns: Mapping[str, Any]) -> Expected:
+        """Return what is stored of an output at one point; null is NaN."""
+        return cls(*(np.array([columns[key]], dtype=np.float64) for key in ("high", "low", "unit")))
+
+    def row(self, values: Floats, **told: Any) -> Row:
+        """Return the worst error of an output at one point.
+
+        Parameters
+        ----------
+        values : (size,)
+            What was computed.
+        **told
+            The other fields of the row: kernel, output, way, point, label, inputs.
+        """
+        (errors,) = self.errors(values[None, :])
+        element = int(np.argmax(errors))
+        return Row(
+            worst=float(errors[element]),
+            element=(element,),
+            got=float(values[element]),
+            wanted=float(self.high[0, element]),
+            **told,
+        )
 
     def errors(self, values: Floats) -> Floats:
         """Return how many units each element is off; infinite where no number of units says it.

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from kousoku.model.errors import VerifyError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 #: The largest error that is taken for rounding, in units.
 LIMIT = 4.0
@@ -67,6 +70,16 @@ class Row:
             f"{self.limit:g}): got {self.got!r}, wanted {wanted}, at point {self.point} "
             f"({self.label}): {numbers}"
         )
+
+
+def worst_rows(rows: Iterable[Row]) -> tuple[Row, ...]:
+    """Return the worst row of each output of each kernel, in the order of the first ones."""
+    worst: dict[tuple[str, str], Row] = {}
+    for row in rows:
+        known = worst.setdefault((row.kernel, row.output), row)
+        if row.worst > known.worst:
+            worst[row.kernel, row.output] = row
+    return tuple(worst.values())
 
 
 @dataclass(frozen=True, slots=True, repr=False)

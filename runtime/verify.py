@@ -18,6 +18,7 @@ from kousoku.runtime.given import folder_of
 from kousoku.runtime.library import Library, load, read_files, read_manifest
 from kousoku.runtime.reference import read_references
 from kousoku.runtime.report import LIMIT, Report, Row
+from kousoku.runtime.sources import Sources
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -52,15 +53,17 @@ def verify(
         does.
     """
     from kousoku.runtime.dynamics import MOTION_FILE
-    from kousoku.runtime.dynamics_verify import verify_solver
-    from kousoku.runtime.linkage_verify import solver_problems
+    from kousoku.runtime.dynamics_verify import BodiesCheck
+    from kousoku.runtime.linkage import is_linkage
+    from kousoku.runtime.linkage_verify import LinkageCheck
 
     folder = package.folder if isinstance(package, Library) else folder_of(package)
     try:
         manifest = read_manifest(folder)
         files = read_files(folder, manifest)
         if MOTION_FILE in files:
-            return verify_solver(folder, manifest, files, target)
+            check = LinkageCheck if is_linkage(files) else BodiesCheck
+            return check(Sources(folder, manifest, files)).verify(target)
         references = read_references(folder, manifest, files)
     except (LoadError, VerifyError) as error:
         return Report(folder.name, str(folder), (), (str(error),))
@@ -85,8 +88,6 @@ def verify(
         # Where a value is wrong, its bits are no news.
         if kernel.is_exact and not wrong:
             problems += different_bits(kernel, reference, evaluations)
-    for library in libraries:
-        problems += solver_problems(library)
     return Report(manifest.package, str(folder), tuple(rows), tuple(problems), tuple(notes))
 
 

@@ -10,7 +10,8 @@ import random
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model.joints import ANGLE, leaves_of
+from kousoku.model.elements.joint import ANGLE
+from kousoku.model.joints import leaves_of
 from tests.random_draft import Draft
 from tests.random_geometry import DIRECTIONS
 from tests.random_mechanisms import DETERMINED, JOINT_NAMES, MECHANISMS

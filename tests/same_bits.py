@@ -28,7 +28,7 @@ import numpy as np
 import kousoku
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
-from kousoku.codegen.linkage import generate_scene
+from kousoku.codegen.linkage.generate import generate_scene
 from kousoku.model.errors import KousokuError
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import kousoku as ks
-from kousoku.codegen.graph import Graph
-from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.passes.trace import without_sharing
+from kousoku.model.graph import Graph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:

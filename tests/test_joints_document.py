@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from kousoku.model.builder import SceneBuilder
-from kousoku.model.joints import COUPLINGS, JOINTS, NAMES, ROWS_OF
+from kousoku.model.elements.joint import ROWS_OF
+from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.mechanism import COMBINATION
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kousoku.model.elements.forces import FORCES
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import NAMES
-from kousoku.model.loads import KEYS
 from kousoku.model.orientation import FORMS
 from kousoku.model.read import scene_from_dict
 from kousoku.model.scene import Scene
@@ -61,10 +61,10 @@ def test_every_key_of_a_joint_is_there() -> None:
     assert keys("joints") == {"type", "bodies", "joints", *wanted.split()}
 
 
-@pytest.mark.parametrize("kind", KEYS)
+@pytest.mark.parametrize("kind", FORCES)
 def test_every_key_of_every_force_is_there(kind: str) -> None:
     forces = [force for force in elements("forces") if force["type"] == kind]
-    assert {key for force in forces for key in force} == {"type", *KEYS[kind]}
+    assert {key for force in forces for key in force} == {"type", *FORCES[kind].all_keys}
 
 
 @pytest.mark.parametrize(

@@ -119,7 +119,7 @@ def program(folder: Path) -> tuple[Path, str]:
     """Lay out the C program beside the solver's files; return it and what it prints."""
     ((code, shown),) = blocks(LINKAGES, "c")
     assert len(code.splitlines()) <= 30
-    for name in ("kernels.c", "expressions.h", "kernels.h"):
+    for name in ("solver.c", "solver.h"):
         shutil.copy(LEVER / name, folder / name)
     shutil.copytree(LEVER / "kinematics", folder / "kinematics")
     source = folder / "main.c"
@@ -136,7 +136,7 @@ def test_the_c_program_compiles_and_solves_the_lever_crank(
     compiler: Toolchain, tmp_path: Path, flags: tuple[str, ...]
 ) -> None:
     source, shown = program(tmp_path)
-    command = [*compiler.command, *flags, source.name, "kernels.c", "-lm", "-o", "solve"]
+    command = [*compiler.command, *flags, source.name, "solver.c", "-lm", "-o", "solve"]
     built = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (built.returncode, built.stderr) == (0, "")
     run = subprocess.run([tmp_path / "solve"], capture_output=True, text=True, check=True)
@@ -150,8 +150,8 @@ def test_the_c_program_compiles_as_cpp(compiler: Toolchain, tmp_path: Path) -> N
     source, shown = program(tmp_path)
     source.rename(tmp_path / "main.cpp")
     for command in (
-        [*compiler.command, "-c", "kernels.c"],
-        [cpp, "-Wall", "-Wextra", "-Werror", "main.cpp", "kernels.o", "-lm", "-o", "solve"],
+        [*compiler.command, "-c", "solver.c"],
+        [cpp, "-Wall", "-Wextra", "-Werror", "main.cpp", "solver.o", "-lm", "-o", "solve"],
     ):
         subprocess.run(command, cwd=tmp_path, check=True)
     run = subprocess.run([tmp_path / "solve"], capture_output=True, text=True, check=True)

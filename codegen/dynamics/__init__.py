@@ -14,6 +14,8 @@ Where what is, in that order:
     Degrees of freedom, and which rows of the constraints depend on others.
 ``operations``
     What one task computes: of a body, a joint, a force, a block of a factorisation.
+``elements``
+    Forces, one file each: what is recorded of them, and what analyses ask.
 ``composition``
     The program of a system, segment by segment.
 ``recording``

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.graph import Graph, Op
 from kousoku.codegen.passes.rebuild import copy_node, finish, live_ids
+from kousoku.model.graph import Graph, Op
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
 
     #: A sign and the nodes of the factors.
     Term = tuple[int, tuple[int, ...]]

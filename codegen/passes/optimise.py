@@ -9,8 +9,8 @@ from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.codegen.passes.trace import run_passes
 
 if TYPE_CHECKING:
-    from kousoku.codegen.kernel import Kernel
     from kousoku.codegen.passes.trace import Trace
+    from kousoku.model.kernel import Kernel
 
 #: In the order in which they run. None uses that Euler parameters have norm one.
 PASSES = (drop_dead, factor)

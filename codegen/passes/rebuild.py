@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.graph import Graph, Op
+from kousoku.model.graph import Graph, Op
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kousoku.codegen.graph import Node
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.graph import Node
+    from kousoku.model.kernel import Kernel
 
 
 def live_ids(nodes: Sequence[Node], wanted: Iterable[int]) -> list[int]:

@@ -1,6 +1,6 @@
-/* One turn of the lever crank without Python: cc main.c kernels.c -lm */
+/* One turn of the lever crank without Python: cc main.c solver.c -lm */
 #include <stdio.h>
-#include "kernels.h"
+#include "solver.h"
 
 enum { ROWS = 61, O3 = 2 };
 

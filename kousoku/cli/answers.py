@@ -318,6 +318,7 @@ class Trust(TypedDict):
     row_drift: Number | None
     pivot_ratio: Number | None
     unresolved: int
+    stillness: Number | None
     branch_point_time: Number | None
     error: ErrorEstimate | None
     limit: Number

@@ -456,11 +456,15 @@ class _SpatialShapes:
         return 3.75 * min(radius, 4.0 * self._thin)
 
     def _add_springs(self) -> None:
+        from kousoku.model.elements.forces import FORCES
+
         for force in self._scene.forces.values():
-            if force.type != "spring_damper" or force.bodies is None or force.points is None:
+            line = FORCES[force.type].line(force)
+            if line is None:
                 continue
-            i, j = (self._places[body] for body in force.bodies)
-            a, b = map(_numbers, force.points)
+            bodies, points = line
+            i, j = (self._places[body] for body in bodies)
+            a, b = map(_numbers, points)
             self._struts.append(Strut("spring", i, j, a, b, 1.2 * self._thin))
             for body, point in ((i, a), (j, b)):
                 if body == 0:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .arithmetic import larger
+from .arithmetic import larger, smaller
 from .methods import METHODS
 from .result import key_of, listed, shortly
 from .settings import CLEARLY, NOTHING_MOVES, Doubt
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 #: What a healthy run may lose, in tolerances, in each thousand steps.
 HEALTHY = 100.0
 PER_STEPS = 1000.0
+#: However many these are, a run that lost half of all that moves is not healthy.
+MOST_LOST = 0.5
 #: Instead of the tolerance where steps have a fixed length: no error decides that.
 FIXED = 1e-9
 #: The least tolerance of corrections: near singular configurations they have more of rounding.
@@ -94,6 +96,10 @@ class Trust:
     unresolved : int
         Steps over which bounds do not tell how formulas vary: what acts for a moment there may be
         passed over.
+    stillness : float or None
+        How far bodies move in the longest step at most, in lengths of the scene or radians, where
+        that is so little that the tolerance does not tell the energy that moves from what steps
+        lose: at rest, or in a motion too small for this tolerance. Else None.
     branch_point_time : float or None [s]
         When the motion first went so near to where branches of it meet that rounding, or the length
         of steps, decides which of them goes on.
@@ -101,8 +107,9 @@ class Trust:
         Of all rows, where that was wanted.
     limit : float
         What the others may be, relative to what they are compared with:
-        100 × tolerance × max(1, steps/1000). Where rows that others imply but for the closure
-        tolerance took over from these, what they missed stands for a smaller tolerance.
+        100 × tolerance × max(1, steps/1000), and no more than a half. Where rows that others imply
+        but for the closure tolerance took over from these, what they missed stands for a smaller
+        tolerance.
     problems : tuple of str
         What is beyond its limit, and what to do; empty where nothing speaks against the run.
     """
@@ -117,6 +124,7 @@ class Trust:
     row_drift: float | None
     pivot_ratio: float | None
     unresolved: int
+    stillness: float | None
     branch_point_time: float | None
     error: Any
     limit: float
@@ -147,6 +155,9 @@ class Trust:
             yield f"redundant rows miss {shortly(self.missed)}"
         if self.pivot_ratio is not None:
             yield f"smallest pivot {shortly(self.pivot_ratio)}"
+        if self.stillness is not None:
+            part = shortly(self.stillness)
+            yield f"bodies move by {part} of a length or rad a step, less than this tolerance tells"
         if self.branch_point_time is not None:
             when = shortly(self.branch_point_time, 6)
             yield f"branch not known beyond t = {when} s, where others meet it"
@@ -180,6 +191,13 @@ def allowed_part(limit: float, settings: Settings, single: Mapping[str, float]) 
     return part + part * part
 
 
+def known_energy(single: Mapping[str, float]) -> float:
+    """Return what energies are known to [J]: below that they are rounding, or heat."""
+    moved = single["energy_moved"]
+    known = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
+    return larger(KNOWN * known, HEAT)
+
+
 def judge(
     state: Mapping[str, Array],
     rows: CheckedRows,
@@ -202,12 +220,12 @@ def judge(
     # where rows take over from others bodies go on where these hold: as far off as rows miss
     if single["fallbacks"] > 0.0 and missed > MISSES:
         tolerance = larger(tolerance, missed)
-    limit, off = many * tolerance, many * larger(tolerance, LEAST)
-    known = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
+    limit = smaller(many * tolerance, MOST_LOST)
+    off = smaller(many * larger(tolerance, LEAST), MOST_LOST)
     part = allowed_part(limit, settings, single)
-    energy_limit = larger(larger(part * moved, KNOWN * known), HEAT)
+    energy_limit = larger(part * moved, known_energy(single))
     # without signs, so that errors of steps add up that are none in all
-    work_limit = larger(energy_limit, single["steps"] * tolerance * moved)
+    work_limit = larger(energy_limit, smaller(single["steps"] * tolerance, MOST_LOST) * moved)
     doubts = beyond(single["not_finite"], 0.0, Doubt.NOT_FINITE)
     doubts |= beyond(missed, CLEARLY * layout.closure_tolerance, Doubt.OPEN)
     # where joints hold all that could move what energy there is is rounding
@@ -257,12 +275,14 @@ def trust_of(
     checks, is_led = bool(settings.checks), settings.method == len(METHODS)
     knows_energy = checks and is_weighed
     is_free = layout.sizes["v"] != len(rows.rows) + len(rows.reduced)
+    told = larger(verdict.limit * single["energy_moved"], known_energy(single))
+    is_still = knows_energy and told < single["energy_error"] <= verdict.energy_limit
     advice = "a smaller step" if settings.fixed_step else "a smaller tolerance or largest_step"
     advice = "a smaller largest_step, or more rows" if is_led else advice
     opened = map(key_of, released(missed_by(state["violations"][0], rows, layout), layout))
     moved, count = shortly(single["energy_moved"], 2), single["branch_points"]
     far = f"of a length of the scene, wanted at most {shortly(verdict.correction_limit)}"
-    told = {
+    reasons = {
         Doubt.NOT_FINITE: f"numbers of rows are not finite, of {single['not_finite']:.0f} in all,"
         f" first at t = {single['not_finite_time']:.9g} s: a formula has no value there; ask for"
         " other times, or write it without the quotient that is 0/0",
@@ -282,7 +302,7 @@ def trust_of(
         f" that of another branch, try {advice}",
         Doubt.NARROW: untold(single, advice),
     }
-    problems = [text for doubt, text in told.items() if doubt & verdict.doubts]
+    problems = [text for doubt, text in reasons.items() if doubt & verdict.doubts]
     if error is not None and error.unknown_from is not None:
         problems.append(error.unknown)
     return Trust(
@@ -296,6 +316,7 @@ def trust_of(
         row_drift=single["row_drift"] if is_free else None,
         pivot_ratio=single["least_pivot_ratio"] if single["factorisations"] > 0 else None,
         unresolved=int(single["unresolved"]),
+        stillness=single["fastest"] * single["stride"] if is_still else None,
         branch_point_time=single["branch_point_time"] if single["branch_points"] else None,
         error=error,
         limit=verdict.limit,

@@ -1,7 +1,7 @@
 """Position, velocity and acceleration analysis of planar mechanisms, block after block.
 
 The same algorithm as ordinary C (``*.h``) and as ordinary Python, file by file; a generated folder
-holds a copy of it beside the kernels and the tables of its scene. It needs the C library, and in
+holds a copy of it beside the segments and the tables of its scene. It needs the C library, and in
 Python NumPy, and imports nothing of kousoku but itself.
 
 ``mechanism``     records of the tables that describe a mechanism

@@ -28,25 +28,35 @@ def assemble(newton: Newton, position: Coordinates) -> float:
         The mechanism does not fit together, or only on the other side of a dead centre.
     """
     worst = 0.0
-    for number, block in enumerate(newton.blocks):
-        newton.at = number
-        given, size = _approach(newton, number, position)
-        try:
-            _, residual = newton.solve_block(number, *position)
-        except StopError as stop:
-            if stop.status != Status.DEAD_CENTRE:
-                raise
-            near = size <= SETTLED * newton.length
-            raise StopError(Status.ON_DEAD_CENTRE if near else Status.NOT_ASSEMBLED) from None
-        _, pivot = block.evaluate(position)
-        newton.orientation[number] = pivot
-        worst = max(worst, residual)
-        if abs(given) > 0.01 and given * pivot < 0:
-            raise StopError(Status.OTHER_SIDE)
+    newton.equations.place(position)
+    try:
+        for number in range(len(newton.blocks)):
+            newton.at = number
+            worst = max(worst, _assemble_block(newton, number))
+    finally:
+        position.x[:] = newton.equations.region("x")
     return worst
 
 
-def _approach(newton: Newton, number: int, position: Coordinates) -> tuple[float, float]:
+def _assemble_block(newton: Newton, number: int) -> float:
+    """Find the first position of a block, and its assembly mode; return the largest residual."""
+    block = newton.blocks[number]
+    given, size = _approach(newton, number)
+    try:
+        _, residual = newton.solve_block(number)
+    except StopError as stop:
+        if stop.status != Status.DEAD_CENTRE:
+            raise
+        near = size <= SETTLED * newton.length
+        raise StopError(Status.ON_DEAD_CENTRE if near else Status.NOT_ASSEMBLED) from None
+    _, pivot = block.evaluate()
+    newton.orientation[number] = pivot
+    if abs(given) > 0.01 and given * pivot < 0:
+        raise StopError(Status.OTHER_SIDE)
+    return residual
+
+
+def _approach(newton: Newton, number: int) -> tuple[float, float]:
     """Come near the first position of a block.
 
     Returns
@@ -57,7 +67,7 @@ def _approach(newton: Newton, number: int, position: Coordinates) -> tuple[float
         The largest residual that is left.
     """
     block = newton.blocks[number]
-    epsilon, pivot = block.evaluate(position)
+    epsilon, pivot = block.evaluate()
     given, residual = pivot, largest(epsilon)
     for k in range(200):
         if residual <= SETTLED * newton.length:
@@ -66,20 +76,20 @@ def _approach(newton: Newton, number: int, position: Coordinates) -> tuple[float
             raise StopError(Status.NOT_FINITE)
         if not abs(pivot) > SINGULAR:
             raise StopError(Status.NOT_ASSEMBLED if k else Status.ON_DEAD_CENTRE)
-        _damped_step(newton, number, position, epsilon)
-        epsilon, pivot = block.evaluate(position)
+        _damped_step(newton, number, epsilon)
+        epsilon, pivot = block.evaluate()
         residual = largest(epsilon)
     return given, residual
 
 
-def _damped_step(newton: Newton, number: int, position: Coordinates, epsilon: Array) -> None:
+def _damped_step(newton: Newton, number: int, epsilon: Array) -> None:
     """Move a block by a Newton step, halved until the residual falls enough."""
     block = newton.blocks[number]
     correction, residual = block.solve(epsilon), largest(epsilon)
-    before, part = position.x[block.part].copy(), 1.0
+    before, part = block.x.copy(), 1.0
     while part >= SMALLEST_STEP:
-        position.x[block.part] = before - part * correction
-        if largest(block.residuals(position)) <= (1 - 0.25 * part) * residual:
+        block.x[:] = before - part * correction
+        if largest(block.residuals()) <= (1 - 0.25 * part) * residual:
             return
         part *= 0.5
     raise StopError(Status.NOT_ASSEMBLED)

@@ -17,6 +17,8 @@ import numpy as np
 from .status import MOST_TILT
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from .equations import BlockEquations
     from .mechanism import Array, Block, Mechanism
 
@@ -158,7 +160,7 @@ class Certifier:
         return np.stack((error, self._length * reach * swept, self._length * reach * reach))
 
 
-def _slopes(sums: list[tuple[tuple[int, float], ...]], places: int) -> Array:
+def _slopes(sums: list[Sequence[tuple[int, float]]], places: int) -> Array:
     """Return the derivatives of sums by coordinates, (places, sums)."""
     slopes = np.zeros((places, len(sums)))
     for k, terms in enumerate(sums):

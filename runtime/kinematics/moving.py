@@ -5,6 +5,7 @@ Told with kousoku's errors; where that is not installed with ``ValueError`` and 
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,15 +13,18 @@ import numpy as np
 
 from ..integrate.given import require_numbers, require_options, times_of
 from ..integrate.result import StoppedError, refusal, shown
+from .mechanism import Mechanism
+from .rows import Run, request
+from .solve import solve
 from .status import Status
 from .trajectory import trajectory_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
+    from pathlib import Path
 
-    from .equations import Kernels
-    from .mechanism import Array, Mechanism
-    from .rows import Rows, Run
+    from .mechanism import Array
+    from .rows import Rows
     from .trajectory import Trajectory
 
 #: Options of a call that are counts, and all of them.
@@ -44,15 +48,14 @@ class Linkage:
     ----------
     name : str
         The scene.
-    module : module
-        ``solver.py`` of its folder: the mechanism, and its analysis in NumPy.
-    kernels : module or Library
-        The functions of ``kernels.py``.
+    mechanism : Mechanism
+        The tables and segments.
+    scene : Run
+        What the scene asks for.
     """
 
-    def __init__(self, name: str, module: Any, kernels: Kernels) -> None:
-        self.name, self.module, self.kernels = name, module, kernels
-        self.mechanism: Mechanism = module.MECHANISM
+    def __init__(self, name: str, mechanism: Mechanism, scene: Run) -> None:
+        self.name, self.mechanism, self.scene = name, mechanism, scene
 
     @property
     def target(self) -> str:
@@ -67,13 +70,11 @@ class Linkage:
         ValueError, TypeError
             They are not such options.
         """
-        run: Run = self.module.request(**options)
-        return run
+        return request(self.scene, **options)
 
     def rows(self, run: Run) -> Rows:
         """Return what :meth:`solve` starts from, for a run."""
-        rows: Rows = self.module.solve(self.kernels, run)
-        return rows
+        return solve(self.mechanism, run)
 
     def solve(self, **options: Any) -> Trajectory:
         """Return the motion of the scene.
@@ -221,3 +222,17 @@ class Linkage:
                 )
         fits = "no link is violated much, but they cannot all be met"
         return f"{', '.join(parts) or fits}; change lengths or positions"
+
+
+def linkage_of(module: Any, folder: Path) -> Linkage:
+    """Return the linkage of a folder alone.
+
+    Parameters
+    ----------
+    module : module
+        Its ``solver.py``.
+    folder : Path
+        Where its ``motion.json`` is.
+    """
+    data = json.loads((folder / "motion.json").read_text(encoding="utf-8"))
+    return Linkage(data["name"], Mechanism.from_data(data, module), Run(**data["run"]))

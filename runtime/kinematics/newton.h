@@ -17,15 +17,14 @@ static int is_dead_centre(double pivot, double orientation)
     return !(fabs(pivot) > SINGULAR) || pivot * orientation < 0.0;
 }
 
-/* Newton's method on one block from x */
-static int newton(const Run *run, size_t number, const double *alpha, double *x, Workspace *w,
-    Convergence *convergence)
+/* Newton's method on one block, where it is looked at */
+static int newton(const Run *run, size_t number, Workspace *w, Convergence *convergence)
 {
     const size_t first = blocks[number].first, n = blocks[number].size;
-    const Coordinates position = { alpha, x };
+    double *x = looked_at(number, w);
     double correction[LARGEST_BLOCK], last = HUGE_VAL;
     for (int k = 0; k <= run->max_iterations; ++k) {
-        const double pivot = evaluate(number, position, w, correction);
+        const double pivot = evaluate(number, w, correction);
         const double residual = largest_residual(n, correction);
         if (!(residual < HUGE_VAL)) {
             return NOT_FINITE;
@@ -48,7 +47,7 @@ static int newton(const Run *run, size_t number, const double *alpha, double *x,
             return DEAD_CENTRE;
         }
         for (size_t i = 0; i < n; ++i) {
-            x[first + i] -= correction[i];
+            x[i] -= correction[i];
         }
         last = step;
     }
@@ -58,30 +57,33 @@ static int newton(const Run *run, size_t number, const double *alpha, double *x,
 /* all blocks by full Newton from the predicted w->trial */
 static int full_newton(Run *run, Workspace *w, const double *alpha, Convergence *convergence)
 {
+    look_at(w, alpha, w->trial);
     for (size_t number = 0; number < BLOCKS; ++number) {
-        const int status = newton(run, number, alpha, w->trial, w, convergence);
+        const int status = newton(run, number, w, convergence);
         if (status != GOOD) {
             run->block = number;
             return status;
         }
     }
+    copy(w->trial, w->w + W_X, UNKNOWNS);
     return GOOD;
 }
 
 /* residuals become corrections of all blocks, with the Jacobian at w->x */
-static void correct_from_reference(Run *run, const Workspace *w, double *correction)
+static void correct_from_reference(Run *run, Workspace *w, double *correction)
 {
     const double none[INPUTS] = { 0.0 };
-    const Coordinates position = { w->alpha, w->x }, corrected = { none, correction };
+    look_at(w, w->alpha, w->x);
+    copy(w->w + W_ALPHA_DOT, none, INPUTS);
     for (size_t number = 0; number < BLOCKS; ++number) {
         const size_t first = blocks[number].first, n = blocks[number].size;
-        double coupling[LARGEST_BLOCK];
         /* what the corrections of the blocks before add to this one */
-        velocity_equations(number, position, corrected, coupling);
+        run_segment(number, VELOCITY, w);
         for (size_t i = 0; i < n; ++i) {
-            correction[first + i] += coupling[i];
+            correction[first + i] += w->w[W_NU + i];
         }
         solve_block(number, w, correction + first);
+        copy(w->w + W_X_DOT + first, correction + first, n);
         run->block = number;
     }
 }
@@ -90,14 +92,15 @@ static void correct_from_reference(Run *run, const Workspace *w, double *correct
  * Jacobian stays that of the reference position w->x */
 static int modified_newton(Run *run, Workspace *w, const double *alpha, Convergence *convergence)
 {
-    const Coordinates reference = { w->alpha, w->x }, trial = { alpha, w->trial };
     double correction[UNKNOWNS], ignored[LARGEST_BLOCK], last = HUGE_VAL;
+    look_at(w, w->alpha, w->x);
     for (size_t number = 0; number < BLOCKS; ++number) {
-        evaluate(number, reference, w, ignored);
+        evaluate(number, w, ignored);
     }
     for (int k = 0;; ++k) {
+        look_at(w, alpha, w->trial);
         for (size_t number = 0; number < BLOCKS; ++number) {
-            position_equations(number, trial, correction + blocks[number].first, NULL);
+            find_residuals(number, w, correction + blocks[number].first);
         }
         convergence->residual = largest_residual(UNKNOWNS, correction);
         if (convergence->residual <= run->limit) {
@@ -121,7 +124,7 @@ static int modified_newton(Run *run, Workspace *w, const double *alpha, Converge
         last = step;
     }
     for (size_t number = 0; number < BLOCKS; ++number) {
-        if (is_dead_centre(evaluate(number, trial, w, ignored), w->orientation[number])) {
+        if (is_dead_centre(evaluate(number, w, ignored), w->orientation[number])) {
             run->block = number;
             return DEAD_CENTRE;
         }

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .equations import BlockEquations, Coordinates
+from .equations import Coordinates, Equations
 from .status import ROUNDING, SETTLED, SINGULAR, Status, StopError
 
 if TYPE_CHECKING:
-    from .equations import Kernels
     from .mechanism import Array, Mechanism
     from .rows import Run
 
@@ -47,9 +46,7 @@ class Newton:
     Parameters
     ----------
     mechanism : Mechanism
-        The tables.
-    kernels : Kernels
-        The kernels of its blocks.
+        The tables and segments.
     run : Run
         Limit of the residual and of the iterations.
 
@@ -62,17 +59,17 @@ class Newton:
         The block that was worked on last.
     """
 
-    def __init__(self, mechanism: Mechanism, kernels: Kernels, run: Run) -> None:
-        numbers = range(len(mechanism.blocks))
-        self.blocks = tuple(BlockEquations(mechanism, kernels, number) for number in numbers)
+    def __init__(self, mechanism: Mechanism, run: Run) -> None:
+        self.equations = Equations(mechanism)
+        self.blocks = self.equations.blocks
         self.scale = np.array([unknown.scale for unknown in mechanism.unknowns])
         self.length = mechanism.length
         self.run = run
-        self.orientation = [0.0 for _ in numbers]
+        self.orientation = [0.0 for _ in self.blocks]
         self.at = 0
 
-    def solve_block(self, number: int, alpha: Array, x: Array) -> Convergence:
-        """Improve the unknowns of one block in x by full Newton.
+    def solve_block(self, number: int) -> Convergence:
+        """Improve the unknowns of one block, where it is looked at, by full Newton.
 
         Raises
         ------
@@ -81,7 +78,7 @@ class Newton:
         """
         block, last = self.blocks[number], math.inf
         for k in range(self.run.max_iterations + 1):
-            epsilon, pivot = block.evaluate(Coordinates(alpha, x))
+            epsilon, pivot = block.evaluate()
             residual = largest(epsilon)
             if not math.isfinite(residual):
                 raise StopError(Status.NOT_FINITE)
@@ -96,18 +93,20 @@ class Newton:
                 raise StopError(Status.LIMIT_TOO_SMALL)
             if k > 2 and step >= 2 * last:
                 raise StopError(Status.DEAD_CENTRE)
-            x[block.part] -= correction
+            block.x -= correction
             last = step
         raise StopError(Status.DEAD_CENTRE)
 
     def full(self, alpha: Array, trial: Array) -> Convergence:
         """Improve all unknowns in ``trial`` by full Newton."""
         iterations, residual = 0, 0.0
+        self.equations.place(Coordinates(alpha, trial))
         for number in range(len(self.blocks)):
             self.at = number
-            found = self.solve_block(number, alpha, trial)
+            found = self.solve_block(number)
             iterations = max(iterations, found.iterations)
             residual = max(residual, found.residual)
+        trial[:] = self.equations.region("x")
         return Convergence(iterations, residual)
 
     def modified(self, alpha: Array, trial: Array, reference: Coordinates) -> Convergence:
@@ -115,13 +114,15 @@ class Newton:
 
         A modified Newton method: the Jacobian stays that of the reference position.
         """
+        self.equations.place(reference)
         for block in self.blocks:
-            block.evaluate(reference)
+            block.evaluate()
         last, k = math.inf, 0
         while True:
             correction = np.empty_like(trial)
+            self.equations.place(Coordinates(alpha, trial))
             for block in self.blocks:
-                correction[block.part] = block.residuals(Coordinates(alpha, trial))
+                correction[block.part] = block.residuals()
             residual = largest(correction)
             if residual <= self.run.limit:
                 break
@@ -137,15 +138,18 @@ class Newton:
             last, k = step, k + 1
         for number, block in enumerate(self.blocks):
             self.at = number
-            _, pivot = block.evaluate(Coordinates(alpha, trial))
+            _, pivot = block.evaluate()
             if is_dead_centre(pivot, self.orientation[number]):
                 raise StopError(Status.DEAD_CENTRE)
         return Convergence(k, residual)
 
     def _correct_from(self, reference: Coordinates, correction: Array) -> None:
         """Make corrections of residuals, in place, with the Jacobian of the reference."""
-        corrected = Coordinates(np.zeros_like(reference.alpha), correction)
+        self.equations.place(reference)
+        self.equations.place(Coordinates(np.zeros_like(reference.alpha), correction), "_dot")
+        corrected = self.equations.region("x_dot")
         for block in self.blocks:
             # What the corrections of the blocks before add to this one.
-            coupling = block.velocity_side(reference, corrected)
-            correction[block.part] = block.solve(correction[block.part] + coupling)
+            coupling = block.velocity_side()
+            corrected[block.part] = block.solve(correction[block.part] + coupling)
+        correction[:] = corrected

@@ -4,19 +4,32 @@
 
 #include "continuation.h"
 
+/* what is wanted of a row of a result */
+static void keep(double *wanted, size_t row, const double *found, size_t n)
+{
+    if (wanted) {
+        copy(wanted + n * row, found, n);
+    }
+}
+
 /* the position of the workspace goes into a row */
-static void write_row(const Run *run, const Workspace *w, long long division, size_t row,
+static void write_row(const Run *run, Workspace *w, long long division, size_t row,
     const double *x_dot, const double *x_ddot, Convergence convergence)
 {
-    const size_t nodes = 2 * NODES * row;
-    PUBLIC(nodes)(w->alpha, w->x, w->rate, x_dot, run->rate_dot, x_ddot,
-        run->position ? run->position + nodes : NULL, run->velocity ? run->velocity + nodes : NULL,
-        run->acceleration ? run->acceleration + nodes : NULL);
+    look_at(w, w->alpha, w->x);
+    copy(w->w + W_ALPHA_DOT, w->rate, INPUTS);
+    copy(w->w + W_X_DOT, x_dot, UNKNOWNS);
+    copy(w->w + W_ALPHA_DDOT, run->rate_dot, INPUTS);
+    copy(w->w + W_X_DDOT, x_ddot, UNKNOWNS);
+    segments[RESULTS](w->w);
+    keep(run->position, row, w->w + W_POSITION, 2 * NODES);
+    keep(run->velocity, row, w->w + W_VELOCITY, 2 * NODES);
+    keep(run->acceleration, row, w->w + W_ACCELERATION, 2 * NODES);
 #if WANTS_ANGLES
-    const size_t links = LINKS * row;
-    PUBLIC(angles)(w->alpha, w->x, w->rate, x_dot, run->rate_dot, x_ddot,
-        run->angle ? run->angle + links : NULL, run->angle_dot ? run->angle_dot + links : NULL,
-        run->angle_ddot ? run->angle_ddot + links : NULL);
+    segments[RESULTS + 1](w->w);
+    keep(run->angle, row, w->w + W_ANGLE, LINKS);
+    keep(run->angle_dot, row, w->w + W_ANGLE_DOT, LINKS);
+    keep(run->angle_ddot, row, w->w + W_ANGLE_DDOT, LINKS);
 #endif
     for (size_t i = 0; run->alpha && i < INPUTS; ++i) {
         const double turns = (double)run->turns[i], divisions = (double)run->divisions;
@@ -66,7 +79,7 @@ static void motion_at(
 }
 
 /* the inputs that were reached; after a failure the next row is where it stopped */
-static int stop(Run *run, const Workspace *w, int status)
+static int stop(Run *run, Workspace *w, int status)
 {
     const double none[UNKNOWNS] = { 0.0 };
     for (size_t i = 0; i < INPUTS; ++i) {

@@ -19,11 +19,14 @@ if TYPE_CHECKING:
 
 #: Full Newton, and the iteration of the paper; a run holds the index.
 METHODS = ("newton", "paper")
+#: Results of nodes and of links; a row holds them under these names.
+OF_NODES = ("position", "velocity", "acceleration")
+OF_LINKS = ("angle", "angle_dot", "angle_ddot")
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What is asked. The fields and the inputs of a division are those of ``kernels.h``.
+    """What is asked. The fields and the inputs of a division are those of ``solver.h``.
 
     Parameters
     ----------

@@ -13,24 +13,22 @@ import numpy as np
 
 from .assembly import assemble
 from .continuation import Continuation
-from .rows import Rows, empty_rows
+from .equations import Coordinates
+from .rows import OF_LINKS, OF_NODES, Rows, empty_rows
 from .status import Status, StopError
 
 if TYPE_CHECKING:
-    from .equations import Kernels
     from .mechanism import Array, Mechanism
     from .rows import Run
 
 
-def solve(mechanism: Mechanism, kernels: Kernels, run: Run) -> Rows:
+def solve(mechanism: Mechanism, run: Run) -> Rows:
     """Return what is asked, as far as the mechanism moves.
 
     Parameters
     ----------
     mechanism : Mechanism
-        The tables.
-    kernels : Kernels
-        Whatever has the functions of the folder's ``kernels.py``.
+        The tables and segments.
     run : Run
         What is asked.
     """
@@ -39,19 +37,18 @@ def solve(mechanism: Mechanism, kernels: Kernels, run: Run) -> Rows:
         rows.status = Status.BAD_ARGUMENT
         return rows
     with np.errstate(all="ignore"):
-        _Analysis(mechanism, kernels, run, rows).make()
+        _Analysis(mechanism, run, rows).make()
     return rows
 
 
 class _Analysis:
     """A continuation whose positions are written into rows."""
 
-    def __init__(self, mechanism: Mechanism, kernels: Kernels, run: Run, rows: Rows) -> None:
-        self.kernels = kernels
+    def __init__(self, mechanism: Mechanism, run: Run, rows: Rows) -> None:
         self.wants_angles = mechanism.wants_angles
         self.run = run
         self.rows = rows
-        self.way = Continuation(mechanism, kernels, run)
+        self.way = Continuation(mechanism, run)
 
     def make(self) -> None:
         """Write all rows, or all until the mechanism stops and where it did."""
@@ -93,10 +90,15 @@ class _Analysis:
     def _write(self, division: int, x_dot: Array, x_ddot: Array) -> None:
         """Write what is wanted of the position into the next row."""
         run, rows, row, way = self.run, self.rows, self.rows.done, self.way
-        motion = (*way.position, way.rate, x_dot, np.asarray(run.rate_dot), x_ddot)
-        rows.position[row], rows.velocity[row], rows.acceleration[row] = self.kernels.nodes(*motion)
+        equations = way.newton.equations
+        equations.place(way.position)
+        equations.place(Coordinates(way.rate, x_dot), "_dot")
+        equations.place(Coordinates(np.asarray(run.rate_dot), x_ddot), "_ddot")
+        equations.run("nodes")
         if self.wants_angles:
-            angles = self.kernels.angles(*motion)
-            rows.angle[row], rows.angle_dot[row], rows.angle_ddot[row] = angles
+            equations.run("angles")
+        for name in OF_NODES + OF_LINKS * self.wants_angles:
+            wanted = getattr(rows, name)[row]
+            wanted[:] = equations.region(name).reshape(wanted.shape)
         is_timed = run.times is not None
         rows.alpha[row] = way.position.alpha if is_timed else run.counted_inputs(division)

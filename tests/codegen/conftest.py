@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import pytest
 
-from kousoku.codegen.graph import Graph
-from kousoku.codegen.kernel import Kernel, Package
+from kousoku.model.graph import Graph
+from kousoku.model.kernel import Kernel, Package
 from kousoku.model.quantity import Quantity
 
 

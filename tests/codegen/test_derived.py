@@ -20,8 +20,8 @@ from kousoku.codegen.derived import (
     source_key,
 )
 from kousoku.codegen.generate import write_tree
-from kousoku.codegen.kernel import Package
 from kousoku.codegen.store import GRAPH_FILE, dump
+from kousoku.model.kernel import Package
 from kousoku.model.manifest import REFERENCE_FILE
 
 ROOT = Path(__file__).parents[2]

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.emit import emit
-from kousoku.codegen.graph import Graph
-from kousoku.codegen.kernel import Kernel, Package
+from kousoku.model.graph import Graph
+from kousoku.model.kernel import Kernel, Package
 from kousoku.model.quantity import Quantity
 from kousoku.runtime.importing import import_source
 

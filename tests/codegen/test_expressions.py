@@ -12,12 +12,14 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from kousoku.codegen.expressions import to_graph
-from kousoku.codegen.graph import Graph, Op
-from kousoku.codegen.interpret import ARRAY, FLOAT, HIGH, HIGH_CONTEXT, Arithmetic, evaluate
-from kousoku.codegen.kernel import Kernel
+from kousoku.model.arithmetic import FLOAT, Arithmetic
 from kousoku.model.derivative import derivative
+from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.errors import ExpressionError, FreezeError
 from kousoku.model.expression import parse_expression
+from kousoku.model.graph import Graph, Op
+from kousoku.model.interpret import ARRAY, evaluate
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 from kousoku.model.terms import ZERO
 
@@ -157,8 +159,8 @@ def test_derivatives_are_those_of_differences_in_50_digits(
 ) -> None:
     python_value(pair, t, x)
     expression = parsed(pair)
-    step = HIGH_CONTEXT.mpf("1e-20")
-    point = {"t": HIGH_CONTEXT.mpf(t) + step / 3, "x": HIGH_CONTEXT.mpf(x) - step / 7}
+    step = CONTEXT.mpf("1e-20")
+    point = {"t": CONTEXT.mpf(t) + step / 3, "x": CONTEXT.mpf(x) - step / 7}
     try:
         (got,) = values([derivative(expression, name)], point["t"], point["x"], HIGH)
         moved = [point | {name: point[name] + way * step} for way in (-2, -1, 1, 2)]
@@ -166,7 +168,7 @@ def test_derivatives_are_those_of_differences_in_50_digits(
     except (ArithmeticError, ValueError, TypeError, AttributeError):
         assume(False)  # a step beyond an end of the domain: mpmath goes on with complex numbers
         raise
-    assume(all(isinstance(end, HIGH_CONTEXT.mpf) for end in (got, *ends)))
+    assume(all(isinstance(end, CONTEXT.mpf) for end in (got, *ends)))
     slopes = [(ends[2] - ends[1]) / (2 * step), (ends[3] - ends[0]) / (4 * step)]
     assume(abs(slopes[0]) < 1e9 and abs(slopes[1] - slopes[0]) < 1e-15)
     assert abs(got - slopes[0]) < 1e-9 * (1 + abs(got))

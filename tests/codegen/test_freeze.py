@@ -12,8 +12,8 @@ from sympy.matrices.expressions import HadamardProduct, MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.codegen.freeze import freeze
-from kousoku.codegen.graph import Op
 from kousoku.model.errors import FreezeError
+from kousoku.model.graph import Op
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import KINDS, derive
 from kousoku.symbolic.derivation import Function, Output
@@ -22,7 +22,7 @@ from kousoku.symbolic.matrices import Named, Orientation, elements, mul, skew, t
 from kousoku.symbolic.ring import Ring
 
 if TYPE_CHECKING:
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
     from kousoku.symbolic.derivation import Derivation
 
 PACKAGES = [package for kind in KINDS.values() for package in kind.packages]

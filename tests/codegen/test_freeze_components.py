@@ -4,13 +4,13 @@ import pytest
 import sympy
 from sympy import atan2, cos, sin, sqrt
 
-from kousoku.codegen.dual import evaluate_dual
 from kousoku.codegen.freeze_components import freeze_components
-from kousoku.codegen.interpret import HIGH_CONTEXT
-from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.points import curved_inputs, degrees, infinite_points
 from kousoku.codegen.stream import Stream
+from kousoku.model.digits import CONTEXT
+from kousoku.model.dual import evaluate_dual
 from kousoku.model.errors import FreezeError
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.derivation import Function, Output
 from kousoku.symbolic.matrices import elements
@@ -46,8 +46,8 @@ def test_value_and_derivatives_have_fifty_digits(formula: sympy.Expr) -> None:
     for symbol in (None, x0, x1, y):
         wanted = formula if symbol is None else formula.diff(symbol)
         got = dual.value if symbol is None else dual.gradient.get(PLACES[symbol], 0)
-        number = HIGH_CONTEXT.mpf(str(sympy.N(wanted.subs(exact), 60)))
-        assert abs(got - number) < HIGH_CONTEXT.mpf(10) ** -46
+        number = CONTEXT.mpf(str(sympy.N(wanted.subs(exact), 60)))
+        assert abs(got - number) < CONTEXT.mpf(10) ** -46
 
 
 def test_equal_expressions_are_evaluated_once() -> None:

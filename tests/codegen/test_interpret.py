@@ -5,9 +5,11 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from kousoku.codegen.graph import Graph
-from kousoku.codegen.interpret import ARRAY, EXACT, FLOAT, HIGH, HIGH_CONTEXT, evaluate
-from kousoku.codegen.kernel import Kernel
+from kousoku.model.arithmetic import EXACT, FLOAT
+from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.graph import Graph
+from kousoku.model.interpret import ARRAY, evaluate
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 #: Rational Euler parameters of unit norm, and vectors that they turn to right angles.
@@ -55,7 +57,7 @@ def test_floats_and_arrays_agree_bit_for_bit(n1: Kernel) -> None:
 
 
 def test_fifty_digits_are_fifty_digits(angle_kernel: Kernel) -> None:
-    mpf = HIGH_CONTEXT.mpf
+    mpf = CONTEXT.mpf
     angle, radius = mpf(3) / 7, mpf("1e-9")
     outputs = evaluate(angle_kernel, {"angle": [angle], "radius": [radius]}, HIGH)
     assert abs(outputs["third"][0] - angle / 3) < mpf("1e-49")

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.generate import package_names
-from kousoku.codegen.interpret import ARRAY, evaluate
-from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.known import known_errors
 from kousoku.codegen.store import load_frozen
 from kousoku.model.compressed import content
+from kousoku.model.interpret import ARRAY, evaluate
+from kousoku.model.kernel import Kernel
 from kousoku.model.manifest import REFERENCE_FILE
 
 LIMIT = 4

@@ -4,11 +4,11 @@ import math
 
 import sympy
 
-from kousoku.codegen.dual import evaluate_dual
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.manifold import solve_constraint
 from kousoku.codegen.points import ordinary
 from kousoku.codegen.stream import Stream
+from kousoku.model.dual import evaluate_dual
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.derivation import Function, Output

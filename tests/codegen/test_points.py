@@ -5,11 +5,11 @@ import math
 import pytest
 from sympy import ImmutableDenseMatrix, S
 
-from kousoku.codegen.dual import evaluate_dual
 from kousoku.codegen.freeze_components import freeze_components
-from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.points import finite_points, infinite_points, ordinary
 from kousoku.codegen.stream import Stream
+from kousoku.model.dual import evaluate_dual
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.derivation import Function, Output

@@ -4,9 +4,9 @@ from fractions import Fraction
 
 import pytest
 
-from kousoku.codegen.graph import Op
 from kousoku.codegen.printers import NUMPY, C, Precedence, Text
 from kousoku.model.errors import EmitError
+from kousoku.model.graph import Op
 
 A, B, X = Text("a"), Text("b"), Text("x")
 

@@ -10,12 +10,13 @@ import pytest
 import sympy
 
 from kousoku.codegen.freeze import freeze
-from kousoku.codegen.graph import Graph
-from kousoku.codegen.interpret import EXACT, evaluate
-from kousoku.codegen.kernel import Kernel, Package
 from kousoku.codegen.known import known_errors
 from kousoku.codegen.reference import references
+from kousoku.model.arithmetic import EXACT
 from kousoku.model.errors import DerivationError
+from kousoku.model.graph import Graph
+from kousoku.model.interpret import evaluate
+from kousoku.model.kernel import Kernel, Package
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.derivation import Derivation, Function, Output

@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import pytest
 
-from kousoku.codegen.dual import evaluate_dual
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.generate import package_of
-from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.points import ordinary
 from kousoku.codegen.states import coincident_points, motion_points
 from kousoku.codegen.stream import Stream
 from kousoku.codegen.unit import columns
+from kousoku.model.digits import CONTEXT
+from kousoku.model.dual import evaluate_dual
 from kousoku.runtime import load
 from kousoku.runtime.report import LIMIT
 from kousoku.symbolic.components import cross
@@ -71,9 +71,7 @@ def errors(
     for state in states:
         inputs = {q.name: np.ravel(state[q.name]).tolist() for q in function.inputs}
         whole = [np.reshape(inputs[q.name], q.shape) for q in kernels[0].manifest.inputs]
-        numbers = {
-            (n, k): HIGH_CONTEXT.mpf(x) for n, xs in inputs.items() for k, x in enumerate(xs)
-        }
+        numbers = {(n, k): CONTEXT.mpf(x) for n, xs in inputs.items() for k, x in enumerate(xs)}
         wanted = columns(evaluate_dual(components, inputs)[name], numbers, ())
         high, low, unit = (np.array(wanted[x], dtype=float) for x in ("high", "low", "unit"))
         for kernel in kernels:

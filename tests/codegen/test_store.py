@@ -9,10 +9,10 @@ from fractions import Fraction
 
 import pytest
 
-from kousoku.codegen.graph import Graph
-from kousoku.codegen.kernel import Kernel, Package
 from kousoku.codegen.store import dump, load_frozen, parse
 from kousoku.model.errors import LoadError
+from kousoku.model.graph import Graph
+from kousoku.model.kernel import Kernel, Package
 from kousoku.model.quantity import Quantity
 
 

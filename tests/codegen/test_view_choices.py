@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 import kousoku.generated.kinds
-from kousoku.codegen.interpret import ARRAY, evaluate
 from kousoku.codegen.store import load_frozen, shipped_kinds
 from kousoku.codegen.view import package_view
 from kousoku.codegen.view_choices import together
 from kousoku.generated.kinds import p1, p2
+from kousoku.model.interpret import ARRAY, evaluate
 
 if TYPE_CHECKING:
     import numpy as np

@@ -18,7 +18,7 @@ import pytest
 from msgspec.structs import astuple
 
 import kousoku as ks
-from kousoku.codegen.linkage import generate_scene
+from kousoku.codegen.linkage.generate import generate_scene
 from kousoku.equations import equations_of
 from kousoku.matrices import evaluate, matrices
 from kousoku.model.errors import SolveError

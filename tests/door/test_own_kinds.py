@@ -21,10 +21,11 @@ from kousoku import loading
 from kousoku.codegen import store
 from kousoku.codegen.dynamics.generate import composed
 from kousoku.codegen.dynamics.operations.mechanics import frozen
-from kousoku.codegen.interpret import EXACT, evaluate
 from kousoku.codegen.own_kinds import own_kind_of
+from kousoku.model.arithmetic import EXACT
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import AssemblyError, DerivationError, LoadError, SceneError
+from kousoku.model.interpret import evaluate
 from kousoku.model.own_kind import is_own, kind_name
 from kousoku.model.quantity import Quantity
 from kousoku.model.read import scene_from_toml
@@ -36,7 +37,7 @@ from kousoku.symbolic.matrices import elements, symbol
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from kousoku.codegen.kernel import Package
+    from kousoku.model.kernel import Package
     from kousoku.model.scene import Scene
     from kousoku.runtime.library import Library
 

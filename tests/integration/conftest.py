@@ -10,10 +10,7 @@ import pytest
 from mpmath import MPContext
 from msgspec.structs import astuple
 
-from kousoku.codegen.linkage import specialise
-from kousoku.codegen.linkage_emit import emit_scene
-from kousoku.codegen.store import load_frozen
-from kousoku.model.assemble import assemble
+from kousoku.codegen.linkage.generate import generate_scene
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.linkage import LinkageSolver, load_scene
@@ -33,12 +30,9 @@ SCENES = Path(__file__).parents[2] / "scenes"
 @pytest.fixture(scope="session")
 def folder_of(shared_tree: Callable[..., Path]) -> Callable[[Scene], Path]:
     """Return the folder of a linkage's solver, without what ``verify`` compares it with."""
-
-    def make(scene: Scene) -> dict[str, str]:
-        program = specialise(assemble(scene), load_frozen("link"))
-        return emit_scene(program.package, program.solver, {})
-
-    return lambda scene: shared_tree(scene.name, ("linkage", astuple(scene)), lambda: make(scene))
+    return lambda scene: shared_tree(
+        scene.name, ("linkage", astuple(scene)), lambda: generate_scene(scene)
+    )
 
 
 @pytest.fixture

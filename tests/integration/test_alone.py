@@ -164,7 +164,7 @@ def test_generated_solver_leaves_sympy_alone() -> None:
 def test_generating_a_scene_leaves_sympy_alone() -> None:
     code = (
         "import sys\nfrom kousoku.model.read import read_scene\n"
-        "from kousoku.codegen.linkage import generate_scene\n"
+        "from kousoku.codegen.linkage.generate import generate_scene\n"
         f"generate_scene(read_scene({str(ROOT / 'scenes' / 'five_bar.toml')!r}))\n"
         "print('sympy' in sys.modules)"
     )

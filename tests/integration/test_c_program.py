@@ -34,7 +34,7 @@ def folder(folder_of: Callable[[Scene], Path]) -> Path:
 
 def copy_sources(folder: Path, place: Path) -> None:
     """Copy what a program of C needs of a folder."""
-    for name in ("kernels.c", "expressions.h", "kernels.h"):
+    for name in ("solver.c", "solver.h"):
         shutil.copy(folder / name, place)
     shutil.copytree(folder / "kinematics", place / "kinematics")
 
@@ -68,7 +68,7 @@ def test_example_compiles_with_the_plain_command_and_solves(
 ) -> None:
     copy_sources(folder, tmp_path)
     shutil.copy(EXAMPLE, tmp_path / "main.c")
-    compiled(compiler, tmp_path, "main.c", "kernels.c", "-lm", "-o", "program")
+    compiled(compiler, tmp_path, "main.c", "solver.c", "-lm", "-o", "program")
     assert_is_the_lever_crank(printed(tmp_path / "program"))
 
 
@@ -78,10 +78,10 @@ def test_example_compiles_as_cpp_too(compiler: Toolchain, folder: Path, tmp_path
         pytest.skip("no C++ compiler")
     copy_sources(folder, tmp_path)
     shutil.copy(EXAMPLE, tmp_path / "main.cpp")
-    compiled(compiler, tmp_path, "-c", "kernels.c", "-o", "kernels.o")
+    compiled(compiler, tmp_path, "-c", "solver.c", "-o", "solver.o")
     flags = ("-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
     subprocess.run(
-        [cpp, *flags, "main.cpp", "kernels.o", "-lm", "-o", "program"], cwd=tmp_path, check=True
+        [cpp, *flags, "main.cpp", "solver.o", "-lm", "-o", "program"], cwd=tmp_path, check=True
     )
     assert_is_the_lever_crank(printed(tmp_path / "program"))
 
@@ -93,7 +93,7 @@ def test_example_is_clean_under_sanitizers(
     shutil.copy(EXAMPLE, tmp_path / "main.c")
     sanitizers = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     run = subprocess.run(
-        (*compiler.command, *sanitizers, "main.c", "kernels.c", "-lm", "-o", "program"),
+        (*compiler.command, *sanitizers, "main.c", "solver.c", "-lm", "-o", "program"),
         cwd=tmp_path,
         capture_output=True,
         check=False,
@@ -111,10 +111,8 @@ def test_solvers_compile_without_a_warning(
     compiler: Toolchain, folder_of: Callable[[Scene], Path], tmp_path: Path, name: str
 ) -> None:
     folder = folder_of(read_scene(ROOT / "scenes" / f"{name}.toml"))
-    include = f"-I{ROOT / 'runtime'}"
-    for source in ("kernels.c", "kernels_batch.c"):
-        output = str(tmp_path / "object.o")
-        compiled(compiler, folder, "-std=c99", "-O2", *STRICT, include, "-c", source, "-o", output)
+    output = str(tmp_path / "object.o")
+    compiled(compiler, folder, "-std=c99", "-O2", *STRICT, "-c", "solver.c", "-o", output)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -125,14 +123,14 @@ def test_solvers_have_no_state_and_no_heap(
     nm = shutil.which("nm")
     if nm is None:
         pytest.skip("no nm")
-    output = tmp_path / "kernels.o"
+    output = tmp_path / "solver.o"
     flags = (
         "-std=c99",
         "-O2",
         "-fno-pic",
         "-fno-pie",
     )  # else tables of strings wait for an address
-    compiled(compiler, folder, *flags, "-c", "kernels.c", "-o", str(output))
+    compiled(compiler, folder, *flags, "-c", "solver.c", "-o", str(output))
     lines = subprocess.run([nm, output], capture_output=True, text=True, check=True).stdout
     symbols = [line.split()[-2:] for line in lines.splitlines()]
     assert not [name for kind, name in symbols if kind in "bBdDC"]

@@ -7,9 +7,10 @@ from typing import Any
 
 import pytest
 
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
+from kousoku.model.arithmetic import FLOAT
 from kousoku.model.errors import SceneError
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import COMBINATION, Instance, System
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of

@@ -9,11 +9,12 @@ from typing import Any
 import msgspec
 import pytest
 
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
+from kousoku.model.arithmetic import FLOAT
+from kousoku.model.elements.joint import SECOND_ANGLE
 from kousoku.model.errors import SceneError
 from kousoku.model.held import without_held
-from kousoku.model.joints import SECOND_ANGLE
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate, System
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.spatial import Coordinate as Named

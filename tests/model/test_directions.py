@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 import mpmath
@@ -34,3 +35,16 @@ def test_half_a_turn_is_pi_to_many_digits() -> None:
     with mpmath.workdps(60):
         difference = mpmath.mpf(HALF_TURN.numerator) / HALF_TURN.denominator - mpmath.pi
         assert abs(difference) < mpmath.mpf(2) ** -198
+
+
+def test_the_precision_that_other_code_has_set_never_changes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Not even for a moment: that code may run in another thread."""
+
+    def refuse(*_: object) -> None:
+        raise AssertionError("the precision of mpmath changes")
+
+    context = type(mpmath.mp)
+    monkeypatch.setattr(context, "prec", property(context.prec.fget, refuse))
+    assert float(heading(1, 1)) == math.pi / 4

@@ -7,11 +7,12 @@ from typing import Any
 import pytest
 
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 from kousoku.model.errors import SceneError
 from kousoku.model.mass import MassProperties, mass_properties, traced_principal
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
-from kousoku.model.traced import CONTEXT, Traced, parameter
+from kousoku.model.traced import Traced, parameter
 from kousoku.model.varying import Varying
 
 Tree = dict[str, Any]

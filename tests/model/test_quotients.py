@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from kousoku.model.derivative import derivative
+from kousoku.model.digits import CONTEXT
 from kousoku.model.enclosure import Bounds
 from kousoku.model.expression import parse_expression
 from kousoku.model.quotients import coefficients, without_quotients
 from kousoku.model.terms import ZERO, Apply, Function, Name, Number, mul, ordered
-from kousoku.model.traced import CONTEXT, traced
+from kousoku.model.traced import traced
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:

@@ -8,13 +8,15 @@ from typing import Any
 import msgspec
 import pytest
 
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
 from kousoku.model import precise
+from kousoku.model.arithmetic import FLOAT
+from kousoku.model.elements.joint import ROWS_OF
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import parse_expression
 from kousoku.model.families import chain, n_four_bar
-from kousoku.model.joints import JOINTS, NAMES, ROWS_OF
+from kousoku.model.interpret import evaluate
+from kousoku.model.joints import JOINTS, NAMES
 from kousoku.model.mechanism import (
     COMBINATION,
     GROUND_INDEX,

@@ -18,7 +18,7 @@ from kousoku.codegen.dynamics.choose import cheaper
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.generate import LEDGER
 from kousoku.codegen.dynamics.recording.inline import inline
-from kousoku.codegen.interpret import HIGH
+from kousoku.model.digits import HIGH
 from kousoku.model.errors import MotionError
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import scene_from_dict, scene_from_toml

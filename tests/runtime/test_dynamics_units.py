@@ -89,6 +89,17 @@ def oscillator(t: float, s: float, m: float) -> dict[str, Any]:
     }
 
 
+def weight(t: float, s: float, m: float) -> dict[str, Any]:
+    """Return a weight on a spring that hardens, whose joint has no length."""
+    scene = oscillator(t, s, m)
+    middle = [0, 0, 0]
+    scene["bodies"] = {"cart": {**bar(m, s, s), "center": middle}}
+    scene["joints"]["rail"] = {**scene["joints"]["rail"], "points": [middle, middle]}
+    del scene["joints"]["rail"]["at"]
+    scene["forces"]["spring"]["force"] = f"{-m / t**2!r}*(x + 3*x^3/{s!r}^2)"
+    return {**scene, "name": "weight"}
+
+
 def moved(scene: dict[str, Any], end: float, **options: Any) -> Motion:
     """Return the motion of a scene to an end."""
     return cast("Motion", kousoku.load(scene, target="numpy").simulate(end, samples=11, **options))
@@ -96,7 +107,7 @@ def moved(scene: dict[str, Any], end: float, **options: Any) -> Motion:
 
 @pytest.mark.parametrize("units", UNITS, ids=lambda units: "-".join(f"{x:g}" for x in units))
 @pytest.mark.parametrize("method", ["dopri5", "dop853"])
-@pytest.mark.parametrize("scene", [double_pendulum, oscillator, led])
+@pytest.mark.parametrize("scene", [double_pendulum, oscillator, led, weight])
 def test_steps_are_those_of_the_same_motion_in_other_units(
     scene: Any, method: str, units: tuple[float, float, float]
 ) -> None:

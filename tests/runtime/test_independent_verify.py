@@ -28,13 +28,14 @@ from kousoku.codegen.dynamics.composition import (
     force_tasks,
     momentum,
 )
+from kousoku.codegen.dynamics.elements import along as elements_along
+from kousoku.codegen.dynamics.elements import coordinate_spring, load, spring_damper
 from kousoku.codegen.dynamics.emission import emit
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.dynamics.operations import (
     coordinates,
     elimination,
     forces,
-    forces_along,
     mechanics,
     reduced_operations,
 )
@@ -165,58 +166,58 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
         ),
     ),
     # loads
-    "frame of a torque": ("rich", forces.Load, "__call__", OF_LOAD, OF_LOAD.replace(".T", "")),
+    "frame of a torque": ("rich", load.LoadEffect, "__call__", OF_LOAD, OF_LOAD.replace(".T", "")),
     "frame of a torque in the body": (
-        *("rich", forces.Load, "__call__"),
+        *("rich", load.LoadEffect, "__call__"),
         *("forces = (*zeros, *given.flat)", "forces = (*zeros, *(orientation @ given).flat)"),
     ),
     "frame of a force in the body": (
-        *("rich", forces.Load, "__call__"),
+        *("rich", load.LoadEffect, "__call__"),
         *("*(orientation @ given).flat, *torque", "*given.flat, *torque"),
     ),
     "force without its torque": (
-        *("rich", forces, "_at_point"),
+        *("rich", forces, "at_point"),
         *('*found["N_b"]', "*rest[:3]"),
     ),
     "power of a force": (
-        *("rich", forces.Load, "__call__"),
+        *("rich", load.LoadEffect, "__call__"),
         *("(*v.flat, *omega.flat)", "(*v.flat, *map(trace.graph.neg, omega.flat))"),
     ),
     "second formula of a force left out": (
-        *("rich", forces.Load, "__call__"),
+        *("rich", load.LoadEffect, "__call__"),
         *("sum(constants[1:], constants[0])", "constants[0]"),
     ),
     # springs
     "law of a spring": (
-        *("rich", forces.Spring, "_tension"),
+        *("rich", spring_damper.SpringEffect, "_tension"),
         *('found["l"] - free', 'found["l"] + free'),
     ),
     "tension of a spring": (
-        *("rich", forces.Spring, "__call__"),
+        *("rich", spring_damper.SpringEffect, "__call__"),
         *('found | law)["T"]', 'found | law)["V"]'),
     ),
     "power of a damper": (
-        *("rich", forces.Spring, "__call__"),
+        *("rich", spring_damper.SpringEffect, "__call__"),
         *("return *added, -(damped", "return *added, (damped"),
     ),
     "energy of a spring": (
-        *("rich", forces.Stored, "__call__"),
+        *("rich", spring_damper.SpringEnergy, "__call__"),
         *('["V"].flat', '["T"].flat'),
     ),
     "sign of a rotational spring": (
-        *("rich", forces_along.Resist, "__call__"),
+        *("rich", coordinate_spring.CoordinateSpringEffect, "__call__"),
         *("(value - free) + damped", "(value + free) + damped"),
     ),
     "damping of a rotational spring": (
-        *("rich", forces_along.Resist, "__call__"),
+        *("rich", coordinate_spring.CoordinateSpringEffect, "__call__"),
         *("damped = damping @ rate", "damped = damping @ rate + damping @ rate"),
     ),
     "energy of a rotational spring": (
-        *("rich", forces_along.Held, "__call__"),
+        *("rich", coordinate_spring.CoordinateSpringEnergy, "__call__"),
         *("graph.const(2)", "graph.const(1)"),
     ),
     "one side of a force along a coordinate": (
-        *("rich", forces_along.Push, "__call__"),
+        *("rich", elements_along.AlongEffect, "__call__"),
         *("left.scaled(weights_i).T @ tau", "-(left.scaled(weights_i).T @ tau)"),
     ),
     # coordinates

@@ -93,6 +93,30 @@ def test_what_is_held_at_rest_is_trusted(load: str, method: Any, tolerance: floa
         assert run.ledger.trust.is_trusted, run.ledger.trust
 
 
+def test_a_motion_that_is_small_beside_the_tolerance_is_told() -> None:
+    """Its rows are right to the tolerance, in lengths of the scene, and of no use."""
+    start = {"cart": {**CART["bodies"]["cart"], "velocity": [1e-6, 0, 0]}}
+    loads = {"load": {"type": "along", "coordinate": "x", "force": "-100*x"}}
+    mechanism = kousoku.load({**CART, "bodies": start, "forces": loads}, target="numpy")
+    coarse, fine = (mechanism.simulate(20, samples=3, tolerance=x).ledger for x in (1e-3, 1e-12))
+    assert coarse.trust.is_trusted
+    assert coarse.trust.stillness is not None
+    assert 1e-9 < coarse.trust.stillness < 1e-4
+    assert "of a length or rad a step, less than this tolerance tells" in str(coarse.trust)
+    assert fine.trust.stillness is None
+
+
+@pytest.mark.compiles
+def test_a_run_that_lost_its_energy_in_many_steps_is_not_trusted() -> None:
+    loads = {"load": {"type": "along", "coordinate": "x", "force": "-1e6*x"}}
+    mechanism = kousoku.load({**CART, "forces": loads}, target="c")
+    trust = mechanism.simulate(40, samples=3, tolerance=1e-3).ledger.trust
+    assert trust.energy_error is not None
+    assert trust.energy_moved is not None
+    assert trust.energy_error > 0.5 * trust.energy_moved
+    assert not trust.is_trusted
+
+
 def test_energy_that_no_work_explains_is_told_with_its_limit() -> None:
     run = cart("-3*x").simulate(20, samples=21, step=1.0)
     trust = run.ledger.trust

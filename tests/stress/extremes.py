@@ -16,7 +16,7 @@ import numpy as np
 import kousoku as ks
 from kousoku.codegen.dynamics import analyse
 from kousoku.codegen.dynamics.composition import bodies
-from kousoku.codegen.interpret import HIGH_CONTEXT
+from kousoku.model.digits import CONTEXT
 from kousoku.model.write import toml_of
 from tests.stress.kit import Fault, Outcome, Question, Size
 from tests.stress.planar import (
@@ -306,7 +306,7 @@ def single_masses() -> AbstractContextManager[object]:
     real = bodies.inverse_masses
 
     def rounded(*args: Any) -> list[Any]:
-        return [HIGH_CONTEXT.mpf(float(np.float32(float(x)))) for x in real(*args)]
+        return [CONTEXT.mpf(float(np.float32(float(x)))) for x in real(*args)]
 
     return patch.object(bodies, "inverse_masses", rounded)
 

@@ -21,7 +21,6 @@ from kousoku.codegen.emit import emit
 from kousoku.codegen.freeze import freeze
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.generate import package_of, write_tree
-from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.points import (
     Point,
     finite_points,
@@ -34,6 +33,7 @@ from kousoku.codegen.states import coincident_points, motion_points
 from kousoku.codegen.store import load_frozen
 from kousoku.codegen.stream import Stream
 from kousoku.codegen.unit import SMALLEST_SUBNORMAL
+from kousoku.model.digits import CONTEXT
 from kousoku.model.errors import NoCompilerError
 from kousoku.runtime import load
 from kousoku.runtime.evaluate import different_bits, evaluate, ways
@@ -52,7 +52,7 @@ from tests.stress.kit import Fault, Outcome, Question, Size
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kousoku.codegen import kernel as frozen
+    from kousoku.model import kernel as frozen
     from kousoku.runtime.kernel import Kernel
     from kousoku.symbolic.derivation import Function
     from kousoku.symbolic.matrices import Matrix
@@ -101,9 +101,9 @@ class Subject:
     ----------
     function : Function
         The derivation, all outputs.
-    components : codegen.kernel.Kernel
+    components : model.kernel.Kernel
         Its formulas.
-    graph : codegen.kernel.Kernel
+    graph : model.kernel.Kernel
         The frozen kernel; it says which elements are identically zero.
     kernels : tuple of (str, Kernel)
         By target: compiled, where a compiler is in reach, and of NumPy.
@@ -191,7 +191,7 @@ def check(outcome: Outcome, kind: str, subject: Subject, points: Sequence[Point]
     dict of str to float
         For each output the worst error, in units.
     """
-    with HIGH_CONTEXT.workdps(WORKING_DIGITS):
+    with CONTEXT.workdps(WORKING_DIGITS):
         known = [values_at(subject.graph, subject.function, subject.components, x) for x in points]
     found = [raised(subject, x) if sort == CLIMBING else x for x in known if x is not None]
     outcome.count("points", len(found))

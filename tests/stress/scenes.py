@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 import kousoku as ks
-from kousoku.model import combinations
+from kousoku.model.elements.gear import Gear
 from kousoku.model.errors import KousokuError, MotionError, SceneError
 from kousoku.model.system_forces import events_of
 from kousoku.model.write import toml_of
@@ -281,13 +281,13 @@ def units_apart(one: Any, other: Any) -> float:
 
 def geared(factor: float) -> AbstractContextManager[object]:
     """Couple gears with another ratio."""
-    right = combinations._gear
+    right = Gear.combination
 
-    def wrong(name: str, joint: Any, coordinates: Any) -> Any:
+    def wrong(self: Any, name: str, joint: Any, coordinates: Any) -> Any:
         other = structs.replace(joint, ratio=factor * float(joint.ratio))
-        return right(name, other, coordinates)
+        return right(self, name, other, coordinates)
 
-    return patch.object(combinations, "_gear", wrong)
+    return patch.object(Gear, "combination", wrong)
 
 
 def late() -> AbstractContextManager[object]:

@@ -11,14 +11,15 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.expressions import to_graph
-from kousoku.codegen.graph import Graph
-from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT, evaluate
-from kousoku.codegen.kernel import Kernel
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.errors import AssemblyError
 from kousoku.model.exponentials import rate_of
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
+from kousoku.model.graph import Graph
+from kousoku.model.interpret import evaluate
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) ->
             ((number,),) = evaluate(kernel, inputs, HIGH).values()
         except (ZeroDivisionError, ValueError, OverflowError):  # as mpmath says it
             number = None
-        if number is None or not HIGH_CONTEXT.isfinite(number) or HIGH_CONTEXT.im(number):
+        if number is None or not CONTEXT.isfinite(number) or CONTEXT.im(number):
             raise AssemblyError(
                 f"drivers.{instance.joint}: the {level} of {instance.law!r} is no number at t = 0;"
                 " give a formula with two derivatives by t there",

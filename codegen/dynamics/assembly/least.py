@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
+from kousoku.codegen.dynamics.composition.length import extent
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
-from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 from kousoku.model.errors import AssemblyError
 from kousoku.runtime.integrate.given_start import THIN
 
@@ -66,7 +67,7 @@ class Metric:
     def norm(self, step: Sequence[High]) -> High:
         """Return √(dᵀ W d), a length."""
         terms = (x * x / w for x, w in zip(step, self.inverse, strict=True))
-        return HIGH_CONTEXT.sqrt(sum(terms, precise.ZERO[0]))
+        return CONTEXT.sqrt(sum(terms, precise.ZERO[0]))
 
     def lengths(self, residuals: Residuals) -> list[High]:
         """Return for each row the factor that makes it a length."""
@@ -89,7 +90,7 @@ def _size(system: System) -> float:
     for source in (*sources, *(system.coordinates[k] for k in terms)):
         bodies = {"i": source.i, "j": source.j}
         lengths += [values for end, values in lengths_of(source) if bodies.get(end, 0) >= 0]
-    return max((abs(x) for values in lengths for x in values), default=0.0) or 1.0
+    return max((abs(x) for values in lengths for x in values), default=0.0) or extent(system)
 
 
 class Solver:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
-from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
 
 if TYPE_CHECKING:
@@ -86,8 +86,8 @@ def _from_turn(turn: Triple) -> Quadruple:
     angle = precise.length(turn)
     if angle == 0:
         return IDENTITY
-    sine = HIGH_CONTEXT.sin(angle / 2)
-    return (HIGH_CONTEXT.cos(angle / 2), *precise.scale(sine / angle, turn))
+    sine = CONTEXT.sin(angle / 2)
+    return (CONTEXT.cos(angle / 2), *precise.scale(sine / angle, turn))
 
 
 def rates_of_turn(turn: Triple) -> tuple[Triple, Triple, Triple]:
@@ -98,8 +98,8 @@ def rates_of_turn(turn: Triple) -> tuple[Triple, Triple, Triple]:
     angle = precise.length(turn)
     if angle == 0:
         return _UNIT
-    a = 2 * (HIGH_CONTEXT.sin(angle / 2) / angle) ** 2
-    b = (angle - HIGH_CONTEXT.sin(angle)) / angle**3
+    a = 2 * (CONTEXT.sin(angle / 2) / angle) ** 2
+    b = (angle - CONTEXT.sin(angle)) / angle**3
     columns = []
     for axis in _UNIT:
         across = precise.cross(turn, axis)
@@ -115,5 +115,5 @@ def _to_turn(p: Quadruple) -> Triple:
     sine = precise.length(e)
     if sine == 0:
         return ZERO
-    angle = 2 * HIGH_CONTEXT.atan2(sine, abs(p[0]))
+    angle = 2 * CONTEXT.atan2(sine, abs(p[0]))
     return precise.scale((angle if p[0] >= 0 else -angle) / sine, e)

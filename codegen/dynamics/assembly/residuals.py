@@ -18,9 +18,10 @@ import numpy as np
 from kousoku.codegen.dynamics.assembly.driver_laws import law_at_start
 from kousoku.codegen.dynamics.assembly.jacobian import Jacobian
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
-from kousoku.codegen.interpret import ARRAY, HIGH, HIGH_CONTEXT, evaluate
 from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.interpret import ARRAY, evaluate
 from kousoku.model.mechanism import COMBINATION
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
     from kousoku.codegen.dynamics.assembly.pose import Pose
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
     from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
     from kousoku.model.precise import High
 
@@ -179,8 +180,8 @@ class Residuals:
         """Return an angle with the turns that bring it next to the one of its coordinate."""
         if coordinate < 0 or not self.coordinates[coordinate].counts_turns:
             return value
-        turn = 2 * HIGH_CONTEXT.pi
-        return value + turn * HIGH_CONTEXT.nint((near[coordinate] - value) / turn)
+        turn = 2 * CONTEXT.pi
+        return value + turn * CONTEXT.nint((near[coordinate] - value) / turn)
 
     def _column(self, source: Instance | Coordinate, column: int) -> int:
         """Return the column of the system for one of an instance, −1 where there is none."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 from kousoku.model.mechanism import COMBINATION
 from kousoku.model.own_kind import is_own
 from kousoku.model.precise import ZERO
@@ -98,7 +98,7 @@ def _size(instance: Instance, pose: Pose) -> tuple[High, int]:
     sine, cosine = precise.length(precise.cross(axis, other)), abs(precise.dot(axis, other))
     if instance.kind == "n1":
         sine, cosine = cosine, sine
-    return HIGH_CONTEXT.atan2(sine, cosine), 1
+    return CONTEXT.atan2(sine, cosine), 1
 
 
 def sizes_of(open_joints: dict[str, tuple[float, float]], units: tuple[str, str]) -> str:

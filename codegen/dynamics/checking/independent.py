@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.codegen.dynamics.checking.jets import DOUBLES, FIFTY
 from kousoku.codegen.dynamics.checking.newton_euler import (
     BodyEquations,
     Pose,
@@ -21,6 +20,8 @@ from kousoku.codegen.dynamics.checking.newton_euler import (
     turned_back,
 )
 from kousoku.codegen.stream import Stream
+from kousoku.model.arithmetic import FLOAT
+from kousoku.model.digits import HIGH
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -28,8 +29,9 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from kousoku.codegen.dynamics.checking.jets import Digits, High
+    from kousoku.codegen.dynamics.checking.jets import High
     from kousoku.codegen.dynamics.checking.newton_euler import Found, Line
+    from kousoku.model.arithmetic import FormulaArithmetic
     from kousoku.model.mechanism import System
     from kousoku.runtime.integrate.body_tables import BodyPlaces
     from kousoku.runtime.integrate.motion import Layout
@@ -126,7 +128,7 @@ class _States:
     def __init__(self, given: Given) -> None:
         self.given = given
         self.bodies = given.layout.bodies
-        self.equations = BodyEquations(given.system, DOUBLES)
+        self.equations = BodyEquations(given.system, FLOAT)
         self.length = given.layout.length
         shifts = {k for body in self.bodies for k in body.v if isinstance(k, int)}
         self.sizes = np.array([self.length if k in shifts else 1.0 for k in range(len(given.v))])
@@ -148,7 +150,7 @@ class _States:
 
     def _counted(self, q: Array, v: Array) -> Array:
         """Return q with the angles that it has there."""
-        found, poses, equations = q.copy(), self.poses(q, v, DOUBLES), self.equations
+        found, poses, equations = q.copy(), self.poses(q, v, FLOAT), self.equations
         rates = equations.rates(poses)
         at = equations.courses(range(len(poses)), poses, rates, np.zeros(equations.count).tolist())
         places = {one.name: k for k, one in enumerate(self.given.system.coordinates)}
@@ -177,7 +179,7 @@ class _States:
                 done |= set(own)
         return found
 
-    def poses(self, q: Array, v: Array, digits: Digits) -> list[Pose]:
+    def poses(self, q: Array, v: Array, digits: FormulaArithmetic[Any]) -> list[Pose]:
         """Return where the bodies of the scene are, from coordinates of the solver."""
         pairs = zip(self.bodies, self.given.system.bodies, strict=True)
         return [_pose(place, body, q, v, digits) for place, body in pairs]
@@ -193,7 +195,7 @@ class _States:
             for column in columns[k]:
                 unit = np.zeros(len(self.given.v))
                 unit[column] = 1.0
-                pose = _pose(place, body, q, unit, DOUBLES)
+                pose = _pose(place, body, q, unit, FLOAT)
                 own = [*pose.v, *(() if body.is_point else pose.omega_b)]
                 found[self.equations.own(k), column] = own
         return found
@@ -201,7 +203,7 @@ class _States:
     def _onto(self, time: float, q: Array, v: Array) -> tuple[Array, Array]:
         """Return a state that is on all joints and drivers."""
         for _ in range(MOST_STEPS):
-            lines = self.equations.lines(self.poses(q, v, DOUBLES), time)
+            lines = self.equations.lines(self.poses(q, v, FLOAT), time)
             if not lines:
                 return q, v
             residual = np.array([line.value for line in lines])
@@ -220,7 +222,7 @@ def _taken(places: Sequence[int | float], values: Array) -> list[float]:
     return [float(values[k]) if isinstance(k, int) else float(k) for k in places]
 
 
-def _pose(place: BodyPlaces, body: Any, q: Array, v: Array, digits: Digits) -> Pose:
+def _pose(place: BodyPlaces, body: Any, q: Array, v: Array, digits: FormulaArithmetic[Any]) -> Pose:
     """Return where a body of the scene is, from what carries it in a solver."""
 
     def numbers(values: Sequence[float]) -> list[High]:
@@ -230,7 +232,7 @@ def _pose(place: BodyPlaces, body: Any, q: Array, v: Array, digits: Digits) -> P
     if body.is_point:
         return Pose(r, numbers((1, 0, 0, 0)), drift, numbers((0, 0, 0)))
     p, omega = numbers(_taken(place.p, q)), numbers(_taken(place.omega_b, v))
-    size = digits.functions.sqrt(sum(x * x for x in p))
+    size = digits.sqrt(sum(x * x for x in p))
     p = [x / size for x in p]
     axes, own = numbers(place.axes_b), numbers(body.axes_b)
     back = (own[0], -own[1], -own[2], -own[3])
@@ -326,9 +328,9 @@ def _point(
 ) -> dict[str, object]:
     """Return a state, and what a solver must compute there."""
     label, time, q, v = state
-    equations = BodyEquations(given.system, FIFTY)
-    poses = finder.poses(q, v, FIFTY)
-    at_time = FIFTY.number(time)
+    equations = BodyEquations(given.system, HIGH)
+    poses = finder.poses(q, v, HIGH)
+    at_time = HIGH.number(time)
     lines = equations.lines(poses, at_time)
     found = equations.loads(poses, at_time)
     solved = _Solved(equations, lines, found, is_weighed=given.is_weighed)
@@ -426,7 +428,7 @@ class _Values:
             if np.abs(free[:count]).max(initial=0.0) <= UNIQUE * np.abs(free).max():
                 continue
             other = [
-                a + FIFTY.number(float(b)) for a, b in zip(self.solved.v_dot, free, strict=False)
+                a + HIGH.number(float(b)) for a, b in zip(self.solved.v_dot, free, strict=False)
             ]
             at = self.equations.courses(range(len(self.poses)), self.poses, self.rates, other)
             for marks, new, old in zip(found, self.equations.origins(at, other), own, strict=True):
@@ -467,7 +469,7 @@ class _Values:
                 for direction in vector:
                     names.append("")
                     numbers.append(
-                        sum(FIFTY.number(a) * b for a, b in zip(direction, whole, strict=True))
+                        sum(HIGH.number(a) * b for a, b in zip(direction, whole, strict=True))
                     )
         mass = sum(body.mass for body in self.equations.bodies)
         size = mass * self.speed * max(1.0, self.reach + self.length)
@@ -518,7 +520,7 @@ class _Values:
             limit = UNIQUE * np.abs(factors).max(initial=0.0) * np.abs(direction).max(initial=0.0)
             if abs(factors @ direction) > limit:
                 return None
-        return sum((x * self.solved.lam[k] for k, x in one), FIFTY.number(0))
+        return sum((x * self.solved.lam[k] for k, x in one), HIGH.number(0))
 
     def _shares(self) -> dict[str, list[list[tuple[int, High]]]]:
         """Return by joint what its multipliers give: force in frame O, moment about its origin.

@@ -6,46 +6,17 @@ and C̈, and nobody has to derive a Jacobian.
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.interpret import Arithmetic
-from kousoku.model.precise import CONTEXT
-from kousoku.model.terms import Function, Name, Number, ordered
+from kousoku.model.arithmetic import Arithmetic, FormulaArithmetic
+from kousoku.model.terms import Function, Number, evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from kousoku.model.terms import Expression
+    from kousoku.model.terms import Expression, Name
 
 High = Any  # a double, or a number of mpmath
-
-
-@dataclass(frozen=True, slots=True)
-class Digits:
-    """What numbers are computed with.
-
-    Parameters
-    ----------
-    functions : module or context
-        Has ``sqrt``, ``sin`` and the others of these numbers.
-    number : callable
-        Makes one of a double or a fraction.
-    """
-
-    functions: Any
-    number: Callable[[Any], High]
-
-
-def _high(value: float | Fraction) -> High:
-    exact = Fraction(value)
-    return CONTEXT.mpf(exact.numerator) / exact.denominator
-
-
-DOUBLES = Digits(math, float)
-FIFTY = Digits(CONTEXT, _high)
 
 
 class Jet:
@@ -103,20 +74,22 @@ def cross(a: Sequence[Any], b: Sequence[Any]) -> tuple[Any, Any, Any]:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-def sqrt(a: Jet, digits: Digits) -> Jet:
+def sqrt(a: Jet, digits: FormulaArithmetic[Any]) -> Jet:
     """Return √a."""
-    root = digits.functions.sqrt(a.x)
+    root = digits.sqrt(a.x)
     return a.through(root, 1 / (2 * root), -1 / (4 * root * a.x))
 
 
-def atan2(y: Jet, x: Jet, digits: Digits) -> Jet:
+def atan2(y: Jet, x: Jet, digits: FormulaArithmetic[Any]) -> Jet:
     """Return the angle of (x, y)."""
     square = x * x + y * y
     rate = (Jet(x.x, x.d) * Jet(y.d, y.dd) - Jet(y.x, y.d) * Jet(x.d, x.dd)) / square
-    return Jet(digits.functions.atan2(y.x, x.x), rate.x, rate.d)
+    return Jet(digits.atan2(y.x, x.x), rate.x, rate.d)
 
 
-def formula(expression: Expression, names: Mapping[str, Jet], digits: Digits) -> Jet:
+def formula(
+    expression: Expression, names: Mapping[str, Jet], digits: FormulaArithmetic[Any]
+) -> Jet:
     """Return the value of a formula with its derivatives.
 
     Parameters
@@ -125,22 +98,17 @@ def formula(expression: Expression, names: Mapping[str, Jet], digits: Digits) ->
         The formula.
     names : mapping of str to Jet
         What its names are.
-    digits : Digits
+    digits : FormulaArithmetic
         Its numbers.
     """
-    known: dict[int, Jet] = {}
-    for part in ordered(expression):
-        if isinstance(part, Number):
-            known[id(part)] = Jet(digits.number(part.value))
-        elif isinstance(part, Name):
-            known[id(part)] = names[part.name]
-        else:
-            args = [known[id(arg)] for arg in part.args]
-            known[id(part)] = _applied(part.function, args, digits)
-    return known[id(expression)]
+
+    def leaf(part: Number | Name) -> Jet:
+        return Jet(digits.number(part.value)) if isinstance(part, Number) else names[part.name]
+
+    return evaluated(expression, leaf, lambda function, args: _applied(function, args, digits))
 
 
-def _applied(function: Function, args: Sequence[Jet], digits: Digits) -> Jet:
+def _applied(function: Function, args: Sequence[Jet], digits: FormulaArithmetic[Any]) -> Jet:
     if function in _SIMPLE:
         return _SIMPLE[function](*args)
     a, b = args[0], args[-1]
@@ -152,14 +120,14 @@ def _applied(function: Function, args: Sequence[Jet], digits: Digits) -> Jet:
         case Function.SQRT:
             return sqrt(a, digits)
         case Function.SIGN:
-            return Jet(digits.number((a.x > 0) - (a.x < 0)))
+            return Jet(digits.sign(a.x))
         case Function.SIN | Function.COS:
-            sine, cosine = digits.functions.sin(a.x), digits.functions.cos(a.x)
+            sine, cosine = digits.sin(a.x), digits.cos(a.x)
             if function is Function.SIN:
                 return a.through(sine, cosine, -sine)
             return a.through(cosine, -sine, -cosine)
         case _:
-            value = getattr(digits.functions, function.value)(a.x)
+            value = digits.applied(function.value, (a.x,))
             return a.through(value, *_SLOPES[function](a.x, value))
 
 
@@ -175,7 +143,7 @@ _SIMPLE: dict[Function, Callable[..., Jet]] = {
 }
 
 
-def arithmetic_of(digits: Digits) -> Arithmetic[Jet]:
+def arithmetic_of(digits: FormulaArithmetic[Any]) -> Arithmetic[Jet]:
     """Return the arithmetic of jets, for the evaluation of kernels."""
 
     def one(function: Function) -> Callable[[Jet], Jet]:
@@ -194,11 +162,11 @@ def arithmetic_of(digits: Digits) -> Arithmetic[Jet]:
     )
 
 
-def _power(a: Jet, b: Jet, digits: Digits) -> Jet:
+def _power(a: Jet, b: Jet, digits: FormulaArithmetic[Any]) -> Jet:
     if b.d or b.dd:
-        logarithm = a.through(digits.functions.log(a.x), 1 / a.x, -1 / a.x**2)
+        logarithm = a.through(digits.log(a.x), 1 / a.x, -1 / a.x**2)
         exponent = logarithm * b
-        value = digits.functions.exp(exponent.x)
+        value = digits.exp(exponent.x)
         return exponent.through(value, value, value)
     n = int(b.x) if b.x == int(b.x) else b.x
     first = n * a.x ** (n - 1) if n != 0 else 0

@@ -15,7 +15,6 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.checking.jets import (
-    FIFTY,
     Jet,
     arithmetic_of,
     atan2,
@@ -24,18 +23,21 @@ from kousoku.codegen.dynamics.checking.jets import (
     formula,
     sqrt,
 )
-from kousoku.codegen.interpret import evaluate
+from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.codegen.store import load_frozen
+from kousoku.model.digits import HIGH
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.own_kind import PREFIX, is_own
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.jets import Digits, High, Vector
+    from kousoku.codegen.dynamics.checking.jets import High, Vector
+    from kousoku.model.arithmetic import FormulaArithmetic
     from kousoku.model.mechanism import ForceElement, Instance, MovingBody, System
     from kousoku.model.terms import Expression
 
@@ -174,11 +176,11 @@ class BodyEquations:
     ----------
     system : System
         The scene, all of whose numbers are fixed.
-    digits : Digits
+    digits : FormulaArithmetic
         What is computed with.
     """
 
-    def __init__(self, system: System, digits: Digits = FIFTY) -> None:
+    def __init__(self, system: System, digits: FormulaArithmetic[Any] = HIGH) -> None:
         self.system, self.digits = system, digits
         self.bodies = system.bodies
         #: The first column of each body, and their count.
@@ -240,7 +242,7 @@ class BodyEquations:
             a_j = j.vector(own["a_j_b"])
             sine, cosine = (dot(i.vector(own[name]), a_j) for name in ("b_i_b", "a_i_b"))
             angle = atan2(sine, cosine, self.digits)
-            turn = 8 * self.digits.functions.atan(self.digits.number(1))
+            turn = 8 * self.digits.atan(self.digits.number(1))
             count = round(float((self.digits.number(one.near) - angle.x) / turn))
             return angle + Jet(turn * count)
         across = _difference(j.point(own["s_j_b"]), i.point(own["s_i_b"]))
@@ -257,7 +259,7 @@ class BodyEquations:
                 factor = self.digits.number(term.factor)
                 total += self.coordinate(term.coordinate, at).times(factor)
             if one.law:
-                law = self._value(one.law, {TIME: Jet(time, self.digits.number(1))})
+                law = self.value(one.law, {TIME: Jet(time, self.digits.number(1))})
                 total -= law.times(self.digits.number(one.law_unit))
             return (total,)
         if is_own(one.kind):
@@ -295,7 +297,7 @@ class BodyEquations:
         kernel = next(k for k in load_frozen(one.kind).kernels if k.name == "constraint")
         return evaluate(with_outputs(kernel, ["C"]), inputs, arithmetic_of(self.digits))["C"]
 
-    def _value(self, text: str, names: Mapping[str, Jet]) -> Jet:
+    def value(self, text: str, names: Mapping[str, Jet]) -> Jet:
         """Return the value of a formula of these names and the parameters."""
         known = {name: self._jet(x) for name, x in self.system.parameters} | dict(names)
         key = text, tuple(known)
@@ -316,14 +318,14 @@ class BodyEquations:
             at_rest = self.courses(bodies, poses, rest, rest)
             still = self._residuals(one, at_rest, time)
             own = [Line(one, c.x, -s.d, -c.dd, {}) for c, s in zip(along, still, strict=True)]
-            for column, ahead_at in self._each(at_rest):
+            for column, ahead_at in self.each_column(at_rest):
                 ahead = self._residuals(one, ahead_at, time)
                 for line, a, s in zip(own, ahead, still, strict=True):
                     line.slopes[column] = a.d - s.d
             found += own
         return found
 
-    def _each(self, at: Mapping[int, Course]) -> Iterator[tuple[int, dict[int, Course]]]:
+    def each_column(self, at: Mapping[int, Course]) -> Iterator[tuple[int, dict[int, Course]]]:
         """Yield each column of bodies, and their ways where that velocity alone is one."""
         zeros = [self.digits.number(0)] * 6
         at_rest = {body: course.with_rates(zeros) for body, course in at.items()}
@@ -351,7 +353,7 @@ class BodyEquations:
         unit = self.digits.number(self.system.unit)
         pairs = zip(self.system.gravity, self.system.gravity_law, strict=True)
         return [
-            self._value(text, {}).x * unit if text else self.digits.number(x) for x, text in pairs
+            self.value(text, {}).x * unit if text else self.digits.number(x) for x, text in pairs
         ]
 
     def _weigh(
@@ -386,17 +388,12 @@ class BodyEquations:
         texts = dict(force.formulas)
         given = {
             name: [
-                self.digits.number(x) * (self._value(texts[name], names).x if name in texts else 1)
+                self.digits.number(x) * (self.value(texts[name], names).x if name in texts else 1)
                 for x in values
             ]
             for name, values in force.constants
         }
-        if force.coordinate >= 0:
-            power, energy = self._along(force, at, names, given, found)
-        elif force.kind == "spring_damper":
-            power, energy = self._spring(force, at, names, given, found)
-        else:
-            power, energy = self._load(force, at, given, found)
+        power, energy = facets_of(force).by_definition(self, at, names, given, found)
         if force.works:
             found.powers[force.name] = found.powers.get(force.name, 0) + power
         if force.has_potential:
@@ -413,7 +410,7 @@ class BodyEquations:
             names |= {one.name: value, f"{one.name}{RATE}": Jet(value.d)}
         return names
 
-    def _push(
+    def push(
         self, body: int, at: Course, arm: Sequence[High], force: Sequence[High], found: Found
     ) -> None:
         """Add a force in frame O that acts on a point of a body: F, and s′ × Aᵀ F."""
@@ -424,87 +421,15 @@ class BodyEquations:
         for k, x in zip(own, (*force, *torque), strict=False):
             found.force[k] += x
 
-    def _load(
-        self,
-        force: ForceElement,
-        at: Mapping[int, Course],
-        given: Mapping[str, Sequence[High]],
-        found: Found,
-    ) -> tuple[High, High]:
-        """Add a force or torque; return its power, and −F·r of its point."""
-        course = at[force.j]
-        p = [x.x for x in course.p]
-        vectors = [values for name, values in given.items() if name != "s_j_b"]
-        vector = [sum(parts) for parts in zip(*vectors, strict=True)]
-        if force.kind.endswith("_b"):
-            vector = list(turned(p, vector))
-        if force.kind.startswith("torque"):
-            own = self.own(force.j)[3:] if force.j != GROUND_INDEX else range(0)
-            turning = turned_back(p, vector)
-            first = composed((p[0], -p[1], -p[2], -p[3]), [x.d for x in course.p])
-            for k, x in zip(own, turning, strict=False):
-                found.force[k] += x
-            return 2 * sum(a * b for a, b in zip(turning, first[1:], strict=True)), 0
-        point = course.point(given["s_j_b"])
-        self._push(force.j, course, given["s_j_b"], vector, found)
-        power = sum(a * x.d for a, x in zip(vector, point, strict=True))
-        return power, -sum(a * x.x for a, x in zip(vector, point, strict=True))
-
-    def _spring(
-        self,
-        force: ForceElement,
-        at: Mapping[int, Course],
-        names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[High]],
-        found: Found,
-    ) -> tuple[High, High]:
-        """Add a spring along a line; return the power of its damper, and ½ k (l − l⁰)²."""
-        start, end = at[force.i].point(given["s_i_b"]), at[force.j].point(given["s_j_b"])
-        across = _difference(end, start)
-        length = sqrt(dot(across, across), self.digits)
-        (free,) = given["free_length"]
-        beyond = length - Jet(free)
-        if force.law:
-            (unit,) = given["unit"]
-            own = {"x": Jet(beyond.x / unit), "v": Jet(length.d / unit)}
-            tension = damped = unit * self._value(force.law, {**names, **own}).x
-            energy = 0
-        else:
-            (stiffness,), (damping,) = given["stiffness"], given["damping"]
-            damped = damping * length.d
-            tension = stiffness * beyond.x + damped
-            energy = stiffness * beyond.x**2 / 2
-        pull = [tension * x.x / length.x for x in across]
-        self._push(force.i, at[force.i], given["s_i_b"], pull, found)
-        self._push(force.j, at[force.j], given["s_j_b"], [-x for x in pull], found)
-        return -damped * length.d, energy
-
-    def _along(
-        self,
-        force: ForceElement,
-        at: Mapping[int, Course],
-        names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[High]],
-        found: Found,
-    ) -> tuple[High, High]:
-        """Add a force along a coordinate u, f = Jᵀτ; return its power, and ½ k (u − u⁰)²."""
-        value, energy = self.coordinate(force.coordinate, at), 0
-        if force.kind == "along":
-            (tau,) = given["force"]
-            lost = tau
-        else:
-            beyond = value.x - given["free"][0]
-            if force.law:
-                own = {"x": Jet(beyond), "v": Jet(value.d)}
-                tau = lost = -given["moment"][0] * self._value(force.law, {**names, **own}).x
-            else:
-                lost = -given["damping"][0] * value.d
-                tau = lost - given["stiffness"][0] * beyond
-                energy = given["stiffness"][0] * beyond**2 / 2
-        own_at = {body: at[body] for body in (force.i, force.j)}
-        for column, ahead in self._each(own_at):
-            found.force[column] += tau * self.coordinate(force.coordinate, ahead).d
-        return lost * value.d, energy
+    def turn(self, body: int, at: Course, torque: Sequence[High], found: Found) -> High:
+        """Add a torque in frame O that acts on a body; return its power."""
+        p = [x.x for x in at.p]
+        own = self.own(body)[3:] if body != GROUND_INDEX else range(0)
+        turning = turned_back(p, torque)
+        first = composed((p[0], -p[1], -p[2], -p[3]), [x.d for x in at.p])
+        for k, x in zip(own, turning, strict=False):
+            found.force[k] += x
+        return 2 * sum(a * b for a, b in zip(turning, first[1:], strict=True))
 
     # What bodies do.
 

@@ -23,9 +23,9 @@ from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.motion_data import GIVEN, motion_data
 from kousoku.codegen.dynamics.emission.view_numbers import shift_slots
 from kousoku.codegen.dynamics.explanation.counts import operations
-from kousoku.codegen.graph import EXACT_OPS, Op
-from kousoku.codegen.interpret import HIGH
 from kousoku.codegen.stream import Stream
+from kousoku.model.digits import HIGH
+from kousoku.model.graph import EXACT_OPS, Op
 from kousoku.model.jsontext import to_text
 from kousoku.model.traced import other_value
 from kousoku.model.varying import fixed_system

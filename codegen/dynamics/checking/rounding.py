@@ -15,16 +15,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.codegen.graph import Op
-from kousoku.codegen.interpret import node_values
+from kousoku.model.arithmetic import FLOAT
+from kousoku.model.graph import Op
+from kousoku.model.interpret import node_values
+from kousoku.model.slopes import SLOPES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.checking.run import Workspace
     from kousoku.codegen.dynamics.recording.program import Task
-    from kousoku.codegen.graph import Node
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.graph import Node
+    from kousoku.model.kernel import Kernel
 
     Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -140,31 +142,6 @@ def _roundings(node: Node) -> int:
 
 def _slopes(node: Node, value: float, values: Sequence[float]) -> tuple[float, ...]:
     """Return the derivatives of a node by its arguments."""
-    given = [values[arg] for arg in node.args]
-    return SLOPES[node.op](value, given)
-
-
-def _of_angle(_: float, given: Sequence[float]) -> tuple[float, ...]:
-    y, x = given
-    square = x * x + y * y
-    return x / square, -y / square
-
-
-#: The derivatives of an operation from its value and its arguments.
-SLOPES: dict[Op, Callable[[float, Sequence[float]], tuple[float, ...]]] = {
-    Op.CONST: lambda *_: (),
-    Op.INPUT: lambda *_: (),
-    Op.ADD: lambda *_: (1.0, 1.0),
-    Op.SUB: lambda *_: (1.0, -1.0),
-    Op.MUL: lambda _, x: (x[1], x[0]),
-    Op.DIV: lambda z, x: (1.0 / x[1], -z / x[1]),
-    Op.NEG: lambda *_: (-1.0,),
-    Op.SQRT: lambda z, _: (0.5 / z,),
-    Op.SIN: lambda _, x: (float(np.cos(x[0])),),
-    Op.COS: lambda _, x: (-float(np.sin(x[0])),),
-    Op.ATAN2: _of_angle,
-    Op.EXP: lambda z, _: (z,),
-    Op.LOG: lambda _, x: (1.0 / x[0],),
-    Op.ABS: lambda _, x: (1.0 if x[0] >= 0.0 else -1.0,),
-    Op.MAX: lambda _, x: (1.0, 0.0) if x[0] >= x[1] else (0.0, 1.0),
-}
+    if not node.args:
+        return ()
+    return SLOPES[node.op.value](value, [values[arg] for arg in node.args], FLOAT)

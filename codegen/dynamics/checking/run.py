@@ -5,13 +5,14 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.interpret import FLOAT, evaluate
+from kousoku.model.arithmetic import FLOAT
+from kousoku.model.interpret import evaluate
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.codegen.interpret import Arithmetic
+    from kousoku.model.arithmetic import Arithmetic
 
 
 class Workspace:
@@ -22,7 +23,7 @@ class Workspace:
     program : Program
         What is run.
     arithmetic : Arithmetic
-        Its numbers: :data:`~kousoku.codegen.interpret.FLOAT` or ``HIGH``.
+        Its numbers: :data:`~kousoku.model.interpret.FLOAT` or ``HIGH``.
     """
 
     def __init__(self, program: Program, arithmetic: Arithmetic[Any] = FLOAT) -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.model import precise
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.own_kind import is_own
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import Coordinate, ForceElement, Instance, System, Vector
     from kousoku.model.precise import Triple
 
-    Acting = Instance | Coordinate | ForceElement
+    #: What tells by its kind and constants what the ground does through it.
+    Source = Instance | Coordinate | ForceElement
     Numbers = tuple[float, ...]
 
 PARALLEL = 1e-9
@@ -75,7 +77,7 @@ def contacts_of(system: System) -> Iterator[tuple[int, Contact]]:
             yield body, _contact(one, parallel)
 
 
-def _acting(system: System) -> Iterator[Acting]:
+def _acting(system: System) -> Iterator[Source]:
     """Yield rows, coordinates of rows and forces, and springs."""
     for row in system.constraints:
         if row.kind == COMBINATION:
@@ -83,13 +85,11 @@ def _acting(system: System) -> Iterator[Acting]:
         else:
             yield row
     for force in system.forces:
-        if force.coordinate >= 0:
-            yield system.coordinates[force.coordinate]
-        elif force.kind == "spring_damper":
-            yield force
+        if (source := facets_of(force).source(system)) is not None:
+            yield source
 
 
-def _contact(one: Acting, parallel: Mapping[tuple[int, Numbers], Numbers]) -> Contact:
+def _contact(one: Source, parallel: Mapping[tuple[int, Numbers], Numbers]) -> Contact:
     """Return what a row or coordinate of a kind can do.
 
     Parameters

@@ -120,12 +120,8 @@ class CoordinateTasks:
 
     def _ends_at(self, body: BodyBlocks, region: Block) -> tuple[Block, Block, Block]:
         """Return r and p of a body where another region holds its position; A is not known."""
-        first, last = self._q.entries[0], self._q.entries[-1]
-        away = region.entries[0] - first
-        r, p = (
-            column([x + away if first <= x <= last else x for x in block.entries])
-            for block in (body.r, body.p)
-        )
+        there = dict(zip(self._q.entries, region.entries, strict=True))
+        r, p = (column([there.get(x, x) for x in block.entries]) for block in (body.r, body.p))
         return r, p, NOTHING
 
     def _once(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.operations.mechanics import Energy
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.design import number
@@ -44,7 +45,7 @@ def record_energies(
         parts += recorder.call(Energy(), blocks.r, blocks.v_r, blocks.omega_b, halves, weight)
     for force in system.forces:
         if force.has_potential:
-            parts.append(forces.stored(force))
+            parts.append(facets_of(force).energy(forces))
     if system.resting:
         parts.append(recorder.constant((0, system.resting)))
     summed(recorder, parts, target)

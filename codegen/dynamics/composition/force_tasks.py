@@ -1,19 +1,12 @@
-"""Record what acts on bodies beside gravity: accelerations, power, and potential energy."""
+"""Record what acts on bodies: gravity, and the forces with what their facets need of a program."""
 
 from __future__ import annotations
 
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.forces import (
-    ELONGATION,
-    SPRING,
-    Load,
-    Spring,
-    Stored,
-    Stretch,
-)
-from kousoku.codegen.dynamics.operations.forces_along import Held, Push, Resist
+from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.operations.forces import ELONGATION
 from kousoku.codegen.dynamics.operations.formulas import Product, Relative, scaled
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.recorder import Block, column
@@ -70,16 +63,7 @@ class ForceTasks:
 
         The power is that of what is no potential energy, None where all is.
         """
-        constants = self._constants(force)
-        if force.coordinate >= 0:
-            found = self._along(force, constants)
-        elif force.kind == SPRING:
-            found = self._spring(force, constants)
-        else:
-            j = self.body(force.j)
-            blocks = (j.p, j.orientation, j.v_r, j.omega_b, j.inverse_mass)
-            operation = Load(force.kind, j.columns, force.works)
-            found = (column(()), *self.recorder.call(operation, *blocks, *constants))
+        found = facets_of(force).effect(self)
         ends = zip((force.i, force.j), found, strict=False)
         added = {index: block for index, block in ends if index != GROUND_INDEX}
         return added, found[2] if force.works else None
@@ -112,29 +96,9 @@ class ForceTasks:
         if one.force < 0:
             (x, unit), (v, _) = self.names[one.name], self.names[one.rate]
         else:
-            force = system.forces[one.force]
-            constants = self._constants(force)
-            unit, free = constants[-2:]
-            if one.coordinate < 0:
-                bodies = (self.body(force.i), self.body(force.j))
-                ends = [block for x in bodies for block in (x.r, x.p, x.v_r, x.omega_b)]
-                x, v = self.recorder.call(Stretch(), *ends, *constants[:2])
-            else:
-                x = self.coordinates.value(one.coordinate)
-                v = self.coordinates.rate(one.coordinate, self.by_body)
-                unit = self.recorder.constant((1,))
+            x, v, free, unit = facets_of(system.forces[one.force]).elongation(self)
         self.recorder.call(Relative(), x, free, unit, into=(value,))
         self.recorder.call(Relative(), v, column((0,)), unit, into=(rate,))
-
-    def stored(self, force: ForceElement) -> Block:
-        """Record (0, V) of a force that has a potential energy."""
-        constants = self._constants(force)
-        if force.coordinate >= 0:
-            return self.recorder.call(Held(), self.coordinates.value(force.coordinate), *constants)[
-                0
-            ]
-        i, j = self.body(force.i), self.body(force.j)
-        return self.recorder.call(Stored(force.kind), i.r, i.p, j.r, j.p, *constants)[0]
 
     def gravity(self, system: System) -> Block:
         """Return the acceleration of free fall (3,)."""
@@ -151,8 +115,8 @@ class ForceTasks:
             return self.recorder.constant([-mass * Fraction(g) for g in system.gravity])
         return self.recorder.call(Product(), gravity, self.recorder.constant((-mass,)))[0]
 
-    def _constants(self, force: ForceElement) -> list[Block]:
-        """Return the constants; those that a formula belongs to are multiplied by it."""
+    def constants(self, force: ForceElement) -> list[Block]:
+        """Record the constants of a force; those that have a formula are multiplied by it."""
         texts = dict(force.formulas)
         found = []
         for name, values in force.constants:
@@ -162,38 +126,9 @@ class ForceTasks:
             found.append(block)
         return found
 
-    def _law(self, force: ForceElement) -> tuple[tuple[str, ...], list[Block]]:
+    def law(self, force: ForceElement) -> tuple[tuple[str, ...], list[Block]]:
         """Return what a law depends on beside elongation and rate, with values and units."""
         if not force.law:
             return (), []
         names = tuple(name for name in used_names(force.law, self.names) if name not in ELONGATION)
         return names, [block for name in names for block in self.names[name]]
-
-    def _spring(self, force: ForceElement, constants: list[Block]) -> tuple[Block, ...]:
-        i, j = self.body(force.i), self.body(force.j)
-        ends = [
-            block
-            for body in (i, j)
-            for block in (
-                *(body.r, body.p, body.orientation),
-                *(body.v_r, body.omega_b, body.inverse_mass),
-            )
-        ]
-        names, given = self._law(force)
-        operation = Spring(i.columns, j.columns, force.law, names, force.works)
-        return self.recorder.call(operation, *ends, *constants, *given)
-
-    def _along(self, force: ForceElement, constants: list[Block]) -> tuple[Block, ...]:
-        slopes = self.coordinates.slopes(force.coordinate)
-        ends = [
-            block
-            for index in (force.i, force.j)
-            for block in (slopes[index], self.body(index).inverse_mass)
-        ]
-        rate = self.coordinates.rate(force.coordinate, self.by_body)
-        if force.kind == "along":
-            return self.recorder.call(Push(), *ends, rate, *constants)
-        names, given = self._law(force)
-        operation = Resist(force.law, names, force.works)
-        value = self.coordinates.value(force.coordinate)
-        return self.recorder.call(operation, *ends, value, rate, *constants, *given)

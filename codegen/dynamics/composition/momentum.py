@@ -20,6 +20,7 @@ from kousoku.codegen.dynamics.composition.contacts import (
     free_of_force,
     free_of_moment,
 )
+from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.design import number
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
@@ -32,9 +33,10 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
     from kousoku.codegen.dynamics.composition.contacts import Contact
+    from kousoku.codegen.dynamics.elements.facets import Applied
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import ForceElement, System, Vector
+    from kousoku.model.mechanism import System, Vector
 
 #: The axis of a plane may be given either way.
 DOWN = (0.0, 0.0, -1.0)
@@ -54,15 +56,16 @@ def kept_of(system: System, *, is_planar: bool) -> tuple[Kept, ...]:
     contacts: dict[int, list[Contact]] = {}
     for body, contact in contacts_of(system):
         contacts.setdefault(body, []).append(contact)
-    loads: dict[int, list[ForceElement]] = {}
-    for force in filter(_is_load, system.forces):
-        loads.setdefault(force.j, []).append(force)
+    applied: dict[int, list[Applied]] = {}
+    for force in system.forces:
+        for body in {force.i, force.j} - {GROUND_INDEX}:
+            applied.setdefault(body, []).append(facets_of(force).applied())
     found = []
     for bodies in _parts(system):
         if any(system.bodies[body].mass <= 0 for body in bodies):
             continue
         of_ground = [one for body in bodies for one in contacts.get(body, ())]
-        acting = [one for body in bodies for one in loads.get(body, ())]
+        acting = [one for body in bodies for one in applied.get(body, ())]
         linear, axes = _free(system, of_ground, acting)
         angular = axes.directions
         if axes.about is None and len(bodies) == 1 and system.bodies[bodies[0]].is_point:
@@ -76,35 +79,25 @@ def kept_of(system: System, *, is_planar: bool) -> tuple[Kept, ...]:
 
 
 def _free(
-    system: System, contacts: Sequence[Contact], loads: Sequence[ForceElement]
+    system: System, contacts: Sequence[Contact], applied: Sequence[Applied]
 ) -> tuple[tuple[Vector, ...], Axes]:
     """Return directions along which no force acts on a part, and about which no moment does."""
     laws = zip(AXES, system.gravity_law, strict=True)
     gravity = [system.gravity, *(axis for axis, law in laws if law)]
-    forces = [vector for one in loads for vector in _vectors(one, "force")]
-    torques = [vector for one in loads for vector in _vectors(one, "torque")]
-    kinds = {one.kind for one in loads}
-    linear = () if "force_b" in kinds else free_of_force(contacts, [*gravity, *forces])
-    if kinds & {"force_b", "torque_b"}:
+    forces = [vector for one in applied for vector in one.forces or ()]
+    torques = [vector for one in applied for vector in one.torques or ()]
+    if any(one.forces is None for one in applied):
+        return (), Axes()
+    linear = free_of_force(contacts, [*gravity, *forces])
+    if any(one.torques is None for one in applied):
         return linear, Axes()
     return linear, free_of_moment(contacts, forces, gravity, torques)
-
-
-def _is_load(force: ForceElement) -> bool:
-    return force.coordinate < 0 and force.kind.partition("_")[0] in {"force", "torque"}
-
-
-def _vectors(force: ForceElement, kind: str) -> list[Vector]:
-    """Return what a force or torque in frame O is the sum of."""
-    if force.kind != kind:
-        return []
-    return [(x, y, z) for name, (x, y, z) in force.constants if name != "s_j_b"]
 
 
 def _parts(system: System) -> Iterator[tuple[int, ...]]:
     """Yield the bodies of each part: those that joints and forces connect, the ground left out."""
     groups: list[tuple[int, ...]] = [one.bodies for one in system.constraints]
-    groups += [(one.i, one.j) for one in system.forces if not _is_load(one)]
+    groups += [(one.i, one.j) for one in system.forces]
     connected = DisjointSets(range(len(system.bodies)))
     for group in groups:
         first, *rest = (body for body in group if body != GROUND_INDEX)

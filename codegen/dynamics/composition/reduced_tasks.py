@@ -33,6 +33,7 @@ from kousoku.codegen.dynamics.simplification.reduced_mass import (
 )
 from kousoku.codegen.dynamics.simplification.reduction import AXIS, NOTHING, POINT
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -256,7 +257,7 @@ class ReducedTasks:
 def _compose(p: Sequence[float], axis_b: Sequence[float]) -> tuple[float, ...]:
     """Return p ∘ (0, a′), rounded once."""
     w, x, y, z = (precise.number(value) for value in p)
-    zero = precise.CONTEXT.mpf(0)
+    zero = CONTEXT.mpf(0)
     return precise.rounded(precise.compose((w, x, y, z), (zero, *precise.triple(axis_b))))
 
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.design import Design, shown_numbers, starts
 from kousoku.codegen.dynamics.recording.matrix import Matrix
-from kousoku.codegen.dynamics.recording.recorder import DESIGN, column
 from kousoku.codegen.expressions import to_graph
 from kousoku.model.terms import names_of
 
@@ -72,7 +71,7 @@ def record_setup(
         recorder.begin("setup")
     for first in range(0, len(expressions), TOGETHER):
         own = expressions[first : first + TOGETHER]
-        target = column(range(DESIGN + first + 2, DESIGN + first + 2 + len(own)))
+        target = recorder.design_part(first, len(own))
         recorder.call(Derived(own, names), parameters, into=(target,))
     found = {name for one in expressions for name in names_of(one)}
     used = [name for name in names if name in found]

@@ -11,8 +11,8 @@ from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
 from kousoku.codegen.dynamics.emission.view import dynamics_view, method_text
 from kousoku.codegen.emit import along, environment, hashed, promise, template, with_manifest
-from kousoku.codegen.kernel import Package
 from kousoku.model.jsontext import to_text
+from kousoku.model.kernel import Package
 from kousoku.runtime.integrate.methods import METHODS
 from kousoku.runtime.integrate.motion import PARTS_OF_ROWS
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.about import About
+    from kousoku.model.manifest import Manifest
     from kousoku.model.mechanism import System
 
 MOTION_FILE = "motion.json"
@@ -37,6 +38,7 @@ OF_RANK = tuple(f"integrate/{name}" for name in ("rank.h", "rank.py", "nearly_de
 PARTS = (
     *TEMPLATES.values(),
     "dynamics/kernels.c.jinja",
+    "dynamics/_segments.jinja",
     "dynamics/_straight_line.jinja",
     "c/_macros.jinja",
 )
@@ -81,24 +83,45 @@ def emit_dynamics(
         templates="".join(map(template, PARTS)),
         runtime=repr(integrator),
     )
-    package = Package(
-        system.name, f"the motion of {system.name}", f"kousoku generate {system.name}.toml", ()
-    )
-    promised = promise(package, inputs)
     given = {
         "view": view,
         "python": numpy_view(program, system, length, parts),
         "methods": tuple(map(method_text, METHODS)),
-        "version": __version__,
-        "digest": promised.digest,
-        "key": key_of(promised.digest),
     }
-    templates = environment()
-    files = {name: templates.get_template(path).render(**given) for name, path in TEMPLATES.items()}
-    files |= integrator
-    files[MOTION_FILE] = to_text(motion_data(program, system, parts, view.state, about))
-    files |= more or {}
-    return with_manifest(files, promised)
+    motion = to_text(motion_data(program, system, parts, view.state, about))
+    files = {**integrator, MOTION_FILE: motion, **(more or {})}
+    package = package_of(system.name, f"the motion of {system.name}")
+    return filled(promise(package, inputs), TEMPLATES, given, files)
+
+
+def package_of(name: str, title: str) -> Package:
+    """Return the package of a scene's solver: it has no kernels that are called from outside."""
+    return Package(name, title, f"kousoku generate {name}.toml", ())
+
+
+def filled(
+    promised: Manifest,
+    templates: Mapping[str, str],
+    given: Mapping[str, object],
+    files: Mapping[str, str],
+) -> dict[str, str]:
+    """Return a folder of templates that are filled in, and of files that are there.
+
+    Parameters
+    ----------
+    promised : Manifest
+        What its manifest says before its files are there.
+    templates : mapping of str to str
+        File name, and the template of each.
+    given : mapping of str to object
+        What these see, beside the version of kousoku, digest and key.
+    files : mapping of str to str
+        Name and text of further files.
+    """
+    stamp = {"version": __version__, "digest": promised.digest, "key": key_of(promised.digest)}
+    read = environment().get_template
+    texts = {name: read(path).render(**given, **stamp) for name, path in templates.items()}
+    return with_manifest({**texts, **files}, promised)
 
 
 def key_of(digest: str) -> str:

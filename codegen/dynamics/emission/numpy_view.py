@@ -27,17 +27,17 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
     works,
 )
 from kousoku.codegen.dynamics.recording.program import levels, meaning_of
-from kousoku.codegen.graph import Op, literal
 from kousoku.codegen.printers import NUMPY, Printer
 from kousoku.codegen.view_body import layout, live_nodes, output_text, straight_line
 from kousoku.codegen.view_names import Namer
+from kousoku.model.graph import Op, literal
 from kousoku.runtime.integrate.scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
     from kousoku.model.mechanism import System
 
 #: A kernel gets the functions of floats or those of arrays, as its argument ``m``.
@@ -181,13 +181,18 @@ def numpy_view(
             for name, value in numbers.items()
             if value != lacking[name]
         ),
-        regions=tuple((one.name, one.base, one.size) for one in program.regions if one.size),
-        kernels=tuple(_kernels(program)),
+        regions=regions_of(program),
+        kernels=tuple(python_kernels(program)),
         segments=tuple(
-            _segment(program, segment) for segment in (*program.segments, *program.on_demand)
+            python_segment(program, segment) for segment in (*program.segments, *program.on_demand)
         ),
         tables={name: text for name, text in found.items() if text},
     )
+
+
+def regions_of(program: Program) -> tuple[tuple[str, int, int], ...]:
+    """Return name, first slot and size of the regions that are not empty."""
+    return tuple((one.name, one.base, one.size) for one in program.regions if one.size)
 
 
 def python_literal(value: object) -> str:
@@ -195,7 +200,7 @@ def python_literal(value: object) -> str:
     return repr(value).replace("'", '"')
 
 
-def _kernels(program: Program) -> Iterator[PythonKernel]:
+def python_kernels(program: Program) -> Iterator[PythonKernel]:
     """Yield the kernels by number; those of the whole workspace name slots by their regions."""
     if not program.is_inlined:
         for k, kernel in enumerate(program.kernels):
@@ -272,7 +277,8 @@ def _told(text: str, place: str) -> str:
     return line if len(line) <= 92 else f"{text},"
 
 
-def _segment(program: Program, segment: Segment) -> PythonSegment:
+def python_segment(program: Program, segment: Segment) -> PythonSegment:
+    """Return the tasks of a segment as a table in text."""
     lines: list[str] = []
     for level in levels(program, segment):
         equal: dict[int, list[int]] = {}

@@ -22,11 +22,11 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
 )
 from kousoku.codegen.dynamics.recording.program import REGIONS, meaning_of
 from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
-from kousoku.codegen.graph import literal
 from kousoku.codegen.printers import C
 from kousoku.codegen.view_body import layout, output_text, straight_line
 from kousoku.codegen.view_names import Namer
 from kousoku.model.errors import EmitError
+from kousoku.model.graph import literal
 from kousoku.runtime.integrate.methods import METHODS, Method
 from kousoku.runtime.integrate.scene import DENSE
 from kousoku.runtime.integrate.settings import KINEMATICS, Doubt, Settings, Status
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment, Task
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
     from kousoku.model.mechanism import System
 
 
@@ -396,13 +396,13 @@ def dynamics_view(
     return DynamicsView(
         name=program.name,
         features=features,
-        sizes=_enumerators(_of_features(counts, features) | {"ROW_SIZE": row}),
-        places=_enumerators(_of_features(places, features)),
+        sizes=enumerators(_of_features(counts, features) | {"ROW_SIZE": row}),
+        places=enumerators(_of_features(places, features)),
         state=fields(state),
         kernels=tuple(
             kernel_text(k, kernel, repeats=k in repeated) for k, kernel in enumerate(kernels)
         ),
-        segments=tuple(_segment(program, segment, slots) for segment in segments),
+        segments=tuple(segment_text(program, segment, slots) for segment in segments),
         tables={name: text for name, text in texts.items() if text},
         length=repr(length),
         closure_tolerance=repr(system.closure_tolerance),
@@ -462,7 +462,8 @@ def _of_features(numbers: Mapping[str, int], features: Collection[str]) -> dict[
     return {name: value for name, value in numbers.items() if name not in absent}
 
 
-def _segment(program: Program, segment: Segment, slots: Slots) -> SegmentText:
+def segment_text(program: Program, segment: Segment, slots: Slots) -> SegmentText:
+    """Return a segment as C."""
     name, tasks = segment.name, segment.tasks
     meaning = meaning_of(program, segment)
     if not program.is_inlined:
@@ -508,7 +509,8 @@ def method_text(method: Method) -> MethodText:
     )
 
 
-def _enumerators(values: Mapping[str, int]) -> str:
+def enumerators(values: Mapping[str, int]) -> str:
+    """Return enumerators of C, in lines."""
     return in_lines((f"{name} = {value}," for name, value in values.items()), WIDTH)
 
 

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.explanation.structure import Structure
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.codegen.dynamics.simplification.merge import Constants
+    from kousoku.codegen.dynamics.simplification.composite import Constants
     from kousoku.model.mechanism import System
     from kousoku.model.scene import Scene
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
     from kousoku.model.mechanism import Coordinate, Instance
 
 #: Columns of a Jacobian for one body: δr in frame O, then δθ′ in the frame of the body.

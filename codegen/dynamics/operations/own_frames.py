@@ -20,15 +20,15 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.matrix import Matrix, stack
-from kousoku.codegen.graph import Graph
 from kousoku.codegen.passes.rebuild import drop_dead, substitute
+from kousoku.model.graph import Graph
 from kousoku.model.own_kind import FRAMES, ORIGINS, input_name
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.kernel import Kernel, Package
+    from kousoku.model.kernel import Kernel, Package
 
 #: Columns of a Jacobian for one body.
 COLUMNS = 6

@@ -75,7 +75,7 @@ class Design:
 def key_of(value: float) -> str:
     """Return the key of a number that depends on parameters."""
     assert isinstance(value, Varying)
-    return value.traced.key
+    return value.traced.expression.key
 
 
 def number(value: float) -> High:

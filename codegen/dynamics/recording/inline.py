@@ -19,9 +19,9 @@ from kousoku.codegen.dynamics.recording.program import (
     Task,
     writes,
 )
-from kousoku.codegen.graph import Graph, Op
-from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.passes.rebuild import copy_node, substitute
+from kousoku.model.graph import Graph, Op
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from fractions import Fraction
 
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,16 +65,19 @@ class Segment:
     Parameters
     ----------
     name : str
-        ``geometry``, ``position`` … as in :data:`SEGMENTS`.
+        ``geometry``, ``position`` … as in :data:`SEGMENTS`; of a linkage ``position_1`` ….
     tasks : tuple of Task
         In an order in which they can run.
     contents : tuple of str
         What was inlined into it: title and owner of each task, where they say something.
+    meaning : str
+        What it computes, of a segment that is none of :data:`SEGMENTS`.
     """
 
     name: str
     tasks: tuple[Task, ...]
     contents: tuple[str, ...] = ()
+    meaning: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -367,6 +370,8 @@ AFTER_GEOMETRY = frozenset(
 
 def meaning_of(program: Program, segment: Segment) -> str:
     """Return what a segment reads and writes, without the regions that it leaves alone here."""
+    if segment.meaning:
+        return segment.meaning
     sides = []
     meanings = (SEGMENTS | ON_DEMAND)[segment.name].split(" -> ")
     for text, runs in zip(meanings, (reads, writes), strict=True):

@@ -7,16 +7,16 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.matrix import Matrix
-from kousoku.codegen.graph import Graph, Op
-from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.passes.rebuild import copy_node, substitute
 from kousoku.codegen.unit import SMALLEST_SUBNORMAL
+from kousoku.model.graph import Graph, Op
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kousoku.codegen.graph import Node
+    from kousoku.model.graph import Node
 
     #: For each entry of a result what it is: a ``number`` 0 or ±1, a ``leaf`` or a ``fresh`` slot;
     #: of the last two ±(place + 1). And the shape of the result.

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.design import start_of
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import not_negative, to_vector
 from kousoku.model.mass import principal, steiner
-from kousoku.model.precise import CONTEXT, IDENTITY, ZERO, High, Quadruple, Triple
+from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
 from kousoku.model.traced import Traced
 from kousoku.model.varying import fixed
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.model.mechanism import MovingBody, Quaternion, Vector
+
+    Constants = tuple[tuple[str, tuple[float, ...]], ...]
 
 #: Components below this part of what they came from are zeros that rounded positions left.
 NOISE = CONTEXT.mpf(2) ** -51
@@ -54,6 +57,31 @@ class Seat:
     def frame(self, axes: Sequence[float]) -> Quaternion:
         """Return Euler parameters that take components of a frame of the body to the carrier."""
         return _turn(precise.compose(self.turn, _quadruple(axes)))
+
+
+def seen_from_carriers(
+    constants: Constants, i: Seat, j: Seat, *, turning: bool = False
+) -> Constants:
+    """Return points and vectors in the frames of what carries their bodies.
+
+    Parameters
+    ----------
+    constants : tuple of (str, tuple of float)
+        ``s_i_b`` and ``s_j_b`` are points, what else ends in ``_i_b`` and ``_j_b`` vectors.
+    i, j : Seat
+        Of bodies i and j.
+    turning : bool
+        Whether all but points are vectors of body j.
+    """
+
+    def seen(name: str, values: tuple[float, ...]) -> tuple[float, ...]:
+        if name in {"s_i_b", "s_j_b"}:
+            return (i if name == "s_i_b" else j).point(values)
+        if name.endswith("_i_b"):
+            return i.vector(values)
+        return j.vector(values) if turning or name.endswith("_j_b") else values
+
+    return tuple((name, seen(name, values)) for name, values in constants)
 
 
 def on_ground(body: MovingBody, ground: int) -> Seat:

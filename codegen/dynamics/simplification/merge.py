@@ -10,7 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.simplification.composite import Seat, joined, on_ground
+from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.simplification.composite import (
+    Seat,
+    joined,
+    on_ground,
+    seen_from_carriers,
+)
 from kousoku.codegen.dynamics.simplification.outline import NORMAL
 from kousoku.codegen.dynamics.simplification.planar import is_planar
 from kousoku.codegen.dynamics.simplification.resting_energy import resting_energy
@@ -22,9 +28,7 @@ from kousoku.model.rows import variant
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.model.mechanism import Coordinate, ForceElement, Instance, MovingBody, System
-
-    Constants = tuple[tuple[str, tuple[float, ...]], ...]
+    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +108,7 @@ def _joined(system: System, groups: Sequence[Sequence[int]], normal: int | None 
         ),
         held=(),
         held_rates=(),
-        forces=tuple(_force(one, seats) for one in moving),
+        forces=tuple(facets_of(one).seen_from(seats[one.i], seats[one.j]) for one in moving),
         coordinates=tuple(_coordinate(one, seats) for one in system.coordinates),
         carried=carried,
         resting=resting_energy(system, seats),
@@ -136,7 +140,7 @@ def _seated(
 
 def _instance(one: Instance, seats: Mapping[int, Seat]) -> Instance:
     """Return a constraint between the bodies that carry its own."""
-    constants = _constants(one.constants, seats[one.i], seats[one.j])
+    constants = seen_from_carriers(one.constants, seats[one.i], seats[one.j])
     kind, _, axis = one.kind.partition("_")
     return replace(
         one,
@@ -150,27 +154,5 @@ def _instance(one: Instance, seats: Mapping[int, Seat]) -> Instance:
 
 def _coordinate(one: Coordinate, seats: Mapping[int, Seat]) -> Coordinate:
     i, j = seats[one.i], seats[one.j]
-    constants = _constants(one.constants, i, j)
+    constants = seen_from_carriers(one.constants, i, j)
     return replace(one, i=i.carrier, j=j.carrier, constants=constants)
-
-
-def _force(one: ForceElement, seats: Mapping[int, Seat]) -> ForceElement:
-    i, j = seats[one.i], seats[one.j]
-    constants = _constants(one.constants, i, j, turning=one.kind.endswith("_b"))
-    return replace(one, i=i.carrier, j=j.carrier, constants=constants)
-
-
-def _constants(constants: Constants, i: Seat, j: Seat, *, turning: bool = False) -> Constants:
-    """Return points and vectors in the frames of what carries their bodies.
-
-    Of a force that turns with body j all but its point is a vector of that body.
-    """
-
-    def seen(name: str, values: tuple[float, ...]) -> tuple[float, ...]:
-        if name in {"s_i_b", "s_j_b"}:
-            return (i if name == "s_i_b" else j).point(values)
-        if name.endswith("_i_b"):
-            return i.vector(values)
-        return j.vector(values) if turning or name.endswith("_j_b") else values
-
-    return tuple((name, seen(name, values)) for name, values in constants)

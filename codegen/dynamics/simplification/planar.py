@@ -30,7 +30,8 @@ from kousoku.codegen.dynamics.simplification.forces_plane import (
 from kousoku.codegen.dynamics.simplification.outline import NORMAL, live_elements
 from kousoku.codegen.dynamics.simplification.shapes import NO_TURN, start
 from kousoku.codegen.dynamics.simplification.turned import can_turn, turned
-from kousoku.codegen.interpret import FLOAT, evaluate
+from kousoku.model.arithmetic import FLOAT
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.varying import fixed_system

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.operations.mechanics import frozen
-from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT, evaluate
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.varying import is_varying
 
@@ -42,7 +43,7 @@ FREEDOMS = {
 WORTH = 8
 #: Sines of angles between vectors that count as parallel are smaller.
 PARALLEL = 1e-12
-NORMAL: Triple = (HIGH_CONTEXT.mpf(0), HIGH_CONTEXT.mpf(0), HIGH_CONTEXT.mpf(1))
+NORMAL: Triple = (CONTEXT.mpf(0), CONTEXT.mpf(0), CONTEXT.mpf(1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,7 +244,7 @@ def _placed(
         shift = precise.dot(axis, precise.subtract(end, joint))
         joint = precise.add(joint, precise.scale(shift, axis))
     across_b = _across(axis_b)
-    zero = HIGH_CONTEXT.mpf(0)
+    zero = CONTEXT.mpf(0)
     return Reduction(
         body=body,
         instances=tuple(parts.values()),
@@ -270,7 +271,7 @@ def _axes(
     axis = precise.unit(precise.triple(parallel[f"a_{ground}_b"]))
     axis_b = precise.unit(precise.triple(parallel[f"a_{own}_b"]))
     is_turned = precise.dot(axis, precise.rotate(p, axis_b)) < 0
-    return axis, precise.scale(HIGH_CONTEXT.mpf(-1 if is_turned else 1), axis_b)
+    return axis, precise.scale(CONTEXT.mpf(-1 if is_turned else 1), axis_b)
 
 
 def _across(axis: Triple) -> list[Triple]:
@@ -329,6 +330,6 @@ def _at_start(system: System, coordinate: Coordinate) -> float:
         inputs |= {f"r_{end}": pose.r[index], f"p_{end}": pose.p[index]}
     value = evaluate(frozen(coordinate.kind, "constraint"), inputs, HIGH)["C"][0]
     if coordinate.counts_turns:
-        whole = 2 * precise.CONTEXT.pi
-        value += whole * precise.CONTEXT.nint((precise.number(coordinate.near) - value) / whole)
+        whole = 2 * CONTEXT.pi
+        value += whole * CONTEXT.nint((precise.number(coordinate.near) - value) / whole)
     return float(value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.recording.design import start_of
 from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX
@@ -12,8 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.codegen.dynamics.simplification.composite import Seat
-    from kousoku.model.mechanism import ForceElement, System
-    from kousoku.model.precise import High
+    from kousoku.model.mechanism import System
 
 
 def resting_energy(system: System, seats: Mapping[int, Seat]) -> float:
@@ -32,19 +32,7 @@ def resting_energy(system: System, seats: Mapping[int, Seat]) -> float:
         if seats[k].carrier == GROUND_INDEX:
             total -= precise.number(body.mass) * precise.dot(gravity, start_of(body)[0])
     for force in system.forces:
-        is_fixed = force.has_potential and not force.formulas and force.coordinate < 0
-        if is_fixed and seats[force.i].carrier == seats[force.j].carrier:
-            total += _stored(force, seats)
+        i, j = seats[force.i], seats[force.j]
+        if force.has_potential and not force.formulas and i.carrier == j.carrier:
+            total += facets_of(force).resting_energy(i, j)
     return precise.double(total)
-
-
-def _stored(force: ForceElement, seats: Mapping[int, Seat]) -> High:
-    """Return ½ k (l − l⁰)² of a spring in one body, −F·r of a force on the ground."""
-    given = dict(force.constants)
-    end = precise.triple(seats[force.j].point(given["s_j_b"]))
-    if force.kind == "force":
-        return -precise.dot(precise.triple(given["force"]), end)
-    start = precise.triple(seats[force.i].point(given["s_i_b"]))
-    length = precise.length(precise.subtract(end, start))
-    (stiffness,), (free,) = given["stiffness"], given["free_length"]
-    return precise.number(stiffness) * (length - precise.number(free)) ** 2 / 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.moved import moved_by_parameters
@@ -21,11 +22,8 @@ RIGID = ["n1", "p1", "point"]
 #: Joints of a body that is made of two that move: the rows of each are coupled with all others, and
 #: with six revolute joints that costs more than the fixed joint.
 MOST_JOINTS = 4
-#: Kinds of constraints and of forces that are known to mean the same in another frame.
+#: Kinds of constraints that are known to mean the same in another frame.
 CONSTRAINTS = frozenset({"point", "distance", "n1", "n2", "p1", "p2", COMBINATION})
-FORCES = frozenset(
-    {"force", "torque", "force_b", "torque_b", "spring_damper", "along", "coordinate_spring"}
-)
 
 
 def grouped(system: System) -> tuple[tuple[int, ...], ...]:
@@ -109,6 +107,7 @@ def _kept(system: System, leaders: DisjointSets) -> set[int]:
             found |= {*one.bodies}
     for force in system.forces:
         is_inner = leaders.of(force.i) == leaders.of(force.j)
-        if force.kind not in FORCES or (is_inner and (force.works or force.formulas)):
+        is_carried = facets_of(force).is_carried
+        if not is_carried or (is_inner and (force.works or force.formulas)):
             found |= {force.i, force.j}
     return found - {GROUND_INDEX}

@@ -4,21 +4,19 @@
 
 #include "newton.h"
 
-/* a step of damped Newton, halved until the residual falls enough; w->x moves */
+/* a step of damped Newton, halved until the residual falls enough */
 static int damped_step(size_t number, Workspace *w, double *correction, double residual)
 {
-    const size_t first = blocks[number].first, n = blocks[number].size;
-    const Coordinates position = { w->alpha, w->x };
+    const size_t n = blocks[number].size;
+    double *x = looked_at(number, w);
     double before[LARGEST_BLOCK], epsilon[LARGEST_BLOCK];
     solve_block(number, w, correction);
-    for (size_t i = 0; i < n; ++i) {
-        before[i] = w->x[first + i];
-    }
+    copy(before, x, n);
     for (double part = 1.0; part >= SMALLEST_STEP; part *= 0.5) {
         for (size_t i = 0; i < n; ++i) {
-            w->x[first + i] = before[i] - part * correction[i];
+            x[i] = before[i] - part * correction[i];
         }
-        position_equations(number, position, epsilon, NULL);
+        find_residuals(number, w, epsilon);
         if (largest_residual(n, epsilon) <= (1.0 - 0.25 * part) * residual) {
             return GOOD;
         }
@@ -30,9 +28,8 @@ static int damped_step(size_t number, Workspace *w, double *correction, double r
 static int assemble_block(const Run *run, size_t number, Workspace *w, Convergence *convergence)
 {
     const size_t n = blocks[number].size;
-    const Coordinates position = { w->alpha, w->x };
     double correction[LARGEST_BLOCK];
-    const double given = evaluate(number, position, w, correction);
+    const double given = evaluate(number, w, correction);
     double pivot = given, residual = largest_residual(n, correction);
     for (int k = 0; k < 200 && residual > SETTLED * LENGTH; ++k) {
         if (!(residual < HUGE_VAL)) {
@@ -44,18 +41,18 @@ static int assemble_block(const Run *run, size_t number, Workspace *w, Convergen
         if (damped_step(number, w, correction, residual) != GOOD) {
             return NOT_ASSEMBLED;
         }
-        pivot = evaluate(number, position, w, correction);
+        pivot = evaluate(number, w, correction);
         residual = largest_residual(n, correction);
     }
     w->orientation[number] = 0.0; /* not known before: either side is good */
-    const int status = newton(run, number, w->alpha, w->x, w, convergence);
+    const int status = newton(run, number, w, convergence);
     if (status == DEAD_CENTRE) {
         return residual <= SETTLED * LENGTH ? ON_DEAD_CENTRE : NOT_ASSEMBLED;
     }
     if (status != GOOD) {
         return status;
     }
-    pivot = evaluate(number, position, w, correction);
+    pivot = evaluate(number, w, correction);
     w->orientation[number] = pivot;
     return fabs(given) > 0.01 && given * pivot < 0.0 ? OTHER_SIDE : GOOD;
 }
@@ -63,17 +60,17 @@ static int assemble_block(const Run *run, size_t number, Workspace *w, Convergen
 /* the first position, block after block */
 static int assemble(Run *run, Workspace *w, Convergence *convergence)
 {
+    int status = GOOD;
     for (size_t i = 0; i < UNKNOWNS; ++i) {
         w->x[i] = unknowns[i].start;
     }
-    for (size_t number = 0; number < BLOCKS; ++number) {
-        const int status = assemble_block(run, number, w, convergence);
+    look_at(w, w->alpha, w->x);
+    for (size_t number = 0; number < BLOCKS && status == GOOD; ++number) {
+        status = assemble_block(run, number, w, convergence);
         run->block = number;
-        if (status != GOOD) {
-            return status;
-        }
     }
-    return GOOD;
+    copy(w->x, w->w + W_X, UNKNOWNS);
+    return status;
 }
 
 #endif

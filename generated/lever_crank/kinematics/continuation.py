@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .certificate import Certifier, Way
-from .equations import Coordinates, differentiate
+from .equations import Coordinates
 from .newton import Convergence, Newton, largest
 from .status import MOST_TILT, MOST_TRIES, SETTLED, SMALLEST_STEP, Status, StopError
 
 if TYPE_CHECKING:
-    from .equations import Kernels
     from .mechanism import Array, Mechanism
     from .rows import Run
 
@@ -24,9 +23,7 @@ class Continuation:
     Parameters
     ----------
     mechanism : Mechanism
-        The tables.
-    kernels : Kernels
-        The kernels of its blocks.
+        The tables and segments.
     run : Run
         Inputs, method and limits.
 
@@ -44,9 +41,9 @@ class Continuation:
         The next step to try, in divisions or in time, where a row is not nearer.
     """
 
-    def __init__(self, mechanism: Mechanism, kernels: Kernels, run: Run) -> None:
+    def __init__(self, mechanism: Mechanism, run: Run) -> None:
         self.run = run
-        self.newton = Newton(mechanism, kernels, run)
+        self.newton = Newton(mechanism, run)
         # Whole turns lead to the same inputs: the first position may be that of any.
         self.division = run.start - run.start % run.divisions if run.is_periodic else 0
         self.time = 0.0
@@ -155,7 +152,7 @@ class Continuation:
         self.position = Coordinates(alpha, trial - math.tau * turns)
 
     def _derivatives(self, alpha_dot: Array, alpha_ddot: Array) -> tuple[Array, Array]:
-        return differentiate(self.newton.blocks, self.position, alpha_dot, alpha_ddot)
+        return self.newton.equations.differentiate(self.position, alpha_dot, alpha_ddot)
 
     def _way(self, step: float, pace: Array, pace_dot: Array, correction: Array) -> Way:
         """Return the cubics of a step, (26) and what was corrected."""

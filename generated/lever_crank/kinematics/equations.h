@@ -2,63 +2,44 @@
 #ifndef KOUSOKU_KINEMATICS_EQUATIONS_H
 #define KOUSOKU_KINEMATICS_EQUATIONS_H
 
+#include <string.h>
+
 #include "lu.h"
 
-/* All coordinates of the mechanism, or their first or second derivatives. */
-typedef struct Coordinates {
-    const double *alpha; /* of the inputs */
-    const double *x;     /* of the unknowns */
-} Coordinates;
+/* the segments of a block, in their order; behind those of all blocks stand those of the results */
+enum { POSITION, VELOCITY, ACCELERATION, ORDERS, RESULTS = ORDERS * BLOCKS };
 
-/* what a block depends on */
-static void gather(const Block *block, Coordinates all, double *known)
+static void run_segment(size_t number, size_t order, Workspace *w)
 {
-    for (size_t k = 0; k < block->known_count; ++k) {
-        const size_t place = known_places[block->known + k];
-        known[k] = place < INPUTS ? all.alpha[place] : all.x[place - INPUTS];
-    }
+    segments[ORDERS * number + order](w->w);
 }
 
-/* residuals of a block and, unless it is NULL, its Jacobian */
-static void position_equations(
-    size_t number, Coordinates position, double *epsilon, double *jacobian)
+static void copy(double *to, const double *from, size_t n) { memcpy(to, from, n * sizeof *to); }
+
+/* puts a position where the segments look at it */
+static void look_at(Workspace *w, const double *alpha, const double *x)
 {
-    const Block *block = &blocks[number];
-    double known[LARGEST_KNOWN];
-    gather(block, position, known);
-    position_kernel(number, known, position.x + block->first, epsilon, jacobian);
+    copy(w->w + W_ALPHA, alpha, INPUTS);
+    copy(w->w + W_X, x, UNKNOWNS);
 }
 
-/* right-hand side of the velocities of a block, (22) and (24) */
-static void velocity_equations(
-    size_t number, Coordinates position, Coordinates velocity, double *nu)
-{
-    const Block *block = &blocks[number];
-    double known[LARGEST_KNOWN], known_dot[LARGEST_KNOWN];
-    gather(block, position, known);
-    gather(block, velocity, known_dot);
-    velocity_kernel(number, known, position.x + block->first, known_dot, nu);
-}
+/* the unknowns of a block where the segments look at them */
+static double *looked_at(size_t number, Workspace *w) { return w->w + W_X + blocks[number].first; }
 
-/* right-hand side of the accelerations of a block, (23) and (25) */
-static void acceleration_equations(size_t number, Coordinates position, Coordinates velocity,
-    Coordinates acceleration, double *gamma_)
+/* residuals of a block */
+static void find_residuals(size_t number, Workspace *w, double *epsilon)
 {
-    const Block *block = &blocks[number];
-    double known[LARGEST_KNOWN], known_dot[LARGEST_KNOWN], known_ddot[LARGEST_KNOWN];
-    gather(block, position, known);
-    gather(block, velocity, known_dot);
-    gather(block, acceleration, known_ddot);
-    acceleration_kernel(number, known, position.x + block->first, known_dot,
-        velocity.x + block->first, known_ddot, gamma_);
+    run_segment(number, POSITION, w);
+    copy(epsilon, w->w + W_EPSILON, blocks[number].size);
 }
 
 /* residuals of a block and the LU factors of its Jacobian; returns the smallest pivot */
-static double evaluate(size_t number, Coordinates position, Workspace *w, double *epsilon)
+static double evaluate(size_t number, Workspace *w, double *epsilon)
 {
     const Block *block = &blocks[number];
     double *jacobian = w->matrix + block->jacobian;
-    position_equations(number, position, epsilon, jacobian);
+    find_residuals(number, w, epsilon);
+    copy(jacobian, w->w + W_D, block->size * block->size);
     return factorise(block->size, jacobian, w->pivot + block->first, unknowns + block->first);
 }
 
@@ -69,26 +50,24 @@ static void solve_block(size_t number, const Workspace *w, double *side)
     substitute(block->size, w->matrix + block->jacobian, w->pivot + block->first, side);
 }
 
-/* derivatives of x at the position of the workspace, along given ones of the inputs */
-static void differentiate(const Workspace *w, const double *alpha_dot, const double *alpha_ddot,
-    double *x_dot, double *x_ddot)
+/* derivatives of x at the position of the workspace, along given ones of the inputs, (22)-(25) */
+static void differentiate(
+    Workspace *w, const double *alpha_dot, const double *alpha_ddot, double *x_dot, double *x_ddot)
 {
-    const Coordinates position = { w->alpha, w->x };
-    const Coordinates velocity = { alpha_dot, x_dot }, acceleration = { alpha_ddot, x_ddot };
+    look_at(w, w->alpha, w->x);
+    copy(w->w + W_ALPHA_DOT, alpha_dot, INPUTS);
+    copy(w->w + W_ALPHA_DDOT, alpha_ddot, INPUTS);
     for (size_t number = 0; number < BLOCKS; ++number) {
         const size_t first = blocks[number].first, n = blocks[number].size;
-        double side[LARGEST_BLOCK];
-        velocity_equations(number, position, velocity, side);
-        solve_block(number, w, side);
-        for (size_t i = 0; i < n; ++i) {
-            x_dot[first + i] = side[i];
-        }
-        acceleration_equations(number, position, velocity, acceleration, side);
-        solve_block(number, w, side);
-        for (size_t i = 0; i < n; ++i) {
-            x_ddot[first + i] = side[i];
-        }
+        run_segment(number, VELOCITY, w);
+        solve_block(number, w, w->w + W_NU);
+        copy(w->w + W_X_DOT + first, w->w + W_NU, n);
+        run_segment(number, ACCELERATION, w);
+        solve_block(number, w, w->w + W_GAMMA);
+        copy(w->w + W_X_DDOT + first, w->w + W_GAMMA, n);
     }
+    copy(x_dot, w->w + W_X_DOT, UNKNOWNS);
+    copy(x_ddot, w->w + W_X_DDOT, UNKNOWNS);
 }
 
 #endif

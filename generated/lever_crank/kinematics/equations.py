@@ -2,30 +2,37 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..integrate.tasks import Kernel, run_tasks, segment_of
 from .lu import LU
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import TypeAlias
+    from collections.abc import Mapping, Sequence
 
-    from .mechanism import Array, Mechanism
-
-    #: A kernel: arrays in, arrays out; ``outputs`` names what is wanted.
-    Kernel: TypeAlias = Callable[..., tuple[Array, ...]]
+    from ..integrate.tasks import Function
+    from .mechanism import Array, Mechanism, Segment
 
 
-class Kernels(Protocol):
-    """The kernels of a mechanism: a module ``kernels.py``, or a loaded library.
+def segments_of(
+    kernels: Sequence[tuple[Function, int, str, str]], tasks: Mapping[str, str]
+) -> dict[str, Segment]:
+    """Return the segments of a mechanism, each a function of the workspace.
 
-    ``position_k``, ``velocity_k`` and ``acceleration_k`` belong to block k, counted from 1;
-    ``nodes`` and ``angles`` give the results.
+    Parameters
+    ----------
+    kernels : sequence of (callable, int, str, str)
+        What tasks call, as :meth:`integrate.tasks.Kernel.read` takes it.
+    tasks : mapping of str to str
+        The table of each segment, as :func:`integrate.tasks.segment_of` reads it.
     """
-
-    def __getattr__(self, name: str) -> Kernel: ...
+    read = [Kernel.read(*kernel) for kernel in kernels]
+    return {
+        name: partial(run_tasks, segment=segment_of(read, text)) for name, text in tasks.items()
+    }
 
 
 class Coordinates(NamedTuple):
@@ -43,80 +50,107 @@ class Coordinates(NamedTuple):
     x: Array
 
 
-class BlockEquations:
-    """The equations of one block, and the LU factors of its Jacobian.
+class Equations:
+    """The workspace of a mechanism, and the equations of its blocks on it.
 
     Parameters
     ----------
     mechanism : Mechanism
-        The tables.
-    kernels : Kernels
-        The kernels of all blocks.
+        The tables and segments.
+    """
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self.slots = np.zeros(mechanism.work_size)
+        self.blocks = tuple(BlockEquations(self, k) for k in range(len(mechanism.blocks)))
+
+    def region(self, name: str) -> Array:
+        """Return a region of the workspace, to read and to write."""
+        base, size = self.mechanism.regions[name]
+        return self.slots[base : base + size]
+
+    def place(self, coordinates: Coordinates, suffix: str = "") -> None:
+        """Put a position, or with ``_dot`` or ``_ddot`` its derivatives, where segments look."""
+        self.region(f"alpha{suffix}")[:] = coordinates.alpha
+        self.region(f"x{suffix}")[:] = coordinates.x
+
+    def run(self, segment: str) -> None:
+        """Run a segment."""
+        self.mechanism.segments[segment](self.slots)
+
+    def differentiate(
+        self, position: Coordinates, alpha_dot: Array, alpha_ddot: Array
+    ) -> tuple[Array, Array]:
+        """Return the derivatives of x along given ones of the inputs, with the factors at hand.
+
+        Returns
+        -------
+        x_dot, x_ddot : (unknowns,) array
+            First and second derivatives, (22)-(25).
+        """
+        none = np.zeros_like(position.x)
+        self.place(position)
+        self.place(Coordinates(alpha_dot, none), "_dot")
+        self.place(Coordinates(alpha_ddot, none), "_ddot")
+        x_dot, x_ddot = self.region("x_dot"), self.region("x_ddot")
+        for block in self.blocks:
+            x_dot[block.part] = block.solve(block.velocity_side())
+            x_ddot[block.part] = block.solve(block.acceleration_side())
+        return x_dot.copy(), x_ddot.copy()
+
+
+class BlockEquations:
+    """The equations of one block where it is looked at, and the LU factors of its Jacobian.
+
+    Parameters
+    ----------
+    equations : Equations
+        The equations of the mechanism.
     number : int
         The block, counted from 0.
     """
 
-    def __init__(self, mechanism: Mechanism, kernels: Kernels, number: int) -> None:
-        block = mechanism.blocks[number]
-        self.part = block.unknowns
+    def __init__(self, equations: Equations, number: int) -> None:
+        mechanism = equations.mechanism
+        self.part = mechanism.blocks[number].unknowns
         self.scale = np.array([unknown.scale for unknown in mechanism.unknowns[self.part]])
-        self._known = list(block.known)
-        self._position: Kernel = getattr(kernels, f"position_{number + 1}")
-        self._velocity: Kernel = getattr(kernels, f"velocity_{number + 1}")
-        self._acceleration: Kernel = getattr(kernels, f"acceleration_{number + 1}")
-        self._factors = LU(np.eye(len(self.scale)), self.scale)
+        self.x = equations.region("x")[self.part]
+        self._position, self._velocity, self._acceleration = (
+            partial(mechanism.segments[f"{order}_{number + 1}"], equations.slots)
+            for order in ("position", "velocity", "acceleration")
+        )
+        n = len(self.scale)
+        self._epsilon, self._nu, self._gamma = (
+            equations.region(name)[:n] for name in ("epsilon", "nu", "gamma")
+        )
+        self._jacobian = equations.region("D")[: n * n].reshape(n, n)
+        self._factors = LU(np.eye(n), self.scale)
 
-    def known(self, all_: Coordinates) -> tuple[Array, ...]:
-        """Return what the block depends on: one array, or none."""
-        return (np.concatenate(all_)[self._known],) if self._known else ()
-
-    def residuals(self, position: Coordinates) -> Array:
+    def residuals(self) -> Array:
         """Return the residuals, (n,), as lengths."""
-        own = position.x[self.part]
-        (epsilon,) = self._position(*self.known(position), own, outputs=("epsilon",))
-        return epsilon
+        self._position()
+        return self._epsilon.copy()
 
-    def evaluate(self, position: Coordinates) -> tuple[Array, float]:
+    def jacobian(self) -> Array:
+        """Return the Jacobian, (n, n)."""
+        self._position()
+        return self._jacobian.copy()
+
+    def evaluate(self) -> tuple[Array, float]:
         """Return the residuals, (n,), and the smallest pivot; keep the factors of the Jacobian."""
-        epsilon, jacobian = self._position(*self.known(position), position.x[self.part])
-        self._factors = LU(jacobian, self.scale)
-        return epsilon, self._factors.pivot
+        self._factors = LU(self.jacobian(), self.scale)
+        return self._epsilon.copy(), self._factors.pivot
 
     def solve(self, right: Array) -> Array:
         """Return the solution with the factors that :meth:`evaluate` kept, (n,)."""
         return self._factors.solve(right)
 
-    def velocity_side(self, position: Coordinates, velocity: Coordinates) -> Array:
+    def velocity_side(self) -> Array:
         """Return the right-hand side of the velocities, (22) and (24), (n,)."""
-        here = (*self.known(position), position.x[self.part])
-        (nu,) = self._velocity(*here, *self.known(velocity))
-        return nu
+        self._velocity()
+        return self._nu.copy()
 
-    def acceleration_side(
-        self, position: Coordinates, velocity: Coordinates, acceleration: Coordinates
-    ) -> Array:
+    def acceleration_side(self) -> Array:
         """Return the right-hand side of the accelerations, (23) and (25), (n,)."""
-        here = (*self.known(position), position.x[self.part])
-        moving = (*self.known(velocity), velocity.x[self.part])
-        (gamma,) = self._acceleration(*here, *moving, *self.known(acceleration))
-        return gamma
-
-
-def differentiate(
-    blocks: tuple[BlockEquations, ...], position: Coordinates, alpha_dot: Array, alpha_ddot: Array
-) -> tuple[Array, Array]:
-    """Return the derivatives of x along given ones of the inputs, with the factors at hand.
-
-    Returns
-    -------
-    x_dot, x_ddot : (unknowns,) array
-        First and second derivatives, (22)-(25).
-    """
-    velocity = Coordinates(alpha_dot, np.zeros_like(position.x))
-    acceleration = Coordinates(alpha_ddot, np.zeros_like(position.x))
-    for block in blocks:
-        side = block.velocity_side(position, velocity)
-        velocity.x[block.part] = block.solve(side)
-        side = block.acceleration_side(position, velocity, acceleration)
-        acceleration.x[block.part] = block.solve(side)
-    return velocity.x, acceleration.x
+        self._acceleration()
+        return self._gamma.copy()

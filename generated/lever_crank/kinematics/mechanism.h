@@ -31,12 +31,10 @@ typedef struct Curve {
 
 /* A block of the block-triangular equations: unknowns that are solved together.
  *
- * Its coordinates are x[first] ... x[first + size - 1]; known_count places among the inputs and,
- * after them, all unknowns stand in known_places from `known` on, curve_count links in curves from
+ * Its coordinates are x[first] ... x[first + size - 1]; curve_count links stand in curves from
  * `curve` on; its Jacobian begins at `jacobian` in the workspace. */
 typedef struct Block {
     size_t first, size;
-    size_t known, known_count;
     size_t curve, curve_count;
     size_t jacobian;
 } Block;

@@ -5,13 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
+from .equations import segments_of
+
 if TYPE_CHECKING:
-    from typing import TypeAlias
+    from collections.abc import Callable, Mapping, Sequence
+    from typing import Any, TypeAlias
 
     import numpy as np
     import numpy.typing as npt
 
     Array: TypeAlias = npt.NDArray[np.float64]
+    Segment: TypeAlias = Callable[[Array], None]
 
 
 class Link(NamedTuple):
@@ -64,21 +68,21 @@ class Curve(NamedTuple):
         The equation of the block, counted from 0.
     length : float
         In the unit of the mechanism.
-    x, y : tuple of (int, float)
+    x, y : sequence of (int, float)
         Places and factors of the sums that are the x and the y of d.
     is_arm : bool
         Whether the equation is one of d = length (cos β, sin β), in any direction, or else
         |d| = length.
-    angle : tuple of (int, float)
+    angle : sequence of (int, float)
         Place and factor of β, where that moves.
     """
 
     row: int
     length: float
-    x: tuple[tuple[int, float], ...]
-    y: tuple[tuple[int, float], ...]
+    x: Sequence[tuple[int, float]]
+    y: Sequence[tuple[int, float]]
     is_arm: bool = False
-    angle: tuple[tuple[int, float], ...] = ()
+    angle: Sequence[tuple[int, float]] = ()
 
 
 class Block(NamedTuple):
@@ -90,15 +94,12 @@ class Block(NamedTuple):
         Its coordinates among all unknowns.
     links : tuple of str
         The links and sliders whose equations determine them.
-    known : tuple of int
-        What it depends on: places among the inputs and, after them, all unknowns.
     curves : tuple of Curve
         What bends its equations.
     """
 
     unknowns: slice
     links: tuple[str, ...]
-    known: tuple[int, ...]
     curves: tuple[Curve, ...]
 
 
@@ -122,6 +123,13 @@ class Mechanism:
         The prescribed and the unknown coordinates.
     blocks : tuple of Block
         The blocks, in the order of solving.
+    work_size : int
+        Count of slots of the workspace.
+    regions : mapping of str to (int, int)
+        First slot and size of each named part of it.
+    segments : mapping of str to callable
+        What is computed on it: ``position_k``, ``velocity_k`` and ``acceleration_k`` belong to
+        block k, counted from 1; ``nodes`` and ``angles`` give the results.
     """
 
     unit: str
@@ -132,6 +140,40 @@ class Mechanism:
     inputs: tuple[Input, ...]
     unknowns: tuple[Unknown, ...]
     blocks: tuple[Block, ...]
+    work_size: int
+    regions: Mapping[str, tuple[int, int]]
+    segments: Mapping[str, Segment]
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any], module: Any) -> Mechanism:
+        """Return what ``motion.json`` says, with the segments of ``solver.py``.
+
+        Parameters
+        ----------
+        data : mapping
+            The content of the one.
+        module : module
+            The other.
+        """
+        blocks, first = [], 0
+        for block in data["blocks"]:
+            own = slice(first, first + len(block["unknowns"]))
+            curves = tuple(Curve(**curve) for curve in block["curves"])
+            blocks.append(Block(own, tuple(block["links"]), curves))
+            first = own.stop
+        return cls(
+            unit=data["unit"],
+            length=data["length"],
+            outputs=tuple(data["outputs"]),
+            nodes=tuple(data["nodes"]),
+            links=tuple(Link(*link) for link in data["links"]),
+            inputs=tuple(Input(*given) for given in data["inputs"]),
+            unknowns=tuple(Unknown(*unknown) for unknown in data["unknowns"]),
+            blocks=tuple(blocks),
+            work_size=module.WORK_SIZE,
+            regions=module.REGIONS,
+            segments=segments_of(module.KERNELS, module.TASKS),
+        )
 
     @property
     def wants_angles(self) -> bool:

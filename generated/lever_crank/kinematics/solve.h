@@ -2,19 +2,24 @@
  * block-triangular: M. Yamada and S. Tatsumi (1981), with full Newton beside their iteration.
  *
  * There is no heap and no global state. The file that includes this defines before
- *     PUBLIC(name)                      the exported name of a function
- *     Run, Workspace                    as in its own kernels.h
- *     INPUTS, UNKNOWNS, BLOCKS, NODES, LINKS, LARGEST_BLOCK, LARGEST_KNOWN
- *     WANTS_ANGLES                      whether the angles of links are wanted, 0 or 1
- *     LENGTH                            the largest length
- *     unknowns, blocks, known_places, curves, input_scales
- *     defaults                          the run that the scene asks for
- *     position_kernel, velocity_kernel, acceleration_kernel
- *                                       the kernel of a block, by its number
- *     PUBLIC(nodes), PUBLIC(angles)     the kernels of the results
+ *     PUBLIC(name)      the exported name of a function
+ *     DIGEST            of all that it was made of
+ *     Run, Workspace    as in its own solver.h
+ *     INPUTS, UNKNOWNS, BLOCKS, NODES, LINKS, SEGMENTS, LARGEST_BLOCK
+ *     WANTS_ANGLES      whether the angles of links are wanted, 0 or 1
+ *     LENGTH            the largest length
+ *     W_ALPHA ...       places of the regions of the workspace
+ *     unknowns, blocks, curves, input_scales
+ *     defaults          the run that the scene asks for
+ *     segments          of each block position, velocity and acceleration; then the results
  */
 #ifndef KOUSOKU_KINEMATICS_SOLVE_H
 #define KOUSOKU_KINEMATICS_SOLVE_H
+
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) ||     \
+    defined(__NO_SIGNED_ZEROS__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "kousoku: verified numbers need IEEE arithmetic; compile without -ffast-math and its parts"
+#endif
 
 #include "assembly.h"
 #include "rows.h"
@@ -79,6 +84,8 @@ static int is_possible(const Run *run)
            run->limit > 0.0;
 }
 
+const char *PUBLIC(digest)(void) { return DIGEST; }
+
 size_t PUBLIC(run_size)(void) { return sizeof(Run); }
 
 size_t PUBLIC(workspace_size)(void) { return sizeof(Workspace); }
@@ -111,5 +118,10 @@ int PUBLIC(solve)(Run *run, Workspace *workspace)
 }
 
 const char *PUBLIC(message)(int status) { return message_of(status); }
+
+void PUBLIC(evaluate)(size_t segment, double *w)
+{
+    if (segment < SEGMENTS) segments[segment](w);
+}
 
 #endif

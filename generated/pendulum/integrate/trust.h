@@ -1,10 +1,12 @@
 /* Verdict on a run: what speaks against it, and what its numbers may be. */
 
-/* what a healthy run may lose, in tolerances, in each thousand steps; what stands for the tolerance
+/* what a healthy run may lose, in tolerances, in each thousand steps, and at most, in parts of all
+ * that moves; what stands for the tolerance
  * where steps have a fixed length; the least one of corrections; what energies are known to; what
  * rows that are left out miss by rounding; the energy of heat, which is no motion [J] */
 #define HEALTHY 100.0
 #define PER_STEPS 1000.0
+#define MOST_LOST 0.5
 #define FIXED 1e-9
 #define LEAST 1e-11
 #define KNOWN 1e-12
@@ -36,6 +38,13 @@ static double allowed_part(double limit, const Settings *settings, const State *
     return part + part * part;
 }
 
+/* what energies are known to [J]: below that they are rounding, or heat */
+static double known_energy(const State *s)
+{
+    const double known = larger(larger(fabs(s->energy), fabs(s->potential)), s->energy_moved);
+    return larger(KNOWN * known, HEAT);
+}
+
 /* what speaks against a run; no energy is known of drivers that move what has no mass: they do no
  * work. Where joints hold all that could move what energy there is is rounding */
 static void judge(const Settings *settings, const State *s, Verdict *verdict)
@@ -48,12 +57,13 @@ static void judge(const Settings *settings, const State *s, Verdict *verdict)
     double tolerance = settings->fixed_step > 0.0 ? FIXED : settings->tolerance;
     /* where rows take over from others bodies go on where these hold: as far off as rows miss */
     if (s->fallbacks > 0.0 && missed > MISSES) tolerance = larger(tolerance, missed);
-    const double limit = many * tolerance, off = many * larger(tolerance, LEAST);
-    const double known = larger(larger(fabs(s->energy), fabs(s->potential)), moved);
+    const double limit = smaller(many * tolerance, MOST_LOST);
+    const double off = smaller(many * larger(tolerance, LEAST), MOST_LOST);
     const double part = allowed_part(limit, settings, s);
-    const double energy_limit = larger(larger(part * moved, KNOWN * known), HEAT);
+    const double energy_limit = larger(part * moved, known_energy(s));
     /* without signs, so that errors of steps add up that are none in all */
-    const double work_limit = larger(energy_limit, s->steps * tolerance * moved);
+    const double work_limit = larger(
+        energy_limit, smaller(s->steps * tolerance, MOST_LOST) * moved);
     int doubts = beyond(s->not_finite, 0.0, PUBLIC(DOUBT_NOT_FINITE));
     doubts |= beyond(missed, CLEARLY * CLOSURE_TOLERANCE, PUBLIC(DOUBT_OPEN));
     if (settings->checks && KNOWS_ENERGY) {

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
+from kousoku.model.arithmetic import FLOAT
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import GROUND_INDEX, Instance, MovingBody, System
 
 GRAVITY = (0.0, 0.0, -9.81)

@@ -9,14 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kousoku.codegen.graph import Graph, Op
-from kousoku.codegen.interpret import EXACT, evaluate
-from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.passes.factor import factor
 from kousoku.codegen.passes.optimise import PASSES, optimise
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.codegen.passes.trace import most_alive, run_passes
 from kousoku.codegen.store import load_frozen
+from kousoku.model.arithmetic import EXACT
+from kousoku.model.graph import Graph, Op
+from kousoku.model.interpret import evaluate
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:

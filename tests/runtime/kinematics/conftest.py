@@ -10,6 +10,8 @@ import ctypes
 import math
 import subprocess
 from dataclasses import asdict, dataclass, replace
+from functools import partial
+from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +29,8 @@ if TYPE_CHECKING:
     from kousoku.runtime.kinematics.mechanism import Array
     from kousoku.runtime.kinematics.rows import Rows
     from kousoku.runtime.toolchain import Toolchain
+
+    Regions = dict[str, Array]
 
 SOURCE = Path(__file__).parent / "four_bar.c"
 LIBRARY = Path(__file__).parents[3] / "runtime"
@@ -46,6 +50,23 @@ RUN = Run(
 
 def arrow(length: float, angle: float) -> Array:
     return length * np.array([math.cos(angle), math.sin(angle)])
+
+
+#: The regions of the workspace, as in four_bar.c.
+SIZES = {
+    **{"alpha": 1, "x": 4, "alpha_dot": 1, "x_dot": 4, "alpha_ddot": 1, "x_ddot": 4},
+    **{"epsilon": 2, "D": 4, "nu": 2, "gamma": 2},
+    **dict.fromkeys(("position", "velocity", "acceleration"), 4),
+    **dict.fromkeys(("angle", "angle_dot", "angle_ddot"), 3),
+}
+BASES = dict(zip(SIZES, accumulate(SIZES.values(), initial=0), strict=False))
+ORDERS = ("position", "velocity", "acceleration")
+SEGMENTS = (*(f"{order}_{block}" for block in (1, 2) for order in ORDERS), "nodes", "angles")
+
+
+def on_workspace(segment: Callable[[Regions], None], slots: Array) -> None:
+    """Run a segment that takes the workspace region by region."""
+    segment({name: slots[BASES[name] : BASES[name] + n] for name, n in SIZES.items()})
 
 
 A = (((1, 1.0),), ((2, 1.0),))
@@ -93,58 +114,57 @@ class FourBar:
                 Block(
                     unknowns=slice(0, 2),
                     links=("l1",),
-                    known=(0,),
                     curves=arm(self.crank, 0, A),
                 ),
                 Block(
                     unknowns=slice(2, 4),
                     links=("l2", "l3"),
-                    known=(1, 2),
                     curves=(*arm(self.coupler, 3, A), *arm(self.rocker, 4)),
                 ),
             ),
+            work_size=sum(SIZES.values()),
+            regions={name: (BASES[name], n) for name, n in SIZES.items()},
+            segments={name: partial(on_workspace, getattr(self, name)) for name in SEGMENTS},
         )
 
-    def position_1(self, known: Array, x: Array, outputs: tuple[str, ...] = ()) -> Any:
-        epsilon = x - arrow(self.crank, known[0])
-        return (epsilon,) if outputs else (epsilon, np.eye(2))
+    def position_1(self, w: Regions) -> None:
+        w["epsilon"][:] = w["x"][:2] - arrow(self.crank, w["alpha"][0])
+        w["D"][:] = [1.0, 0.0, 0.0, 1.0]
 
-    def velocity_1(self, known: Array, x: Array, known_dot: Array) -> Any:
-        return (arrow(self.crank, known[0] + math.pi / 2) * known_dot[0],)
+    def velocity_1(self, w: Regions) -> None:
+        w["nu"][:] = arrow(self.crank, w["alpha"][0] + math.pi / 2) * w["alpha_dot"][0]
 
-    def acceleration_1(
-        self, known: Array, x: Array, known_dot: Array, x_dot: Array, known_ddot: Array
-    ) -> Any:
-        across = arrow(self.crank, known[0] + math.pi / 2)
-        return (across * known_ddot[0] - arrow(self.crank, known[0]) * known_dot[0] ** 2,)
+    def acceleration_1(self, w: Regions) -> None:
+        (alpha,), (rate,), (rate_dot,) = w["alpha"], w["alpha_dot"], w["alpha_ddot"]
+        across = arrow(self.crank, alpha + math.pi / 2)
+        w["gamma"][:] = across * rate_dot - arrow(self.crank, alpha) * rate**2
 
-    def position_2(self, known: Array, x: Array, outputs: tuple[str, ...] = ()) -> Any:
-        end = arrow(self.rocker, x[1]) + np.array([self.frame, 0])
-        epsilon = known + arrow(self.coupler, x[0]) - end
-        across = (arrow(self.coupler, x[0] + math.pi / 2), -arrow(self.rocker, x[1] + math.pi / 2))
-        return (epsilon,) if outputs else (epsilon, np.stack(across, axis=1))
+    def position_2(self, w: Regions) -> None:
+        *end, phi, psi = w["x"]
+        goal = arrow(self.rocker, psi) + np.array([self.frame, 0])
+        w["epsilon"][:] = end + arrow(self.coupler, phi) - goal
+        across = arrow(self.coupler, phi + math.pi / 2), -arrow(self.rocker, psi + math.pi / 2)
+        w["D"][:] = np.stack(across, axis=1).ravel()
 
-    def velocity_2(self, known: Array, x: Array, known_dot: Array) -> Any:
-        return (-known_dot,)
+    def velocity_2(self, w: Regions) -> None:
+        w["nu"][:] = -w["x_dot"][:2]
 
-    def acceleration_2(
-        self, known: Array, x: Array, known_dot: Array, x_dot: Array, known_ddot: Array
-    ) -> Any:
-        phi, psi = x_dot**2
-        return (arrow(self.coupler, x[0]) * phi - arrow(self.rocker, x[1]) * psi - known_ddot,)
+    def acceleration_2(self, w: Regions) -> None:
+        *_, phi, psi = w["x"]
+        *_, phi_dot, psi_dot = w["x_dot"]
+        bent = arrow(self.coupler, phi) * phi_dot**2 - arrow(self.rocker, psi) * psi_dot**2
+        w["gamma"][:] = bent - w["x_ddot"][:2]
 
-    def nodes(self, alpha: Array, x: Array, _: Array, x1: Array, __: Array, x2: Array) -> Any:
+    def nodes(self, w: Regions) -> None:
+        x, x1, x2 = w["x"], w["x_dot"], w["x_ddot"]
         across, out = arrow(self.rocker, x[3] + math.pi / 2), arrow(self.rocker, x[3])
-        b = out + np.array([self.frame, 0])
-        return (
-            np.stack((x[:2], b)),
-            np.stack((x1[:2], across * x1[3])),
-            np.stack((x2[:2], across * x2[3] - out * x1[3] ** 2)),
-        )
+        w["position"][:] = *x[:2], *(out + np.array([self.frame, 0]))
+        w["velocity"][:] = *x1[:2], *(across * x1[3])
+        w["acceleration"][:] = *x2[:2], *(across * x2[3] - out * x1[3] ** 2)
 
-    def angles(self, alpha: Array, x: Array, a1: Array, x1: Array, a2: Array, x2: Array) -> Any:
-        motions = ((alpha, x), (a1, x1), (a2, x2))
-        return tuple(np.array([given[0], *own[2:]]) for given, own in motions)
+    def angles(self, w: Regions) -> None:
+        for suffix in ("", "_dot", "_ddot"):
+            w[f"angle{suffix}"][:] = w[f"alpha{suffix}"][0], *w[f"x{suffix}"][2:]
 
 
 PLAIN = FourBar(crank=30.0, coupler=60.0, rocker=80.0, frame=100.0, phi=1.3, psi=2.3)
@@ -193,8 +213,7 @@ def analysed(request: pytest.FixtureRequest, backend: str) -> Callable[..., Rows
         return rows
 
     def in_python(bar: FourBar, run: Run) -> Rows:
-        kernels: Any = bar
-        return solve(bar.mechanism, kernels, run)
+        return solve(bar.mechanism, run)
 
     def analyse(lengths: dict[str, float], **options: Any) -> Rows:
         bar, run = FourBar(**lengths), replace(RUN, **options)

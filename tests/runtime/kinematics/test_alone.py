@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,17 +31,14 @@ RUN = Run(
 )
 
 
-def solve_alone(mechanism: Mechanism, kernels: Any, run: Run) -> Trajectory:
+def solve_alone(mechanism: Mechanism, run: Run) -> Trajectory:
     """Return the motion as a folder without kousoku makes it."""
-    module = SimpleNamespace(
-        MECHANISM=mechanism, request=lambda: run, solve=partial(solve, mechanism)
-    )
-    return Linkage("bar", module, kernels).solve()
+    return Linkage("bar", mechanism, run).solve()
 
 
 def test_results_are_by_node_and_by_link(four_bar: Any) -> None:
-    motion = solve_alone(four_bar.mechanism, four_bar, RUN)
-    rows = solve(four_bar.mechanism, four_bar, RUN)
+    motion = solve_alone(four_bar.mechanism, RUN)
+    rows = solve(four_bar.mechanism, RUN)
     assert (motion.unit, motion.method, motion.alpha.shape) == ("cm", "paper", (9,))
     assert list(motion.positions) == list(motion.velocities) == ["A", "B"]
     np.testing.assert_array_equal(motion.positions["B"], rows.position[:, 1])
@@ -55,7 +50,7 @@ def test_results_are_by_node_and_by_link(four_bar: Any) -> None:
 
 def test_what_is_not_wanted_is_left_out(four_bar: Any) -> None:
     bare = replace(four_bar.mechanism, outputs=())
-    motion = solve_alone(bare, four_bar, RUN)
+    motion = solve_alone(bare, RUN)
     assert list(motion.positions) == ["A", "B"]
     assert motion.velocities == motion.accelerations == motion.angles == {}
 
@@ -65,4 +60,4 @@ def test_where_it_stops_is_said(four_bar: Any) -> None:
         "smaller than rounding allows: phi, psi, held by l2, l3, at alpha = .* larger residual"
     )
     with pytest.raises(MotionError, match=message):
-        solve_alone(four_bar.mechanism, four_bar, replace(RUN, method=0, limit=1e-18))
+        solve_alone(four_bar.mechanism, replace(RUN, method=0, limit=1e-18))

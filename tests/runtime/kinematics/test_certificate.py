@@ -5,15 +5,12 @@ from __future__ import annotations
 import ctypes
 import re
 import subprocess
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
-from kousoku.codegen.linkage import specialise
-from kousoku.codegen.linkage_emit import emit_scene
-from kousoku.codegen.store import load_frozen
-from kousoku.model.assemble import assemble
+from kousoku.codegen.linkage.generate import generate_scene
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.kinematics.assembly import assemble as place
 from kousoku.runtime.kinematics.certificate import Certifier, Way
@@ -95,15 +92,15 @@ stroke = { slider = "ram", from = 0, to = -1.5 }
 """
 #: How far the Jacobians of the blocks turn along a way to a position; radii go into the way.
 IN_C = """
-#include "kernels.c"
+#include "solver.c"
 void tilts_of(const double *alpha, const double *x, Way *way, double residual, double *tilts);
 void tilts_of(const double *alpha, const double *x, Way *way, double residual, double *tilts)
 {
-    const Coordinates end = { alpha, x };
-    Workspace w;
+    static Workspace w;
     double ignored[LARGEST_BLOCK];
+    look_at(&w, alpha, x);
     for (size_t number = 0; number < BLOCKS; ++number) {
-        evaluate(number, end, &w, ignored);
+        evaluate(number, &w, ignored);
         tilts[number] = tilt_of(number, &w, way, residual);
     }
 }
@@ -119,8 +116,7 @@ def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 
 def emitted(scene: str, folder: Path) -> Path:
     """Return a folder with the package of a linkage."""
-    program = specialise(assemble(scene_from_toml(scene)), load_frozen("link"))
-    for name, text in emit_scene(program.package, program.solver, {}).items():
+    for name, text in generate_scene(scene_from_toml(scene)).items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
@@ -137,10 +133,9 @@ class Step:
     """A step of a linkage over a part of its turn, as the solver takes it, uncertified."""
 
     def __init__(self, solver: LinkageSolver, divisions: float) -> None:
-        kernels: Any = solver.library
         self.solver = solver
         run = solver.request(divisions=1)
-        self.way = Continuation(solver.mechanism, kernels, run)
+        self.way = Continuation(solver.mechanism, run)
         place(self.way.newton, self.way.position)
         self.begin = self.way.position
         self.way.motion_at(0)
@@ -151,10 +146,15 @@ class Step:
     def cubics(self) -> Way:
         """Return the way of the step, with the factors of its end at hand."""
         predicted = self.begin.x + self.part * (self.way.x1 + 0.5 * self.part * self.way.x2)
-        for block in self.way.newton.blocks:
-            block.evaluate(self.end)
+        self.evaluate(self.end)
         none = np.zeros_like(self.pace)
         return self.way._way(self.part, self.pace, none, self.end.x - predicted)
+
+    def evaluate(self, position: Coordinates) -> None:
+        """Have the factors of a position at hand."""
+        self.way.newton.equations.place(position)
+        for block in self.way.newton.blocks:
+            block.evaluate()
 
     def at(self, s: float) -> Coordinates:
         """Return the position at s, by small steps."""
@@ -169,9 +169,8 @@ class Step:
 
         An arm's two rows are along it and across it, which means the same equations.
         """
-        block = self.way.newton.blocks[number]
-        _, found = block._position(*block.known(position), position.x[block.part])
-        matrix: Array = found.copy()
+        self.way.newton.equations.place(position)
+        matrix = self.way.newton.blocks[number].jacobian()
         off = np.concatenate(position) - np.concatenate(self.end)
         curves = self.solver.mechanism.blocks[number].curves
         for arm in [curve for curve in curves if curve.is_arm][::2]:
@@ -250,10 +249,10 @@ def test_an_arm_is_left_by_cubics_as_little_as_is_said(a: float, b: float, c: fl
     rates = 1j * a, 1j * b - a * a / 2  # of e^(iβ) at s = 0
     rest = turn[-1] - 1 - sum(rates)
     left = np.abs(turn - (1 + rates[0] * s + rates[1] * s**2 + rest * s**3)).max()
-    block = Block(slice(0, 1), (), (0,), (Curve(0, 2.0, (), (), True, ((0, 1.0),)),))
+    block = Block(slice(0, 1), (), (Curve(0, 2.0, (), (), True, ((0, 1.0),)),))
     angle = (Input("beta", "rad", 1.0),)
     unknown = (Unknown("x", 0.0, 1.0, is_angle=False),)
-    mechanism = Mechanism("m", 2.0, (), (), (), angle, unknown, (block,))
+    mechanism = Mechanism("m", 2.0, (), (), (), angle, unknown, (block,), 0, {}, {})
     first, second, third = (np.array([x, 0.0]) for x in (a, b, c))
     way = Way(first, second, third, np.zeros(2))
     error = float(Certifier(mechanism, block)._arms(way)[0, 0])
@@ -279,8 +278,8 @@ def test_c_says_of_a_tube_what_numpy_says(
         way.radius[: len(step.pace)] = size**4
         given = np.ravel(way)
         tilts = []
+        step.evaluate(end)
         for block, one in zip(blocks, certifiers, strict=True):
-            block.evaluate(end)
             tilts.append(one.tilt(block, way, 1e-9))
         found = np.zeros(len(blocks))
         numbers = [np.ctypeslib.as_ctypes(array) for array in (end.alpha, end.x, given, found)]

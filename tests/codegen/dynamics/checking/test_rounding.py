@@ -15,7 +15,8 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.dynamics.recording.program import Program
 from kousoku.codegen.dynamics.recording.recorder import Recorder
-from kousoku.codegen.interpret import FLOAT, HIGH
+from kousoku.model.arithmetic import FLOAT
+from kousoku.model.digits import HIGH
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
-from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
+from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Coordinate, Instance, Term
 from tests.analysed import all_rows
 
@@ -35,7 +35,7 @@ COORDINATES = (
     Coordinate("height", "n2", GROUND_INDEX, 1, (("a_i_b", Z), *POINTS)),
 )
 LAW = "1.5*t + k*sin(3*t)^2"
-STEP = HIGH_CONTEXT.mpf(10) ** -15
+STEP = CONTEXT.mpf(10) ** -15
 
 
 def combined(name: str, terms: tuple[tuple[int, float], ...], **given: Any) -> Instance:
@@ -76,10 +76,10 @@ def anywhere(program: Program, rng: np.random.Generator) -> Workspace:
     """Return any state at some time, Euler parameters of norm one, in 50 digits."""
     workspace = Workspace(program, HIGH)
     for name in ("q", "v"):
-        workspace[name] = [HIGH_CONTEXT.mpf(x) for x in rng.normal(size=len(workspace[name]))]
+        workspace[name] = [CONTEXT.mpf(x) for x in rng.normal(size=len(workspace[name]))]
     assert workspace["parameters"] == [0.25]
-    workspace["t"] = [HIGH_CONTEXT.mpf(0.3)]
-    workspace["dq"] = [HIGH_CONTEXT.mpf(0)] * len(workspace["v"])
+    workspace["t"] = [CONTEXT.mpf(0.3)]
+    workspace["dq"] = [CONTEXT.mpf(0)] * len(workspace["v"])
     workspace.run("move")
     workspace["q"] = workspace["q_moved"]
     workspace.run("geometry", "acceleration", "check")
@@ -108,7 +108,7 @@ def test_rates_of_rows_are_derivatives_of_their_residuals(
     program = program_of(system_with(mechanisms, ROWS[name]))
     workspace = anywhere(program, rng)
     # with other accelerations than the right ones the second derivative is not zero
-    workspace["v_dot"] = [HIGH_CONTEXT.mpf(x) for x in rng.normal(size=len(workspace["v"]))]
+    workspace["v_dot"] = [CONTEXT.mpf(x) for x in rng.normal(size=len(workspace["v"]))]
     workspace.run("geometry", "check")
     here = workspace["C_dot"], workspace["C_ddot"]
     before, after = later(workspace, -STEP), later(workspace, STEP)
@@ -154,7 +154,7 @@ def dense(workspace: Workspace) -> tuple[Any, Any]:
         workspace["v"] = [x + (n == k) for n, x in enumerate(v)]
         workspace.run("check")
         columns.append(np.array([float(x) for x in workspace["C_dot"]]) - base)
-    workspace["v"], workspace["v_dot"] = v, [HIGH_CONTEXT.mpf(0)] * len(v)
+    workspace["v"], workspace["v_dot"] = v, [CONTEXT.mpf(0)] * len(v)
     workspace.run("check")
     gamma = -np.array([float(x) for x in workspace["C_ddot"]])
     workspace["v_dot"] = v_dot

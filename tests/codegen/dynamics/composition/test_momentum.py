@@ -11,6 +11,9 @@ import pytest
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.composition.momentum import kept_of
+from kousoku.model.elements.along import CoordinateForce
+from kousoku.model.elements.load import Load
+from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate, ForceElement, System
 from tests.analysed import all_rows
 
@@ -23,14 +26,14 @@ LAW = (("stiffness", (70.0,)), ("damping", (6.0,)), ("free_length", (0.8,)))
 
 
 def spring(i: int, j: int) -> ForceElement:
-    return ForceElement("s", "spring_damper", i, j, (*NOWHERE, *LAW))
+    return PointSpring("s", i, j, (*NOWHERE, *LAW))
 
 
 def load(kind: str, j: int, *vectors: Any) -> ForceElement:
     name = kind.removesuffix("_b")
     given = [(f"{name}_{k}", vector) for k, vector in enumerate(vectors)]
     place = (("s_j_b", (0.3, 0.2, -0.1)),) if name == "force" else ()
-    return ForceElement("load", kind, GROUND_INDEX, j, (*place, *given))
+    return Load("load", kind, GROUND_INDEX, j, (*place, *given))
 
 
 @pytest.fixture
@@ -68,7 +71,7 @@ def test_forces_of_the_ground_keep_what_is_across_them_or_about_their_point(
     (kept,) = kept_of(tied, is_planar=False)
     assert (kept.linear, kept.angular, kept.about) == ((), ((0.0, 0.0, -1.0),), (0.1, 0.2, 0.3))
     one = Coordinate("h", "n2", GROUND_INDEX, body, (("a_i_b", X), *NOWHERE))
-    push = ForceElement("p", "along", GROUND_INDEX, body, (("force", (1.0,)),), coordinate=0)
+    push = CoordinateForce("p", GROUND_INDEX, body, (("force", (1.0,)),), coordinate=0)
     pushed = replace(flying, coordinates=(one,), forces=(spring(1, 2), push))
     (kept,) = kept_of(pushed, is_planar=False)
     assert (kept.linear, kept.angular, kept.about) == (((0.0, -1.0, 0.0),), (X,), None)

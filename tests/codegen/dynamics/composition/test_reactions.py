@@ -16,9 +16,10 @@ from kousoku.codegen.dynamics.composition import least_norm
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.composition.least_norm import merged
 from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
+from kousoku.model.arithmetic import FLOAT
 from kousoku.model.errors import SceneError
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of

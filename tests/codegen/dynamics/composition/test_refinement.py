@@ -16,7 +16,7 @@ from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.recording.inline import inline
-from kousoku.codegen.interpret import HIGH
+from kousoku.model.digits import HIGH
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of

@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.structure import structure_of
 from kousoku.codegen.dynamics.recording.inline import inline
-from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
+from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate
 from tests.analysed import all_rows
 
@@ -31,7 +31,7 @@ KINDS: dict[str, tuple[tuple[str, tuple[float, ...]], ...]] = {
     "n2": (("a_i_b", Y), *POINTS),
     "length": POINTS,
 }
-STEP = HIGH_CONTEXT.mpf(10) ** -15
+STEP = CONTEXT.mpf(10) ** -15
 
 
 def coordinate(kind: str, i: int, j: int, near: float = 0.0) -> Coordinate:
@@ -65,8 +65,8 @@ def anywhere(program: Program, rng: np.random.Generator) -> Workspace:
     """Return a state with Euler parameters of norm one, in 50 digits."""
     workspace = Workspace(program, HIGH)
     for name in ("q", "v", "v_dot"):
-        workspace[name] = [HIGH_CONTEXT.mpf(x) for x in rng.normal(size=len(workspace[name]))]
-    workspace["dq"] = [HIGH_CONTEXT.mpf(0)] * len(workspace["v"])
+        workspace[name] = [CONTEXT.mpf(x) for x in rng.normal(size=len(workspace[name]))]
+    workspace["dq"] = [CONTEXT.mpf(0)] * len(workspace["v"])
     workspace.run("move")
     workspace["q"] = workspace["q_moved"]
     return workspace

@@ -11,16 +11,18 @@ import pytest
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.model.elements.load import Load
+from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import LONGEST
-from kousoku.model.mechanism import GROUND_INDEX, ForceElement
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.read import scene_from_toml
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
 
-    from kousoku.model.mechanism import System
+    from kousoku.model.mechanism import ForceElement, System
 
 S_I, S_J, LOAD = (0.3, -0.2, 0.4), (-0.1, 0.5, 0.2), (1.5, -2.5, 0.7)
 LAW = (("stiffness", (70.0,)), ("damping", (6.0,)), ("free_length", (0.8,)))
@@ -50,16 +52,16 @@ def test_formula_of_the_longest_that_is_read_is_generated() -> None:
 
 
 def spring(name: str, i: int, j: int) -> ForceElement:
-    return ForceElement(name, "spring_damper", i, j, (("s_i_b", S_I), ("s_j_b", S_J), *LAW))
+    return PointSpring(name, i, j, (("s_i_b", S_I), ("s_j_b", S_J), *LAW))
 
 
 def force(kind: str, j: int) -> ForceElement:
     constants = (("s_j_b", S_J), ("force", LOAD))
-    return ForceElement(kind, kind, GROUND_INDEX, j, constants)
+    return Load(kind, kind, GROUND_INDEX, j, constants)
 
 
 def torque(kind: str, j: int) -> ForceElement:
-    return ForceElement(kind, kind, GROUND_INDEX, j, (("torque", LOAD),))
+    return Load(kind, kind, GROUND_INDEX, j, (("torque", LOAD),))
 
 
 def rotation(p: Any) -> Any:
@@ -132,7 +134,7 @@ def accelerations(workspace: Workspace) -> Any:
 def own_law(i: int, j: int) -> ForceElement:
     """Return the same spring by a formula in units of half a metre: it is homogeneous."""
     constants = (("s_i_b", S_I), ("s_j_b", S_J), ("unit", (0.5,)), ("free_length", (0.8,)))
-    return ForceElement("own", "spring_damper", i, j, constants, law="70*x + 6*v")
+    return PointSpring("own", i, j, constants, law="70*x + 6*v")
 
 
 ELEMENTS = {
@@ -213,7 +215,7 @@ def test_work_that_no_potential_holds_is_known(element: ForceElement) -> None:
 
 def in_plane(height: float) -> ForceElement:
     ends = (("s_i_b", (0.0, 0.5, 0.0)), ("s_j_b", (0.1, 0.0, height)))
-    return ForceElement("s", "spring_damper", GROUND_INDEX, 0, (*ends, *LAW))
+    return PointSpring("s", GROUND_INDEX, 0, (*ends, *LAW))
 
 
 def test_a_force_out_of_the_plane_makes_a_free_body_leave_it(mechanisms: SimpleNamespace) -> None:
@@ -222,7 +224,7 @@ def test_a_force_out_of_the_plane_makes_a_free_body_leave_it(mechanisms: SimpleN
     assert not compose(all_rows(replace(free, forces=(in_plane(0.3),)))).is_planar
     assert not compose(all_rows(replace(free, forces=(torque("torque", 0),)))).is_planar
     assert not compose(all_rows(replace(free, forces=(force("force", 0),)))).is_planar
-    about_z = ForceElement("motor", "torque", GROUND_INDEX, 0, (("torque", (0.0, 0.0, 2.0)),))
+    about_z = Load("motor", "torque", GROUND_INDEX, 0, (("torque", (0.0, 0.0, 2.0)),))
     assert compose(all_rows(replace(free, forces=(about_z,)))).is_planar
 
 

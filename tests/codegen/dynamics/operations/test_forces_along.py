@@ -13,7 +13,10 @@ from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.auxiliary import WORK
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.simplification.turned import turned
-from kousoku.model.mechanism import GROUND_INDEX, Coordinate, ForceElement, MovingBody, System
+from kousoku.model.elements.along import CoordinateForce
+from kousoku.model.elements.coordinate_spring import CoordinateSpring
+from kousoku.model.elements.load import Load
+from kousoku.model.mechanism import GROUND_INDEX, Coordinate, MovingBody, System
 from tests.analysed import all_rows
 from tests.codegen.dynamics.operations.test_coordinates import KINDS, X, Y, Z
 
@@ -21,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from types import SimpleNamespace
 
+OF_COORDINATES = {"along": CoordinateForce, "coordinate_spring": CoordinateSpring}
 LINEAR = (("stiffness", (70.0,)), ("damping", (6.0,)), ("free", (0.4,)))
 UNIT, TIME, GAIN = 0.5, 0.7, 3.0
 
@@ -31,7 +35,10 @@ def acting(system: System, measure: str, *ends: int, **force: Any) -> System:
     i, j = ends
     one = Coordinate("u", measure, i, j, KINDS[measure], near)
     given: dict[str, Any] = {"name": "f", "i": i, "j": j, "coordinate": 0} | force
-    element = ForceElement(**given)
+    kind = given["kind"]
+    if kind in OF_COORDINATES:
+        del given["kind"]
+    element = OF_COORDINATES.get(kind, Load)(**given)
     forces, parameters = (element,), (("gain", GAIN),)
     return replace(system, coordinates=(one,), forces=forces, parameters=parameters, unit=UNIT)
 
@@ -150,8 +157,8 @@ def test_formulas_that_differ_in_names_only_are_one_kernel(mechanisms: SimpleNam
     angle = (("a_i_b", X), ("b_i_b", Z), ("a_j_b", X))
     places = tuple(Coordinate(f"u{k}", "angle", k - 1, k, angle) for k in range(3))
     forces = tuple(
-        ForceElement(
-            *(f"f{k}", "along", k - 1, k, (("force", (2.0,)),)),
+        CoordinateForce(
+            *(f"f{k}", k - 1, k, (("force", (2.0,)),)),
             formulas=(("force", f"1e1*sin(u{k}) - u{k}_dot"),),
             coordinate=k,
         )
@@ -209,7 +216,7 @@ def level(kind: str, constants: Any, free: float = 0.4) -> System:
     body = MovingBody(name="b", **given)
     law = (*LINEAR[:2], ("free", (free,)))
     one = Coordinate("u", kind, GROUND_INDEX, 0, constants)
-    force = ForceElement("f", "coordinate_spring", GROUND_INDEX, 0, law, coordinate=0)
+    force = CoordinateSpring("f", GROUND_INDEX, 0, law, coordinate=0)
     gravity = (0.0, -9.81, 0.0)
     return System("one", 1.0, (body,), (), gravity, coordinates=(one,), forces=(force,))
 
@@ -277,14 +284,14 @@ def test_forces_along_coordinates_are_the_same_in_a_plane_and_in_space(
         Coordinate("gap", "length", GROUND_INDEX, 1, ends),
         Coordinate("h", "n2", GROUND_INDEX, 0, (("a_i_b", Z), *ends)),
     )
-    spring = ForceElement("s", "coordinate_spring", 0, 1, LINEAR, coordinate=0)
+    spring = CoordinateSpring("s", 0, 1, LINEAR, coordinate=0)
     vectors = (("torque", (0.0, 0.0, 0.0)), ("torque_x", X), ("torque_z", Z))
-    motor = ForceElement(
+    motor = Load(
         *("m", "torque", GROUND_INDEX, 1, vectors),
         formulas=(("torque_x", "u_dot"), ("torque_z", "gap - u_dot*t")),
     )
-    push = ForceElement("p", "along", GROUND_INDEX, 1, (("force", (3.0,)),), coordinate=1)
-    lift = ForceElement("l", "along", GROUND_INDEX, 0, (("force", (2.0,)),), coordinate=2)
+    push = CoordinateForce("p", GROUND_INDEX, 1, (("force", (3.0,)),), coordinate=1)
+    lift = CoordinateForce("l", GROUND_INDEX, 0, (("force", (2.0,)),), coordinate=2)
     forces = (spring, motor, push, lift)
     system = turned(replace(pendulum, coordinates=coordinates, forces=forces), shift)
     found = []

@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.counts import operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.program import AFTER_GEOMETRY, reads, writes
-from kousoku.codegen.interpret import HIGH
+from kousoku.model.digits import HIGH
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:

@@ -14,7 +14,9 @@ from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.dynamics.simplification.merge import merged
 from kousoku.codegen.generate import write_tree
 from kousoku.model.builder import SceneBuilder
-from kousoku.model.mechanism import GROUND_INDEX, Coordinate, ForceElement, Instance, System
+from kousoku.model.elements.load import Load
+from kousoku.model.elements.spring_damper import PointSpring
+from kousoku.model.mechanism import GROUND_INDEX, Coordinate, Instance, System
 from kousoku.runtime.dynamics import load_dynamics
 from tests.analysed import all_rows
 
@@ -162,7 +164,7 @@ def test_what_is_fixed_to_the_ground_has_no_columns_and_keeps_its_energy(
     hinge = [one for one in system.constraints if one.joint != "j0"]
     base = fixed(mechanisms, "base", GROUND_INDEX, 0, (0.0, 0.0, 0.0), (-0.5, 0.0, 0.0))
     constants = (("s_j_b", (0.5, 0.0, 0.0)), ("force", (2.0, 0.0, 0.0)))
-    pull = ForceElement("pull", "force", GROUND_INDEX, 0, constants)
+    pull = Load("pull", "force", GROUND_INDEX, 0, constants)
     found = merged(replace(system, constraints=(*base, *hinge), forces=(pull,))).system
 
     assert [body.name for body in found.bodies] == ["b1", "b2"]
@@ -182,7 +184,7 @@ def test_a_spring_in_one_body_is_energy_only_where_no_work_is_told(
         *(("s_i_b", (0.0, 0.0, 0.0)), ("s_j_b", (0.0, 0.0, 0.0))),
         *(("stiffness", (8.0,)), ("damping", (damping,)), ("free_length", (0.5,))),
     )
-    spring = ForceElement("spring", "spring_damper", 0, 1, constants)
+    spring = PointSpring("spring", 0, 1, constants)
     system = replace(row_of(mechanisms), forces=(spring,))
     found = merged(system).system
 
@@ -225,12 +227,12 @@ def test_only_the_bodies_between_which_a_damper_works_stay_apart(
     welds = [one for k in range(1, 4) for one in fixed(mechanisms, f"w{k}", k - 1, k, *ends)]
     kept = [one for one in system.constraints if one.joint in {"j0", "j4"}]
     system = replace(system, constraints=(*kept, *welds))
-    torque = ForceElement("motor", "torque_b", GROUND_INDEX, 4, (("torque", (0.0, 0.0, 1.0)),))
+    torque = Load("motor", "torque_b", GROUND_INDEX, 4, (("torque", (0.0, 0.0, 1.0)),))
     constants = (
         *(("s_i_b", (0.0, 0.0, 0.0)), ("s_j_b", (0.0, 0.0, 0.0))),
         *(("stiffness", (8.0,)), ("damping", (1.0,)), ("free_length", (0.5,))),
     )
-    damper = ForceElement("damper", "spring_damper", 0, 1, constants)
+    damper = PointSpring("damper", 0, 1, constants)
 
     assert merged(replace(system, forces=(torque,))).joints == ("w1", "w2", "w3")
     assert merged(replace(system, forces=(damper,))).joints == ("w3",)

@@ -1,0 +1,100 @@
+"""A force along a coordinate u: f = Jᵀτ, where J is the Jacobian of u."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.elements.facets import Applied, E, ForceFacets
+from kousoku.codegen.dynamics.simplification.heights import coordinate_leaves
+from kousoku.model.elements.along import CoordinateForce
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.dynamics.checking.jets import High, Jet
+    from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
+    from kousoku.codegen.dynamics.composition.contacts import Source
+    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.recording.matrix import Matrix
+    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.traces import Trace
+    from kousoku.model.mechanism import System
+
+
+@dataclass(frozen=True, slots=True)
+class AlongEffect:
+    """M⁻¹f of a force along a coordinate, and its power.
+
+    Blocks: J and the diagonal of M⁻¹ of body i, those of body j, the rate u̇, τ.
+    """
+
+    title: str = "force along a coordinate"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return what it adds to the acceleration of each coordinate of i and j; τ u̇."""
+        left, weights_i, right, weights_j, rate, tau = blocks
+        return left.scaled(weights_i).T @ tau, right.scaled(weights_j).T @ tau, rate @ tau
+
+
+class OnCoordinate(ForceFacets[E]):
+    """What forces along a coordinate and springs against it have in common."""
+
+    is_carried = True
+
+    def slopes(self, tasks: ForceTasks) -> list[Block]:
+        """Return J and the diagonal of M⁻¹ of body i, then those of body j."""
+        slopes = tasks.coordinates.slopes(self.force.coordinate)
+        return [
+            block
+            for index in (self.force.i, self.force.j)
+            for block in (slopes[index], tasks.body(index).inverse_mass)
+        ]
+
+    def rate(self, tasks: ForceTasks) -> Block:
+        """Return u̇."""
+        return tasks.coordinates.rate(self.force.coordinate, tasks.by_body)
+
+    def leaves_plane(self, system: System, normal: int) -> bool:
+        """Return whether J leads out of the plane."""
+        one = system.coordinates[self.force.coordinate]
+        return coordinate_leaves(system, one, normal) is not False
+
+    def applied(self) -> Applied:
+        """Return nothing: what it does to one body it does to the other."""
+        return Applied()
+
+    def source(self, system: System) -> Source:
+        """Return the coordinate, in whose directions the ground pushes."""
+        return system.coordinates[self.force.coordinate]
+
+    def add(
+        self, equations: BodyEquations, at: Mapping[int, Course], tau: High, found: Found
+    ) -> None:
+        """Add Jᵀτ: of each velocity what u̇ is where that alone is one."""
+        ends = {body: at[body] for body in (self.force.i, self.force.j)}
+        for column, ahead in equations.each_column(ends):
+            found.force[column] += tau * equations.coordinate(self.force.coordinate, ahead).d
+
+
+class AlongFacets(OnCoordinate[CoordinateForce]):
+    """A force along a coordinate."""
+
+    def effect(self, tasks: ForceTasks) -> tuple[Block, ...]:
+        """Record M⁻¹Jᵀτ of both bodies, and τ u̇."""
+        constants = tasks.constants(self.force)
+        ends = self.slopes(tasks)
+        return tasks.recorder.call(AlongEffect(), *ends, self.rate(tasks), *constants)
+
+    def by_definition(
+        self,
+        equations: BodyEquations,
+        at: Mapping[int, Course],
+        names: Mapping[str, Jet],
+        given: Mapping[str, Sequence[High]],
+        found: Found,
+    ) -> tuple[High, High]:
+        """Add Jᵀτ; return τ u̇, and no energy."""
+        (tau,) = given["force"]
+        self.add(equations, at, tau, found)
+        return tau * equations.coordinate(self.force.coordinate, at).d, 0

@@ -1,0 +1,145 @@
+"""A spring against a coordinate u: τ = −k (u − u⁰) − c u̇, with the energy ½ k (u − u⁰)².
+
+With a law of its own τ is minus a formula of u − u⁰, u̇ and time, and has no energy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.checking.jets import Jet
+from kousoku.codegen.dynamics.elements.along import OnCoordinate
+from kousoku.codegen.dynamics.operations.forces import ELONGATION, column_of
+from kousoku.codegen.dynamics.operations.formulas import formula_node
+from kousoku.codegen.dynamics.simplification.heights import FLAT, at_start, coordinate_leaves
+from kousoku.model.elements.coordinate_spring import CoordinateSpring
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.dynamics.checking.jets import High
+    from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
+    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.recording.matrix import Matrix
+    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.traces import Trace
+    from kousoku.model.mechanism import System
+
+
+@dataclass(frozen=True, slots=True)
+class CoordinateSpringEffect:
+    """M⁻¹f of a spring and damper against a coordinate, and the power of the damper.
+
+    Blocks: J and the diagonal of M⁻¹ of body i, those of body j, the value u and the rate u̇,
+    stiffness, damping and free value; of a law of its own its unit and the free value, then value
+    and unit of each name that it may depend on beside u − u⁰ and u̇.
+
+    Parameters
+    ----------
+    law : str
+        τ as a formula, with the opposite sign; empty where linear.
+    names : tuple of str
+        What it may depend on beside u − u⁰ and u̇.
+    works : bool
+        Whether the power is wanted.
+    """
+
+    law: str
+    names: tuple[str, ...]
+    works: bool
+    title: str = "spring against a coordinate"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return what it adds to the acceleration of each coordinate of i and j; its power."""
+        left, weights_i, right, weights_j, value, rate, *given = blocks
+        if self.law:
+            unit, free, *rest = given
+            one = column_of(trace, trace.graph.const(1))
+            own = [value - free, one, rate, one, *rest]
+            node = formula_node(trace, self.law, (*ELONGATION, *self.names), own)
+            moment = damped = unit @ column_of(trace, node)
+        else:
+            stiffness, damping, free = given
+            damped = damping @ rate
+            moment = stiffness @ (value - free) + damped
+        added = (-(left.scaled(weights_i).T @ moment), -(right.scaled(weights_j).T @ moment))
+        return (*added, -(damped @ rate)) if self.works else added
+
+
+@dataclass(frozen=True, slots=True)
+class CoordinateSpringEnergy:
+    """Energy of a spring against a coordinate. Blocks: u, stiffness, damping, free value."""
+
+    title: str = "energy of a spring against a coordinate"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return (0, ½ k (u − u⁰)²)."""
+        value, stiffness, _, free = blocks
+        graph = trace.graph
+        (energy,) = (stiffness @ (value - free) @ (value - free)).flat
+        return (column_of(trace, graph.const(0), graph.div(energy, graph.const(2))),)
+
+
+class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
+    """A spring and damper against a coordinate."""
+
+    def effect(self, tasks: ForceTasks) -> tuple[Block, ...]:
+        """Record M⁻¹Jᵀτ of both bodies, and the power of what is no potential energy."""
+        constants = tasks.constants(self.force)
+        ends = self.slopes(tasks)
+        rate = self.rate(tasks)
+        names, given = tasks.law(self.force)
+        operation = CoordinateSpringEffect(self.force.law, names, self.force.works)
+        value = tasks.coordinates.value(self.force.coordinate)
+        return tasks.recorder.call(operation, *ends, value, rate, *constants, *given)
+
+    def energy(self, tasks: ForceTasks) -> Block:
+        """Record ½ k (u − u⁰)²."""
+        constants = tasks.constants(self.force)
+        value = tasks.coordinates.value(self.force.coordinate)
+        return tasks.recorder.call(CoordinateSpringEnergy(), value, *constants)[0]
+
+    def elongation(self, tasks: ForceTasks) -> tuple[Block, Block, Block, Block]:
+        """Record u and u̇; u⁰ and 1, since both are in rad or m."""
+        _, free = tasks.constants(self.force)
+        value = tasks.coordinates.value(self.force.coordinate)
+        return value, self.rate(tasks), free, tasks.recorder.constant((1,))
+
+    def leaves_plane(self, system: System, normal: int) -> bool:
+        """Return whether it leads out of the plane.
+
+        Across the plane, motions in the plane do not change a coordinate: a spring that has no
+        force at the start then has none for good.
+        """
+        one, force = system.coordinates[self.force.coordinate], self.force
+        leaves = coordinate_leaves(system, one, normal)
+        if leaves is not None:
+            return leaves
+        if force.law or force.formulas:
+            return True
+        (free,) = dict(force.constants)["free"]
+        size = max(abs(x) for _, values in one.constants for x in values)
+        return abs(at_start(system, one) - free) > FLAT * max(1.0, size)
+
+    def by_definition(
+        self,
+        equations: BodyEquations,
+        at: Mapping[int, Course],
+        names: Mapping[str, Jet],
+        given: Mapping[str, Sequence[High]],
+        found: Found,
+    ) -> tuple[High, High]:
+        """Add Jᵀτ; return the power of what is no potential energy, and ½ k (u − u⁰)²."""
+        force, energy = self.force, 0
+        value = equations.coordinate(force.coordinate, at)
+        beyond = value.x - given["free"][0]
+        if force.law:
+            own = {"x": Jet(beyond), "v": Jet(value.d)}
+            tau = lost = -given["moment"][0] * equations.value(force.law, {**names, **own}).x
+        else:
+            lost = -given["damping"][0] * value.d
+            tau = lost - given["stiffness"][0] * beyond
+            energy = given["stiffness"][0] * beyond**2 / 2
+        self.add(equations, at, tau, found)
+        return lost * value.d, energy

@@ -1,0 +1,145 @@
+"""What a force does in a program, in the analyses before it, and in the check beside it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+
+from kousoku.codegen.dynamics.simplification.composite import seen_from_carriers
+from kousoku.model import precise
+from kousoku.model.mechanism import ForceElement
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.dynamics.checking.jets import High, Jet
+    from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
+    from kousoku.codegen.dynamics.composition.contacts import Source
+    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.simplification.composite import Seat
+    from kousoku.model.mechanism import System, Vector
+
+E = TypeVar("E", bound=ForceElement)
+
+
+@dataclass(frozen=True, slots=True)
+class Applied:
+    """What a force applies from outside to the part of a system that its bodies belong to.
+
+    Parameters
+    ----------
+    forces, torques : tuple of (3,), or None
+        Directions of frame O that it is along, whatever the position; None where it may be along
+        any.
+    """
+
+    forces: tuple[Vector, ...] | None = ()
+    torques: tuple[Vector, ...] | None = ()
+
+
+class ForceFacets(ABC, Generic[E]):
+    """A force, and all that is asked of it after the scene is read.
+
+    What is not stated here is assumed to be as bad as it can be: a force leaves every plane, keeps
+    its bodies from being joined with others, and no momentum of a part that it acts on is constant.
+
+    Parameters
+    ----------
+    force : ForceElement
+        The element of the system.
+
+    Attributes
+    ----------
+    is_carried : bool
+        Whether it means the same between other bodies once :meth:`seen_from` moved its numbers.
+    """
+
+    is_carried: ClassVar[bool] = False
+
+    def __init__(self, force: E) -> None:
+        self.force = force
+
+    # In a program.
+
+    @abstractmethod
+    def effect(self, tasks: ForceTasks) -> tuple[Block, ...]:
+        """Record what it adds to the accelerations of body i and of body j, then its power.
+
+        The power is that of what is no potential energy; it may be missing where nothing
+        :attr:`~kousoku.model.mechanism.ForceElement.works`. What is added to the ground is not
+        looked at.
+        """
+
+    def energy(self, tasks: ForceTasks) -> Block:
+        """Record (0, V), of a force that has a potential energy."""
+        raise NotImplementedError(f"no energy of a force of kind {self.force.kind}")
+
+    def elongation(self, tasks: ForceTasks) -> tuple[Block, Block, Block, Block]:
+        """Record what its law is of: a value, its rate, where it is free, and the unit of both."""
+        raise NotImplementedError(f"no elongation of a force of kind {self.force.kind}")
+
+    # In analyses.
+
+    def leaves_plane(self, system: System, normal: int) -> bool:
+        """Return whether it leads a system that starts in a coordinate plane out of it.
+
+        Parameters
+        ----------
+        system : System
+            All of whose numbers are fixed.
+        normal : int
+            Which axis is normal to the plane; it is so in all principal frames.
+        """
+        return True
+
+    def seen_from(self, i: Seat, j: Seat) -> E:
+        """Return the force between the bodies that carry its own.
+
+        ``s_i_b`` and ``s_j_b`` are points, what else ends in ``_i_b`` and ``_j_b`` vectors.
+        """
+        constants = seen_from_carriers(self.force.constants, i, j)
+        return replace(self.force, i=i.carrier, j=j.carrier, constants=constants)
+
+    def resting_energy(self, i: Seat, j: Seat) -> High:
+        """Return its potential energy [J] where both bodies are carried by one."""
+        return precise.number(0.0)
+
+    def applied(self) -> Applied:
+        """Return what it does from outside to the part that its bodies belong to."""
+        return Applied(None, None)
+
+    def source(self, system: System) -> Source | None:
+        """Return what tells what the ground does through it, where that is not :meth:`applied`."""
+        return None
+
+    # In the check beside the program.
+
+    @abstractmethod
+    def by_definition(
+        self,
+        equations: BodyEquations,
+        at: Mapping[int, Course],
+        names: Mapping[str, Jet],
+        given: Mapping[str, Sequence[High]],
+        found: Found,
+    ) -> tuple[High, High]:
+        """Add it to the equations of each body; return the power and the potential energy.
+
+        What it does is stated again, from its geometric definition: no kernel, no operation and
+        nothing of :meth:`effect` has a part in it.
+
+        Parameters
+        ----------
+        equations : BodyEquations
+            What it is added with: ``push``, ``turn``.
+        at : mapping of int to Course
+            The bodies on their way, by their places; the ground too.
+        names : mapping of str to Jet
+            What formulas may name.
+        given : mapping of str to sequence of number
+            Its constants, those that have a formula multiplied by it.
+        found : Found
+            What acts.
+        """

@@ -1,0 +1,160 @@
+"""A force or a torque on a body: M⁻¹f, power, and −F·r of a constant force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.elements.facets import Applied, ForceFacets
+from kousoku.codegen.dynamics.operations.forces import accelerations, at_point, column_of
+from kousoku.codegen.dynamics.operations.mechanics import frozen, share
+from kousoku.codegen.dynamics.recording.recorder import column
+from kousoku.codegen.dynamics.simplification.composite import seen_from_carriers
+from kousoku.codegen.dynamics.simplification.heights import is_level
+from kousoku.model import precise
+from kousoku.model.elements.load import Load
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.dynamics.checking.jets import High, Jet
+    from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
+    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.recording.matrix import Matrix
+    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.traces import Trace
+    from kousoku.codegen.dynamics.simplification.composite import Seat
+    from kousoku.model.mechanism import System
+
+
+@dataclass(frozen=True, slots=True)
+class LoadEffect:
+    """M⁻¹f of a force or torque, and its power.
+
+    Blocks: p, A, v, ω′ and the diagonal of M⁻¹ of the body, of a force its point, then vectors that
+    are added up.
+
+    Parameters
+    ----------
+    kind : str
+        ``force``, ``force_b``, ``torque`` or ``torque_b``.
+    columns : tuple of int
+        The body's coordinates.
+    works : bool
+        Whether its power is wanted.
+    """
+
+    kind: str
+    columns: tuple[int, ...]
+    works: bool
+
+    @property
+    def title(self) -> str:
+        """Name the kind."""
+        return f"{self.kind} on a body"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return what it adds to the acceleration of each coordinate; F·v + N′·ω′ if wanted."""
+        p, orientation, v, omega, weights, *constants = blocks
+        share(trace, p, orientation)
+        point = constants.pop(0) if self.kind in ("force", "force_b") else None
+        given = sum(constants[1:], constants[0])
+        zeros = (trace.graph.const(0),) * 3
+        if self.kind == "torque":
+            forces = (*zeros, *(orientation.T @ given).flat)
+        elif point is None:
+            forces = (*zeros, *given.flat)
+        elif self.kind == "force":
+            forces = at_point(trace, p.flat, point, given)
+        else:
+            still = (trace.graph.const(1), *zeros)
+            torque = at_point(trace, still, point, given)[3:]
+            forces = (*(orientation @ given).flat, *torque)
+        found = (accelerations(trace, forces, self.columns, weights),)
+        if not self.works:
+            return found
+        mul, rates = trace.graph.mul, (*v.flat, *omega.flat)
+        power = trace.graph.sum(mul(a, b) for a, b in zip(forces, rates, strict=True))
+        return *found, column_of(trace, power)
+
+
+@dataclass(frozen=True, slots=True)
+class LoadEnergy:
+    """Potential energy of a constant force. Blocks: r and p of the body, the point, the force."""
+
+    title: str = "energy of force"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return (0, V): V = −F·(r + A s′)."""
+        graph = trace.graph
+        r, p, point, force = blocks
+        inputs = {"r": r.flat, "p": p.flat, "s_b": point.flat}
+        place = trace.inline(frozen("rotation", "point"), inputs)["r_P"]
+        work = graph.sum(graph.mul(a, b) for a, b in zip(force.flat, place, strict=True))
+        return (column_of(trace, graph.const(0), graph.neg(work)),)
+
+
+class LoadFacets(ForceFacets[Load]):
+    """A force or torque on a body."""
+
+    is_carried = True
+
+    def effect(self, tasks: ForceTasks) -> tuple[Block, ...]:
+        """Record M⁻¹f of body j, and the power."""
+        j = tasks.body(self.force.j)
+        blocks = (j.p, j.orientation, j.v_r, j.omega_b, j.inverse_mass)
+        operation = LoadEffect(self.force.kind, j.columns, self.force.works)
+        constants = tasks.constants(self.force)
+        return (column(()), *tasks.recorder.call(operation, *blocks, *constants))
+
+    def energy(self, tasks: ForceTasks) -> Block:
+        """Record −F·r of its point."""
+        constants, j = tasks.constants(self.force), tasks.body(self.force.j)
+        return tasks.recorder.call(LoadEnergy(), j.r, j.p, *constants)[0]
+
+    def leaves_plane(self, system: System, normal: int) -> bool:
+        """Return whether a torque is not about the normal, or a force not in the plane."""
+        given = dict(self.force.constants)
+        if self.force.is_torque:
+            return any(x for values in given.values() for k, x in enumerate(values) if k != normal)
+        if any(vector[normal] for vector in self.force.vectors):
+            return True
+        return not is_level([given["s_j_b"][normal]], list(given.values()))
+
+    def seen_from(self, i: Seat, j: Seat) -> Load:
+        """Return it on the body that carries its own; what turns with a body is a vector of it."""
+        constants = seen_from_carriers(self.force.constants, i, j, turning=self.force.turns)
+        return replace(self.force, i=i.carrier, j=j.carrier, constants=constants)
+
+    def resting_energy(self, i: Seat, j: Seat) -> High:
+        """Return −F·r of a force on the ground."""
+        given = dict(self.force.constants)
+        end = precise.triple(j.point(given["s_j_b"]))
+        return -precise.dot(precise.triple(given["force"]), end)
+
+    def applied(self) -> Applied:
+        """Return the directions of its parts, any where it turns with the body."""
+        vectors = None if self.force.turns else self.force.vectors
+        return Applied(torques=vectors) if self.force.is_torque else Applied(forces=vectors)
+
+    def by_definition(
+        self,
+        equations: BodyEquations,
+        at: Mapping[int, Course],
+        names: Mapping[str, Jet],
+        given: Mapping[str, Sequence[High]],
+        found: Found,
+    ) -> tuple[High, High]:
+        """Add F at its point, or N; return F·ṙ or N·ω, and −F·r of its point."""
+        force = self.force
+        vectors = [values for name, values in given.items() if name != "s_j_b"]
+        vector = [sum(parts) for parts in zip(*vectors, strict=True)]
+        course = at[force.j]
+        if force.turns:
+            vector = [x.x for x in course.vector(vector)]
+        if force.is_torque:
+            return equations.turn(force.j, course, vector, found), 0
+        point = course.point(given["s_j_b"])
+        equations.push(force.j, course, given["s_j_b"], vector, found)
+        power = sum(a * x.d for a, x in zip(vector, point, strict=True))
+        return power, -sum(a * x.x for a, x in zip(vector, point, strict=True))

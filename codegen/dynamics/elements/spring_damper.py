@@ -1,0 +1,219 @@
+"""A spring and damper between two points: M⁻¹f, the power of its damper, ½ k (l − l⁰)²."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.checking.jets import Jet, dot, sqrt
+from kousoku.codegen.dynamics.elements.facets import Applied, ForceFacets
+from kousoku.codegen.dynamics.operations.forces import ELONGATION, accelerations, column_of
+from kousoku.codegen.dynamics.operations.formulas import formula_node
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, share
+from kousoku.codegen.dynamics.simplification.heights import ends_of, is_level
+from kousoku.model import precise
+from kousoku.model.elements.spring_damper import PointSpring
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.dynamics.checking.jets import High
+    from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
+    from kousoku.codegen.dynamics.composition.contacts import Source
+    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.recording.matrix import Matrix
+    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.traces import Trace
+    from kousoku.codegen.dynamics.simplification.composite import Seat
+    from kousoku.model.mechanism import System
+
+#: Names of the constants of a spring, in their order.
+ENDS, LAW = ("s_i_b", "s_j_b"), ("stiffness", "damping", "free_length")
+
+
+@dataclass(frozen=True, slots=True)
+class SpringEffect:
+    """M⁻¹f of a spring and damper, and the power of what is no potential energy.
+
+    Blocks: r, p, A, v, ω′ and the diagonal of M⁻¹ of body i, those of body j, then the two ends,
+    stiffness, damping and free length; of a law of its own unit and free length, then value and
+    unit of each name that it may depend on beside elongation and rate.
+
+    Parameters
+    ----------
+    columns_i, columns_j : tuple of int
+        Columns of each body that are coordinates: none of the ground.
+    law : str
+        Tension as a formula, empty where linear.
+    names : tuple of str
+        What it may depend on beside elongation and rate.
+    works : bool
+        Whether its power is wanted.
+    """
+
+    columns_i: tuple[int, ...]
+    columns_j: tuple[int, ...]
+    law: str
+    names: tuple[str, ...]
+    works: bool
+    title: str = "spring and damper"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return what it adds to the acceleration of each coordinate of i and j; its power."""
+        r_i, p_i, a_i, v_i, omega_i, weights_i = blocks[:6]
+        r_j, p_j, a_j, v_j, omega_j, weights_j = blocks[6:12]
+        share(trace, p_i, a_i)
+        share(trace, p_j, a_j)
+        places = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j}
+        places |= dict(zip(ENDS, blocks[12:14], strict=True))
+        motion = {"v_i": v_i, "omega_i_b": omega_i, "v_j": v_j, "omega_j_b": omega_j}
+        found = _inline(trace, "length", places | motion)
+        if self.law:
+            tension = damped = self._tension(trace, found, *blocks[14:])
+        else:
+            law = dict(zip(LAW, blocks[14:], strict=True))
+            tension = _inline(trace, "law", found | law)["T"]
+            damped = law["damping"] @ found["l_dot"]
+        force = _inline(trace, "force", places | {"T": tension})["force"].flat
+        added = (
+            accelerations(trace, force[:COLUMNS], self.columns_i, weights_i),
+            accelerations(trace, force[COLUMNS:], self.columns_j, weights_j),
+        )
+        if not self.works:
+            return added
+        return *added, -(damped @ found["l_dot"])
+
+    def _tension(self, trace: Trace, found: dict[str, Matrix], *given: Matrix) -> Matrix:
+        """Return the tension [N] by the formula."""
+        unit, free, *rest = given
+        elongation = found["l"] - free
+        own = [elongation, unit, found["l_dot"], unit, *rest]
+        value = formula_node(trace, self.law, (*ELONGATION, *self.names), own)
+        return unit @ column_of(trace, value)
+
+
+@dataclass(frozen=True, slots=True)
+class SpringLength:
+    """Length of a spring and its rate. Blocks: r, p, v and ω′ of both bodies, then the two ends."""
+
+    title: str = "length of a spring"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return l and its derivative by time."""
+        ends = (f"{name}_{body}" for body in "ij" for name in ("r", "p", "v", "omega"))
+        names = (name + "_b" if "omega" in name else name for name in (*ends, *ENDS))
+        found = _inline(trace, "length", dict(zip(names, blocks, strict=True)))
+        return found["l"], found["l_dot"]
+
+
+@dataclass(frozen=True, slots=True)
+class SpringEnergy:
+    """Potential energy of a spring. Blocks: r and p of both bodies, the constants."""
+
+    title: str = "energy of spring_damper"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return (0, V): V = ½ k (l − l⁰)²."""
+        zero = trace.graph.const(0)
+        places = dict(zip(("r_i", "p_i", "r_j", "p_j", *ENDS), blocks[:6], strict=True))
+        still = column_of(trace, zero, zero, zero)
+        motion = dict.fromkeys(("v_i", "omega_i_b", "v_j", "omega_j_b"), still)
+        found = _inline(trace, "length", places | motion)
+        law = dict(zip(LAW, blocks[6:], strict=True))
+        (energy,) = _inline(trace, "law", found | law)["V"].flat
+        return (column_of(trace, zero, energy),)
+
+
+class SpringFacets(ForceFacets[PointSpring]):
+    """A spring and damper between two points."""
+
+    is_carried = True
+
+    def effect(self, tasks: ForceTasks) -> tuple[Block, ...]:
+        """Record M⁻¹f of both bodies, and the power of what is no potential energy."""
+        constants = tasks.constants(self.force)
+        i, j = tasks.body(self.force.i), tasks.body(self.force.j)
+        ends = [
+            block
+            for body in (i, j)
+            for block in (
+                *(body.r, body.p, body.orientation),
+                *(body.v_r, body.omega_b, body.inverse_mass),
+            )
+        ]
+        names, given = tasks.law(self.force)
+        operation = SpringEffect(i.columns, j.columns, self.force.law, names, self.force.works)
+        return tasks.recorder.call(operation, *ends, *constants, *given)
+
+    def energy(self, tasks: ForceTasks) -> Block:
+        """Record ½ k (l − l⁰)²."""
+        constants = tasks.constants(self.force)
+        i, j = tasks.body(self.force.i), tasks.body(self.force.j)
+        return tasks.recorder.call(SpringEnergy(), i.r, i.p, j.r, j.p, *constants)[0]
+
+    def elongation(self, tasks: ForceTasks) -> tuple[Block, Block, Block, Block]:
+        """Record l and its rate; l⁰ and the unit of the scene."""
+        start, end, unit, free = tasks.constants(self.force)
+        bodies = (tasks.body(self.force.i), tasks.body(self.force.j))
+        ends = [block for x in bodies for block in (x.r, x.p, x.v_r, x.omega_b)]
+        length, rate = tasks.recorder.call(SpringLength(), *ends, start, end)
+        return length, rate, free, unit
+
+    def leaves_plane(self, system: System, normal: int) -> bool:
+        """Return whether its ends are not level with the bodies and each other."""
+        heights = ends_of(system, self.force, normal)
+        return not is_level(heights, [values for _, values in self.force.constants])
+
+    def resting_energy(self, i: Seat, j: Seat) -> High:
+        """Return ½ k (l − l⁰)² in one body."""
+        given = dict(self.force.constants)
+        end = precise.triple(j.point(given["s_j_b"]))
+        start = precise.triple(i.point(given["s_i_b"]))
+        length = precise.length(precise.subtract(end, start))
+        (stiffness,), (free,) = given["stiffness"], given["free_length"]
+        return precise.number(stiffness) * (length - precise.number(free)) ** 2 / 2
+
+    def applied(self) -> Applied:
+        """Return nothing: what it does to one body it does to the other."""
+        return Applied()
+
+    def source(self, system: System) -> Source:
+        """Return the spring, which pulls at its points."""
+        return self.force
+
+    def by_definition(
+        self,
+        equations: BodyEquations,
+        at: Mapping[int, Course],
+        names: Mapping[str, Jet],
+        given: Mapping[str, Sequence[High]],
+        found: Found,
+    ) -> tuple[High, High]:
+        """Add the tension along the line; return the power of its damper, and ½ k (l − l⁰)²."""
+        force = self.force
+        start, end = at[force.i].point(given["s_i_b"]), at[force.j].point(given["s_j_b"])
+        across = [b - a for a, b in zip(start, end, strict=True)]
+        length = sqrt(dot(across, across), equations.digits)
+        (free,) = given["free_length"]
+        beyond = length - Jet(free)
+        energy: High = 0
+        if force.law:
+            (unit,) = given["unit"]
+            own = {"x": Jet(beyond.x / unit), "v": Jet(length.d / unit)}
+            tension = damped = unit * equations.value(force.law, {**names, **own}).x
+        else:
+            (stiffness,), (damping,) = given["stiffness"], given["damping"]
+            damped = damping * length.d
+            tension = stiffness * beyond.x + damped
+            energy = stiffness * beyond.x**2 / 2
+        pull = [tension * x.x / length.x for x in across]
+        equations.push(force.i, at[force.i], given["s_i_b"], pull, found)
+        equations.push(force.j, at[force.j], given["s_j_b"], [-x for x in pull], found)
+        return -damped * length.d, energy
+
+
+def _inline(trace: Trace, kernel: str, inputs: dict[str, Matrix]) -> dict[str, Matrix]:
+    """Rebuild a kernel of the spring; return its outputs as columns."""
+    nodes = {name: block.flat for name, block in inputs.items()}
+    found = trace.inline(frozen("spring_damper", kernel), nodes)
+    return {name: column_of(trace, *flat) for name, flat in found.items()}

@@ -1,0 +1,15 @@
+"""From a scene of nodes to the folder of its solver: Yamada and Tatsumi (1981), in 50 digits too.
+
+``generate``   the pipeline, stage after stage
+``blocks``     equations in block-triangular order
+``layout``     where everything stands in the workspace
+``link``       the rows of the frozen link element
+``kernels``    the segments of a block, composed of these
+``outputs``    those of nodes and of angles of links
+``emit``       source text, by the templates and views of scenes of bodies
+``data``       names and tables: ``motion.json``
+``exact``      what segments must give, element by element
+``solution``   the motion in 50 digits
+``reference``  reference values, for ``verify``
+``explain``    what is solved
+"""

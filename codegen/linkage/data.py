@@ -1,0 +1,111 @@
+"""What tells which number of a linkage belongs to which node and link, and its tables."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from kousoku.codegen.linkage.solution import span_of
+from kousoku.model.motion import turns_of
+from kousoku.runtime.kinematics.rows import METHODS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.linkage.blocks import Block
+    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.model.assemble import Element, Term
+
+FORMAT = 1
+
+
+def linkage_data(layout: Layout) -> dict[str, Any]:
+    """Return what ``motion.json`` holds: fields of ``kinematics.Mechanism``, and of its ``Run``."""
+    system = layout.system
+    scene, coordinates = system.scene, system.coordinates
+    return {
+        "format": FORMAT,
+        "name": scene.name,
+        "unit": scene.unit,
+        "length": float(scene.largest_length),
+        "outputs": list(scene.outputs),
+        "nodes": list(scene.nodes),
+        "links": [
+            [name, *link.nodes, float(scene.length(name))] for name, link in scene.links.items()
+        ],
+        "inputs": [
+            [name, coordinates[c].unit, float(coordinates[c].scale)]
+            for name, c in zip(scene.inputs, system.inputs, strict=True)
+        ],
+        "unknowns": [
+            [one.name, float(one.start), float(one.scale), one.unit == "rad"]
+            for one in (coordinates[c] for c in layout.unknowns)
+        ],
+        "blocks": [
+            {
+                "unknowns": [coordinates[c].name for c in block.unknowns],
+                "links": [*dict.fromkeys(system.elements[e].name for e, _ in block.rows)],
+                "curves": _curves(layout, block),
+            }
+            for block in layout.blocks
+        ],
+        "run": _run(layout),
+    }
+
+
+def _run(layout: Layout) -> dict[str, Any]:
+    """Return what the scene asks for."""
+    scene = layout.system.scene
+    inputs = [*scene.inputs.values()]
+    turns = [turns_of(given) or 0.0 for given in inputs]
+    return {
+        "method": METHODS.index(scene.method.scheme),
+        "max_iterations": scene.method.iterations,
+        "limit": float(scene.residual_limit),
+        "divisions": scene.divisions,
+        "rows": scene.divisions + 1,
+        "origin": [float(given.start) for given in inputs],
+        "span": [float(span_of(given)) for given in inputs],
+        "turns": [int(n) if n.is_integer() else 0 for n in turns],
+        "rate": [float(given.rate) for given in inputs],
+        "rate_dot": [float(given.acceleration) for given in inputs],
+    }
+
+
+def _curves(layout: Layout, block: Block) -> list[dict[str, Any]]:
+    """Return what bends the equations of a block.
+
+    ε1 alone is |d| = l. With ε2 or ε3 it is one of two rows of d = l (cos β, sin β), turned by a
+    constant angle, and where all three are there, ε3 − ε2 is linear: it adds the other angle.
+    """
+    rows, curves = set(block.rows), []
+    for row, (number, which) in enumerate(block.rows):
+        element = layout.system.elements[number]
+        angles = [element.ends[place] for k, place in ((1, 2), (2, 5)) if (number, k) in rows]
+        x1, y1, _, x2, y2, _ = element.ends
+        x, y = [(-1, x1), (1, x2)], [(-1, y1), (1, y2)]
+        curves.append(_curve(layout, row, element, x=x, y=y, angle=angles[:1]))
+        if which == 2 and len(angles) == 2:
+            curves.append(_curve(layout, row, element, x=[], y=[], angle=angles[1:]))
+    return curves
+
+
+def _curve(
+    layout: Layout,
+    row: int,
+    element: Element,
+    *,
+    x: Sequence[tuple[int, Term]],
+    y: Sequence[tuple[int, Term]],
+    angle: Sequence[Term],
+) -> dict[str, Any]:
+    """Return how a link bends a row, with places and factors of the terms that move."""
+    sums = {"x": x, "y": y, "angle": [(1, term) for term in angle]}
+    moving = {
+        name: [
+            [layout.place_of(term.coordinate), float(sign * term.factor)]
+            for sign, term in terms
+            if layout.is_moving(term)
+        ]
+        for name, terms in sums.items()
+    }
+    return {"row": row, "length": float(element.length), "is_arm": bool(angle), **moving}

@@ -1,0 +1,97 @@
+"""Emit a linkage: its segments and tables as of a scene of bodies, and the analysis beside them."""
+
+from __future__ import annotations
+
+from textwrap import wrap
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.emission.emit import MOTION_FILE, filled, package_of
+from kousoku.codegen.dynamics.emission.numpy_view import (
+    python_kernels,
+    python_segment,
+    regions_of,
+)
+from kousoku.codegen.dynamics.emission.slots import slots_of
+from kousoku.codegen.dynamics.emission.view import enumerators, segment_text
+from kousoku.codegen.emit import along, hashed, promise, template
+from kousoku.codegen.linkage.data import linkage_data
+from kousoku.codegen.linkage.layout import REGIONS
+from kousoku.codegen.view_lines import ascii_of, plain
+from kousoku.model.jsontext import to_text
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.codegen.linkage.layout import Layout
+
+TEMPLATES = {
+    "solver.c": "linkage/solver.c.jinja",
+    "solver.h": "linkage/solver.h.jinja",
+    "solver.py": "linkage/solver.py.jinja",
+    "__init__.py": "linkage/__init__.py.jinja",
+}
+#: What these are made of beside themselves, for the digest.
+PARTS = (
+    "dynamics/_segments.jinja",
+    "dynamics/_straight_line.jinja",
+    "dynamics/solver.py.jinja",
+)
+#: The analysis that all scenes share: a folder of the runtime that goes along.
+LIBRARY = "kinematics"
+#: What runs segments in Python, what results are made of, and what checks options.
+SHARED = tuple(f"integrate/{name}.py" for name in ("__init__", "given", "result", "tasks"))
+
+
+def emit_linkage(program: Program, layout: Layout, more: Mapping[str, str]) -> dict[str, str]:
+    """Return the folder of a linkage's solver.
+
+    Parameters
+    ----------
+    program : Program
+        The segments of the blocks and of the outputs.
+    layout : Layout
+        What they were composed of.
+    more : mapping of str to str
+        Further files, such as reference values.
+
+    Returns
+    -------
+    dict of str to str
+        File name and text, the manifest last.
+    """
+    scene, regions, slots = layout.system.scene, regions_of(program), slots_of(program)
+    title = scene.title or f"the linkage {scene.name}"
+    sizes = [len(block.unknowns) for block in layout.blocks]
+    view = {
+        "name": scene.name,
+        "title": title,
+        "title_ascii": ascii_of(plain(title)),
+        "has_angles": layout.wants_angles,
+        "largest_block": max(sizes),
+        "matrix_size": sum(size * size for size in sizes),
+        "work_size": program.size,
+        "regions": regions,
+        "meanings": [(name, REGIONS[name]) for name, _, _ in regions],
+        "places": enumerators({f"W_{name.upper()}": base for name, base, _ in regions}),
+        "segments": [segment_text(program, one, slots) for one in program.segments],
+    }
+    python = {
+        "kernels": list(python_kernels(program)),
+        "segments": [python_segment(program, one) for one in program.segments],
+    }
+    data, analysis = linkage_data(layout), along(LIBRARY, *SHARED)
+    inputs = hashed(
+        scene=to_text(data),
+        composition=repr((view, python)),
+        templates="".join(map(template, (*TEMPLATES.values(), *PARTS))),
+        runtime=repr(analysis),
+    )
+    given = {"view": view, "mechanism": data, "python": python, "listed": listed}
+    files = {**analysis, MOTION_FILE: to_text(data), **more}
+    return filled(promise(package_of(scene.name, title), inputs), TEMPLATES, given, files)
+
+
+def listed(text: str) -> str:
+    """Return text inside a comment of C, in lines that fit."""
+    return "\n * ".join(wrap(text, 92))

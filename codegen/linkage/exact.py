@@ -1,0 +1,153 @@
+"""What the kernels of a linkage must give, computed element by element, without their graphs.
+
+Each link element is evaluated on its own and its numbers are put together by the formulas of the
+paper, so that a mistake in composing, binding or printing shows.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from kousoku.codegen.linkage.blocks import DEPENDS
+from kousoku.codegen.linkage.layout import SUFFIXES
+from kousoku.model.assemble import Role
+from kousoku.model.interpret import evaluate
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.model.arithmetic import Arithmetic
+    from kousoku.model.assemble import Element, Term
+
+    #: For ``alpha``, ``x``, ``alpha_dot`` … their elements.
+    Motion = Mapping[str, Sequence[Any]]
+
+_ZERO = Fraction(0)
+
+
+class Exact:
+    """The blocks and outputs of a linkage at one motion.
+
+    Parameters
+    ----------
+    layout : Layout
+        The linkage.
+    arithmetic : Arithmetic
+        The numbers that ``motion`` holds.
+    motion : mapping of str to sequence
+        The inputs of the kernels of the outputs, those of them that are needed.
+    constant : callable
+        Makes a number of a constant of the scene, given its name and its value.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        arithmetic: Arithmetic[Any],
+        motion: Motion,
+        constant: Callable[[object, Fraction], Any],
+    ) -> None:
+        self.layout = layout
+        self.arithmetic = arithmetic
+        self.motion = motion
+        self.constant = constant
+
+    def block(self, number: int, order: int) -> dict[str, list[Any]]:
+        """Return the outputs of one kernel of a block: position, velocity or acceleration."""
+        block = self.layout.blocks[number]
+        rows = [(self.layout.system.elements[element], row) for element, row in block.rows]
+        if order == 0:
+            values = [self._deformation(element, row) for element, row in rows]
+            zero = self.arithmetic.number(_ZERO)
+            return {
+                "epsilon": [epsilon for epsilon, _ in values],
+                "D": [slope.get(u, zero) for _, slope in values for u in block.unknowns],
+            }
+        if order == 1:
+            return {"nu": [-self._carried(element, row, number, 1) for element, row in rows]}
+        bent = [self._bent(element, row) for element, row in rows]
+        carried = [self._carried(element, row, number, 2) for element, row in rows]
+        return {"gamma": [-(c + b) for c, b in zip(carried, bent, strict=True)]}
+
+    def nodes(self) -> dict[str, list[Any]]:
+        """Return the outputs of the kernel ``nodes``."""
+        terms = [term for _, x, y in self.layout.system.nodes for term in (x, y)]
+        names = ("position", "velocity", "acceleration")
+        return {name: [self.term(term, k) for term in terms] for k, name in enumerate(names)}
+
+    def angles(self) -> dict[str, list[Any]]:
+        """Return the outputs of the kernel ``angles``."""
+        columns = [self._angle(link) for link in self.layout.system.scene.links]
+        names = ("angle", "angle_dot", "angle_ddot")
+        return {name: [column[k] for column in columns] for k, name in enumerate(names)}
+
+    def term(self, term: Term, order: int) -> Any:
+        """Return offset + factor · coordinate, or a time derivative of it."""
+        coordinate = self.layout.system.coordinates[term.coordinate]
+        if not self.layout.is_moving(term):
+            fixed = term.factor * coordinate.start if coordinate.role is Role.FIXED else _ZERO
+            return self.constant(("fixed", term), term.offset + fixed if order == 0 else _ZERO)
+        name, index = self.layout.everywhere[term.coordinate]
+        moving = self.motion[name + SUFFIXES[order]][index]
+        if term.factor != 1:
+            moving = moving * self.constant(("factor", term), term.factor)
+        if order or not term.offset:
+            return moving
+        return moving + self.constant(("offset", term), term.offset)
+
+    def _element(self, element: Element, row: int, order: int) -> dict[str, tuple[Any, ...]]:
+        """Evaluate the link element alone, with the ends that one of its rows needs."""
+        zero = self.arithmetic.number(_ZERO)
+        inputs = {"length": [self.constant(("length", element.name), element.length)]}
+        for name, k in (("x", 0), ("x_dot", 1))[: order + 1]:
+            inputs[name] = [
+                self.term(term, k) if place in DEPENDS[row] else zero
+                for place, term in enumerate(element.ends)
+            ]
+        if order == 0:
+            inputs["offset"] = [zero, zero]
+        link = self.layout.link[row]
+        return evaluate(link.rate if order else link.deformation, inputs, self.arithmetic)
+
+    def _deformation(self, element: Element, row: int) -> tuple[Any, dict[int, Any]]:
+        """Return ε of a row and its derivatives by coordinates."""
+        values = self._element(element, row, 0)
+        slope: dict[int, Any] = {}
+        for place in DEPENDS[row]:
+            term = element.ends[place]
+            part = values["D"][place]
+            if term.factor != 1:
+                part = part * self.constant(("factor", term), term.factor)
+            known = slope.get(term.coordinate)
+            slope[term.coordinate] = part if known is None else known + part
+        return values["epsilon"][0], slope
+
+    def _carried(self, element: Element, row: int, number: int, order: int) -> Any:
+        """Return D times the derivatives of what is known before the block."""
+        unknowns = self.layout.blocks[number].unknowns
+        values = self._element(element, row, 0)
+        total = self.arithmetic.number(_ZERO)
+        for place in DEPENDS[row]:
+            term = element.ends[place]
+            if term.coordinate not in unknowns:
+                total = total + values["D"][place] * self.term(term, order)
+        return total
+
+    def _bent(self, element: Element, row: int) -> Any:
+        return self._element(element, row, 1)["D_dot_x_dot"][0]
+
+    def _angle(self, link: str) -> tuple[Any, Any, Any]:
+        """Return β, β̇ = t · ḋ / l and β̈ = (t · d̈ − 2 l̇ β̇) / l."""
+        places = {name: (x, y) for name, x, y in self.layout.system.nodes}
+        first, second = (places[node] for node in self.layout.system.scene.links[link].nodes)
+        (dx, dy), (vx, vy), (ax, ay) = (
+            [self.term(b, k) - self.term(a, k) for a, b in zip(first, second, strict=True)]
+            for k in range(3)
+        )
+        length = self.arithmetic.sqrt(dx * dx + dy * dy)
+        c, s = dx / length, dy / length
+        rate, stretch = (c * vy - s * vx) / length, c * vx + s * vy
+        turn = (c * ay - s * ax - (rate + rate) * stretch) / length
+        return self.arithmetic.atan2(dy, dx), rate, turn

@@ -1,0 +1,82 @@
+"""What is solved for a planar linkage: blocks of unknowns, and the operations of its kernels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from kousoku.codegen.linkage.generate import layout_of, program_of
+from kousoku.model.assemble import assemble
+from kousoku.model.text import counted, table
+
+if TYPE_CHECKING:
+    from kousoku.model.scene import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class LinkageExplanation:
+    """What is solved for a linkage, whose inputs determine everything.
+
+    Parameters
+    ----------
+    name : str
+        The scene.
+    inputs : int
+        How many inputs.
+    blocks : tuple of (int, int)
+        Unknowns and rows of each block, in the order of solving.
+    kernels : tuple of (str, int)
+        Operations of each kernel.
+    """
+
+    name: str
+    inputs: int
+    blocks: tuple[tuple[int, int], ...]
+    kernels: tuple[tuple[str, int], ...]
+
+    def __repr__(self) -> str:
+        unknowns = sum(unknowns for unknowns, _ in self.blocks)
+        return (
+            f"<LinkageExplanation of {self.name}: {counted(self.inputs, 'input')},"
+            f" {counted(unknowns, 'unknown')}; print() shows what is solved>"
+        )
+
+    def __str__(self) -> str:
+        sizes = ", ".join(str(unknowns) for unknowns, _ in self.blocks)
+        unknowns = sum(unknowns for unknowns, _ in self.blocks)
+        return (
+            f"{self.name}: {counted(self.inputs, 'input')},"
+            f" {counted(unknowns, 'unknown')} solved block after block: {sizes}\n"
+            + table(("kernel", "operations"), [(name, str(n)) for name, n in self.kernels])
+        )
+
+    def as_data(self) -> dict[str, Any]:
+        """Return it as data, ready for JSON."""
+        return {
+            "name": self.name,
+            "inputs": self.inputs,
+            "blocks": [{"unknowns": unknowns, "rows": rows} for unknowns, rows in self.blocks],
+            "kernels": dict(self.kernels),
+        }
+
+
+def explain_linkage(scene: Scene) -> LinkageExplanation:
+    """Return what is solved for a planar linkage.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked planar scene.
+
+    Raises
+    ------
+    SceneError
+        The scene is not a linkage that its inputs determine.
+    """
+    layout = layout_of(assemble(scene))
+    return LinkageExplanation(
+        scene.name,
+        len(layout.system.inputs),
+        tuple((len(x.unknowns), len(x.rows)) for x in layout.blocks),
+        tuple((x.name, x.operations.total()) for x in program_of(layout).kernels),
+    )

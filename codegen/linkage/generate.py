@@ -1,0 +1,108 @@
+"""From a scene of nodes to the folder of its solver, stage after stage; SymPy is never started.
+
+``assemble``: Scene → System
+    Coordinates, links between them, known and unknown parts.
+``layout_of``: System → Layout
+    Equations in block-triangular order, only what is wanted; where everything stands.
+``program_of``: Layout → Program
+    The frozen link element, block by block: constants bound, in functions of the workspace.
+``emit_linkage``: Program → {file: text}
+    The folder.
+"""
+
+from __future__ import annotations
+
+from textwrap import wrap
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.recording.program import Program, Segment, Task
+from kousoku.codegen.linkage.blocks import live_blocks, triangular_blocks
+from kousoku.codegen.linkage.emit import emit_linkage
+from kousoku.codegen.linkage.kernels import block_kernels
+from kousoku.codegen.linkage.layout import Layout
+from kousoku.codegen.linkage.link import rows_of
+from kousoku.codegen.linkage.outputs import angle_kernel, node_kernel
+from kousoku.codegen.linkage.reference import reference_values
+from kousoku.codegen.linkage.solution import places
+from kousoku.codegen.store import load_frozen
+from kousoku.model.assemble import assemble
+from kousoku.model.manifest import REFERENCE_FILE
+
+if TYPE_CHECKING:
+    from kousoku.model.assemble import System
+    from kousoku.model.kernel import Kernel
+    from kousoku.model.scene import Scene
+
+
+def layout_of(system: System) -> Layout:
+    """Return the equations of a system block by block, and the places of all numbers.
+
+    Parameters
+    ----------
+    system : System
+        An assembled scene.
+
+    Raises
+    ------
+    SceneError
+        Some nodes are free to move, or some links hold what is held already.
+    """
+    wanted = [term.coordinate for _, x, y in system.nodes for term in (x, y)]
+    blocks = live_blocks(system, triangular_blocks(system), wanted)
+    return Layout(system, blocks, rows_of(load_frozen("link")))
+
+
+def program_of(layout: Layout) -> Program:
+    """Return what a linkage needs to move: three segments for each block, then the outputs."""
+    numbers = range(len(layout.blocks))
+    kernels = [kernel for number in numbers for kernel in block_kernels(layout, number)]
+    kernels.append(node_kernel(layout))
+    if layout.wants_angles:
+        kernels.append(angle_kernel(layout))
+    return Program(
+        name=layout.system.scene.name,
+        kernels=tuple(kernels),
+        segments=tuple(_segment(layout, k, kernel) for k, kernel in enumerate(kernels)),
+        regions=tuple(layout.regions.values()),
+        constants=(),
+        size=layout.size,
+        bodies=(),
+        rows=(),
+        is_planar=True,
+        is_inlined=True,
+    )
+
+
+def _segment(layout: Layout, number: int, kernel: Kernel) -> Segment:
+    """Return the segment that a kernel of the whole workspace is."""
+    slots = tuple(layout.regions[quantity.name].base for quantity in kernel.outputs)
+    contents = (*wrap(kernel.title, 92), kernel.source)
+    return Segment(kernel.name, (Task(number, (0,), slots),), contents, kernel.formula)
+
+
+def generate_scene(scene: Scene, *, references: bool = False) -> dict[str, str]:
+    """Return the folder of the solver of a linkage.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked planar scene.
+    references : bool
+        Whether the folder has reference values, which ``kousoku verify`` compares with.
+
+    Returns
+    -------
+    dict of str to str
+        File name and text; write them to ``generated/<scene.name>/``, or anywhere else.
+
+    Raises
+    ------
+    SceneError
+        The scene is not a linkage that its inputs determine.
+    """
+    layout = layout_of(assemble(scene))
+    program = program_of(layout)
+    more = {}
+    if references:
+        more[REFERENCE_FILE] = reference_values(program, layout, places(layout))
+    return emit_linkage(program, layout, more)

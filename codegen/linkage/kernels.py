@@ -1,0 +1,172 @@
+"""Compose the kernels of a linkage from the frozen link element: no link is derived twice.
+
+The kernels of a block take the workspace and read its own unknowns there, and what is known by
+then; see :mod:`kousoku.codegen.linkage.layout`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.linkage.blocks import DEPENDS
+from kousoku.codegen.passes.rebuild import drop_dead, substitute
+from kousoku.model.graph import Graph
+from kousoku.model.kernel import Kernel
+from kousoku.model.quantity import Quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.model.assemble import Element, Term
+
+PAPER = "Yamada and Tatsumi 1981"
+
+
+def block_kernels(layout: Layout, number: int) -> tuple[Kernel, Kernel, Kernel]:
+    """Return the kernels of one block: its residual and matrix, and its right-hand sides.
+
+    Parameters
+    ----------
+    layout : Layout
+        The linkage.
+    number : int
+        The block, counted from 0; the names of its kernels count from 1.
+
+    Returns
+    -------
+    position : Kernel
+        ``epsilon`` (n,) and ``D`` (n, n), its derivatives by the block's own unknowns, (20).
+    velocity : Kernel
+        ``nu`` (n,) with D ẋ = nu: what the coordinates that are known by then contribute, (22).
+    acceleration : Kernel
+        ``gamma`` (n,) with D ẍ = gamma: likewise, and −Ḋ ẋ of all coordinates, (23), (25).
+    """
+    return (
+        _Composer(layout, number).position(),
+        _Composer(layout, number).velocity(),
+        _Composer(layout, number).acceleration(),
+    )
+
+
+def _places(element: Element, row: int, slopes: Sequence[int]) -> list[tuple[Term, int]]:
+    """Return the ends that one row depends on, each with the derivative by it."""
+    return [(element.ends[place], slopes[place]) for place in DEPENDS[row]]
+
+
+class _Composer:
+    """One kernel of one block while it grows."""
+
+    def __init__(self, layout: Layout, number: int) -> None:
+        self.layout = layout
+        self.number = number
+        self.block = layout.blocks[number]
+        self.suffix = f"_{number + 1}"
+        self.graph = Graph()
+        links = dict.fromkeys(layout.system.elements[e].name for e, _ in self.block.rows)
+        names = ", ".join(layout.system.coordinates[u].name for u in self.block.unknowns)
+        self.title = f"{names} from {', '.join(links)}"
+
+    def position(self) -> Kernel:
+        n = len(self.block.rows)
+        epsilon, matrix = [], []
+        for number, row in self.block.rows:
+            element = self.layout.system.elements[number]
+            link = self._inline(self.layout.link[row].deformation, element, row)
+            epsilon.append(link["epsilon"][0])
+            gradient = self._gradient(_places(element, row, link["D"]))
+            matrix += [gradient.get(u, self.graph.const(0)) for u in self.block.unknowns]
+        unit = self.layout.system.scene.unit
+        return self._kernel(
+            "position",
+            f"Residual of the equations for {self.title}",
+            "epsilon = 0, D = d epsilon / d x",
+            "(5)-(7), (15)",
+            {
+                Quantity("epsilon", (n,), unit, "residuals"): epsilon,
+                Quantity("D", (n, n), f"1 or {unit}", "derivatives by the block's x"): matrix,
+            },
+        )
+
+    def velocity(self) -> Kernel:
+        rows = [self._carried(number, row, 1) for number, row in self.block.rows]
+        return self._kernel(
+            "velocity",
+            f"Right-hand side of the velocities of {self.title}",
+            "D x_dot = nu",
+            "(22), (24)",
+            {self._right_hand_side("nu", "/s"): rows},
+        )
+
+    def acceleration(self) -> Kernel:
+        rows = []
+        for number, row in self.block.rows:
+            element = self.layout.system.elements[number]
+            link = self._inline(self.layout.link[row].rate, element, row)
+            carried = self._carried(number, row, 2)
+            rows.append(self.graph.sub(carried, link["D_dot_x_dot"][0]))
+        return self._kernel(
+            "acceleration",
+            f"Right-hand side of the accelerations of {self.title}",
+            "D x_ddot = gamma",
+            "(23), (25)",
+            {self._right_hand_side("gamma", "/s^2"): rows},
+        )
+
+    def _right_hand_side(self, name: str, per: str) -> Quantity:
+        unit = self.layout.system.scene.unit + per
+        return Quantity(name, (len(self.block.rows),), unit, "right-hand side")
+
+    def _carried(self, number: int, row: int, order: int) -> int:
+        """Return −D times the derivatives of the coordinates that are known by now."""
+        element = self.layout.system.elements[number]
+        link = self._inline(self.layout.link[row].deformation, element, row)
+        total = self.graph.const(0)
+        for term, derivative in _places(element, row, link["D"]):
+            if term.coordinate not in self.block.unknowns:
+                motion = self.layout.node(self.graph, term, order)
+                total = self.graph.sub(total, self.graph.mul(derivative, motion))
+        return total
+
+    def _gradient(self, places: Sequence[tuple[Term, int]]) -> dict[int, int]:
+        """Return the derivatives by coordinates, given those by the ends of the link."""
+        gradient: dict[int, int] = {}
+        for term, derivative in places:
+            part = self.graph.mul(self.graph.const(term.factor), derivative)
+            known = gradient.get(term.coordinate, self.graph.const(0))
+            gradient[term.coordinate] = self.graph.add(known, part)
+        return gradient
+
+    def _inline(self, kernel: Kernel, element: Element, row: int) -> dict[str, list[int]]:
+        """Rebuild a kernel of the link element here, with the ends and the length of a link."""
+        used = DEPENDS[row]
+        zero = self.graph.const(0)
+        inputs = {"length": [self.graph.const(element.length)], "offset": [zero, zero]}
+        for name, order in (("x", 0), ("x_dot", 1)):
+            inputs[name] = [
+                self.layout.node(self.graph, term, order) if place in used else zero
+                for place, term in enumerate(element.ends)
+            ]
+        return substitute(self.graph, kernel, inputs)
+
+    def _kernel(
+        self,
+        name: str,
+        title: str,
+        formula: str,
+        source: str,
+        outputs: Mapping[Quantity, Sequence[int]],
+    ) -> Kernel:
+        """Return the kernel of what was composed."""
+        return drop_dead(
+            Kernel(
+                name=name + self.suffix,
+                title=title,
+                formula=formula,
+                source=f"{PAPER}, {source}",
+                inputs=(self.layout.workspace,),
+                outputs=tuple(outputs),
+                nodes=tuple(self.graph.nodes),
+                results=tuple(tuple(nodes) for nodes in outputs.values()),
+            )
+        )

@@ -1,0 +1,135 @@
+"""Where the coordinates of a linkage stand in the workspace of its program.
+
+Inputs are ``alpha`` and unknowns, block after block, ``x``: the parts of (18) and (19). Their first
+and second derivatives follow, then what the segments of a block leave, and the results.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.recording.program import Region
+from kousoku.model.assemble import Role
+from kousoku.model.quantity import Quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kousoku.codegen.linkage.blocks import Block
+    from kousoku.codegen.linkage.link import LinkRow
+    from kousoku.model.assemble import System, Term
+    from kousoku.model.graph import Graph
+
+SUFFIXES = ("", "_dot", "_ddot")
+#: What the segments of a block leave beside its matrix.
+OF_BLOCKS = ("epsilon", "nu", "gamma")
+#: Results of nodes, and of links where their angles are wanted.
+OF_NODES = ("position", "velocity", "acceleration")
+OF_LINKS = ("angle", "angle_dot", "angle_ddot")
+#: What the regions hold; of a block, that which ran last.
+REGIONS = {
+    "alpha": "inputs, in the order of the scene",
+    "x": "unknowns, block after block",
+    "alpha_dot": "first derivatives of the inputs",
+    "x_dot": "those of the unknowns",
+    "alpha_ddot": "second derivatives of the inputs",
+    "x_ddot": "those of the unknowns",
+    "epsilon": "residuals of a block",
+    "D": "their derivatives by the unknowns of the block, row after row",
+    "nu": "right-hand side of the velocities of a block",
+    "gamma": "right-hand side of the accelerations of a block",
+    "position": "x and y of each node in frame O",
+    "velocity": "their first time derivatives",
+    "acceleration": "their second time derivatives",
+    "angle": "angle of each link from +x, from its first node to its second, rad",
+    "angle_dot": "its first time derivative",
+    "angle_ddot": "its second time derivative",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """The order of everything.
+
+    Parameters
+    ----------
+    system : System
+        What is solved.
+    blocks : tuple of Block
+        In the order of solving.
+    link : tuple of LinkRow
+        ε1, ε2, ε3 of the link element.
+    unknowns : tuple of int
+        The unknown coordinates, block after block.
+    everywhere : mapping of int to (str, int)
+        Where each coordinate stands in ``alpha`` or ``x``.
+    regions : mapping of str to Region
+        The parts of the workspace, in order: those of :data:`REGIONS` that the scene needs.
+    """
+
+    system: System
+    blocks: tuple[Block, ...]
+    link: tuple[LinkRow, LinkRow, LinkRow]
+    unknowns: tuple[int, ...] = field(init=False)
+    everywhere: Mapping[int, tuple[str, int]] = field(init=False)
+    regions: Mapping[str, Region] = field(init=False)
+
+    def __post_init__(self) -> None:
+        unknowns = tuple(unknown for block in self.blocks for unknown in block.unknowns)
+        places = (("alpha", self.system.inputs), ("x", unknowns))
+        everywhere = {c: (name, k) for name, members in places for k, c in enumerate(members)}
+        object.__setattr__(self, "unknowns", unknowns)
+        object.__setattr__(self, "everywhere", everywhere)
+        object.__setattr__(self, "regions", self._regions())
+
+    def _regions(self) -> dict[str, Region]:
+        largest = max(len(block.unknowns) for block in self.blocks)
+        sizes = dict.fromkeys(REGIONS, 0) | dict.fromkeys(OF_BLOCKS, largest) | {"D": largest**2}
+        for suffix in SUFFIXES:
+            sizes |= {f"alpha{suffix}": len(self.system.inputs), f"x{suffix}": len(self.unknowns)}
+        sizes |= dict.fromkeys(OF_NODES, 2 * len(self.system.nodes))
+        if self.wants_angles:
+            sizes |= dict.fromkeys(OF_LINKS, len(self.system.scene.links))
+        regions, base = {}, 0
+        for name, size in sizes.items():
+            if size:
+                regions[name] = Region(name, base, size)
+                base += size
+        return regions
+
+    @property
+    def wants_angles(self) -> bool:
+        """Whether the angles of links are wanted."""
+        return "angles" in self.system.scene.outputs
+
+    @property
+    def size(self) -> int:
+        """Count of slots."""
+        return sum(region.size for region in self.regions.values())
+
+    @property
+    def workspace(self) -> Quantity:
+        """What every kernel takes."""
+        return Quantity("x0", (self.size,), "", "the workspace")
+
+    def is_moving(self, term: Term) -> bool:
+        """Whether a term depends on a coordinate that is not fixed."""
+        role = self.system.coordinates[term.coordinate].role
+        return bool(term.factor) and role is not Role.FIXED
+
+    def place_of(self, coordinate: int) -> int:
+        """Return where a coordinate stands among the inputs and, after them, the unknowns."""
+        name, index = self.everywhere[coordinate]
+        return index if name == "alpha" else len(self.system.inputs) + index
+
+    def node(self, graph: Graph, term: Term, order: int) -> int:
+        """Return the graph node of offset + factor · coordinate, or of a time derivative of it."""
+        coordinate = self.system.coordinates[term.coordinate]
+        if not self.is_moving(term):
+            fixed = term.factor * coordinate.start if coordinate.role is Role.FIXED else 0
+            return graph.const(term.offset + fixed if order == 0 else 0)
+        name, index = self.everywhere[term.coordinate]
+        moving = graph.input("x0", self.regions[name + SUFFIXES[order]].base + index)
+        scaled = graph.mul(graph.const(term.factor), moving)
+        return graph.add(scaled, graph.const(term.offset)) if order == 0 else scaled

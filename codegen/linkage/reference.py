@@ -1,0 +1,153 @@
+"""Reference values of a linkage: on the way of the mechanism, beside it, and at NaN."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from kousoku.codegen.linkage.exact import Exact
+from kousoku.codegen.linkage.layout import SUFFIXES
+from kousoku.codegen.linkage.solution import solution
+from kousoku.codegen.unit import columns
+from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.dual import DUAL, Dual, variable
+from kousoku.model.jsontext import to_text
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from fractions import Fraction
+
+    from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.codegen.linkage.solution import Place
+
+    #: For each input of the kernels its doubles.
+    Numbers = dict[str, tuple[float, ...]]
+
+FORMAT = 1
+#: Every so many steps of the way a reference is taken.
+EVERY = 2
+#: Segments of a block, by the order of derivatives.
+ORDERS = ("position", "velocity", "acceleration")
+#: How far points lie from the way, relative to each number: rounding, and anywhere.
+BESIDE = ((2.0**-33, "near"), (0.25, "away from"))
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """Where segments are evaluated.
+
+    Parameters
+    ----------
+    label : str
+        Why the point is there.
+    numbers : dict of str to tuple of float
+        ``alpha``, ``x`` and their derivatives.
+    block : int, optional
+        The block whose segments alone are evaluated.
+    nan : (str, int), optional
+        What is NaN instead: its first unknown.
+    """
+
+    label: str
+    numbers: Numbers
+    block: int | None = None
+    nan: tuple[str, int] | None = None
+
+
+def reference_values(program: Program, layout: Layout, found: Sequence[Place]) -> str:
+    """Return the text of the reference values.
+
+    Values come from :class:`kousoku.codegen.linkage.exact.Exact` in 50 digits. Constants of the
+    scene count as inputs in the unit of error: they were inputs before they were bound.
+    """
+    return to_text(
+        {
+            "format": FORMAT,
+            "points": [_row(program, layout, point) for point in _points(layout, found[::EVERY])],
+            "exact": [kernel.name for kernel in program.kernels if kernel.is_exact],
+            "solution": solution(layout, found),
+        }
+    )
+
+
+def _points(layout: Layout, found: Sequence[Place]) -> list[Point]:
+    """Return the points, the last ones each with a number that is NaN."""
+    points = [
+        Point(
+            f"{place.part} of the way",
+            {name: tuple(map(float, values)) for name, values in place.motion.items()},
+        )
+        for place in found
+    ]
+    if not found:
+        points.append(Point("the positions of the scene", _given(layout)))
+    for index, point in enumerate(list(points)):
+        size, where = BESIDE[index % len(BESIDE)]
+        points.append(Point(f"{where} {point.label}", _scattered(point.numbers, size, index)))
+    # Away from symmetric positions, where a derivative may happen to vanish.
+    numbers = _scattered(points[0].numbers, BESIDE[-1][0], len(points))
+    first = 0
+    for number, block in enumerate(layout.blocks):
+        points.append(Point(f"x[{first}] is nan", numbers, number, ("x", first)))
+        first += len(block.unknowns)
+    return points
+
+
+def _given(layout: Layout) -> Numbers:
+    coordinates = layout.system.coordinates
+    numbers = {
+        "alpha": tuple(float(coordinates[c].start) for c in layout.system.inputs),
+        "x": tuple(float(coordinates[c].start) for c in layout.unknowns),
+    }
+    for name in ("alpha", "x"):
+        for suffix in SUFFIXES[1:]:
+            numbers[name + suffix] = tuple(1.0 for _ in numbers[name])
+    return numbers
+
+
+def _scattered(numbers: Numbers, size: float, seed: int) -> Numbers:
+    """Return numbers that are off by parts of ``size``; zeros move by it too."""
+    golden = 0.6180339887498949
+    count = seed
+    moved: dict[str, tuple[float, ...]] = {}
+    for name, values in numbers.items():
+        row = []
+        for value in values:
+            count += 1
+            step = 2 * math.fmod(count * golden, 1.0) - 1
+            row.append(value * (1 + size * step) if value else size * step)
+        moved[name] = tuple(row)
+    return moved
+
+
+def _row(program: Program, layout: Layout, point: Point) -> dict[str, object]:
+    """Return one point with the references of its segments."""
+    high = {n: [CONTEXT.mpf(x) for x in xs] for n, xs in point.numbers.items()}
+    duals = {n: [variable(x, (n, k)) for k, x in enumerate(xs)] for n, xs in high.items()}
+    sizes: dict[object, Any] = {(n, k): abs(x) for n, xs in high.items() for k, x in enumerate(xs)}
+    inputs: dict[str, list[object]] = {n: list(xs) for n, xs in point.numbers.items()}
+    bad = []
+    if point.nan is not None:
+        # Where a number is NaN, any number shows which outputs depend on it.
+        name, place = point.nan
+        inputs[name][place] = "nan"
+        bad.append(point.nan)
+
+    def constant(name: object, value: Fraction) -> Dual:
+        sizes[name] = abs(HIGH.number(value))
+        return variable(HIGH.number(value), name)
+
+    exact = Exact(layout, DUAL, duals, constant)
+    outputs = {}
+    for kernel in program.kernels:
+        order, _, number = kernel.name.partition("_")
+        if point.block is not None and number != str(point.block + 1):
+            continue
+        if number:
+            values = exact.block(int(number) - 1, ORDERS.index(order))
+        else:
+            values = exact.nodes() if order == "nodes" else exact.angles()
+        outputs[kernel.name] = {name: columns(x, sizes, bad) for name, x in values.items()}
+    return {"label": point.label, "inputs": inputs, "outputs": outputs}

@@ -1,0 +1,69 @@
+"""A force or moment along a coordinate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from kousoku.model.decode import require_known
+from kousoku.model.elements.kind import ForceKind, require_one, scalars
+from kousoku.model.errors import SceneError
+from kousoku.model.mechanism import ForceElement
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.elements.kind import Lowering
+    from kousoku.model.loads import Force
+    from kousoku.model.scene import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class CoordinateForce(ForceElement):
+    """A force ``force`` [N or N m] along a coordinate; a formula of it may depend on the motion."""
+
+    kind: str = field(init=False, default="along")
+
+
+class Along(ForceKind):
+    """A force or moment along a coordinate."""
+
+    title = "a force or moment along a coordinate"
+    keys = ("coordinate", "force")
+
+    def check(self, scene: Scene, force: Force, key: str) -> None:
+        """Refuse a force along no coordinate, and none or three of it."""
+        if force.coordinate is None:
+            raise SceneError(
+                "is missing; wanted the coordinate that it acts along", key=f"{key}.coordinate"
+            )
+        known_coordinate(scene, force, key)
+        require_one(force.force, f"{key}.force", f", that increases {force.coordinate}")
+
+    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+        """Yield the force."""
+        assert force.coordinate is not None
+        assert not isinstance(force.force, tuple)
+        place = given.coordinates.place(force.coordinate)
+        scale = given.unit if is_length(given, place) else given.unit**2
+        constants, formulas = scalars({"force": (force.force, scale)})
+        one = given.coordinates.record(place)
+        yield CoordinateForce(name, one.i, one.j, constants, formulas=formulas, coordinate=place)
+
+
+def known_coordinate(scene: Scene, force: Force, key: str) -> str:
+    """Return the coordinate that a force names.
+
+    Raises
+    ------
+    SceneError
+        There is no such coordinate.
+    """
+    name = force.coordinate or ""
+    require_known("coordinate", name, scene.coordinates, f"{key}.coordinate")
+    return name
+
+
+def is_length(given: Lowering, place: int) -> bool:
+    """Return whether a coordinate is a length, not an angle."""
+    return given.coordinates.unit_of(place)[0] == "m"

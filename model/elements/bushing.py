@@ -1,0 +1,116 @@
+"""A bushing: springs and dampers along three directions and about them."""
+
+from __future__ import annotations
+
+from math import hypot
+from typing import TYPE_CHECKING
+
+from kousoku.model.decode import LARGEST
+from kousoku.model.elements.coordinate_spring import linear_spring
+from kousoku.model.elements.kind import ForceKind
+from kousoku.model.errors import SceneError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kousoku.model.elements.kind import Lowering
+    from kousoku.model.frames import BodyFrame
+    from kousoku.model.loads import Force
+    from kousoku.model.mechanism import ForceElement
+    from kousoku.model.precise import Triple
+    from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Value
+
+LETTERS = "xyz"
+
+PARALLEL = 1e-6
+"""Two directions of a bushing whose angle is smaller do not span a plane [rad]."""
+
+
+class Bushing(ForceKind):
+    """Springs and dampers along and about three directions."""
+
+    title = "springs and dampers along and about three directions"
+    keys = ("bodies", "points", "at", "axes", "stiffness", "damping")
+
+    def check(self, scene: Scene, force: Force, key: str) -> None:
+        """Refuse a bushing without a middle, or between points."""
+        for index, body in enumerate(force.bodies or ()):
+            if body in scene.bodies and scene.bodies[body].point:
+                raise SceneError(
+                    f"{body} is a point, which does not turn; wanted a body, or a spring_damper",
+                    key=f"{key}.bodies[{index}]",
+                )
+        if (force.points is None) == (force.at is None):
+            problem = "is missing" if force.at is None else "is given too"
+            raise SceneError(
+                f"{problem}; wanted its middle in each body, or once in frame O as 'at'",
+                key=f"{key}.points",
+            )
+        for name in ("stiffness", "damping"):
+            if getattr(force, name) is not None and not isinstance(getattr(force, name), tuple):
+                raise SceneError(
+                    "is one number; wanted six: along three directions, then about them",
+                    key=f"{key}.{name}",
+                )
+        if force.stiffness is None and force.damping is None:
+            raise SceneError(
+                "is missing; wanted six stiffnesses, six dampings or both", key=f"{key}.stiffness"
+            )
+        if force.axes is not None:
+            (a, b, c), (x, y, z) = force.axes
+            size = hypot(a, b, c) * hypot(x, y, z)
+            across = hypot(b * z - c * y, c * x - a * z, a * y - b * x)
+            if not (size >= 1 / LARGEST and across > PARALLEL * size):
+                raise SceneError("are parallel; wanted two directions", key=f"{key}.axes")
+
+    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+        """Yield springs along three directions of body i, and about them by sines of the turns."""
+        from kousoku.model.coordinates import Measure
+
+        assert force.bodies is not None
+        i, j = (given.frames[body] for body in force.bodies)
+        points = _middle(force, (i, j))
+        directions = _directions(force)
+        a_i = [i.from_ground(one) for one in directions]
+        a_j = [j.from_ground(one) for one in directions]
+        along = [Measure("n2", (i, j), (("a_i_b", one),), points) for one in a_i]
+        # Of a turn of j about the axis k the sine is the cosine between k + 2 of i and k + 1 of j.
+        about = [
+            Measure("n1", (i, j), (("a_i_b", a_i[k - 1]), ("a_j_b", a_j[k - 2]))) for k in range(3)
+        ]
+        names = (*LETTERS, *(f"about_{letter}" for letter in LETTERS))
+        springs = zip(
+            names, (*along, *about), _six(force.stiffness), _six(force.damping), strict=True
+        )
+        for own, measure, stiffness, damping in springs:
+            if stiffness or damping:
+                place = given.coordinates.add(f"{name}.{own}", measure)
+                yield linear_spring(name, place, (stiffness, damping), given)
+
+
+def _six(values: object) -> Sequence[Value]:
+    return values if isinstance(values, tuple) else (0.0,) * 6
+
+
+def _middle(force: Force, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, Triple]:
+    """Return the middle of a bushing in the frames of both bodies."""
+    from kousoku.model import precise
+
+    if force.points is not None:
+        start, end = map(precise.triple, force.points)
+        return start, end
+    assert force.at is not None
+    at = precise.triple(force.at)
+    start, end = (precise.rotate_back(one.p, precise.subtract(at, one.position)) for one in ends)
+    return start, end
+
+
+def _directions(force: Force) -> tuple[Triple, Triple, Triple]:
+    """Return the three directions of a bushing in frame O, at the positions as they are written."""
+    from kousoku.model import precise
+
+    first, near = force.axes or ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    x = precise.unit(precise.triple(first))
+    y = precise.unit(precise.without(precise.triple(near), x))
+    return x, y, precise.cross(x, y)

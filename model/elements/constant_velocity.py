@@ -1,0 +1,45 @@
+"""A constant velocity joint: two shafts that turn equally fast."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.joint import JointKind
+from kousoku.model.errors import SceneError
+
+if TYPE_CHECKING:
+    from kousoku.model.coordinates import CoordinateList
+    from kousoku.model.mechanism import Instance
+    from kousoku.model.spatial import Joint
+
+FOLDED = 1e-3
+"""Shafts whose 1 + cos of the angle between them is less are folded back on each other."""
+
+
+@dataclass(frozen=True, slots=True)
+class ConstantVelocity(JointKind):
+    """A point in common, and shafts that turn equally fast whatever the bend."""
+
+    def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
+        """Return x_i·y_j − y_i·x_j, where x, y and the shaft are the frame of each body."""
+        from kousoku.model import precise
+        from kousoku.model.combinations import combination
+        from kousoku.model.coordinates import Measure
+        from kousoku.model.digits import CONTEXT
+        from kousoku.model.frames import joint_vectors
+
+        ends = coordinates.frames[joint.ends[0]], coordinates.frames[joint.ends[1]]
+        i, j = joint_vectors(ends, joint)
+        if 1 + precise.dot(ends[0].to_ground(i["axis"]), ends[1].to_ground(j["axis"])) < FOLDED:
+            raise SceneError(
+                "the two shafts point against each other, where the joint is singular; wanted both "
+                "pointing the same way through the joint",
+                key=f"joints.{name}.axes",
+            )
+        xy = (("a_i_b", i["across"]), ("a_j_b", j["third"]))
+        yx = (("a_i_b", i["third"]), ("a_j_b", j["across"]))
+        first = coordinates.add(f"{name}.xy", Measure("n1", ends, xy))
+        second = coordinates.add(f"{name}.yx", Measure("n1", ends, yx))
+        one = CONTEXT.mpf(1)
+        return combination(name, [(first, one), (second, -one)], CONTEXT.mpf(0), coordinates)

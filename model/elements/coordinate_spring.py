@@ -1,0 +1,73 @@
+"""The element that rotational springs, friction and bushings are made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from kousoku.model.elements.along import is_length
+from kousoku.model.elements.kind import scalars
+from kousoku.model.mechanism import ForceElement
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kousoku.model.elements.kind import Lowering
+    from kousoku.model.precise import High
+    from kousoku.model.spatial import Value
+
+
+@dataclass(frozen=True, slots=True)
+class CoordinateSpring(ForceElement):
+    """A spring and damper against a coordinate.
+
+    Of ``constants`` ``stiffness`` and ``damping`` by the coordinate and its rate, then ``free``
+    [m or rad]; with a law of its own ``moment``, its unit, and ``free``.
+    """
+
+    kind: str = field(init=False, default="coordinate_spring")
+
+    @property
+    def has_potential(self) -> bool:
+        """Whether it is linear."""
+        return not self.law
+
+
+def linear_spring(
+    name: str,
+    place: int,
+    law: tuple[Value | None, Value | None],
+    given: Lowering,
+    free: Value | High = 0.0,
+) -> CoordinateSpring:
+    """Return a linear spring against a coordinate.
+
+    Parameters
+    ----------
+    name : str
+        Of the force in the scene.
+    place : int
+        Of the coordinate.
+    law : (float or str, float or str)
+        Stiffness and damping as in the scene; None is zero.
+    given : Lowering
+        The scene.
+    free : float or str [m or rad]
+        Where it has no force.
+    """
+    from kousoku.model import precise
+
+    one = precise.number(1)
+    stiffness, damping = law
+    scale = one if is_length(given, place) else given.unit**2
+    numbers = {"stiffness": (stiffness or 0.0, scale), "damping": (damping or 0.0, scale)}
+    return spring_against(name, place, numbers | {"free": (free, one)}, given)
+
+
+def spring_against(
+    name: str, place: int, numbers: Mapping[str, tuple[Any, High]], given: Lowering, law: str = ""
+) -> CoordinateSpring:
+    """Return a spring of these numbers, each with its unit, and perhaps a law of its own."""
+    one = given.coordinates.record(place)
+    constants, formulas = scalars(numbers)
+    return CoordinateSpring(name, one.i, one.j, constants, law, formulas, place)

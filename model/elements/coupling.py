@@ -1,0 +1,70 @@
+"""A kind of coupling: a linear combination of what other joints leave free."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kousoku.model.coordinates import CoordinateList
+    from kousoku.model.elements.inputs import ElementInput
+    from kousoku.model.mechanism import Instance
+    from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Joint
+
+
+class Coupling:
+    """A linear combination of what other joints leave free: it has no bodies of its own.
+
+    Attributes
+    ----------
+    title : str
+        What it couples, in one line.
+    wanted : mapping of str to str
+        The keys of :class:`~kousoku.model.spatial.Joint` that a scene gives, all of them, and what
+        each is.
+    inputs : mapping of str to ElementInput
+        Keys that it alone has; a scene gives all, and has their values in ``joint.inputs``.
+    couples : tuple of str
+        What the two joints of it must leave free, where it names joints.
+    not_zero : tuple of str
+        Keys whose number must not be zero.
+    aliases : tuple of str
+        Other names that are accepted.
+    """
+
+    title: ClassVar[str]
+    wanted: ClassVar[Mapping[str, str]]
+    inputs: ClassVar[Mapping[str, ElementInput]] = {}
+    couples: ClassVar[tuple[str, ...]] = ()
+    not_zero: ClassVar[tuple[str, ...]] = ()
+    aliases: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of :class:`~kousoku.model.spatial.Joint` that a scene gives."""
+        return tuple(self.wanted)
+
+    @property
+    def all_keys(self) -> tuple[str, ...]:
+        """Its keys in a scene, beside its type."""
+        return (*self.keys, *self.inputs)
+
+    @property
+    def rows(self) -> int:
+        """Count of equations."""
+        return 1
+
+    def check(self, scene: Scene, joint: Joint, key: str) -> None:
+        """Refuse what is wrong with the values of its keys, beside what is stated above.
+
+        Raises
+        ------
+        SceneError
+            With the dotted key of what is wrong.
+        """
+
+    def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
+        """Return its row, which is zero at the positions as they are written."""
+        raise NotImplementedError(f"no row of {joint.type}")

@@ -1,0 +1,26 @@
+"""All kinds of forces: the one table that reading, checking, systems, schema and catalog share."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.along import Along
+from kousoku.model.elements.bushing import Bushing
+from kousoku.model.elements.friction import Friction
+from kousoku.model.elements.load import ForceOnBody, TorqueOnBody
+from kousoku.model.elements.rotational_spring_damper import RotationalSpringDamper
+from kousoku.model.elements.spring_damper import SpringDamper
+
+if TYPE_CHECKING:
+    from kousoku.model.elements.kind import ForceKind
+
+FORCES: dict[str, ForceKind] = {
+    "force": ForceOnBody(),
+    "torque": TorqueOnBody(),
+    "spring_damper": SpringDamper(),
+    "rotational_spring_damper": RotationalSpringDamper(),
+    "along": Along(),
+    "friction": Friction(),
+    "bushing": Bushing(),
+}
+"""Forces of a scene by their types."""

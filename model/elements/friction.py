@@ -1,0 +1,46 @@
+"""Viscous friction in a joint."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.coordinate_spring import linear_spring
+from kousoku.model.elements.kind import ForceKind, require_one
+from kousoku.model.errors import SceneError
+from kousoku.model.joints import leaves_of
+from kousoku.model.validate_coordinates import check_leaves
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.elements.kind import Lowering
+    from kousoku.model.loads import Force
+    from kousoku.model.mechanism import ForceElement
+    from kousoku.model.scene import Scene
+
+
+class Friction(ForceKind):
+    """Viscous friction in a joint."""
+
+    title = "viscous friction in a joint"
+    keys = ("joint", "of", "damping")
+
+    def check(self, scene: Scene, force: Force, key: str) -> None:
+        """Refuse friction in what leaves nothing free that is one number."""
+        if force.joint is None:
+            raise SceneError("is missing; wanted the joint that it is in", key=f"{key}.joint")
+        of: str | None = force.of
+        if of is None and force.joint in scene.joints:
+            leaves = leaves_of(scene.joints[force.joint].type)
+            of = leaves[0] if leaves else None
+        check_leaves(scene, force.joint, of, key)
+        require_one(force.damping, f"{key}.damping")
+
+    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+        """Yield a damper against each coordinate that the joint leaves free."""
+        assert force.joint is not None
+        assert not isinstance(force.damping, tuple)
+        leaves = leaves_of(given.scene.joints[force.joint].type)
+        sorts = leaves if force.of is None else (force.of,)
+        for place in [given.coordinates.of_joint(force.joint, sort) for sort in sorts]:
+            yield linear_spring(name, place, (0.0, force.damping), given)

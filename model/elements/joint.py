@@ -1,0 +1,179 @@
+"""A kind of joint: what a scene gives it, what it is composed of, and what it leaves free.
+
+A joint has a frame in each of its two bodies: an axis, a direction across it, and a third that is
+perpendicular to both. Its parts say which kind keeps which of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kousoku.model.coordinates import CoordinateList, Measure
+    from kousoku.model.elements.inputs import ElementInput
+    from kousoku.model.frames import BodyFrame
+    from kousoku.model.mechanism import Instance
+    from kousoku.model.spatial import Joint
+
+ANGLE, SECOND_ANGLE = "angle", "second_angle"
+DISPLACEMENT, SECOND_DISPLACEMENT = "displacement", "second_displacement"
+"""What a joint can leave free that is one number."""
+
+ANGLES, DISPLACEMENTS = (ANGLE, SECOND_ANGLE), (DISPLACEMENT, SECOND_DISPLACEMENT)
+"""Those of them that are in rad, and those that are lengths."""
+
+ROWS_OF = {
+    "point": 3,
+    "distance": 1,
+    "n1": 1,
+    "n2": 1,
+    "p1": 2,
+    "p2": 2,
+    "linear_combination": 1,
+}
+"""Equations of each kind that joints are made of."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One kind in a joint.
+
+    Parameters
+    ----------
+    kind : str
+        ``point``, ``distance``, ``n1``, ``n2``, ``p1``, ``p2``, or ``linear_combination`` of
+        coordinates.
+    i, j : {"axis", "across", "third"}
+        Which vectors of the joint frames are a_i and a_j, where the kind has them.
+    """
+
+    kind: str
+    i: str = "axis"
+    j: str = "axis"
+
+
+@dataclass(frozen=True, slots=True)
+class JointKind:
+    """One line of the table of joints.
+
+    Parameters
+    ----------
+    title : str
+        What the joint allows, in one line.
+    parts : tuple of Part
+        What it is composed of, in the order of its rows.
+    axes : int
+        Axes that a scene gives: none, 1 that is the same in both bodies, or 2.
+    has_point : bool
+        Whether a scene gives a point.
+    aliases : tuple of str
+        Other names that are accepted.
+    leaves : tuple of str
+        What it leaves free that is one number: its ``angle``, the ``second_angle`` of a universal
+        joint, its ``displacement``, the ``second_displacement`` of a planar joint.
+    keys : tuple of str
+        Numbers of :class:`~kousoku.model.spatial.Joint` that a scene gives and that no other joint
+        has.
+    inputs : mapping of str to ElementInput
+        Keys that it alone has; a scene has their values in ``joint.inputs``.
+    """
+
+    title: str
+    parts: tuple[Part, ...]
+    axes: int
+    has_point: bool = True
+    aliases: tuple[str, ...] = ()
+    leaves: tuple[str, ...] = ()
+    keys: tuple[str, ...] = ()
+    inputs: Mapping[str, ElementInput] = field(default_factory=dict)
+
+    @property
+    def all_keys(self) -> tuple[str, ...]:
+        """Its keys in a scene, beside its type."""
+        points = self.point_keys if self.has_point else ()
+        axes = ("axes", "axis", "second_axis")[: 1 + self.axes] if self.axes else ()
+        zero = ("zero",) * self.has_zero
+        return ("bodies", *points, *axes, *zero, *self.own_keys)
+
+    @property
+    def point_keys(self) -> tuple[str, ...]:
+        """Keys of its point, of a joint that has one."""
+        return "points", "at"
+
+    @property
+    def own_keys(self) -> tuple[str, ...]:
+        """Keys of its numbers."""
+        return (*self.keys, *self.inputs)
+
+    def check_numbers(self, joint: Joint, key: str) -> None:
+        """Refuse numbers that it cannot have, and their lack.
+
+        Raises
+        ------
+        SceneError
+            With the dotted key of what is wrong.
+        """
+
+    def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
+        """Return the row of a joint that combines coordinates.
+
+        Raises
+        ------
+        SceneError
+            The joint is singular as it is written.
+        """
+        raise NotImplementedError(f"no row of coordinates of {joint.type}")
+
+    def measure(self, joint: Joint, sort: str, ends: tuple[BodyFrame, BodyFrame]) -> Measure:
+        """Return what it leaves free: an angle or a displacement.
+
+        The angle is that of the zero direction of body j, counted from the zero direction of body i
+        counter-clockwise about the axis of body i. The displacement is that of the point of j, from
+        the point of i along the axis of i; in a plane it is along the zero direction of i, and the
+        second one along axis × zero direction.
+        """
+        from kousoku.model.coordinates import Measure
+        from kousoku.model.frames import joint_points, joint_vectors
+
+        i, j = joint_vectors(ends, joint)
+        if sort == ANGLE:
+            vectors = (("a_i_b", i["across"]), ("b_i_b", i["third"]), ("a_j_b", j["across"]))
+            return Measure("angle", ends, vectors)
+        along = i["axis"]
+        if self.counts_along_zero:
+            along = i["across"] if sort == DISPLACEMENT else i["third"]
+        return Measure("n2", ends, (("a_i_b", along),), joint_points(joint, ends))
+
+    @property
+    def rows(self) -> int:
+        """Count of equations, the freedoms that the joint takes away."""
+        return sum(ROWS_OF[part.kind] for part in self.parts)
+
+    def turns(self, body: int) -> bool:
+        """Return whether it needs the orientation of body i (0) or j (1), which a point lacks."""
+        both, first = ("n1", "p1", "linear_combination"), ("n2", "p2")
+        return any(part.kind in (both if body else both + first) for part in self.parts)
+
+    @property
+    def keeps_zero(self) -> bool:
+        """Whether directions across its axis stay parallel, or stay so but for a bend."""
+        return self.has_zero and ANGLE not in self.leaves
+
+    @property
+    def counts_along_zero(self) -> bool:
+        """Whether its displacements are across its axis: along the zero direction and beside it."""
+        return SECOND_DISPLACEMENT in self.leaves
+
+    @property
+    def has_zero(self) -> bool:
+        """Whether directions across its axis count: it has an angle, or keeps one."""
+        across = any("across" in (part.i, part.j) for part in self.parts)
+        return across or ANGLE in self.leaves or (self.axes == 2 and COMBINED in self.parts)
+
+
+POINT, PARALLEL, ON_LINE, ON_PLANE = Part("point"), Part("p1"), Part("p2"), Part("n2")
+COMBINED = Part("linear_combination")
+NO_TURN = Part("n1", "across", "third")

@@ -1,0 +1,151 @@
+"""The kind of a force: what a scene gives it, what is wrong with that, and its elements."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from kousoku.model.errors import SceneError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from kousoku.model.coordinates import CoordinateList
+    from kousoku.model.elements.inputs import ElementInput
+    from kousoku.model.frames import BodyFrame
+    from kousoku.model.loads import Force
+    from kousoku.model.mechanism import ForceElement
+    from kousoku.model.precise import High
+    from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Value
+
+    Constants = tuple[tuple[str, tuple[float, ...]], ...]
+    Formulas = tuple[tuple[str, str], ...]
+    Points = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+
+@dataclass(frozen=True, slots=True)
+class Lowering:
+    """What forces of a scene are turned into elements with.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked scene.
+    frames : mapping of str to BodyFrame
+        Of all bodies and the ground.
+    coordinates : CoordinateList
+        What the forces need is added.
+    unit : number [m]
+        The unit of the scene.
+    """
+
+    scene: Scene
+    frames: Mapping[str, BodyFrame]
+    coordinates: CoordinateList
+    unit: High
+
+
+class ForceKind(ABC):
+    """One type of forces in a scene.
+
+    Attributes
+    ----------
+    title : str
+        What it is, in one line.
+    keys : tuple of str
+        The keys of :class:`~kousoku.model.loads.Force` that it has.
+    inputs : mapping of str to ElementInput
+        Keys that it alone has; the scene has their values in ``force.inputs``.
+    """
+
+    title: ClassVar[str]
+    keys: ClassVar[tuple[str, ...]]
+    inputs: ClassVar[Mapping[str, ElementInput]] = {}
+
+    @property
+    def all_keys(self) -> tuple[str, ...]:
+        """Its keys in a scene, beside its type."""
+        return (*self.keys, *self.inputs)
+
+    @abstractmethod
+    def check(self, scene: Scene, force: Force, key: str) -> None:
+        """Refuse what is wrong with the values of its keys.
+
+        Types are right, and of two ``bodies`` both are there; formulas are checked elsewhere.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where it is.
+        force : Force
+            The force.
+        key : str
+            Its dotted key.
+
+        Raises
+        ------
+        SceneError
+            With the dotted key of what is wrong.
+        """
+
+    def unused(self, force: Force) -> Iterable[tuple[str, str]]:
+        """Yield keys that change nothing, and why."""
+        return ()
+
+    @abstractmethod
+    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+        """Yield what a checked force is made of: SI units, principal frames, rounded once.
+
+        It imports what computes in 50 digits itself: scenes are read and checked without.
+        """
+
+    def line(self, force: Force) -> tuple[tuple[str, str], Points] | None:
+        """Return two bodies and the points between which pictures show a spring, if any."""
+        return None
+
+
+def require_one(value: object, key: str, which: str = "") -> None:
+    """Refuse no number, and several.
+
+    Raises
+    ------
+    SceneError
+        With the dotted key.
+    """
+    if value is None or isinstance(value, tuple):
+        problem = "is missing" if value is None else "has components"
+        raise SceneError(f"{problem}; wanted one number or formula{which}", key=key)
+
+
+def require_only_point(name: str, point: tuple[float, float, float] | None, key: str) -> None:
+    """Refuse a point of a body that is a point itself, unless it is that one.
+
+    Raises
+    ------
+    SceneError
+        With the dotted key.
+    """
+    if any(point or ()):
+        raise SceneError(f"{name} is a point; wanted [0, 0, 0], its only point", key=key)
+
+
+def scalars(given: Mapping[str, tuple[Value | High | None, High]]) -> tuple[Constants, Formulas]:
+    """Return numbers in SI units; of a formula its unit, and the text.
+
+    Parameters
+    ----------
+    given : mapping of str to (float or str, number)
+        By name the value in the scene, and its unit.
+    """
+    from kousoku.model import precise
+
+    def number(value: Any) -> High:
+        return precise.number(1 if isinstance(value, str) else value)
+
+    constants = tuple(
+        (name, (precise.double(unit * number(value)),)) for name, (value, unit) in given.items()
+    )
+    texts = ((name, value) for name, (value, _) in given.items() if isinstance(value, str))
+    return constants, tuple(texts)

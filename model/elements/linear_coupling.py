@@ -1,0 +1,88 @@
+"""A linear coupling: the sum of coordinates, each multiplied by a factor."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import frexp, ldexp
+from typing import TYPE_CHECKING, ClassVar
+
+from kousoku.model.decode import require_known
+from kousoku.model.elements.coupling import Coupling
+from kousoku.model.errors import SceneError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.model.coordinates import CoordinateList
+    from kousoku.model.mechanism import Instance
+    from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Joint
+
+USUAL = 8
+"""Powers of two that the largest factor of a linear coupling may have, lengths counted in one of
+the scene."""
+
+
+class LinearCoupling(Coupling):
+    """The sum of coordinates, each multiplied by a factor."""
+
+    title = "the sum of coordinates, each multiplied by a factor"
+    wanted: ClassVar = {
+        "coordinates": "names of coordinates",
+        "factors": "a number for each coordinate",
+    }
+    aliases = ("coupler",)
+
+    def check(self, scene: Scene, joint: Joint, key: str) -> None:
+        """Refuse coordinates that are not there or stand twice, and factors that are zero."""
+        names, factors = joint.coordinates or (), joint.factors or ()
+        if not names:
+            raise SceneError("is empty; wanted names of coordinates", key=f"{key}.coordinates")
+        if len(names) != len(factors):
+            raise SceneError(
+                f"has {len(factors)} numbers for {len(names)} coordinates; wanted one for each",
+                key=f"{key}.factors",
+            )
+        for index, name in enumerate(names):
+            place = f"{key}.coordinates[{index}]"
+            require_known("coordinate", name, scene.coordinates, place)
+            if name in names[:index]:
+                raise SceneError(f"{name} stands there twice; leave one out", key=place)
+        for index, factor in enumerate(factors):
+            if factor == 0:
+                raise SceneError(
+                    "is zero; wanted a number, or leave the coordinate out",
+                    key=f"{key}.factors[{index}]",
+                )
+
+    def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
+        """Return Σ factor · coordinate, of angles in rad, else in the unit of the scene."""
+        from kousoku.model import precise
+        from kousoku.model.combinations import as_written, length_of
+        from kousoku.model.traced import at_scene
+
+        assert joint.coordinates is not None
+        assert joint.factors is not None
+        places = [coordinates.place(coordinate) for coordinate in joint.coordinates]
+        factors = [precise.number(factor) for factor in joint.factors]
+        units = [coordinates.unit_of(place)[0] for place in places]
+        if "m" in units:  # what is multiplied with an angle is a length
+            pairs = zip(factors, units, strict=True)
+            factors = [f * coordinates.unit if of == "rad" else f for f, of in pairs]
+        sizes = [float(at_scene(factor)) for factor in factors]
+        if "m" in units and "rad" in units:
+            length = length_of(coordinates)
+            sizes = [f / length if of == "rad" else f for f, of in zip(sizes, units, strict=True)]
+        scale = _scale_of(sizes)
+        terms = [(place, scale * f) for place, f in zip(places, factors, strict=True)]
+        return replace(as_written(name, terms, coordinates), scale=scale)
+
+
+def _scale_of(factors: Sequence[float]) -> float:
+    """Return what factors are multiplied by, so that their row has the size of other rows.
+
+    A row that is far smaller would count as one that depends on others, and nothing would keep it.
+    """
+    largest = max(map(abs, factors))
+    exponent = frexp(largest)[1] if largest else 0
+    return 1.0 if abs(exponent) <= USUAL else ldexp(1.0, 1 - exponent)

@@ -1,0 +1,170 @@
+"""A force or a torque on a body, in frame O or in the body frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from kousoku.model.decode import require_known
+from kousoku.model.elements.kind import ForceKind, require_only_point
+from kousoku.model.errors import SceneError
+from kousoku.model.mechanism import GROUND_INDEX, ForceElement
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.elements.kind import Constants, Formulas, Lowering
+    from kousoku.model.frames import BodyFrame
+    from kousoku.model.loads import Force
+    from kousoku.model.mechanism import Vector
+    from kousoku.model.precise import High, Triple
+    from kousoku.model.scene import Scene
+
+AXES = "xyz"
+
+
+@dataclass(frozen=True, slots=True)
+class Load(ForceElement):
+    """A force or torque on body j; i is the ground.
+
+    Of ``constants`` ``s_j_b`` [m] is the point of a force; all others are vectors that are added
+    up: ``force`` [N] or ``torque`` [N m], and a further one for each component that is a formula,
+    such as ``force_x``. Formulas may depend on the motion.
+
+    Parameters
+    ----------
+    kind : {"force", "force_b", "torque", "torque_b"}
+        Vectors of ``force`` and ``torque`` are in frame O, of ``force_b`` and ``torque_b``, which
+        turn with the body, in its principal frame.
+    """
+
+    kind: str
+
+    @property
+    def is_torque(self) -> bool:
+        """Whether it is a torque."""
+        return self.kind.startswith("torque")
+
+    @property
+    def turns(self) -> bool:
+        """Whether it turns with the body."""
+        return self.kind.endswith("_b")
+
+    @property
+    def has_potential(self) -> bool:
+        """Whether it is constant in frame O; a torque has none even then."""
+        return not (self.is_torque or self.turns or self.formulas)
+
+    @property
+    def vectors(self) -> tuple[Vector, ...]:
+        """What it is the sum of, but for the values of formulas."""
+        given = (values for name, values in self.constants if name != "s_j_b")
+        return tuple((x, y, z) for x, y, z in given)
+
+
+class OnBody(ForceKind):
+    """What forces and torques on a body have in common."""
+
+    name: ClassVar[str]
+
+    def check(self, scene: Scene, force: Force, key: str) -> None:
+        """Refuse a load on no body, without components, or with those of both frames."""
+        if force.body is None:
+            raise SceneError("is missing; wanted the body that it acts on", key=f"{key}.body")
+        require_known("body", force.body, scene.bodies, f"{key}.body")
+        fixed, turning = (getattr(force, name) for name in (self.name, f"{self.name}_b"))
+        if fixed is None and turning is None:
+            raise SceneError(
+                f"is missing; wanted its components in frame O, or in the body frame as "
+                f"'{self.name}_b'",
+                key=f"{key}.{self.name}",
+            )
+        if fixed is not None and turning is not None:
+            raise SceneError(
+                f"is given in frame O too, as {self.name}; wanted one of them",
+                key=f"{key}.{self.name}_b",
+            )
+        if isinstance(fixed, str | float):
+            raise SceneError(
+                "is one number; wanted three components in frame O", key=f"{key}.{self.name}"
+            )
+        if scene.bodies[force.body].point:
+            self._check_on_point(force, key)
+
+    def _check_on_point(self, force: Force, key: str) -> None:
+        raise NotImplementedError
+
+    def kind_of(self, force: Force) -> str:
+        """Return the kind of its element."""
+        return self.name if getattr(force, self.name) is not None else f"{self.name}_b"
+
+    def vectors(
+        self, force: Force, kind: str, frame: BodyFrame, unit: High
+    ) -> tuple[Constants, Formulas]:
+        """Return the vectors that it is the sum of, and the formulas of some of them.
+
+        Components that are numbers make one vector. Each that is a formula stands beside the
+        direction that it belongs to, in frame O or in the principal frame.
+        """
+        from kousoku.model import precise
+        from kousoku.model.frames import to_vector
+
+        turns = kind != self.name
+
+        def seen(vector: Triple) -> Vector:
+            return to_vector(precise.scale(unit, frame.principal(vector) if turns else vector))
+
+        given = getattr(force, kind)
+        numbers = [0.0 if isinstance(value, str) else value for value in given]
+        constants = [(self.name, seen(precise.triple((numbers[0], numbers[1], numbers[2]))))]
+        formulas = []
+        for k, value in enumerate(given):
+            if isinstance(value, str):
+                x, y, z = (float(k == m) for m in range(3))
+                constants.append((f"{self.name}_{AXES[k]}", seen(precise.triple((x, y, z)))))
+                formulas.append((f"{self.name}_{AXES[k]}", value))
+        return tuple(constants), tuple(formulas)
+
+
+class ForceOnBody(OnBody):
+    """A force on a point of a body."""
+
+    name = "force"
+    title = "a force on a body"
+    keys = ("body", "point", "force", "force_b")
+
+    def _check_on_point(self, force: Force, key: str) -> None:
+        if force.force_b is not None:
+            raise SceneError(
+                "a point has no axes of its own; wanted 'force', in frame O", key=f"{key}.force_b"
+            )
+        require_only_point(force.body or "", force.point, f"{key}.point")
+
+    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+        """Yield the force."""
+        from kousoku.model import precise
+
+        frame = given.frames[force.body or ""]
+        kind = self.kind_of(force)
+        vectors, formulas = self.vectors(force, kind, frame, given.unit)
+        place = precise.triple(force.point or (0.0, 0.0, 0.0))
+        constants = (("s_j_b", frame.point(place, given.unit)), *vectors)
+        yield Load(name, kind, GROUND_INDEX, frame.index, constants, formulas=formulas)
+
+
+class TorqueOnBody(OnBody):
+    """A torque on a body."""
+
+    name = "torque"
+    title = "a torque on a body"
+    keys = ("body", "torque", "torque_b")
+
+    def _check_on_point(self, force: Force, key: str) -> None:
+        raise SceneError("a point does not turn; wanted a body", key=f"{key}.body")
+
+    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+        """Yield the torque."""
+        frame = given.frames[force.body or ""]
+        kind = self.kind_of(force)
+        vectors, formulas = self.vectors(force, kind, frame, given.unit * given.unit)
+        yield Load(name, kind, GROUND_INDEX, frame.index, vectors, formulas=formulas)

@@ -1,0 +1,37 @@
+"""A rod: two points that keep their distance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.model.decode import LARGEST
+from kousoku.model.elements.joint import JointKind
+from kousoku.model.errors import SceneError
+
+if TYPE_CHECKING:
+    from kousoku.model.spatial import Joint
+
+
+@dataclass(frozen=True, slots=True)
+class Rod(JointKind):
+    """All that keeps the distance of two points, ``length``, or that of their positions."""
+
+    @property
+    def point_keys(self) -> tuple[str, ...]:
+        """Keys of its points, which are apart."""
+        return ("points",)
+
+    @property
+    def own_keys(self) -> tuple[str, ...]:
+        """Its length, which may be left out."""
+        return ("length",)
+
+    def check_numbers(self, joint: Joint, key: str) -> None:
+        """Refuse a length that is not positive."""
+        if joint.length is not None and not joint.length >= 1 / LARGEST:
+            raise SceneError(
+                f"a length of {joint.length!r}; wanted a positive length: where two points "
+                "coincide, take a spherical joint",
+                key=f"{key}.length",
+            )

@@ -1,0 +1,95 @@
+"""A spring and damper against an angle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.along import known_coordinate
+from kousoku.model.elements.coordinate_spring import linear_spring, spring_against
+from kousoku.model.elements.joint import ANGLE, ANGLES, DISPLACEMENTS, SECOND_ANGLE
+from kousoku.model.elements.kind import ForceKind
+from kousoku.model.elements.spring import check_law, unused_free
+from kousoku.model.errors import SceneError
+from kousoku.model.joints import leaves_of, sort_of
+from kousoku.model.text import with_a
+from kousoku.model.validate_coordinates import check_leaves
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.elements.kind import Lowering
+    from kousoku.model.loads import Force
+    from kousoku.model.mechanism import ForceElement
+    from kousoku.model.scene import Scene
+
+
+class RotationalSpringDamper(ForceKind):
+    """A spring and damper against an angle."""
+
+    title = "a spring and damper against an angle"
+    keys = ("joint", "of", "coordinate", "stiffness", "damping", "moment", "free_angle")
+
+    def check(self, scene: Scene, force: Force, key: str) -> None:
+        """Refuse a rotational spring without an angle, or without a law."""
+        if (force.joint is None) == (force.coordinate is None):
+            both = (
+                "is given too; wanted one of them" if force.joint else "is missing; or 'coordinate'"
+            )
+            raise SceneError(f"{both}: the angle that it acts on", key=f"{key}.joint")
+        if force.joint is not None:
+            _check_angle(scene, force, key)
+        elif not _is_angle(scene, known_coordinate(scene, force, key)):
+            raise SceneError(
+                f"{force.coordinate} is no angle; wanted an angle, or a force of type 'along'",
+                key=f"{key}.coordinate",
+            )
+        check_law(force, "moment", key)
+
+    def unused(self, force: Force) -> Iterator[tuple[str, str]]:
+        """Yield a free angle that does not count, and a lost ``of``."""
+        yield from unused_free(force, "free_angle", "moment")
+        if force.coordinate is not None and force.of is not None:
+            yield (
+                "of",
+                "belongs to 'joint'; the coordinate says which angle it is, leave it out",
+            )
+
+    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+        """Yield a spring against the coordinate."""
+        from kousoku.model import precise
+
+        assert not isinstance(force.stiffness, tuple)
+        assert not isinstance(force.damping, tuple)
+        if force.coordinate is not None:
+            place = given.coordinates.place(force.coordinate)
+        else:
+            assert force.joint is not None
+            place = given.coordinates.of_joint(force.joint, force.of or ANGLE)
+        free = given.coordinates.value(place) if force.free_angle is None else force.free_angle
+        if force.moment is None:
+            yield linear_spring(name, place, (force.stiffness, force.damping), given, free)
+        else:
+            numbers = {"moment": (1.0, given.unit**2), "free": (free, precise.number(1))}
+            yield spring_against(name, place, numbers, given, force.moment)
+
+
+def _check_angle(scene: Scene, force: Force, key: str) -> None:
+    """Refuse a joint without an angle, or with two where neither is meant."""
+    joint, of = force.joint or "", force.of
+    if of in DISPLACEMENTS:
+        raise SceneError("is no angle; wanted an angle", key=f"{key}.of")
+    leaves = leaves_of(scene.joints[joint].type) if joint in scene.joints else ()
+    if leaves and ANGLE not in leaves:
+        kind = scene.joints[joint].type
+        raise SceneError(
+            f"{joint} is {with_a(kind)} joint, which has no angle that is one number",
+            key=f"{key}.joint",
+        )
+    check_leaves(scene, joint, of if of or SECOND_ANGLE in leaves else ANGLE, key)
+
+
+def _is_angle(scene: Scene, name: str) -> bool:
+    given = scene.coordinates[name]
+    if given.joint is None:
+        return False
+    return sort_of(scene.joints[given.joint].type, given.of) in ANGLES

@@ -1,0 +1,97 @@
+"""A spring and damper between two points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.kind import ForceKind, require_only_point, scalars
+from kousoku.model.elements.spring import check_law, unused_free
+from kousoku.model.errors import SceneError
+from kousoku.model.mechanism import ForceElement
+from kousoku.model.spatial import GROUND
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.elements.kind import Lowering, Points
+    from kousoku.model.loads import Force
+    from kousoku.model.precise import High
+    from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Value
+
+
+@dataclass(frozen=True, slots=True)
+class PointSpring(ForceElement):
+    """A spring and damper between a point of body i and one of body j.
+
+    Of ``constants`` ``s_i_b`` and ``s_j_b`` [m] are its ends, then come ``stiffness`` [N/m],
+    ``damping`` [N s/m] and ``free_length`` [m]; with a law of its own ``unit`` [m], that of the
+    scene, in place of stiffness and damping.
+    """
+
+    kind: str = field(init=False, default="spring_damper")
+
+    @property
+    def has_potential(self) -> bool:
+        """Whether it is linear."""
+        return not self.law
+
+
+class SpringDamper(ForceKind):
+    """A spring and damper between two points."""
+
+    title = "a spring and damper between two points"
+    keys = ("bodies", "points", "stiffness", "damping", "tension", "free_length")
+
+    def check(self, scene: Scene, force: Force, key: str) -> None:
+        """Refuse a spring without ends, without a law, or of negative length."""
+        if force.points is None:
+            raise SceneError("is missing; wanted its end in each of them", key=f"{key}.points")
+        for index, (name, point) in enumerate(zip(force.bodies or (), force.points, strict=True)):
+            if name != GROUND and scene.bodies[name].point:
+                require_only_point(name, point, f"{key}.points[{index}]")
+        check_law(force, "tension", key)
+        free = force.free_length
+        if isinstance(free, float) and free < 0:
+            raise SceneError(
+                f"a length of {free!r}; wanted none that is negative", key=f"{key}.free_length"
+            )
+
+    def unused(self, force: Force) -> Iterator[tuple[str, str]]:
+        """Yield a free length that does not count."""
+        yield from unused_free(force, "free_length", "tension")
+
+    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+        """Yield the spring."""
+        from kousoku.model import precise
+
+        assert force.bodies is not None
+        assert force.points is not None
+        ends = [given.frames[body] for body in force.bodies]
+        points = [precise.triple(point) for point in force.points]
+        free: Value | High | None = force.free_length
+        if free is None:
+            start, end = (
+                precise.add(frame.position, precise.rotate(frame.p, point))
+                for frame, point in zip(ends, points, strict=True)
+            )
+            free = precise.length(precise.subtract(end, start))
+        one = precise.number(1)
+        law: dict[str, tuple[Value | High, High]] = {"unit": (1.0, given.unit)}
+        if force.tension is None:
+            linear = {"stiffness": force.stiffness, "damping": force.damping}
+            law = {name: (value or 0.0, one) for name, value in linear.items()}
+        numbers, formulas = scalars(law | {"free_length": (free, given.unit)})
+        constants = (
+            ("s_i_b", ends[0].point(points[0], given.unit)),
+            ("s_j_b", ends[1].point(points[1], given.unit)),
+            *numbers,
+        )
+        i, j = (end.index for end in ends)
+        yield PointSpring(name, i, j, constants, force.tension or "", formulas)
+
+    def line(self, force: Force) -> tuple[tuple[str, str], Points] | None:
+        """Return its bodies and its ends."""
+        both = force.bodies, force.points
+        return None if both[0] is None or both[1] is None else (both[0], both[1])

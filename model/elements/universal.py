@@ -1,0 +1,46 @@
+"""A universal joint: turns about the two arms of a cross."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.joint import ANGLE, JointKind
+
+if TYPE_CHECKING:
+    from kousoku.model.coordinates import Measure
+    from kousoku.model.frames import BodyFrame
+    from kousoku.model.spatial import Joint
+
+
+@dataclass(frozen=True, slots=True)
+class Universal(JointKind):
+    """Turns about the two arms of a cross, each fixed in one of the bodies."""
+
+    def measure(self, joint: Joint, sort: str, ends: tuple[BodyFrame, BodyFrame]) -> Measure:
+        """Return a turn of the cross about one of its arms.
+
+        The angle is that of the arm of j, seen from body i, about the arm of i. The second is that
+        of body j about its own arm: against it the arm of i turns the other way.
+        """
+        from kousoku.model import precise
+        from kousoku.model.coordinates import Measure
+        from kousoku.model.digits import CONTEXT
+        from kousoku.model.frames import joint_vectors
+        from kousoku.model.precise import NOISE
+
+        i, j = joint_vectors(ends, joint)
+        first, second = ends
+        if sort == ANGLE:
+            own, arm, across = i["axis"], j["axis"], i["across"]
+        else:
+            ends = second, first
+            own, arm, across = j["axis"], i["axis"], j["across"]
+        if joint.zero is None:
+            seen = ends[0].from_ground(ends[1].to_ground(arm))
+            aside = precise.without(seen, own)
+            across = precise.across(own) if precise.length(aside) < NOISE else precise.unit(aside)
+        third = precise.cross(own, across)
+        if sort != ANGLE:
+            third = precise.scale(CONTEXT.mpf(-1), third)
+        return Measure("angle", ends, (("a_i_b", across), ("b_i_b", third), ("a_j_b", arm)))

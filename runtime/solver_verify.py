@@ -1,0 +1,125 @@
+"""Check what was made from a scene: what is the same for bodies and for linkages of nodes.
+
+At each state of ``reference.json.gz`` all that the solver computes is computed again, by C and by
+NumPy, and its error is told in units of what rounding can do there.
+"""
+
+from __future__ import annotations
+
+import json
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+
+from kousoku.model.errors import LoadError, NoCompilerError, TargetError, VerifyError
+from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.runtime.notice import silent
+from kousoku.runtime.report import Report, Row
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from kousoku.runtime.choice import Target
+    from kousoku.runtime.sources import Sources
+
+    #: What ``reference.json.gz`` holds; None where the folder was generated without.
+    Data = Mapping[str, Any] | None
+
+Solver = TypeVar("Solver")
+
+NAMES: dict[str, str] = {"c": "C", "numpy": "NumPy"}
+
+
+class SolverCheck(ABC, Generic[Solver]):
+    """The check of a folder that was made from a scene.
+
+    Parameters
+    ----------
+    sources : Sources
+        Its files, compared with the manifest.
+    """
+
+    #: That of the reference values.
+    FORMAT: ClassVar[int]
+
+    def __init__(self, sources: Sources) -> None:
+        self.sources = sources
+
+    @abstractmethod
+    def load(self, target: Target) -> Solver:
+        """Return the solver by a target."""
+
+    @abstractmethod
+    def require(self, data: Mapping[str, Any]) -> object:
+        """Look at all that reference values must have; what is missing raises."""
+
+    @abstractmethod
+    def rows(self, solver: Solver, data: Mapping[str, Any]) -> Iterable[Row]:
+        """Return the worst error of each output."""
+
+    @abstractmethod
+    def problems(self, solvers: Sequence[Solver], data: Data) -> Iterator[str]:
+        """Yield what else is wrong: with motions, tables, and one target beside the other."""
+
+    def notes(self, data: Mapping[str, Any]) -> Iterator[str]:
+        """Yield what is not compared, and why."""
+        return iter(())
+
+    def verify(self, target: Target) -> Report:
+        """Return whether the folder computes what was composed.
+
+        Parameters
+        ----------
+        target : {"auto", "c", "numpy"}
+            What to check.
+        """
+        folder, package = self.sources.folder, self.sources.manifest.package
+        problems: list[str] = []
+        notes: list[str] = []
+        try:
+            data = self._read()
+        except VerifyError as error:
+            return Report(package, str(folder), (), (str(error),))
+        solvers = list(self._solvers(target, problems, notes))
+        if not solvers and not problems:
+            problems.append("nothing was checked, because nothing could be run")
+        rows: list[Row] = []
+        if data is None:
+            notes.append(
+                f"{folder.name} has no {REFERENCE_FILE}: it was generated without reference values;"
+                " kousoku generate SCENE.toml writes them"
+            )
+        else:
+            notes += self.notes(data)
+            rows = [row for solver in solvers for row in self.rows(solver, data)]
+        problems += [str(row) for row in rows if not row.ok]
+        problems += self.problems(solvers, data)
+        return Report(package, str(folder), tuple(rows), tuple(problems), tuple(notes))
+
+    def _read(self) -> Data:
+        if REFERENCE_FILE not in self.sources.files:
+            return None
+        path = self.sources.folder / REFERENCE_FILE
+        try:
+            data: dict[str, Any] = json.loads(self.sources.files[REFERENCE_FILE])
+            if data["format"] != self.FORMAT:
+                raise VerifyError(f"{path}: its format is {data['format']}, wanted {self.FORMAT}")
+            self.require(data)
+        except (ValueError, KeyError, TypeError) as error:
+            raise VerifyError(f"{path} cannot be read: {error!r}") from None
+        return data
+
+    def _solvers(self, target: Target, problems: list[str], notes: list[str]) -> Iterator[Solver]:
+        """Yield the solver by each target; what cannot be had is a problem or a note."""
+        targets: tuple[Target, ...] = ("c", "numpy")
+        for wanted in targets:
+            if target not in {"auto", wanted}:
+                continue
+            try:
+                with silent():
+                    solver = self.load(wanted)
+                yield solver
+            except (NoCompilerError, TargetError) as error:
+                text = f"{NAMES[wanted]} is not checked: {error}"
+                (notes if target == "auto" else problems).append(text)
+            except LoadError as error:
+                problems.append(str(error))
