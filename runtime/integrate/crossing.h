@@ -143,7 +143,8 @@ static int side_at(const Node *node, size_t k)
 static void look_at(double time, const Look *look, const State *s, Work *work, Node *node)
 {
     double noise[ROOM(N_READ)];
-    look_closely(look->noise, time, look, s, work, node);
+    read_at(time, look, s, work, node->read);
+    if (N_POLES > 0) see_at(look->noise, time, work->w, node);
     for (size_t k = N_SWITCHING; k != N_CROSSINGS; ++k) {
         if (side_at(node, k) == 0) return;
     }

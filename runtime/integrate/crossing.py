@@ -209,14 +209,16 @@ def look_at(time: float, look: Look) -> Node:
     nothing that is narrower is passed over. Where a force may be infinite places are known to the
     noise.
     """
-    node, n = look_closely(look.noise, time, look), len(look.state.sides)
-    if not side_at(node)[n - look.work.scene.n_poles : n].all():
-        return node
-    noise, speed = look.noise.copy(), np.abs(node.read[:, 1])
+    read, n, n_poles = read_at(time, look), len(look.state.sides), look.work.scene.n_poles
+    if n_poles:
+        node = see_at(read, look.noise, time, look.work.w)
+        if not side_at(node)[n - n_poles : n].all():
+            return node
+    noise, speed = look.noise.copy(), np.abs(read[:, 1])
     far = PASSING * noise[:, 0]
     passes = (speed * larger(look.state.stride, look.h) > far) & (speed * speed > far * look.pull)
     noise[:, 0] = np.where(passes, look.rounding[:, 0], noise[:, 0])
-    return see_at(node.read, noise, time, look.work.w)
+    return see_at(read, noise, time, look.work.w)
 
 
 def look_closely(noise: Array, time: float, look: Look) -> Node:
