@@ -57,14 +57,14 @@ class Answer:
 
 
 def questions() -> dict[str, Question]:
-    """Return all questions by the names of their modules, in the order of the page."""
+    """Questions by the names of their modules, in the order of the page."""
     names = {module.name for module in pkgutil.iter_modules(benchmarks.__path__)}
     modules = {name: import_module(f"benchmarks.{name}") for name in ORDER if name in names}
     return {name: one.QUESTION for name, one in modules.items() if hasattr(one, "QUESTION")}
 
 
 def journal_of(size: Size) -> Path:
-    """Return the journal of a run: another one for other sources, and on another machine."""
+    """Journal of a run: another one for other sources, and on another machine."""
     run = size, sorted(machine().items())
     return BUILD / f"{digest_of(run, SOURCES, _is_measured)}.jsonl"
 
@@ -74,7 +74,7 @@ def _is_measured(path: Path) -> bool:
 
 
 def resumed(journal: Path) -> Iterator[tuple[str, str, list[Record], float]]:
-    """Yield the contests of a journal."""
+    """Contests of a journal."""
     for done in done_in(journal):
         records = [Record.from_dict(one) for one in done["records"]]
         yield done["question"], done["contest"], records, done["seconds"]
@@ -123,7 +123,7 @@ def ask(
 
 
 def run(name: str, question: Question, contest: str, size: Size, tell: Any) -> list[Record]:
-    """Return the records of a contest."""
+    """Records of a contest."""
     workers = Workers(f"benchmarks.{name}", size)
     try:
         if question.run is not None:
@@ -138,7 +138,7 @@ def run(name: str, question: Question, contest: str, size: Size, tell: Any) -> l
 
 
 def targets_of(chosen: dict[str, Question], answers: dict[str, Answer]) -> list[Target]:
-    """Return what the page promises, judged."""
+    """Targets that the page promises, judged."""
     return [
         target
         for name, answer in answers.items()
@@ -147,7 +147,7 @@ def targets_of(chosen: dict[str, Question], answers: dict[str, Answer]) -> list[
 
 
 def missing_of(answers: dict[str, Answer]) -> list[str]:
-    """Return what is not installed, each with what to install."""
+    """Tools that are not installed, each with what to install."""
     notes = [record.note for answer in answers.values() for record in answer.records]
     return sorted({note.removeprefix(MISSING) for note in notes if note.startswith(MISSING)})
 
@@ -159,7 +159,7 @@ def page_of(
     figures: Figures,
     about: dict[str, str],
 ) -> str:
-    """Return the page of a run in Markdown; its plots are written beside it."""
+    """Page of a run in Markdown; its plots are written beside it."""
     parts = [
         {
             "name": name,
@@ -185,7 +185,7 @@ def page_of(
 
 
 def arguments_of(words: list[str] | None) -> argparse.Namespace:
-    """Return what the command line asks for; the environment is what ``make bench FULL=1`` sets."""
+    """Arguments of the command line; the environment is what ``make bench FULL=1`` sets."""
     given, known = os.environ, questions()
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     named = [word for word in given.get("ONLY", "").split(",") if word]

@@ -42,7 +42,7 @@ _FLAGS = (
 
 
 def loop_library() -> Path:
-    """Return where the loop is compiled to: another place for another Pinocchio or compiler.
+    """Folder that the loop is compiled to: another one for another Pinocchio or compiler.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def loop_library() -> Path:
 
 
 def _command() -> list[str]:
-    """Return the compiler with its flags."""
+    """Compiler with its flags."""
     prefix = Path(required("pinocchio").__file__).parents[4]
     command = [*cpp_compiler(find_toolchain().command), *_FLAGS]
     command += [f"-I{prefix / 'include'}", f"-isystem{eigen()}", str(SOURCE)]
@@ -86,7 +86,7 @@ def build_loop() -> None:
 
 
 def looped(count: int) -> Accelerations:
-    """Return Pinocchio's accelerations through the loop.
+    """Pinocchio's accelerations through the loop.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def looped(count: int) -> Accelerations:
 
 
 def model_of(count: int) -> Any:
-    """Return a chain as Pinocchio's model, built joint by joint."""
+    """Chain as Pinocchio's model, built joint by joint."""
     pinocchio = required("pinocchio")
     model: Any = pinocchio.Model()
     model.gravity.linear = GRAVITY
@@ -135,7 +135,7 @@ def model_of(count: int) -> Any:
 
 
 def called(count: int) -> Accelerations:
-    """Return Pinocchio's accelerations, each through a call from Python."""
+    """Pinocchio's accelerations, each through a call from Python."""
     pinocchio, model = required("pinocchio"), model_of(count)
     data, torque = model.createData(), np.zeros(count)
     theta, rate = joint_states(count)
@@ -151,7 +151,7 @@ def called(count: int) -> Accelerations:
 
 
 def mujoco_model(count: int) -> Any:
-    """Return a chain as MuJoCo's model, body by body: XML may not be nested so deeply."""
+    """Chain as MuJoCo's model, body by body: XML may not be nested so deeply."""
     mujoco = required("mujoco")
     spec = mujoco.MjSpec()
     spec.option.gravity = GRAVITY
@@ -165,7 +165,7 @@ def mujoco_model(count: int) -> Any:
 
 
 def forward(count: int) -> Accelerations:
-    """Return MuJoCo's accelerations, each through a call from Python."""
+    """MuJoCo's accelerations, each through a call from Python."""
     mujoco, model = required("mujoco"), mujoco_model(count)
     data = mujoco.MjData(model)
     theta, rate = joint_states(count)

@@ -93,13 +93,13 @@ class Bars:
 
 
 def joint_states(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return angles and rates of all hinges, (states, bars) each."""
+    """Angles and rates of all hinges, (states, bars) each."""
     rng = np.random.default_rng(count)
     return rng.uniform(-1, 1, (STATES, count)), rng.uniform(-1, 1, (STATES, count))
 
 
 def bars(theta: np.ndarray, rate: np.ndarray, change: np.ndarray) -> Bars:
-    """Return the motion of a chain from its hinges: angles, rates and their derivatives."""
+    """Motion of a chain from its hinges: angles, rates and their derivatives."""
     found: list[tuple[np.ndarray, ...]] = []
     n = len(theta)
     p, zero = np.tile([1.0, 0, 0, 0], (n, 1)), np.zeros((n, 3))
@@ -124,14 +124,14 @@ def bars(theta: np.ndarray, rate: np.ndarray, change: np.ndarray) -> Bars:
 def _carried(
     arm: np.ndarray, point: tuple[np.ndarray, ...], omega: np.ndarray, alpha: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return position, velocity and acceleration at the end of an arm from a point."""
+    """Position, velocity and acceleration at the end of an arm from a point."""
     x, u, b = point
     swept = np.cross(omega, arm)
     return x + arm, u + swept, b + np.cross(alpha, arm) + np.cross(omega, swept)
 
 
 def dense(theta: np.ndarray, rate: np.ndarray) -> np.ndarray:
-    """Return θ̈ of one state by d'Alembert's principle with dense matrices: no constraints."""
+    """θ̈ of one state by d'Alembert's principle with dense matrices: no constraints."""
     count = len(theta)
     states = np.tile(theta, (count + 1, 1)), np.tile(rate, (count + 1, 1))
     moved = bars(*states, np.vstack([np.zeros(count), np.eye(count)]))
@@ -146,7 +146,7 @@ def dense(theta: np.ndarray, rate: np.ndarray) -> np.ndarray:
 
 
 def recursive(theta: np.ndarray, rate: np.ndarray) -> np.ndarray:
-    """Return θ̈ of all states by Featherstone's recursion: articulated inertias, in each bar.
+    """Accelerations θ̈ of all states by Featherstone's recursion: articulated inertias, in each bar.
 
     Motions are (turning, shifting at the hinge), forces (moment about the hinge, force).
     """
@@ -182,12 +182,12 @@ def recursive(theta: np.ndarray, rate: np.ndarray) -> np.ndarray:
 
 
 def _crossed(vector: np.ndarray) -> np.ndarray:
-    """Return the matrices that multiply as the vectors do crosswise."""
+    """Matrices that multiply as the vectors do crosswise."""
     return np.cross(vector[..., None, :], np.eye(3)).swapaxes(-1, -2)
 
 
 def _swept(motion: np.ndarray) -> np.ndarray:
-    """Return the matrices of the product of motions; their transpose, negative, is for forces."""
+    """Matrices of the product of motions; their transpose, negative, is for forces."""
     found = np.zeros((len(motion), 6, 6))
     found[:, :3, :3] = found[:, 3:, 3:] = _crossed(motion[:, :3])
     found[:, 3:, :3] = _crossed(motion[:, 3:])
@@ -195,7 +195,7 @@ def _swept(motion: np.ndarray) -> np.ndarray:
 
 
 def _from_bar_before(theta: np.ndarray, axis: np.ndarray, arm: np.ndarray) -> np.ndarray:
-    """Return the matrices that take motions at the hinge before to those at this one."""
+    """Matrices that take motions at the hinge before to those at this one."""
     half = theta[:, None] / 2
     turn = np.hstack([np.cos(half), -np.sin(half) * axis])
     matrix = np.stack([rotated(turn, np.tile(e, (len(theta), 1))) for e in np.eye(3)], axis=2)
@@ -206,7 +206,7 @@ def _from_bar_before(theta: np.ndarray, axis: np.ndarray, arm: np.ndarray) -> np
 
 
 def _inertia_at_the_hinge() -> np.ndarray:
-    """Return the inertia of a bar, (6, 6)."""
+    """Inertia of a bar, (6, 6)."""
     arm, found = _crossed(CENTRE), np.zeros((6, 6))
     found[:3, :3] = np.diag(MOMENTS) - MASS * arm @ arm
     found[:3, 3:], found[3:, :3] = MASS * arm, -MASS * arm
@@ -215,7 +215,7 @@ def _inertia_at_the_hinge() -> np.ndarray:
 
 
 def reference(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return v̇ of the centres and ω̇′ by the dense matrices."""
+    """v̇ of the centres and ω̇′ by the dense matrices."""
     theta, rate = joint_states(count)
     change = np.array([dense(*state) for state in zip(theta, rate, strict=True)])
     found = bars(theta, rate, change)
@@ -223,7 +223,7 @@ def reference(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def difference(got: tuple[np.ndarray, np.ndarray], wanted: tuple[np.ndarray, np.ndarray]) -> float:
-    """Return the largest difference, relative to the largest number."""
+    """Largest difference, relative to the largest number."""
     pairs = list(zip(got, wanted, strict=True))
     return max(float(np.abs(a - b).max() / np.abs(b).max()) for a, b in pairs)
 
@@ -254,7 +254,7 @@ def kousoku_accelerations(count: int, folder: Path) -> Accelerations:
 def _coordinates(
     bodies: Any, motion: Bars, q_start: np.ndarray, v_start: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return q and v of all states: centres and principal frames."""
+    """Coordinates q and v of all states: centres and principal frames."""
     q, v = np.tile(q_start, (STATES, 1)), np.tile(v_start, (STATES, 1))
     for k, body in enumerate(bodies):
         axes = np.tile(body.axes_b, (STATES, 1))

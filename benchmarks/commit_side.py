@@ -91,7 +91,7 @@ class Side:
         return {"runs": list(own), "counts": {}, "end": [], **more}
 
     def _counted(self, name: str, file: str, mechanism: Any, end: float) -> dict[str, Any]:
-        """Return the counts of a run, and where it ends in lengths of the scene."""
+        """Counts of a run, and where it ends in lengths of the scene."""
         result = mechanism.simulate(times=[end], tolerance=TOLERANCE)
         ledger = result.ledger
         counts = {
@@ -107,7 +107,7 @@ class Side:
         return {"counts": counts | self._sizes(name, mechanism), "end": places.tolist()}
 
     def _sizes(self, name: str, mechanism: Any) -> dict[str, float]:
-        """Return the bytes of the text in C, and of the machine code."""
+        """Bytes of the text in C, and of the machine code."""
         c = [text for file, text in mechanism.files.items() if file.endswith((".c", ".h"))]
         return {"bytes in C": float(sum(map(len, c)))} | self._machine_code(Path(name).stem)
 
@@ -146,7 +146,7 @@ class Side:
         return {"runs": list(runs), "counts": counts if counted else {}, "end": []}
 
     def do_time(self, what: str, count: int) -> dict[str, Any]:
-        """Return the seconds of a call, of so many; some before them are not counted."""
+        """Seconds of a call, of so many; some before them are not counted."""
         run = self.runs[what]
         for _ in range(count // 4 + 1):
             run()
@@ -161,7 +161,7 @@ def _lanes(kernel: Any, blocks: list[Any], out: Any) -> Callable[[], object]:
 
 
 def code_size(data: bytes) -> int:
-    """Return the bytes of the instructions in a shared library, 0 where it is none of ELF."""
+    """Bytes of the instructions in a shared library, 0 where it is none of ELF."""
     if data[:6] != b"\x7fELF\x02\x01":
         return 0
     (table,) = struct.unpack_from("<Q", data, 0x28)

@@ -156,7 +156,7 @@ class Times:
         self.found.setdefault(what, []).append((base, head))
 
     def judged(self) -> list[Time]:
-        """Return all with their ratios."""
+        """Comparisons with their ratios."""
         return [
             Time(
                 what,
@@ -227,7 +227,7 @@ class Process:
         )
 
     def ask(self, **command: Any) -> dict[str, Any]:
-        """Return the answer to a command.
+        """Answer to a command.
 
         Raises
         ------
@@ -244,7 +244,7 @@ class Process:
         return found
 
     def cold(self) -> float | None:
-        """Return the seconds of loading a scene from empty caches, None where it cannot."""
+        """Seconds of loading a scene from empty caches, None where it cannot."""
         found = self.ask(**scene(COLD), cold=True)
         return None if "cannot" in found else float(found["seconds"])
 
@@ -273,7 +273,7 @@ def checked_out(commit: str) -> Iterator[Path]:
 
 
 def git(*words: str) -> str:
-    """Return what git says.
+    """Output of git.
 
     Raises
     ------
@@ -292,7 +292,7 @@ def git(*words: str) -> str:
 
 
 def scenes(size: Size) -> list[str]:
-    """Return the committed scenes that are compared."""
+    """Committed scenes that are compared."""
     if not size.is_full:
         return list(QUICK_SCENES)
     folder = ROOT / "scenes"
@@ -301,20 +301,20 @@ def scenes(size: Size) -> list[str]:
 
 
 def kinds(size: Size) -> list[str]:
-    """Return the committed kinds that are compared."""
+    """Committed kinds that are compared."""
     folder = ROOT / "generated" / "kinds"
     every = sorted(path.parent.name for path in folder.glob("*/manifest.json"))
     return every if size.is_full else [name for name in every if name in QUICK_KINDS]
 
 
 def scene(name: str) -> dict[str, Any]:
-    """Return the command that opens a scene."""
+    """Command that opens a scene."""
     file = str(ROOT / "scenes" / f"{name}.toml")
     return {"do": "scene", "name": name, "file": file, "end": ENDS.get(name, 1.0)}
 
 
 def commands(size: Size, only: Sequence[str]) -> list[dict[str, Any]]:
-    """Return what each process opens: scenes as this tree has them, and its own kinds."""
+    """Commands that processes open: scenes as this tree has them, and its own kinds."""
     opens = {name: scene(name) for name in scenes(size)}
     opens |= {name: {"do": "kernels", "package": name} for name in kinds(size)}
     return [one for name, one in opens.items() if not only or any(word in name for word in only)]
@@ -326,7 +326,7 @@ def compare(
     only: Sequence[str] = (),
     tell: Callable[[str], object] = lambda _: None,
 ) -> Comparison:
-    """Return what differs between two trees, of scenes and kinds whose names have such a word."""
+    """Differences between two trees, of scenes and kinds whose names have such a word."""
     found, times = Comparison(), Times()
     opens = commands(size, only)
     repeats = REPEATS if size.is_full else QUICK_REPEATS
@@ -393,7 +393,7 @@ def _opened(
 
 
 def _timed(what: str, running: Sequence[Process]) -> list[tuple[Process, float | None]]:
-    """Return the fastest of several rounds of each process, all in turn."""
+    """Fastest of several rounds of each process, all in turn."""
     about = min(running[0].ask(do="time", what=what, count=1)["seconds"] for _ in range(2))
     count = max(1, int(SLICE / about))
     rounds = max(2, min(ROUNDS, int(SPENT / max(about, SLICE))))
@@ -407,7 +407,7 @@ def _timed(what: str, running: Sequence[Process]) -> list[tuple[Process, float |
 
 
 def page_of(found: Comparison, names: Mapping[str, str], took: float) -> str:
-    """Return what was found in Markdown."""
+    """Page of all that was found, in Markdown."""
     counts = [
         [one.where, one.what, f"{one.base:g}", f"{one.head:g}", _percent(one.head, one.base)]
         for one in found.counts

@@ -53,19 +53,19 @@ COLUMNS = ("projection", "factorisation", "equations", "others", "integrator")
 
 
 def contests(size: Size) -> list[str]:
-    """Return a contest for each problem, and one for each chain."""
+    """Contest for each problem, and one for each chain."""
     named = [name for name, one in PROBLEMS.items() if size.is_full or one.is_quick]
     counts = (*CHAINS, LONG_CHAIN) if size.is_full else CHAINS[:1]
     return [*named, *map(chain_name, (1, *counts))]
 
 
 def chain_name(count: int) -> str:
-    """Return the contest of the accelerations of a chain."""
+    """Contest of the accelerations of a chain."""
     return f"accelerations of a chain of {count}"
 
 
 def _chain_of(contest: str) -> int:
-    """Return the bars of a contest, 0 where it is one of a problem."""
+    """Bars of a contest, 0 where it is one of a problem."""
     return 0 if contest in PROBLEMS else int(contest.rpartition(" ")[2])
 
 
@@ -90,7 +90,7 @@ def run(contest: str, size: Size, workers: Workers) -> list[Record]:
 
 
 def measure(problem: Problem) -> Iterator[Record]:
-    """Yield what an evaluation of a problem takes, part by part, and how often each is made."""
+    """Cost of an evaluation of a problem, part by part, and how often each is made."""
     mechanism = loaded(problem)
     solver = mechanism.solver
     if not isinstance(solver, DynamicsSolver):
@@ -132,7 +132,7 @@ def _loops(
     calls: dict[str, float],
     options: dict[str, Any],
 ) -> dict[str, Loop]:
-    """Return loops over all segments that are run, at the state of a time."""
+    """Loops over all segments that are run, at the state of a time."""
     run = mechanism.begin([time], **options)
     finished(run)
     solver = segments.solver
@@ -142,7 +142,7 @@ def _loops(
 
 
 def _counts(run: Run) -> dict[str, float]:
-    """Return what a run has made, as its ledger counts it."""
+    """Counts of a run, as its ledger has them."""
     ledger = run.motion().ledger
     names = ("steps", "rejected", "derivatives", *EACH)
     return {name: float(getattr(ledger, name)) for name in names}
@@ -152,7 +152,7 @@ def _counts(run: Run) -> dict[str, float]:
 
 
 def cases(contest: str, size: Size) -> list[Case]:
-    """Return the programs that compute the accelerations of a chain at the same states."""
+    """Programs that compute the accelerations of a chain at the same states."""
     count = _chain_of(contest)
     if not count:
         return []
@@ -168,7 +168,7 @@ def cases(contest: str, size: Size) -> list[Case]:
 
 @cache
 def _folder(name: str) -> Path:
-    """Return a folder of this process, gone at its end."""
+    """Folder of this process, gone at its end."""
     _folders.append(tempfile.TemporaryDirectory())
     place = Path(_folders[-1].name) / name
     place.mkdir()
@@ -179,7 +179,7 @@ _folders: list[tempfile.TemporaryDirectory[str]] = []
 
 
 def _call(entry: chains.Accelerations, count: int) -> Call:
-    """Return a call that goes through all states; its times are those of a bar."""
+    """Call that goes through all states; its times are those of a bar."""
     return Call(
         lambda: entry.run(1),
         lambda: Judged(chains.difference(entry.results(), chains.reference(count))),
@@ -224,7 +224,7 @@ def _looped(count: int) -> Call:
 
 
 def targets(records: Sequence[Record]) -> list[Target]:
-    """Return what the page promises of chains that were run."""
+    """Targets that the page promises of chains that were run."""
     found = []
     for contest in dict.fromkeys(one.contest for one in records):
         count = _chain_of(contest)
@@ -242,7 +242,7 @@ def targets(records: Sequence[Record]) -> list[Target]:
 
 
 def _of_pinocchio(records: Sequence[Record], count: int) -> float | None:
-    """Return kousoku's time over Pinocchio's.
+    """Kousoku's time over Pinocchio's.
 
     Without the loop a call from Python stands for it; what the call itself takes is not counted:
     it is what a chain of one bar takes, less one of the bars of the long chain.
@@ -261,7 +261,7 @@ def _of_pinocchio(records: Sequence[Record], count: int) -> float | None:
 
 
 def body(records: Sequence[Record], _figures: Figures) -> str:
-    """Return the tables: parts of evaluations, what a run makes of each, and chains."""
+    """Tables: parts of evaluations, what a run makes of each, and chains."""
     parts, made, alone = [], [], []
     for contest in dict.fromkeys(one.contest for one in records):
         own = {one.line: one for one in records if one.contest == contest}
@@ -312,7 +312,7 @@ def _of_chain(one: Record) -> list[str]:
 
 
 def words(records: Sequence[Record]) -> str:
-    """Return where evaluations go, in a sentence."""
+    """Sentence on where evaluations go."""
     shares: dict[str, list[float]] = {}
     whole = {one.contest: one.fastest for one in records if one.line == "all" and one.fastest}
     for one in records:

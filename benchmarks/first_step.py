@@ -59,23 +59,23 @@ TOTAL = "total"
 
 
 def contests(size: Size) -> list[str]:
-    """Return a contest for each chain; in the full run steps of three of them, too."""
+    """Contest for each chain; in the full run steps of three of them, too."""
     names = [name_of(count) for count in (BARS if size.is_full else QUICK_BARS)]
     return [*names, STEPS] if size.is_full else names
 
 
 def name_of(count: int) -> str:
-    """Return the contest of a chain."""
+    """Contest of a chain."""
     return f"chain of {count}"
 
 
 def bars_of(contest: str) -> int:
-    """Return the bars of a contest."""
+    """Bars of a contest."""
     return int(contest.rpartition(" ")[2])
 
 
 def cases(_contest: str, _size: Size) -> list[Case]:
-    """Return nothing: each measurement is a process of its own."""
+    """Nothing: each measurement is a process of its own."""
     return []
 
 
@@ -140,14 +140,14 @@ def scene_file(folder: Path, count: int) -> Path:
 def process(
     how: str, count: int, file: Path, cache: Path
 ) -> AbstractContextManager[subprocess.Popen[str]]:
-    """Return a process of :mod:`benchmarks.stages`, which is ended with all that it started."""
+    """Process of :mod:`benchmarks.stages`, which is ended with all that it started."""
     command = [sys.executable, "-m", "benchmarks.stages", how, str(count), str(time.time())]
     environment = {**os.environ, "KOUSOKU_CACHE": str(cache)}
     return started([*command, str(file)], cwd=ROOT, env=environment, stdin=subprocess.PIPE)
 
 
 def ask(how: str, count: int, file: Path, cache: Path) -> Answer:
-    """Return what a process took from its begin to the first step."""
+    """Times of a process from its begin to the first step."""
     if how == "Pinocchio" and count > MOST_JOINTS:
         return Answer({}, {}, f"not run: its data hold {count}³ numbers")
     with process(how, count, file, cache) as own:
@@ -165,12 +165,12 @@ def ask(how: str, count: int, file: Path, cache: Path) -> Answer:
 
 
 def library_size(cache: Path) -> float:
-    """Return the bytes of the library that the compiler made."""
+    """Bytes of the library that the compiler made."""
     return float(sum(path.stat().st_size for path in cache.glob(f"lib/chain_*/*{EXTENSION}")))
 
 
 def records_of(contest: str, tool: str, line: str, answers: Sequence[Answer]) -> Iterator[Record]:
-    """Yield the record of the whole way, then one for each stage."""
+    """Record of the whole way, then one for each stage."""
     good = [one for one in answers if not one.note]
     kind: Kind = "kousoku" if tool == "kousoku" else "scene"
     if not good:
@@ -186,7 +186,7 @@ def records_of(contest: str, tool: str, line: str, answers: Sequence[Answer]) ->
 
 
 def steps() -> list[Record]:
-    """Return what a step takes per bar, of chains that run in turn."""
+    """Cost of a step per bar, of chains that run in turn."""
     found: dict[int, list[float]] = {count: [] for count in FIRST_STEPS}
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
         place = Path(name)
@@ -221,7 +221,7 @@ def steps() -> list[Record]:
 
 
 def _line(running: subprocess.Popen[str]) -> str:
-    """Return the next line that a process prints."""
+    """Next line that a process prints."""
     assert running.stdout is not None
     said = running.stdout.readline()
     if not said:
@@ -233,7 +233,7 @@ def _line(running: subprocess.Popen[str]) -> str:
 
 
 def targets(records: Sequence[Record]) -> list[Target]:
-    """Return what the page promises of chains that were run."""
+    """Targets that the page promises of chains that were run."""
     found = []
     for one in records:
         if one.setting == TOTAL and one.line == SETTINGS["empty"]:
@@ -249,7 +249,7 @@ def targets(records: Sequence[Record]) -> list[Target]:
 
 
 def body(records: Sequence[Record], figures: Figures) -> str:
-    """Return the tables: stages, how they grow, sizes, peers; and a plot of all totals."""
+    """Tables: stages, how they grow, sizes, peers; and a plot of all totals."""
     own = [one for one in records if one.contest != STEPS]
     if not own:
         return _of_steps(records)
@@ -281,7 +281,7 @@ def _cell(one: Record | None) -> str:
 
 
 def _stages(by: By, counts: Sequence[int]) -> str:
-    """Return the time of each stage, a line a chain, and how it grows."""
+    """Time of each stage, a line a chain, and how it grows."""
     heads = ["bars", *(x for x in ORDER), *(f"**{setting}**" for setting in SETTINGS.values())]
     rows = []
     for n in counts:
@@ -299,7 +299,7 @@ def _stages(by: By, counts: Sequence[int]) -> str:
 def _slope(
     by: By, counts: Sequence[int], line: str, stage: str
 ) -> tuple[float | None, float | None]:
-    """Return seconds of a bar more, and the power that the time of long chains grows with."""
+    """Seconds of a bar more, and the power that the time of long chains grows with."""
     points = [
         (n, one.median)
         for n in counts
@@ -309,7 +309,7 @@ def _slope(
 
 
 def slope(points: Sequence[tuple[int, float]]) -> tuple[float | None, float | None]:
-    """Return the slope of a line through all points, and the power through the longer half.
+    """Slope of a line through all points, and the power through the longer half.
 
     The line is as near as possible relative to each time; what does not grow has no power.
     """
@@ -323,7 +323,7 @@ def slope(points: Sequence[tuple[int, float]]) -> tuple[float | None, float | No
 
 
 def _sizes(by: By, counts: Sequence[int]) -> str:
-    """Return sizes of code, and memory of generating and running."""
+    """Sizes of code, and memory of generating and running."""
     rows = []
     for n in counts:
         empty = by.get((n, "kousoku", SETTINGS["empty"], TOTAL))
@@ -352,7 +352,7 @@ def _size(one: Record | None, name: str) -> str:
 
 
 def _peers(by: By, counts: Sequence[int]) -> str:
-    """Return what peers need from their model to the first evaluation."""
+    """Times of peers from their model to the first evaluation."""
     rows = []
     for n in counts:
         cells = []
@@ -377,7 +377,7 @@ def _of_steps(records: Sequence[Record]) -> str:
 
 
 def words(records: Sequence[Record]) -> str:
-    """Return how long it takes from a scene to its first step, in a sentence."""
+    """Sentence on how long it takes from a scene to its first step."""
     told = []
     for one in records:
         if one.setting == TOTAL and one.line == SETTINGS["empty"] and one.contest != STEPS:

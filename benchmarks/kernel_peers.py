@@ -70,7 +70,7 @@ def sympy_source(folder: Path, *, cse: bool) -> Path:
 
 
 def heyoka_functions() -> dict[str, Callable[[np.ndarray, np.ndarray], object]]:
-    """Return calls of heyoka's compiled function, from (23, n) into (26, n), on one thread.
+    """Calls of heyoka's compiled function, from (23, n) into (26, n), on one thread.
 
     The first is the call of its tutorial; the second also leaves out the division into tasks.
     """
@@ -89,7 +89,7 @@ def heyoka_functions() -> dict[str, Callable[[np.ndarray, np.ndarray], object]]:
 
 
 def lambdified() -> Callable[..., Sequence[Any]]:
-    """Return SymPy's NumPy function of 23 arguments, a list of 26 numbers or arrays."""
+    """SymPy's NumPy function of 23 arguments, a list of 26 numbers or arrays."""
     sympy = required("sympy")
     arguments = symbols(sympy.Symbol)
     c, rows = p2(*arguments)

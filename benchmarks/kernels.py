@@ -70,22 +70,22 @@ SHOWN = 10_000
 
 
 def folder_of(package: str) -> Path:
-    """Return the folder of a committed kind."""
+    """Folder of a committed kind."""
     return Path(str(files("kousoku.generated"))) / "kinds" / package
 
 
 def batch_name(n: int) -> str:
-    """Return the contest of a batch."""
+    """Contest of a batch."""
     return f"p2, batch of {n}"
 
 
 def arrays_name(n: int) -> str:
-    """Return the contest of NumPy on arrays."""
+    """Contest of NumPy on arrays."""
     return f"p2, NumPy on {n}"
 
 
 def contests(size: Size) -> list[str]:
-    """Return the limits, the contests of p2, and the kinds."""
+    """Limits, the contests of p2, and the kinds."""
     if not size.is_full:
         names = [SINGLE, batch_name(BATCHES[1]), CALLS]
         return [limits.CONTEST, *names, *map(_kind_name, QUICK_KINDS)]
@@ -111,7 +111,7 @@ def run(contest: str, size: Size, workers: Workers) -> list[Record]:
 
 
 def cases(contest: str, size: Size) -> list[Case]:
-    """Return the programs of a contest of p2."""
+    """Programs of a contest of p2."""
     if contest == SINGLE:
         return [
             _case("kousoku", "emitted C", _loop(kousoku_loop, folder_of("p2"), by_column=False)),
@@ -149,7 +149,7 @@ def _case(tool: str, line: str, prepare: Callable[[], Call]) -> Case:
 
 @cache
 def _scratch() -> Path:
-    """Return a folder of this process, gone at its end."""
+    """Folder of this process, gone at its end."""
     _scratch_of.append(tempfile.TemporaryDirectory())
     return Path(_scratch_of[-1].name)
 
@@ -167,7 +167,7 @@ def _judged(results: Callable[[], Results]) -> Callable[[], Judged]:
 
 
 def _loop(build: Any, *given: Any, by_column: bool = True, **options: Any) -> Callable[[], Call]:
-    """Return what sets up single calls in a loop."""
+    """Statement that sets up single calls in a loop."""
 
     def prepare() -> Call:
         loop = build(_scratch(), *given, **options)
@@ -233,7 +233,7 @@ def _points() -> list[list[list[float]]]:
 
 
 def _of_floats(evaluate: Callable[[int], Sequence[float]]) -> Call:
-    """Return a call on the first point, judged at all."""
+    """Call on the first point, judged at all."""
 
     def results() -> Results:
         values = np.array([evaluate(k) for k in range(SAMPLE)])
@@ -265,7 +265,7 @@ def emitted_module(package: Path) -> ModuleType:
 
 
 def _called(name: str) -> Call:
-    """Return a call of a kernel from Python, its arguments separate float64 arrays."""
+    """Call of a kernel from Python, its arguments separate float64 arrays."""
     kernel = runtime.load(folder_of("p2"), target="c").constraint_z
     given = [array[0] for array in inputs(SAMPLE)]
     out = np.empty(2), np.empty((2, 12))
@@ -294,7 +294,7 @@ void calls(size_t n, void (*call)(const double *const *, double *const *),
 
 @cache
 def _calls() -> Any:
-    """Return the loop over calls of any kernel."""
+    """Loop over calls of any kernel."""
     source, library = _scratch() / "calls.c", _scratch() / f"calls{EXTENSION}"
     source.write_text(_CALLS, encoding="utf-8")
     command = find_toolchain().compile_command([str(source)], str(library))
@@ -332,18 +332,18 @@ class Measured:
     units: dict[str, tuple[float, float]]
 
     def kernel(self, target: str) -> Kernel:
-        """Return it in C or NumPy."""
+        """Kernel in C or NumPy."""
         return self.libraries[target][self.name]
 
     def inputs(self, n: int, *, width: int = 0) -> list[np.ndarray]:
-        """Return so many evaluations, the points over again; in blocks of a width if given."""
+        """So many evaluations, the points over again; in blocks of a width if given."""
         if not width:
             return [repeated(array, n) for array in self.points]
         packed = (runtime.to_lanes(array, width) for array in self.points)
         return [repeated(array, -(-n // width)) for array in packed]
 
     def outputs(self, n: int, *, width: int = 0) -> tuple[np.ndarray, ...]:
-        """Return arrays for the outputs, in blocks where they have a width."""
+        """Arrays for the outputs, in blocks where they have a width."""
         shapes = [q.shape for q in self.kernel("c").manifest.outputs]
         blocks = (-(-n // width),) if width else (n,)
         lanes = (width,) if width else ()
@@ -352,7 +352,7 @@ class Measured:
     def record(
         self, way: str, setting: str, call: Callable[[], object], count: int, **extra: float
     ) -> Record:
-        """Return the record of a way to call it."""
+        """Record of a way to call it."""
         names = ("kousoku", f"{self.name}: {way}", setting)
         found = measured(_kind_name(self.package), names, call, count)
         worst, known = self.units[VERIFIED[way]]
@@ -361,7 +361,7 @@ class Measured:
 
 
 def measure_kind(package: str, size: Size) -> Iterator[Record]:
-    """Yield the records of all kernels of a kind; of choices of rows, which are alike, the last."""
+    """Records of all kernels of a kind; of choices of rows, which are alike, the last."""
     folder = folder_of(package)
     libraries = {name: runtime.load(folder, target=name) for name in ("c", "numpy")}
     report = verify(folder)
@@ -388,14 +388,14 @@ def measure_kind(package: str, size: Size) -> Iterator[Record]:
 
 
 def _worst(rows: Sequence[Row], way: str) -> tuple[float, float]:
-    """Return the largest errors in units: as rounding, and where they are known to be larger."""
+    """Largest errors in units: as rounding, and where they are known to be larger."""
     own = [row for row in rows if row.way == way]
     rounding, known = ([r.worst for r in own if (r.limit == LIMIT) is x] for x in (True, False))
     return max(rounding, default=0.0), max(known, default=0.0)
 
 
 def _random_points(quantities: Sequence[Any]) -> list[np.ndarray]:
-    """Return ordinary numbers; of Euler parameters, unit quaternions."""
+    """Ordinary numbers; of Euler parameters, unit quaternions."""
     rng, found = np.random.default_rng(1981), []
     for q in quantities:
         values = rng.normal(size=(1000, *q.shape))
@@ -406,7 +406,7 @@ def _random_points(quantities: Sequence[Any]) -> list[np.ndarray]:
 
 
 def _alone(one: Measured) -> Iterator[Record]:
-    """Yield what one call takes."""
+    """Cost of one call."""
     given, single = ([array[0, ...] for array in x] for x in (one.inputs(1), one.outputs(1)))
     kernel, count = one.kernel("c"), 10_000
     pointers = [(ctypes.c_void_p * len(x))(*(a.ctypes.data for a in x)) for x in (given, single)]
@@ -419,7 +419,7 @@ def _alone(one: Measured) -> Iterator[Record]:
 
 
 def _at_once(one: Measured, n: int) -> Iterator[Record]:
-    """Yield what an evaluation takes of so many at once, by one thread and two."""
+    """Cost of an evaluation of so many at once, by one thread and two."""
     for way in (LANES, ROWS, ARRAY):
         for count in limits.THREADS:
             setting = f"{n}, {count} thread{'s' * (count > 1)}"
@@ -435,12 +435,12 @@ def _at_once(one: Measured, n: int) -> Iterator[Record]:
 
 
 def _parts(n: int, count: int) -> list[int]:
-    """Return how many evaluations each thread makes."""
+    """Number of evaluations of each thread."""
     return [n // count + (k < n % count) for k in range(count)]
 
 
 def _batch_call(one: Measured, way: str, n: int) -> Callable[[], object]:
-    """Return a call that makes so many evaluations."""
+    """Call that makes so many evaluations."""
     kernel = one.kernel("numpy" if way == ARRAY else "c")
     if way != LANES:
         given, out = one.inputs(n), one.outputs(n)
@@ -454,7 +454,7 @@ def _batch_call(one: Measured, way: str, n: int) -> Callable[[], object]:
 
 
 def targets(records: Sequence[Record]) -> list[Target]:
-    """Return what the page promises of contests that were run."""
+    """Targets that the page promises of contests that were run."""
     found = []
     for contest in dict.fromkeys(one.contest for one in records):
         own = {(one.tool, one.line): one for one in records if one.contest == contest}
@@ -470,7 +470,7 @@ def targets(records: Sequence[Record]) -> list[Target]:
 
 
 def _judged_pairs(contest: str) -> list[tuple[tuple[str, str], tuple[str, str], float]]:
-    """Return what of kousoku is compared with what, and the most that it may take."""
+    """Pairs that are compared, and the most that kousoku may take."""
     if contest == SINGLE:
         ours = ("kousoku", "emitted C")
         return [(ours, ("CasADi", line), OF_CASADI) for line in ("its C", "its C, cse")]
@@ -494,7 +494,7 @@ def _ratio(ours: Record, theirs: Record | None) -> float | None:
 
 
 def body(records: Sequence[Record], figures: Figures) -> str:
-    """Return the tables: this machine, p2 beside others, all kinds; and p2 at all sizes."""
+    """Tables: this machine, p2 beside others, all kinds; and p2 at all sizes."""
     known = Limits.of(records)
     parts = [_table_of_limits(records), _table_of_p2(records), _table_of_kinds(records, known)]
     package, kernel = AT_ALL_SIZES
@@ -536,7 +536,7 @@ def _units(error: float | None) -> str:
 
 
 def _table_of_kinds(records: Sequence[Record], known: Limits) -> str:
-    """Return a line for each kernel; of batches, time and share of what limits it."""
+    """Line for each kernel; of batches, time and share of what limits it."""
     found: dict[tuple[str, str], dict[tuple[str, str], Record]] = {}
     for one in records:
         if one.contest.startswith("kind "):
@@ -582,7 +582,7 @@ def _size_of(one: Record) -> tuple[bool, float, float]:
 
 
 def _with_share(one: Record, known: Limits) -> str:
-    """Return nanoseconds, and how much of them this machine needs at least."""
+    """Nanoseconds, and how much of them this machine needs at least."""
     if one.fastest is None:
         return one.note
     n, count = one.extra.get("n", 1.0), int(one.extra.get("threads", 1))
@@ -593,7 +593,7 @@ def _with_share(one: Record, known: Limits) -> str:
 
 
 def _plot(records: Sequence[Record], package: str, kernel: str) -> str:
-    """Return the plot of a kernel over the evaluations that are made at once."""
+    """Plot of a kernel over the evaluations that are made at once."""
     lines = []
     for way in (LANES, ROWS, ARRAY):
         for count in limits.THREADS:
@@ -612,7 +612,7 @@ def _plot(records: Sequence[Record], package: str, kernel: str) -> str:
 
 
 def words(records: Sequence[Record]) -> str:
-    """Return where kousoku's kernels win and lose, in a sentence."""
+    """Sentence on where kousoku's kernels win and lose."""
     ratios: dict[tuple[str, str], list[float]] = {}
     for contest in dict.fromkeys(one.contest for one in records):
         own = [one for one in records if one.contest == contest and one.fastest]

@@ -159,12 +159,12 @@ class Record:
     extra: dict[str, float] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the record as JSON has it, which knows no infinity: its text instead."""
+        """Record as JSON has it, which knows no infinity: its text instead."""
         return {name: _plain(value) for name, value in asdict(self).items()}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Record:
-        """Return the record that :meth:`as_dict` wrote."""
+        """Record that :meth:`as_dict` wrote."""
         extra = {name: float(value) for name, value in data["extra"].items()}
         error = None if data["error"] is None else float(data["error"])
         return cls(**{**data, "extra": extra, "error": error})
@@ -264,7 +264,7 @@ class Question:
 
 
 def seconds_of(run: Callable[[], object], count: int = 1) -> float:
-    """Return the seconds of so many calls."""
+    """Seconds of so many calls."""
     start = time.perf_counter()
     for _ in range(count):
         run()
@@ -272,12 +272,12 @@ def seconds_of(run: Callable[[], object], count: int = 1) -> float:
 
 
 def rounds_of(seconds: float) -> int:
-    """Return how many rounds a case gets that takes so long: none where its trial has to do."""
+    """Number of rounds of a case that takes so long: none where its trial has to do."""
     return min(ROUNDS, int(SPENT / max(seconds, SLICE)))
 
 
 def slice_of(run: Callable[[], object], seconds: float) -> float:
-    """Return the seconds of a call in one round, where a call takes about so long."""
+    """Seconds of a call in one round, where a call takes about so long."""
     count = max(1, int(SLICE / max(seconds, 1e-9)))
     if count > 1:
         seconds_of(run, count // 4 + 1)  # its own data are in the caches again
@@ -287,7 +287,7 @@ def slice_of(run: Callable[[], object], seconds: float) -> float:
 def interleave(
     runs: Mapping[str, Callable[[], object]], rounds: int = ROUNDS
 ) -> dict[str, list[float]]:
-    """Return the seconds of a call in each round of each program, the programs in turn.
+    """Seconds of a call in each round of each program, the programs in turn.
 
     It is for programs that share this process; :func:`benchmarks.race.race` runs others in turn.
     """
@@ -300,19 +300,19 @@ def interleave(
 
 
 def fastest_and_median(times: Sequence[float], count: int = 1) -> tuple[float, float]:
-    """Return both per unit of a call."""
+    """Both per unit of a call."""
     return min(times) / count, statistics.median(times) / count
 
 
 def number(value: float | None, digits: int = 2) -> str:
-    """Return a number as tables have it."""
+    """Number as tables have it."""
     if value is None or math.isnan(value):
         return "–"
     return f"{value:.{digits - 1}e}" if value and not 1e-3 <= abs(value) < 1e4 else f"{value:.3g}"
 
 
 def duration(seconds: float | None) -> str:
-    """Return a time with its unit, of three digits."""
+    """Time with its unit, of three digits."""
     if seconds is None:
         return "–"
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
@@ -322,6 +322,6 @@ def duration(seconds: float | None) -> str:
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table in Markdown."""
+    """Table in Markdown."""
     lines = [heads, ["---"] * len(heads), *rows]
     return "\n".join(f"| {' | '.join(cell.replace('|', ', ') for cell in row)} |" for row in lines)

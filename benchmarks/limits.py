@@ -41,19 +41,19 @@ ROUNDS_OF_OPERATIONS, MOVED = 500_000, 256 << 20
 
 @cache
 def threads() -> ThreadPoolExecutor:
-    """Return the threads that share work."""
+    """Threads that share work."""
     return ThreadPoolExecutor(max(THREADS))
 
 
 def together(runs: Sequence[Callable[[], object]]) -> Callable[[], object]:
-    """Return what does all at once, each in a thread; C that is called through ctypes runs so."""
+    """Function that does all at once, each in a thread; C that is called through ctypes runs so."""
     if len(runs) == 1:
         return runs[0]
     return lambda: [one.result() for one in [threads().submit(run) for run in runs]]
 
 
 def timed(run: Callable[[], object]) -> list[float]:
-    """Return the seconds of a call in several rounds; of its trial where it is long."""
+    """Seconds of a call in several rounds; of its trial where it is long."""
     about = min(seconds_of(run) for _ in range(2))
     return [slice_of(run, about) for _ in range(rounds_of(about))] or [about]
 
@@ -61,14 +61,14 @@ def timed(run: Callable[[], object]) -> list[float]:
 def measured(
     contest: str, names: tuple[str, str, str], run: Callable[[], object], count: int
 ) -> Record:
-    """Return the record of a call that makes so many evaluations."""
+    """Record of a call that makes so many evaluations."""
     times = timed(run)
     fastest, median = fastest_and_median(times, count)
     return Record(contest, *names, fastest=fastest, median=median, rounds=len(times))
 
 
 def room(shape: tuple[int, ...]) -> np.ndarray:
-    """Return an array without values, row-major, that begins at a multiple of 64 bytes."""
+    """Array without values, row-major, that begins at a multiple of 64 bytes."""
     size = math.prod(shape)
     memory = np.empty(size + 8)
     start = -memory.ctypes.data // 8 % 8
@@ -76,14 +76,14 @@ def room(shape: tuple[int, ...]) -> np.ndarray:
 
 
 def aligned(values: np.ndarray) -> np.ndarray:
-    """Return a copy that begins at a multiple of 64 bytes."""
+    """Copy that begins at a multiple of 64 bytes."""
     array = room(values.shape)
     array[...] = values
     return array
 
 
 def repeated(values: np.ndarray, n: int) -> np.ndarray:
-    """Return so many rows, the same ones over again."""
+    """So many rows, the same ones over again."""
     array = room((n, *values.shape[1:]))
     for start in range(0, n, len(values)):
         array[start : start + len(values)] = values[: n - start]
@@ -101,7 +101,7 @@ def _library(folder: Path, unit: str) -> ctypes.CDLL:
 
 
 def measure(*, is_full: bool) -> list[Record]:
-    """Return the records of all limits: seconds per operation, and per byte."""
+    """Records of all limits: seconds per operation, and per byte."""
     found: list[Record] = []
     with tempfile.TemporaryDirectory() as name:
         for unit in UNITS:
@@ -123,7 +123,7 @@ def _operations(library: ctypes.CDLL, unit: str, count: int) -> Record:
 
 
 def _bytes(library: ctypes.CDLL, size: int, count: int) -> Record:
-    """Return what the faster of two loops takes; all threads together have so many bytes."""
+    """Time of the faster of two loops; all threads together have so many bytes."""
     width = library.width()
     found = []
     for name, arrays in (("scale", 2), ("triad", 3)):
@@ -163,7 +163,7 @@ def _passes(library: ctypes.CDLL, name: str, blocks: int, arrays: Sequence[np.nd
 
 
 def size_text(number: float) -> str:
-    """Return a number of bytes with its unit, of three digits."""
+    """Number of bytes with its unit, of three digits."""
     for unit, size in (("GB", 1 << 30), ("MB", 1 << 20)):
         if number >= size:
             return f"{number / size:.3g} {unit}"
@@ -195,7 +195,7 @@ class Limits:
 
     @classmethod
     def of(cls, records: Iterable[Record]) -> Limits:
-        """Return the limits that a run measured."""
+        """Limits that a run measured."""
         found = cls({}, {})
         for one in records:
             if one.contest != CONTEST or one.fastest is None:
@@ -211,7 +211,7 @@ class Limits:
     def seconds(
         self, operations: float, size: float, total: float, *, unit: str, count: int = 1
     ) -> tuple[float, str]:
-        """Return the least time of an evaluation, and what limits it.
+        """Least time of an evaluation, and what limits it.
 
         Parameters
         ----------

@@ -52,7 +52,7 @@ class Loop:
     def bind(
         self, inputs: Sequence[np.ndarray], outputs: Sequence[np.ndarray]
     ) -> Callable[[], None]:
-        """Return a function without arguments that evaluates all rows."""
+        """Function without arguments that evaluates all rows."""
         n = ctypes.c_size_t(len(inputs[0]))
         return _Bound(self._loop, (n, _pointers(inputs), _pointers(outputs)), (inputs, outputs))
 
@@ -148,7 +148,7 @@ class Batch:
     def rows(
         self, inputs: Sequence[np.ndarray], outputs: Sequence[np.ndarray]
     ) -> Callable[[], None]:
-        """Return a function that evaluates arrays with the batch axis first."""
+        """Function that evaluates arrays with the batch axis first."""
         strides = (ctypes.c_size_t * len(inputs))(*SIZES.values())
         n = ctypes.c_size_t(len(inputs[0]))
         arguments = (n, _pointers(inputs), strides, _pointers(outputs))
@@ -157,7 +157,7 @@ class Batch:
     def lanes(
         self, inputs: Sequence[np.ndarray], outputs: Sequence[np.ndarray]
     ) -> Callable[[], None]:
-        """Return a function that evaluates arrays laid out [block][element][lane]."""
+        """Function that evaluates arrays laid out [block][element][lane]."""
         n_blocks = ctypes.c_size_t(len(inputs[0]))
         arguments = (n_blocks, _pointers(inputs), _pointers(outputs))
         return _Bound(self._lanes, arguments, (inputs, outputs))
@@ -213,7 +213,7 @@ def started(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen
 
 
 def eigen() -> Path:
-    """Return the headers of Eigen: the system's, or those that CasADi brings.
+    """Headers of Eigen: the system's, or those that CasADi brings.
 
     Raises
     ------
@@ -230,7 +230,7 @@ def eigen() -> Path:
 
 
 def cpp_compiler(command: Sequence[str]) -> list[str]:
-    """Return the C++ compiler that goes with a C compiler."""
+    """C++ compiler that goes with a C compiler."""
     *before, last = command
     name = Path(last).name
     for c, cpp in (("clang", "clang++"), ("gcc", "g++"), ("cc", "c++")):

@@ -17,7 +17,7 @@ PROGRAMS = (
 
 
 def compiler() -> str:
-    """Return the C compiler with its version and the flags that ship."""
+    """C compiler with its version and the flags that ship."""
     try:
         found = find_toolchain()
     except KousokuError as error:
@@ -26,7 +26,7 @@ def compiler() -> str:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of what is installed."""
+    """Versions of what is installed."""
     found = {}
     for name in PROGRAMS:
         try:
@@ -37,7 +37,7 @@ def versions() -> dict[str, str]:
 
 
 def machine() -> dict[str, str]:
-    """Return the machine and what runs there, by name."""
+    """Machine and what runs there, by name."""
     programs = ", ".join(f"{name} {number}" for name, number in versions().items())
     return {
         "processor": f"{processor()}, {os.cpu_count()} processors",

@@ -30,7 +30,7 @@ WORSE = 1.1
 
 
 def contests(size: Size) -> list[str]:
-    """Return the problems that both methods integrate in no more than a second."""
+    """Problems that both methods integrate in no more than a second."""
     return [
         name
         for name, one in PROBLEMS.items()
@@ -39,12 +39,12 @@ def contests(size: Size) -> list[str]:
 
 
 def cases(_contest: str, _size: Size) -> list[Case]:
-    """Return none: nothing is timed."""
+    """None: nothing is timed."""
     return []
 
 
 def run(contest: str, _size: Size, _workers: Workers) -> list[Record]:
-    """Return evaluations and errors of both methods at all tolerances."""
+    """Evaluations and errors of both methods at all tolerances."""
     found = []
     for method in METHODS:
         for tolerance in TOLERANCES:
@@ -84,7 +84,7 @@ class Choice(NamedTuple):
 
 
 def choices(records: Sequence[Record]) -> list[Choice]:
-    """Return what each tolerance gives, as far as both methods reach the errors of each other."""
+    """Choices at each tolerance, as far as both methods reach the errors of each other."""
     found = []
     for tolerance in TOLERANCES:
         errors: list[list[float]] = [[], []]
@@ -104,7 +104,7 @@ def choices(records: Sequence[Record]) -> list[Choice]:
 
 
 def _line(records: Sequence[Record], contest: str, method: str) -> list[tuple[float, float]]:
-    """Return error and evaluations at all tolerances."""
+    """Error and evaluations at all tolerances."""
     return [
         (one.error or math.nan, one.extra["evaluations"])
         for one in records
@@ -113,7 +113,7 @@ def _line(records: Sequence[Record], contest: str, method: str) -> list[tuple[fl
 
 
 def _to(line: Sequence[tuple[float, float]], error: float) -> float | None:
-    """Return the evaluations to an error, interpolated between tolerances; None beyond them.
+    """Evaluations to an error, interpolated between tolerances; None beyond them.
 
     A tighter tolerance that happens to err more counts as if it erred as the looser one.
     """
@@ -125,12 +125,12 @@ def _to(line: Sequence[tuple[float, float]], error: float) -> float | None:
 
 
 def _mean(values: Sequence[float]) -> float:
-    """Return the geometric mean."""
+    """Geometric mean."""
     return float(np.exp(np.mean(np.log(values))))
 
 
 def body(records: Sequence[Record], _figures: Figures) -> str:
-    """Return the table from which methods are chosen."""
+    """Table from which methods are chosen."""
     rows = [
         [
             f"{one.tolerance:.0e}",
@@ -145,7 +145,7 @@ def body(records: Sequence[Record], _figures: Figures) -> str:
 
 
 def targets(records: Sequence[Record]) -> list[Target]:
-    """Return what the choice promises."""
+    """Targets of the choice."""
     return [
         Target("all", f"evaluations of the method chosen at {one.tolerance:.0e}", one.cost, WORSE)
         for one in choices(records)

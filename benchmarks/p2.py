@@ -31,7 +31,7 @@ Vector = list[Any]
 def p2(
     r_i: Vector, p_i: Vector, a: Vector, s_i: Vector, r_j: Vector, p_j: Vector, s_j: Vector
 ) -> tuple[Vector, list[Vector]]:
-    """Return C and the rows of C_q over any numbers that can be added and multiplied.
+    """C and the rows of C_q over any numbers that can be added and multiplied.
 
     C = S ã A_iᵀ (r_j + A_j s_j − r_i − A_i s_i), and with y = A_iᵀ (r_j + A_j s_j − r_i) the blocks
     of C_q are −S ã A_iᵀ, S ã ỹ, S ã A_iᵀ, −S ã A_iᵀ A_j s̃_j; S keeps the rows x and y.
@@ -77,12 +77,12 @@ def _times(matrix: list[Vector], x: Vector) -> Vector:
 
 
 def _row(a: Vector, k: int, x: Vector) -> Any:
-    """Return row k of ã x."""
+    """Row k of ã x."""
     return a[1] * x[2] - a[2] * x[1] if k == 0 else a[2] * x[0] - a[0] * x[2]
 
 
 def _cross(row: Vector, s: Vector) -> Vector:
-    """Return the row vector times s̃."""
+    """Row vector times s̃."""
     return [
         row[1] * s[2] - row[2] * s[1],
         row[2] * s[0] - row[0] * s[2],
@@ -91,19 +91,19 @@ def _cross(row: Vector, s: Vector) -> Vector:
 
 
 def _turned(a: Vector, k: int, y: Vector) -> Vector:
-    """Return row k of ã ỹ."""
+    """Row k of ã ỹ."""
     if k == 0:
         return [-(a[1] * y[1] + a[2] * y[2]), a[1] * y[0], a[2] * y[0]]
     return [a[0] * y[1], -(a[0] * y[0] + a[2] * y[2]), a[2] * y[1]]
 
 
 def symbols(make: Callable[[str], Any]) -> list[Vector]:
-    """Return the 23 arguments, array by array, as symbols of some system."""
+    """23 arguments, array by array, as symbols of some system."""
     return [[make(f"{name}_{k}") for k in range(size)] for name, size in SIZES.items()]
 
 
 def inputs(n: int) -> list[np.ndarray]:
-    """Return n ordinary evaluations, row-major: unit quaternions, lengths of order one.
+    """Inputs of n ordinary evaluations, row-major: unit quaternions, lengths of order one.
 
     The first evaluations are the same for every n, and every array begins a cache line.
     """
@@ -132,7 +132,7 @@ class Judge:
                 self._wanted.append((k, place, dual.value, unit))
 
     def worst(self, c: np.ndarray, c_q: np.ndarray) -> float:
-        """Return the largest error of the sample, C (n, 2) and C_q (n, 2, 12), in units."""
+        """Largest error of the sample, C (n, 2) and C_q (n, 2, 12), in units."""
         numbers = np.concatenate([c[:SAMPLE], c_q[:SAMPLE].reshape(-1, 24)], axis=1)
         return max(
             float(abs(value - numbers[k, place])) / unit for k, place, value, unit in self._wanted

@@ -73,24 +73,24 @@ class Axis:
 
     @classmethod
     def of(cls, values: Sequence[float], start: float, end: float, *, falls: bool = False) -> Axis:
-        """Return the axis that shows all values, from the largest to the smallest if it falls."""
+        """Axis that shows all values, from the largest to the smallest if it falls."""
         low, high = math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
         high = max(high, low + 1)
         return cls(high, low, start, end) if falls else cls(low, high, start, end)
 
     def at(self, value: float) -> float:
-        """Return where a value is."""
+        """Place of a value."""
         share = (math.log10(value) - self.low) / (self.high - self.low)
         return self.start + share * (self.end - self.start)
 
     def decades(self) -> range:
-        """Return all powers of ten."""
+        """Powers of ten."""
         low, high = sorted((self.low, self.high))
         return range(low, high + 1)
 
 
 def work_precision(title: str, error: str, lines: Sequence[Line]) -> str:
-    """Return the plot."""
+    """Plot."""
     found = [
         replace(line, points=[(max(x, LEAST), y) for x, y in line.points if x < LARGEST and y > 0])
         for line in lines
@@ -99,7 +99,7 @@ def work_precision(title: str, error: str, lines: Sequence[Line]) -> str:
 
 
 def growth(title: str, across: str, lines: Sequence[Line], *, falls: bool = False) -> str:
-    """Return a plot of times over numbers that grow to the right, or fall as errors do."""
+    """Plot of times over numbers that grow to the right, or fall as errors do."""
     shown = [(line, line.points) for line in lines if line.points]
     everything = [point for _, points in shown for point in points]
     if not everything:
@@ -121,7 +121,7 @@ def growth(title: str, across: str, lines: Sequence[Line], *, falls: bool = Fals
 
 
 def _grid(x: Axis, y: Axis, error: str) -> list[str]:
-    """Return lines and numbers of both axes."""
+    """Lines and numbers of both axes."""
     parts = []
     right, bottom = WIDTH - RIGHT, HEIGHT - BOTTOM
     for power in x.decades():
@@ -152,7 +152,7 @@ def _power(x: float, y: float, power: int, anchor: str) -> str:
 
 
 def _labels(wanted: list[tuple[float, int]]) -> dict[int, float]:
-    """Return heights of labels, moved apart where they would cover each other."""
+    """Heights of labels, moved apart where they would cover each other."""
     places: dict[int, float] = {}
     last = -math.inf
     for height, k in sorted(wanted):
@@ -162,7 +162,7 @@ def _labels(wanted: list[tuple[float, int]]) -> dict[int, float]:
 
 
 def _drawn(k: int, line: Line, points: list[tuple[float, float]], label: float) -> list[str]:
-    """Return a line with its markers and its label."""
+    """Line with its markers and its label."""
     colour, dashes = COLOURS[k % len(COLOURS)], DASHES[k % len(DASHES)]
     width = 2.4 if line.is_bold else 1.2
     path = "L".join(f"{a:.1f},{b:.1f}" for a, b in points)

@@ -81,7 +81,7 @@ def answer(question: str, command: str) -> Answer:
 
 
 def _trial(call: Call) -> float:
-    """Return the seconds of a first call, or of the fastest of three where that is short."""
+    """Seconds of a first call, or of the fastest of three where that is short."""
     seconds = seconds_of(call.run)
     return min(seconds, *(seconds_of(call.run) for _ in range(2))) if seconds < SHORT else seconds
 
@@ -137,7 +137,7 @@ def race(
     seconds: float,
     tell: Callable[[str], object] = lambda _: None,
 ) -> list[Record]:
-    """Return the records of all cases, which run in turn.
+    """Records of all cases, which run in turn.
 
     First each case is set up, runs once and is judged; those that are short enough then run in
     rounds, all in turn, so that a busy moment of the machine meets all alike. A line ends where

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.kit import seconds_of
-from kousoku.codegen.dynamics.explanation.counts import counts
 from kousoku.codegen.dynamics.generate import composed
+from kousoku.codegen.dynamics.recording.counts import counts
 from kousoku.runtime.dynamics_targets import CompiledSolver
 from kousoku.runtime.toolchain import EXTENSION, find_toolchain
 
@@ -124,7 +124,7 @@ class Segments:
         return cls(replace(solver, target=target), loaded)
 
     def counted(self) -> dict[str, int]:
-        """Return how often each segment was run since this was asked last."""
+        """Number of runs of each segment since this was asked last."""
         array = (ctypes.c_size_t * len(SEGMENTS)).in_dll(self.library, "counted")
         found = dict(zip(SEGMENTS, array, strict=True))
         for k in range(len(SEGMENTS)):
@@ -132,7 +132,7 @@ class Segments:
         return found
 
     def alone(self, name: str, time: float, y: np.ndarray, parameters: np.ndarray) -> Loop:
-        """Return a loop over a segment at a state, some milliseconds long."""
+        """Loop over a segment at a state, some milliseconds long."""
         work = np.zeros(self.solver.target.work_size)
         addresses = [ctypes.c_void_p(array.ctypes.data) for array in (y, parameters, work)]
         self.library.alone_begin(ctypes.c_double(time), *addresses)
@@ -167,7 +167,7 @@ class Loop:
 
 
 def instrumented(source: str) -> str:
-    """Return the source of a solver with counters and loops.
+    """Source of a solver with counters and loops.
 
     Raises
     ------
@@ -188,7 +188,7 @@ def instrumented(source: str) -> str:
 
 
 def share_of_factors(mechanism: Mechanism) -> float:
-    """Return which part of the operations of the geometry factorises C_q M⁻¹ C_qᵀ."""
+    """Part of the operations of the geometry that factorises C_q M⁻¹ C_qᵀ."""
     program = composed(mechanism.scene, mechanism.outputs).program
     own = [one for one in counts(program) if one.segment == "geometry"]
     factors = sum(one.operations for one in own if one.title.startswith(FACTORISES))
@@ -198,7 +198,7 @@ def share_of_factors(mechanism: Mechanism) -> float:
 def seconds_of_parts(
     calls: dict[str, float], alone: dict[str, float], share: float, whole: float
 ) -> dict[str, float]:
-    """Return the seconds of each part of an evaluation.
+    """Seconds of each part of an evaluation.
 
     Parameters
     ----------

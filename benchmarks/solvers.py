@@ -32,18 +32,18 @@ NOT_THE_DOOR = ("rows", "C alone")
 
 
 def contests(size: Size) -> list[str]:
-    """Return the names of the problems."""
+    """Names of the problems."""
     posed = [name for name, problem in PROBLEMS.items() if size.is_full or problem.is_quick]
     return [*posed, *linkage.contests(size)]
 
 
 def cases(contest: str, size: Size) -> list[Case]:
-    """Return the cases of a problem."""
+    """Cases of a problem."""
     return linkage.cases() if contest == linkage.CONTEST else PROBLEMS[contest].cases(size)
 
 
 def title_of(contest: str) -> str:
-    """Return what moves, in a few words."""
+    """Title of a problem: what moves, in a few words."""
     return PROBLEMS[contest].title if contest in PROBLEMS else TITLES[contest]
 
 
@@ -53,7 +53,7 @@ def is_door(record: Record) -> bool:
 
 
 def best(records: Iterable[Record], error: float) -> Record | None:
-    """Return the record that is fastest to an error of at most this."""
+    """Record that is fastest to an error of at most this."""
     reached = [
         one
         for one in records
@@ -112,7 +112,7 @@ def _ratio(ours: Record | None, theirs: Record | None) -> float | None:
 
 
 def beside(records: Sequence[Record], error: float) -> list[Beside]:
-    """Return the comparison at an error, problem by problem."""
+    """Comparison at an error, problem by problem."""
     found = []
     for contest in dict.fromkeys(one.contest for one in records):
         own = [one for one in records if one.contest == contest]
@@ -131,7 +131,7 @@ def beside(records: Sequence[Record], error: float) -> list[Beside]:
 
 
 def body(records: Sequence[Record], figures: Figures) -> str:
-    """Return tables and plots."""
+    """Tables and plots."""
     posed = [one for one in records if one.contest in PROBLEMS]
     parts = [_overview(posed), _tight(posed)]
     for contest in dict.fromkeys(one.contest for one in records):
@@ -145,7 +145,7 @@ def body(records: Sequence[Record], figures: Figures) -> str:
 
 
 def _overview(records: Sequence[Record]) -> str:
-    """Return one row a problem: times, and the ratios to the best of others."""
+    """Rows of the overview, one a problem: times, and the ratios to the best of others."""
     rows = []
     for error in JUDGED:
         for one in beside(records, error):
@@ -174,7 +174,7 @@ in proportion where it is more."""
 
 
 def _tight(records: Sequence[Record]) -> str:
-    """Return what the tightest tolerance gives, beside how far motions magnify errors."""
+    """Rows of the tightest tolerance, beside how far motions magnify errors."""
     own = [one for one in records if is_door(one) and one.setting == TIGHT]
     lines = list(dict.fromkeys(one.line for one in own))
     rows = []
@@ -199,7 +199,7 @@ def _told(record: Record | None, *, with_tool: bool = True) -> str:
 
 
 def _times(ratio: float | None) -> str:
-    """Return a ratio of two digits, without an exponent."""
+    """Ratio of two digits, without an exponent."""
     return "–" if ratio is None else f"{float(f'{ratio:.2g}'):g}"
 
 
@@ -211,7 +211,7 @@ def _lines(records: Sequence[Record]) -> dict[tuple[str, str], list[Record]]:
 
 
 def _plot(contest: str, records: Sequence[Record], figures: Figures) -> str:
-    """Return the plot: a line of kousoku for the default and the C, one a line of peers."""
+    """Plot: a line of kousoku for the default and the C, one a line of peers."""
     lines = [
         Line(
             f"{tool} {line}",
@@ -231,7 +231,7 @@ def _plot(contest: str, records: Sequence[Record], figures: Figures) -> str:
 
 
 def _all(records: Sequence[Record]) -> str:
-    """Return all cases."""
+    """Rows of all cases."""
     rows = [
         [
             f"{one.tool} {one.line}",
@@ -248,7 +248,7 @@ def _all(records: Sequence[Record]) -> str:
 
 
 def _levels(records: Sequence[Record]) -> str:
-    """Return the time of each line to some errors."""
+    """Time of each line to some errors."""
     rows = []
     for (tool, line), own in _lines(records).items():
         times = [best(own, level) for level in LEVELS]
@@ -265,7 +265,7 @@ def _levels(records: Sequence[Record]) -> str:
 
 
 def _own_columns(records: Sequence[Record]) -> str:
-    """Return kousoku's runs: what a tolerance gives, method by method."""
+    """Kousoku's runs: what a tolerance gives, method by method."""
     own = {(one.line, one.setting): one for one in records if one.tool == "kousoku"}
     has_methods = any(is_door(one) and one.line != "auto" for one in own.values())
     rows = []
@@ -291,7 +291,7 @@ def _own_columns(records: Sequence[Record]) -> str:
 
 
 def _others(line: str) -> tuple[str, str]:
-    """Return the lines of the same method with a table of rows, and of the C alone."""
+    """Lines of the same method with a table of rows, and of the C alone."""
     return f"{line}, {ROWS} rows", f"{line}, C alone"
 
 
@@ -300,7 +300,7 @@ def _fastest(record: Record | None) -> float | None:
 
 
 def targets(records: Sequence[Record]) -> list[Target]:
-    """Return what the page promises."""
+    """Targets that the page promises."""
     found = [
         Target(
             one.contest, f"time over the best with all bodies, error {error:.0e}", one.ratio, 1.0
@@ -328,7 +328,7 @@ def targets(records: Sequence[Record]) -> list[Target]:
 
 
 def _over_exudyn(records: Sequence[Record]) -> list[Target]:
-    """Return the target beside Exudyn: the loosest run that keeps positions and the energy."""
+    """Target beside Exudyn: the loosest run that keeps positions and the energy."""
     own = [one for one in records if one.contest == FOUR_BARS]
     theirs = [one for one in own if (one.line, one.setting) == EXUDYN]
     if not theirs:
@@ -339,7 +339,7 @@ def _over_exudyn(records: Sequence[Record]) -> list[Target]:
 
 
 def words(records: Sequence[Record]) -> str:
-    """Return where kousoku wins, where it loses, and by how much."""
+    """Sentence on where kousoku wins, where it loses, and by how much."""
     parts = []
     for error in JUDGED:
         compared = beside([one for one in records if one.contest in PROBLEMS], error)

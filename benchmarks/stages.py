@@ -97,7 +97,7 @@ class Clock:
 
 
 def memory() -> dict[str, float]:
-    """Return the most memory that this process and the largest of its children had [bytes].
+    """Most memory that this process and the largest of its children had [bytes].
 
     On Linux a process begins with what the one that started it had, as ``getrusage`` tells it; of
     its own ``/proc`` tells more, a child that needs less than this process counts as large.

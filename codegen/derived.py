@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
+from kousoku.codegen.kernel_json import GRAPH_FILE, dump, parse
 from kousoku.codegen.passes.optimise import optimise
-from kousoku.codegen.store import GRAPH_FILE, dump, parse
 from kousoku.model.cache import cache_folder, write_atomically
 from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 #: The sources that decide what is derived, relative to the folder of the package kousoku.
 SOURCES = (
     "symbolic/*.py",
-    "codegen/chain.py",
+    "codegen/matrix_chain.py",
     "codegen/derived.py",
     "codegen/freeze.py",
     "codegen/freeze_components.py",
@@ -39,9 +39,9 @@ SOURCES = (
     "codegen/points.py",
     "codegen/reference.py",
     "codegen/states.py",
-    "codegen/unit.py",
-    "codegen/store.py",
-    "codegen/stream.py",
+    "codegen/error_unit.py",
+    "codegen/kernel_json.py",
+    "codegen/sha256_random.py",
     "model/arithmetic.py",
     "model/digits.py",
     "model/dual.py",
@@ -147,7 +147,7 @@ def frozen_package(derivation: Derivation, regenerate: str) -> Package:
 
 
 def recall_or_derive(name: str) -> Derived:
-    """Return what :func:`derive_package` gives, from the cache where it is there.
+    """Result of :func:`derive_package`, from the cache where it is there.
 
     A cache that is broken, full or read-only costs time and a message, nothing else.
     """
@@ -168,7 +168,7 @@ def recall_or_derive(name: str) -> Derived:
 
 
 def record_of(trees: Mapping[str, Mapping[str, str]]) -> str:
-    """Return the text of ``derived.json``: the digest of the sources, and of what they gave.
+    """Text of ``derived.json``: the digest of the sources, and of what they gave.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def record_of(trees: Mapping[str, Mapping[str, str]]) -> str:
 
 
 def recall_committed(folder: Path, name: str) -> Derived | None:
-    """Return what is committed of a kind, where deriving it again would give the same.
+    """Committed derivation of a kind, where deriving it again would give the same.
 
     That is so where version and sources are those of ``derived.json``, graph and references in the
     folder of the kind are those that it tells, and this SymPy is known to derive the same bytes.
@@ -210,7 +210,7 @@ def recall_committed(folder: Path, name: str) -> Derived | None:
 
 @cache
 def content_key() -> str:
-    """Return the SHA-256 over all that decides what deriving gives: sources and versions.
+    """SHA-256 over all that decides what deriving gives: sources and versions.
 
     It is that of the first call, before what derives is imported: a process that outlives an edit
     of the sources still runs the old ones.
@@ -220,7 +220,7 @@ def content_key() -> str:
 
 @cache
 def source_key() -> str:
-    """Return the SHA-256 over the sources that deriving runs, whatever runs them."""
+    """SHA-256 over the sources that deriving runs, whatever runs them."""
     return _hash_sources(())
 
 
@@ -238,7 +238,7 @@ def _hash_sources(libraries: Sequence[str] = ("mpmath", "sympy")) -> str:
 
 
 def _recall(path: Path, name: str) -> Derived | None:
-    """Return what a file of the cache holds; None where there is none, or it is damaged."""
+    """Derivation in a file of the cache; None where there is none, or it is damaged."""
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from kousoku import __version__
+from kousoku.codegen.context import package_context
+from kousoku.codegen.context_lines import c_call, python_lines
 from kousoku.codegen.known import known_errors
-from kousoku.codegen.view import package_view
-from kousoku.codegen.view_lines import c_call, python_lines
 from kousoku.model.manifest import ABI, KernelManifest, Manifest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.codegen.view_records import PackageView
+    from kousoku.codegen.context_records import PackageContext
     from kousoku.model.kernel import Kernel, Package
 
     Inputs = tuple[tuple[str, str], ...]
@@ -47,7 +47,7 @@ _RUNTIME = _ROOT / "runtime"
 
 @cache
 def environment() -> Environment:
-    """Return the one way templates are read and filled; each is parsed once a process."""
+    """Environment in which templates are read and filled; each is parsed once a process."""
     filled = Environment(
         loader=_TEMPLATES,
         undefined=StrictUndefined,
@@ -61,7 +61,7 @@ def environment() -> Environment:
 
 
 def along(*names: str) -> dict[str, str]:
-    """Return plain source of the runtime that goes along with what is generated.
+    """Plain source of the runtime that goes along with what is generated.
 
     Parameters
     ----------
@@ -88,14 +88,14 @@ def along(*names: str) -> dict[str, str]:
 
 
 def along_file(name: str) -> tuple[str, str]:
-    """Return where a file is that :func:`along` gives, and its text; empty where it gives none."""
+    """Path of a file that :func:`along` gives, and its text; empty where it gives none."""
     path = _ROOT / "model" / OF_MODEL[name] if name in OF_MODEL else _RUNTIME / name
     text = path.read_text(encoding="utf-8") if path.is_file() else ""
     return path.relative_to(_ROOT).as_posix(), text
 
 
 def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
-    """Return the folder of a package.
+    """Folder of a package.
 
     Parameters
     ----------
@@ -116,19 +116,19 @@ def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
     """
     templates = environment()
     promised = promise(package, inputs_of(package))
-    view = package_view(package, __version__, promised.digest)
-    files = {name: render(templates, path, view) for name, path in FILES.items()}
+    context = package_context(package, __version__, promised.digest)
+    files = {name: render(templates, path, context) for name, path in FILES.items()}
     files |= along(*LIBRARIES) | dict(sorted(data.items()))
     return with_manifest(files, promised)
 
 
-def render(templates: Environment, path: str, view: PackageView) -> str:
-    """Return the text that one template makes of a view."""
-    return templates.get_template(path).render(package=view)
+def render(templates: Environment, path: str, context: PackageContext) -> str:
+    """Text that one template makes of a context."""
+    return templates.get_template(path).render(package=context)
 
 
 def inputs_of(package: Package) -> Inputs:
-    """Return the SHA-256 of all that a package is made of: graphs, templates, plain source."""
+    """SHA-256 of all that a package is made of: graphs, templates, plain source."""
     templates = [
         name
         for name in sorted(_TEMPLATES.list_templates())
@@ -142,18 +142,18 @@ def inputs_of(package: Package) -> Inputs:
 
 
 def hashed(**parts: str) -> Inputs:
-    """Return the beginning of the SHA-256 of each of the parts that a package is made of."""
+    """Digests of the parts that a package is made of: the beginning of each SHA-256."""
     return tuple((name, sha256(text)[:16]) for name, text in parts.items())
 
 
 def template(name: str) -> str:
-    """Return the name and the text of a template, as digests count them."""
+    """Name and the text of a template, as digests count them."""
     text, _, _ = _TEMPLATES.get_source(environment(), name)
     return f"\n{name}\n{text}"
 
 
 def promise(package: Package, inputs: Inputs) -> Manifest:
-    """Return what ``manifest.json`` says of a package before its files are there.
+    """Manifest of a package before its files are there.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ def promise(package: Package, inputs: Inputs) -> Manifest:
 
 
 def with_manifest(files: Mapping[str, str], promised: Manifest) -> dict[str, str]:
-    """Return a folder with its manifest, which lists all other files, at the end."""
+    """Folder with its manifest, which lists all other files, at the end."""
     listed = tuple((name, sha256(text)) for name, text in files.items())
     return {**files, "manifest.json": replace(promised, files=listed).to_json()}
 
@@ -202,5 +202,5 @@ def _kernel_manifest(package: Package, kernel: Kernel) -> KernelManifest:
 
 
 def sha256(text: str) -> str:
-    """Return the SHA-256 of a text."""
+    """SHA-256 of a text."""
     return hashlib.sha256(text.encode()).hexdigest()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.unit import SMALLEST_SUBNORMAL
+from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.model.errors import FreezeError
 from kousoku.model.terms import Function, Number, evaluated
 

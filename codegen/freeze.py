@@ -24,16 +24,16 @@ from sympy.matrices.expressions import (
 from sympy.matrices.expressions.matexpr import MatrixElement
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
-from kousoku.codegen.chain import Association, flip
+from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
+from kousoku.codegen.matrix_chain import Association, flip
 from kousoku.codegen.passes.rebuild import drop_dead
-from kousoku.codegen.unit import SMALLEST_SUBNORMAL
 from kousoku.model.errors import FreezeError
 from kousoku.model.graph import Graph, Op
 from kousoku.model.kernel import Kernel
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
-    Named,
+    NamedMatrix,
     NamedScalar,
     Orientation,
     Skew,
@@ -137,7 +137,7 @@ class _Lowering:
         match x:
             case MatrixSymbol():
                 return self._input(x)
-            case Named():
+            case NamedMatrix():
                 return self._name(x.name, self.matrix(x.value))
             case Orientation():
                 return self._orientation(x)

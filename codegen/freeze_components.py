@@ -27,7 +27,7 @@ _OPS = {sympy.sin: Op.SIN, sympy.cos: Op.COS, sympy.atan2: Op.ATAN2}
 
 
 def freeze_components(function: Function) -> Kernel:
-    """Return the kernel of a function's components; equal sub-expressions are one node.
+    """Kernel of a function's components; equal sub-expressions are one node.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class _Freezing:
                 self._known[symbol] = self._add(Node(Op.INPUT, symbol=(quantity.name, index)))
 
     def node_of(self, expression: Any) -> int:
-        """Return the node of an expression, added if it is new."""
+        """Node of an expression, added if it is new."""
         known = self._known.get(expression)
         if known is None:
             known = self._known[expression] = self._lower(expression)
@@ -97,14 +97,14 @@ class _Freezing:
         return self._add(Node(op, tuple(map(self.node_of, expression.args))))
 
     def _folded(self, op: Op, nodes: Iterable[int]) -> int:
-        """Return the node of a sum or product of many, from left to right."""
+        """Node of a sum or product of many, from left to right."""
         first, *others = nodes
         for other in others:
             first = self._add(Node(op, (first, other)))
         return first
 
     def _power(self, base: Any, halves: int) -> int:
-        """Return the node of the base to so many halves."""
+        """Node of the base to so many halves."""
         if halves < 0:
             one = self.node_of(sympy.S.One)
             return self._add(Node(Op.DIV, (one, self.node_of(base ** sympy.Rational(-halves, 2)))))

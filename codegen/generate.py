@@ -15,7 +15,7 @@ from kousoku.codegen.derived import (
     recall_or_derive,
 )
 from kousoku.codegen.emit import LIBRARIES, along_file, emit, sha256, with_manifest
-from kousoku.codegen.store import GRAPH_FILE, dump
+from kousoku.codegen.kernel_json import GRAPH_FILE, dump
 from kousoku.model.cache import write_atomically
 from kousoku.model.compressed import content, stored
 from kousoku.model.jsontext import to_text
@@ -40,7 +40,7 @@ SHOWN = 60
 
 
 def package_names() -> tuple[str, ...]:
-    """Return the packages of all kinds, in the order of the list of kinds.
+    """Packages of all kinds, in the order of the list of kinds.
 
     The choices of rows of a kind are one package, ``p2`` of ``p2_x``, ``p2_y`` and ``p2_z``.
     """
@@ -48,7 +48,7 @@ def package_names() -> tuple[str, ...]:
 
 
 def package_of(name: str) -> str:
-    """Return the package that holds a kind or one choice of its rows: ``p2`` for ``p2_z``.
+    """Package that holds a kind or one choice of its rows: ``p2`` for ``p2_z``.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def generate_kind(name: str, committed: Path | None = None) -> SourceTree:
 
 
 def _together(name: str, found: Sequence[Derived]) -> Derived:
-    """Return the choices of the rows of a kind as one package, ``rates_x`` of ``rates``."""
+    """Choices of the rows of a kind as one package, ``rates_x`` of ``rates``."""
     choices = tuple(one.package.name.removeprefix(f"{name}_") for one in found)
     kernels: list[Kernel] = []
     points: list[dict[str, object]] = []
@@ -157,14 +157,14 @@ def _emitted(derived: Derived) -> SourceTree:
 
 
 def without(tree: SourceTree, *endings: str) -> SourceTree:
-    """Return a package without the files whose names end so, and its manifest without them."""
+    """Package without the files whose names end so, and its manifest without them."""
     kept = {name: text for name, text in tree.items() if not name.endswith(endings)}
     manifest = Manifest.from_json(kept.pop(MANIFEST_FILE))
     return with_manifest(kept, manifest)
 
 
 def beside_runtime(tree: SourceTree) -> SourceTree:
-    """Return a package of a kind that is shipped with the runtime: it has no copies of its files.
+    """Package of a kind that is shipped with the runtime: it has no copies of its files.
 
     Its NumPy imports them from there; the runtime gives C those that it includes.
     """
@@ -203,7 +203,7 @@ def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
 
 
 def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
-    """Return how a folder differs from what would be written, a line for each file; empty if not.
+    """Differences of a folder from what would be written, a line for each file; empty if none.
 
     Each line says where the file differs, and what it is made of that changed: it was edited by
     hand, or the plain source that it copies, or inputs of the package that manifests know by their
@@ -225,7 +225,7 @@ def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
 
 
 def foreign_files(folder: Path, tree: Mapping[str, str]) -> list[Path]:
-    """Return the files in a folder that the generator did not write, and would never remove.
+    """Files in a folder that the generator did not write, and would never remove.
 
     Those that Python or an operating system puts there (hidden ones, ``__pycache__``) do not count.
     """
@@ -252,7 +252,7 @@ INPUTS = {
 
 
 def causes(folder: Path, tree: Mapping[str, str]) -> Callable[[str, str], str]:
-    """Return what says of a file that differs, by its name and its text, why it does."""
+    """Reasons why a file differs, by its name and its text."""
     new = json.loads(tree[MANIFEST_FILE])
     old = _listed(folder)
     listed, wanted = (dict(manifest.get("inputs", ())) for manifest in (old, new))
@@ -280,7 +280,7 @@ def causes(folder: Path, tree: Mapping[str, str]) -> Callable[[str, str], str]:
 
 
 def _read(path: Path) -> str | None:
-    """Return what a file holds, None where it is missing or damaged."""
+    """Content of a file, None where it is missing or damaged."""
     try:
         return content(path.name, path.read_bytes()).decode()
     except (FileNotFoundError, ValueError):
@@ -288,18 +288,18 @@ def _read(path: Path) -> str | None:
 
 
 def _stale_files(folder: Path, tree: Mapping[str, str]) -> list[str]:
-    """Return what the manifest of a folder lists and is not generated any more."""
+    """Files that the manifest of a folder lists and that are not generated any more."""
     return sorted(set(_listed_files(folder)) - set(tree))
 
 
 def _listed_files(folder: Path) -> list[str]:
-    """Return the files that an older manifest lists, those outside the folder left out."""
+    """Files that an older manifest lists, those outside the folder left out."""
     names = dict(_listed(folder)["files"])
     return [name for name in names if isinstance(name, str) and PLAIN.fullmatch(name)]
 
 
 def _listed(folder: Path) -> dict[str, Any]:
-    """Return what the manifest of a folder holds, of whatever version; its files and inputs."""
+    """Files and inputs in the manifest of a folder, of whatever version."""
     try:
         data = dict(json.loads(_read(folder / MANIFEST_FILE) or "{}"))
         pairs = {key: list(dict(data.get(key, ())).items()) for key in ("files", "inputs")}

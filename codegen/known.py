@@ -40,7 +40,7 @@ class KnownError:
 
 
 def known_errors(package: str, kernel: str) -> tuple[KnownError, ...]:
-    """Return what is known of a kernel."""
+    """Errors of a kernel that are known."""
     return KNOWN.get((package, kernel), ())
 
 
@@ -50,7 +50,7 @@ def units_off(
     inputs: Mapping[str, Sequence[float]],
     columns: Mapping[str, Sequence[float]],
 ) -> float:
-    """Return by how many units the worst element of an output is off, as doubles give it."""
+    """Error in units of the worst element of an output, as doubles give it."""
     place = [quantity.name for quantity in kernel.outputs].index(output)
     doubles = {name: [np.float64(x) for x in xs] for name, xs in inputs.items()}
     got = evaluate(kernel, doubles, ARRAY)[output]

@@ -22,7 +22,7 @@ MOST_ITERATIONS = 30
 def solve_constraint(
     kernel: Kernel, output: str, start: Mapping[str, Sequence[float]]
 ) -> dict[str, tuple[float, ...]] | None:
-    """Return a point near ``start`` where an output vanishes to rounding and p·p = 1.
+    """Point near ``start`` where an output vanishes to rounding and p·p = 1.
 
     Each step is the least change of all input numbers that solves the linearised equations.
 
@@ -66,7 +66,7 @@ def solve_constraint(
 def _equations(
     kernel: Kernel, output: str, numbers: Mapping[Place, Any]
 ) -> tuple[list[Any], list[dict[Place, Any]]]:
-    """Return residuals and sparse rows of their derivatives: the constraint, then p·p = 1."""
+    """Residuals and sparse rows of their derivatives: the constraint, then p·p = 1."""
     arrays = {q.name: [numbers[q.name, k] for k in range(q.size)] for q in kernel.inputs}
     duals = evaluate_dual(kernel, arrays)[output]
     values = [dual.value for dual in duals]
@@ -79,7 +79,7 @@ def _equations(
 
 
 def _least_step(values: Sequence[Any], rows: Sequence[Mapping[Place, Any]]) -> dict[Place, Any]:
-    """Return the smallest x with J x = −values: x = Jᵀ (J Jᵀ)⁻¹ (−values)."""
+    """Minimum-norm x with J x = −values: x = Jᵀ (J Jᵀ)⁻¹ (−values)."""
     count = len(rows)
     square = CONTEXT.matrix(count, count)
     for i in range(count):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 from kousoku.codegen.dynamics.operations.own_frames import COLUMNS, PLACES, RATES, own_inputs
+from kousoku.codegen.kernel_json import keep_own
 from kousoku.codegen.passes.rebuild import substitute
-from kousoku.codegen.store import keep_own
 from kousoku.model.errors import DerivationError
 from kousoku.model.graph import Graph
 from kousoku.model.joints import NAMES
@@ -25,7 +25,7 @@ STATE = {name.format(body): (n,) for name, n, _ in (*PLACES, *RATES) for body in
 
 
 def own_kind_of(package: Package) -> OwnKind:
-    """Return a kind of one's own as the type of joints; its kernels are kept.
+    """Kind of one's own as the type of joints; its kernels are kept.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def own_kind_of(package: Package) -> OwnKind:
 
 
 def _problems(package: Package) -> Iterator[str]:
-    """Yield what keeps a package from being a constraint between two bodies."""
+    """Reasons why a package is no constraint between two bodies."""
     if package.name in NAMES:
         yield f"{package.name!r} is a type of joints that kousoku has"
     for name, outputs in OUTPUTS.items():
@@ -89,14 +89,14 @@ def _input(one: Quantity) -> OwnInput:
 
 
 def _body_of(one: Quantity) -> Literal["", "i", "j"]:
-    """Return the body that a vector is fixed in, by its name."""
+    """Body that a vector is fixed in, by its name."""
     if one.shape != (3,):
         return ""
     return "i" if one.name.endswith("_i_b") else "j" if one.name.endswith("_j_b") else ""
 
 
 def _turns(constraint: Kernel, side: int) -> bool:
-    """Return whether turns of a body change C where its points are the origin of its frame."""
+    """Whether turns of a body change C where its points are the origin of its frame."""
     graph, body = Graph(), "ij"[side]
     inputs = {
         one.name: [

@@ -10,14 +10,14 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.unit import SMALLEST_SUBNORMAL
+from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.model.digits import CONTEXT
 from kousoku.model.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.stream import Stream
+    from kousoku.codegen.sha256_random import Sha256Random
     from kousoku.model.graph import Node
     from kousoku.model.kernel import Kernel
     from kousoku.model.quantity import Quantity
@@ -33,7 +33,7 @@ SUBNORMAL = SMALLEST_SUBNORMAL * 2**20
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class EvaluationPoint:
     """Inputs of one evaluation.
 
     Parameters
@@ -54,13 +54,13 @@ def is_euler_parameters(quantity: Quantity) -> bool:
 
 
 def unit(p: Sequence[float]) -> tuple[float, ...]:
-    """Return ``p`` divided by its norm, rounded once."""
+    """Unit vector of ``p``, rounded once."""
     norm = CONTEXT.sqrt(sum(CONTEXT.mpf(x) ** 2 for x in p))
     return tuple(float(x / norm) for x in p)
 
 
-def ordinary(inputs: Sequence[Quantity], stream: Stream) -> dict[str, tuple[float, ...]]:
-    """Return numbers of order one: masses, lengths and angles positive, p of unit norm."""
+def ordinary(inputs: Sequence[Quantity], stream: Sha256Random) -> dict[str, tuple[float, ...]]:
+    """Numbers of order one: masses, lengths and angles positive, p of unit norm."""
     numbers = {}
     for quantity in inputs:
         is_positive = not quantity.shape or quantity.unit.startswith("kg")
@@ -71,22 +71,24 @@ def ordinary(inputs: Sequence[Quantity], stream: Stream) -> dict[str, tuple[floa
     return numbers
 
 
-def scattered(numbers: Numbers, stream: Stream, exponent: int) -> dict[str, tuple[float, ...]]:
-    """Return ``numbers`` with each one off by about 2^exponent of itself."""
+def scattered(
+    numbers: Numbers, stream: Sha256Random, exponent: int
+) -> dict[str, tuple[float, ...]]:
+    """``numbers`` with each one off by about 2^exponent of itself."""
     return {
         name: tuple(x * (1 + stream.sign() * math.ldexp(stream.magnitude(), exponent)) for x in xs)
         for name, xs in numbers.items()
     }
 
 
-def finite_points(components: Kernel, stream: Stream, turn: int) -> list[Point]:
-    """Return points at which every output is finite: one of each sort, another at each turn.
+def finite_points(components: Kernel, stream: Sha256Random, turn: int) -> list[EvaluationPoint]:
+    """Points at which every output is finite: one of each sort, another at each turn.
 
     Parameters
     ----------
     components : Kernel
         Formulas of the function; they say how far its inputs can be scaled.
-    stream : Stream
+    stream : Sha256Random
         Where the digits come from.
     turn : int
         Which of the arrays or axes a sort picks, where it picks one.
@@ -97,27 +99,35 @@ def finite_points(components: Kernel, stream: Stream, turn: int) -> list[Point]:
         return ordinary(inputs, stream)
 
     points = [
-        Point("ordinary", ordinary_numbers()),
-        Point("badly scaled arrays", _scaled_arrays(components, ordinary_numbers(), stream, turn)),
-        Point("badly scaled elements", _scaled_elements(components, ordinary_numbers(), stream)),
-        Point("nearly coincident", _coincident(inputs, ordinary_numbers(), stream)),
-        Point("near half a turn, near an axis", _degenerate(inputs, ordinary_numbers(), turn)),
-        Point("small integers", _integers(inputs, stream)),
+        EvaluationPoint("ordinary", ordinary_numbers()),
+        EvaluationPoint(
+            "badly scaled arrays", _scaled_arrays(components, ordinary_numbers(), stream, turn)
+        ),
+        EvaluationPoint(
+            "badly scaled elements", _scaled_elements(components, ordinary_numbers(), stream)
+        ),
+        EvaluationPoint("nearly coincident", _coincident(inputs, ordinary_numbers(), stream)),
+        EvaluationPoint(
+            "near half a turn, near an axis", _degenerate(inputs, ordinary_numbers(), turn)
+        ),
+        EvaluationPoint("small integers", _integers(inputs, stream)),
     ]
     vanishing = inputs[turn % len(inputs)]
     zeros = {vanishing.name: (0.0,) * vanishing.size}
-    points.append(Point(f"{vanishing.name} is zero", ordinary_numbers() | zeros))
+    points.append(EvaluationPoint(f"{vanishing.name} is zero", ordinary_numbers() | zeros))
     if any(map(is_euler_parameters, inputs)):
-        points.append(Point("p not normalised", _unnormalised(inputs, ordinary_numbers(), stream)))
+        points.append(
+            EvaluationPoint("p not normalised", _unnormalised(inputs, ordinary_numbers(), stream))
+        )
     if group := _subnormal_group(components, turn):
         numbers = _integers(inputs, stream) | _powers_of_two(components, stream)
         tiny = {name: tuple(x * SUBNORMAL for x in numbers[name]) for name in group}
-        points.append(Point(f"subnormal {', '.join(group)}", {**numbers, **tiny}))
+        points.append(EvaluationPoint(f"subnormal {', '.join(group)}", {**numbers, **tiny}))
     return points
 
 
-def infinite_points(components: Kernel, stream: Stream) -> list[Point]:
-    """Return points with one number that is not finite.
+def infinite_points(components: Kernel, stream: Sha256Random) -> list[EvaluationPoint]:
+    """Points with one number that is not finite.
 
     An infinity is left out where something finite can come of it, as with 1/∞.
     """
@@ -131,12 +141,12 @@ def infinite_points(components: Kernel, stream: Stream) -> list[Point]:
         values = list(numbers[quantity.name])
         values[index] = bad
         numbers[quantity.name] = tuple(values)
-        points.append(Point(f"{quantity.name}[{index}] is {bad}", numbers))
+        points.append(EvaluationPoint(f"{quantity.name}[{index}] is {bad}", numbers))
     return points
 
 
 def _scaled_arrays(
-    components: Kernel, numbers: Numbers, stream: Stream, turn: int
+    components: Kernel, numbers: Numbers, stream: Sha256Random, turn: int
 ) -> dict[str, tuple[float, ...]]:
     """Scale one array as far as doubles allow, all others with what is left."""
     held = degrees(components)
@@ -156,7 +166,7 @@ def _scaled_arrays(
 
 
 def _scaled_elements(
-    components: Kernel, numbers: Numbers, stream: Stream
+    components: Kernel, numbers: Numbers, stream: Sha256Random
 ) -> dict[str, tuple[float, ...]]:
     """Scale each number on its own."""
     largest = min(LARGEST_EXPONENT, EXPONENT_BUDGET // max(1, sum(degrees(components).values())))
@@ -167,7 +177,7 @@ def _scaled_elements(
 
 
 def _coincident(
-    inputs: Sequence[Quantity], numbers: Numbers, stream: Stream
+    inputs: Sequence[Quantity], numbers: Numbers, stream: Sha256Random
 ) -> dict[str, tuple[float, ...]]:
     """Let body j be almost where body i is; without a body j, all elements almost equal.
 
@@ -212,8 +222,8 @@ def _degenerate(
     return chosen
 
 
-def _integers(inputs: Sequence[Quantity], stream: Stream) -> dict[str, tuple[float, ...]]:
-    """Return integers of ±(1 … 4), positive where ordinary numbers are."""
+def _integers(inputs: Sequence[Quantity], stream: Sha256Random) -> dict[str, tuple[float, ...]]:
+    """Integers of ±(1 … 4), positive where ordinary numbers are."""
     return {
         quantity.name: tuple(float(stream.between(1, 4) * (-1 if x < 0 else 1)) for x in values)
         for quantity in inputs
@@ -221,8 +231,8 @@ def _integers(inputs: Sequence[Quantity], stream: Stream) -> dict[str, tuple[flo
     }
 
 
-def _powers_of_two(components: Kernel, stream: Stream) -> dict[str, tuple[float, ...]]:
-    """Return 1, 2 or 4 for the numbers under a quotient, so that it stays exact."""
+def _powers_of_two(components: Kernel, stream: Sha256Random) -> dict[str, tuple[float, ...]]:
+    """Powers of two for the numbers under a quotient, 1, 2 or 4, so that it stays exact."""
     curved = curved_inputs(components)
     return {
         q.name: tuple(float(1 << stream.between(0, 2)) for _ in range(q.size))
@@ -232,7 +242,7 @@ def _powers_of_two(components: Kernel, stream: Stream) -> dict[str, tuple[float,
 
 
 def _unnormalised(
-    inputs: Sequence[Quantity], numbers: Numbers, stream: Stream
+    inputs: Sequence[Quantity], numbers: Numbers, stream: Sha256Random
 ) -> dict[str, tuple[float, ...]]:
     """Let the norm of Euler parameters be 1/8 … 8."""
     scales = {q.name: math.ldexp(1.0, stream.between(-3, 2)) * stream.magnitude() for q in inputs}
@@ -245,7 +255,7 @@ def _unnormalised(
 
 
 def _subnormal_group(components: Kernel, turn: int) -> tuple[str, ...]:
-    """Return arrays that are made subnormal together: those of one unit, or a single pure one.
+    """Arrays that are made subnormal together: those of one unit, or a single pure one.
 
     The other inputs are small integers at these points and divisors powers of two, so that products
     are multiples of the smallest subnormal and the result is exact; a processor that flushes

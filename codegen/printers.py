@@ -45,7 +45,7 @@ class Text(NamedTuple):
     is_number: bool = False
 
     def within(self, least: Precedence) -> str:
-        """Return the text, in parentheses if it binds less tightly than ``least``."""
+        """Text, in parentheses if it binds less tightly than ``least``."""
         return self.text if self.precedence >= least else f"({self.text})"
 
 

@@ -12,19 +12,19 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from kousoku.codegen.error_unit import columns
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.known import known_errors, units_off
 from kousoku.codegen.manifold import solve_constraint
 from kousoku.codegen.points import (
-    Point,
+    EvaluationPoint,
     finite_points,
     infinite_points,
     ordinary,
     scattered,
 )
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.codegen.states import coincident_points, motion_points
-from kousoku.codegen.stream import Stream
-from kousoku.codegen.unit import columns
 from kousoku.model.digits import CONTEXT
 from kousoku.model.dual import Dual, evaluate_dual
 from kousoku.model.errors import DerivationError
@@ -54,7 +54,7 @@ MOST_NUMBERS_OF_ALL_TURNS = 2400
 def references(
     package: Package, functions: Sequence[Function], *, is_thorough: bool = False
 ) -> str:
-    """Return the text of the reference values.
+    """Text of the reference values.
 
     Parameters
     ----------
@@ -110,14 +110,14 @@ def _kernels(
 def _known(
     kernel: Kernel, function: Function, components: Kernel, error: KnownError
 ) -> dict[str, object]:
-    """Return a point at which an output is beyond the limit, with its own limit.
+    """Point at which an output is beyond the limit, with its own limit.
 
     Raises
     ------
     DerivationError
         It is further off than is known.
     """
-    point = Point("known to be off", error.inputs)
+    point = EvaluationPoint("known to be off", error.inputs)
     values: dict[str, Any] | None = values_at(kernel, function, components, point)
     assert values is not None
     found = units_off(kernel, error.output, error.inputs, values["outputs"][error.output])
@@ -129,31 +129,33 @@ def _known(
     return values | {"limits": {error.output: error.units}}
 
 
-def _is_finite(point: Point) -> bool:
+def _is_finite(point: EvaluationPoint) -> bool:
     return all(math.isfinite(x) for xs in point.inputs.values() for x in xs)
 
 
 def _points(
     function: Function, components: Kernel, package: Sequence[Kernel], is_thorough: bool
-) -> list[Point]:
-    """Return the points of one function, fewer of them where it has many outputs."""
-    stream = Stream(function.name)
+) -> list[EvaluationPoint]:
+    """Points of one function, fewer of them where it has many outputs."""
+    stream = Sha256Random(function.name)
     numbers = 10 * sum(output.quantity.size for output in function.outputs)
     turns = min(MOST_TURNS, MOST_NUMBERS // numbers)
     if is_thorough:
         turns = min(len(function.inputs), MOST_NUMBERS_OF_ALL_TURNS // numbers)
-    points: list[Point] = []
+    points: list[EvaluationPoint] = []
     for turn in range(max(1, turns)):
         points += finite_points(components, stream, turn)
         points += _manifold_points(function, package, stream)
-        points += motion_points(function.inputs, Stream(f"{function.name} {turn}"), turn)
+        points += motion_points(function.inputs, Sha256Random(f"{function.name} {turn}"), turn)
     if all(output.at_pole is not None for output in function.outputs):
-        points += coincident_points(function.inputs, Stream(f"{function.name} pole"))
+        points += coincident_points(function.inputs, Sha256Random(f"{function.name} pole"))
     return points + infinite_points(components, stream)
 
 
-def _manifold_points(function: Function, package: Sequence[Kernel], stream: Stream) -> list[Point]:
-    """Return a point on the constraint manifold of the package, and one near it."""
+def _manifold_points(
+    function: Function, package: Sequence[Kernel], stream: Sha256Random
+) -> list[EvaluationPoint]:
+    """Point on the constraint manifold of the package, and one near it."""
     for other in package:
         if CONSTRAINT in (output.name for output in other.outputs):
             solution = _solution(other, stream)
@@ -162,14 +164,17 @@ def _manifold_points(function: Function, package: Sequence[Kernel], stream: Stre
                 shared = {name: solution[name] for name in names if name in solution}
                 on = {**ordinary(function.inputs, stream), **shared}
                 near = {**on, **scattered(shared, stream, -33)}
-                return [Point("on the manifold", on), Point("near the manifold", near)]
+                return [
+                    EvaluationPoint("on the manifold", on),
+                    EvaluationPoint("near the manifold", near),
+                ]
     return []
 
 
-def _solution(components: Kernel, stream: Stream) -> dict[str, tuple[float, ...]] | None:
-    """Return a point on the constraint manifold; None where no start leads there."""
+def _solution(components: Kernel, stream: Sha256Random) -> dict[str, tuple[float, ...]] | None:
+    """Point on the constraint manifold; None where no start leads there."""
     # Only the first start takes from the stream: later points are the same however many it takes.
-    for own in (stream, *(Stream(f"start {number}") for number in range(1, MOST_STARTS))):
+    for own in (stream, *(Sha256Random(f"start {number}") for number in range(1, MOST_STARTS))):
         start = ordinary(components.inputs, own)
         found = solve_constraint(components, CONSTRAINT, start)
         if found is not None:
@@ -178,9 +183,9 @@ def _solution(components: Kernel, stream: Stream) -> dict[str, tuple[float, ...]
 
 
 def values_at(
-    kernel: Kernel, function: Function, components: Kernel, point: Point
+    kernel: Kernel, function: Function, components: Kernel, point: EvaluationPoint
 ) -> dict[str, object] | None:
-    """Return one point with its references; None where it happens to be no number."""
+    """Point with its references; None where it happens to be no number."""
     bad = [
         (name, k)
         for name, xs in point.inputs.items()
@@ -209,7 +214,7 @@ def values_at(
 
 
 def _documented(output: Output) -> tuple[Dual, ...]:
-    """Return what is documented of an output where its formula has a pole."""
+    """Documented values of an output where its formula has a pole."""
     assert output.at_pole is not None
     return (Dual(CONTEXT.mpf(output.at_pole), {}),) * output.quantity.size
 

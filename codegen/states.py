@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.points import Point, ordinary
+from kousoku.codegen.points import EvaluationPoint, ordinary
 from kousoku.model.digits import CONTEXT
 from kousoku.symbolic.matrices import quadratic_form
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.stream import Stream
+    from kousoku.codegen.sha256_random import Sha256Random
     from kousoku.model.quantity import Quantity
 
     Numbers = dict[str, tuple[float, ...]]
@@ -30,14 +30,16 @@ MOVING_LINE = LINE | TURNING | {"v_i", "v_j"}
 FASTER = 1024.0, 128.0
 
 
-def motion_points(inputs: Sequence[Quantity], stream: Stream, turn: int) -> list[Point]:
-    """Return the states that the inputs allow: another orientation or axis at each turn.
+def motion_points(
+    inputs: Sequence[Quantity], stream: Sha256Random, turn: int
+) -> list[EvaluationPoint]:
+    """States that the inputs allow: another orientation or axis at each turn.
 
     Parameters
     ----------
     inputs : sequence of Quantity
         The inputs of a function of two bodies; of others there are no states.
-    stream : Stream
+    stream : Sha256Random
         Where the digits come from.
     turn : int
         Which axis a line lies near; bodies that turn together stand alike at every other turn.
@@ -45,17 +47,23 @@ def motion_points(inputs: Sequence[Quantity], stream: Stream, turn: int) -> list
     names = {quantity.name for quantity in inputs}
     points = []
     if names >= TURNING:
-        points.append(Point("bodies turn together", _together(ordinary(inputs, stream), turn)))
-        points.append(Point("fast common turning", _fast(ordinary(inputs, stream))))
+        points.append(
+            EvaluationPoint("bodies turn together", _together(ordinary(inputs, stream), turn))
+        )
+        points.append(EvaluationPoint("fast common turning", _fast(ordinary(inputs, stream))))
     if names >= MOVING_LINE:
-        points.append(Point("points move along their line", _along(ordinary(inputs, stream))))
+        points.append(
+            EvaluationPoint("points move along their line", _along(ordinary(inputs, stream)))
+        )
     if names >= LINE:
-        points.append(Point("line near an axis", _near_axis(ordinary(inputs, stream), turn)))
+        points.append(
+            EvaluationPoint("line near an axis", _near_axis(ordinary(inputs, stream), turn))
+        )
     return points
 
 
-def coincident_points(inputs: Sequence[Quantity], stream: Stream) -> list[Point]:
-    """Return points that coincide, and stay so: of one body in two places, and of two bodies."""
+def coincident_points(inputs: Sequence[Quantity], stream: Sha256Random) -> list[EvaluationPoint]:
+    """Points that coincide, and stay so: of one body in two places, and of two bodies."""
     if not {quantity.name for quantity in inputs} >= LINE:
         return []
     numbers = ordinary(inputs, stream)
@@ -69,7 +77,10 @@ def coincident_points(inputs: Sequence[Quantity], stream: Stream) -> list[Point]
     if whole.keys() >= MOVING_LINE:
         rates = _arm_rate(whole, "i"), _times(-1.0, _arm_rate(whole, "j"))
         whole["v_j"] = _sum(whole["v_i"], *rates)
-    return [Point("bodies in one place", alike), Point("points coincide", whole)]
+    return [
+        EvaluationPoint("bodies in one place", alike),
+        EvaluationPoint("points coincide", whole),
+    ]
 
 
 def _of_i(name: str) -> str:
@@ -110,17 +121,17 @@ def _near_axis(numbers: Numbers, turn: int) -> Numbers:
 
 
 def _seen_from_j(numbers: Mapping[str, Triple], vector: Triple) -> tuple[float, ...]:
-    """Return a vector of the frame of i in the frame of j, for p of norm one."""
+    """Vector of the frame of i in the frame of j, for p of norm one."""
     return _product(_transposed(numbers["p_j"]), _product(_orientation(numbers["p_i"]), vector))
 
 
 def _arm(numbers: Mapping[str, Triple], body: str) -> tuple[float, ...]:
-    """Return A s′."""
+    """Arm A s′."""
     return _product(_orientation(numbers[f"p_{body}"]), numbers[f"s_{body}_b"])
 
 
 def _arm_rate(numbers: Mapping[str, Triple], body: str) -> tuple[float, ...]:
-    """Return A (ω′ × s′)."""
+    """A (ω′ × s′)."""
     (a, b, c), (x, y, z) = numbers[f"omega_{body}_b"], numbers[f"s_{body}_b"]
     turned = (b * z - c * y, c * x - a * z, a * y - b * x)
     return _product(_orientation(numbers[f"p_{body}"]), turned)

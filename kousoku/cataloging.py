@@ -24,7 +24,7 @@ T = TypeVar("T")
 
 
 def catalog() -> Catalog:
-    """Return all kinds, joints, forces, drivers, coordinates, events and bodies with their keys.
+    """Catalog of kinds, joints, forces, drivers, coordinates, events and bodies with their keys.
 
     The lists are those that scenes are read with, so that none is forgotten.
 
@@ -44,7 +44,7 @@ def catalog() -> Catalog:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Entry:
+class CatalogItem:
     """One thing that kousoku knows.
 
     Parameters
@@ -97,7 +97,7 @@ class _Named(Mapping[str, T]):
         return type(self), (self._what, dict(self._found), dict(self._aliases))
 
 
-class Section(_Named[Entry]):
+class Section(_Named[CatalogItem]):
     """The entries of one sort, by name or alias."""
 
     COLUMNS = ("name", "what", "other names")
@@ -131,7 +131,8 @@ class Catalog(_Named[Section]):
 def _catalog() -> Catalog:
     import json
 
-    from kousoku.model import joints, validate_coordinates, validate_drivers
+    from kousoku.model import joints, validate_coordinates
+    from kousoku.model.elements.drivers import DRIVERS
     from kousoku.model.elements.forces import FORCES
 
     text = (files("kousoku.model") / "scene.schema.json").read_text(encoding="utf-8")
@@ -140,7 +141,7 @@ def _catalog() -> Catalog:
     sections = {
         "kinds": _kinds(),
         "joints": [
-            Entry(name, x.title, _meanings(records["Joint"], joints.keys_of(name)), x.aliases)
+            CatalogItem(name, x.title, _meanings(records["Joint"], joints.keys_of(name)), x.aliases)
             for name, x in known.items()
         ],
         "forces": _sorts(
@@ -149,7 +150,11 @@ def _catalog() -> Catalog:
             {name: one.title for name, one in FORCES.items()},
             "type",
         ),
-        "drivers": _sorts(records["Driver"], validate_drivers.KEYS, validate_drivers.TITLES),
+        "drivers": _sorts(
+            records["Driver"],
+            {name: one.keys for name, one in DRIVERS.items()},
+            {name: one.title for name, one in DRIVERS.items()},
+        ),
         "coordinates": _sorts(
             records["Coordinate"],
             validate_coordinates.KEYS,
@@ -176,14 +181,14 @@ BODIES = {
 }
 
 
-def _section(name: str, entries: Sequence[Entry]) -> Section:
+def _section(name: str, entries: Sequence[CatalogItem]) -> Section:
     aliases = {_plain(alias): x.name for x in entries for alias in (x.name, *x.aliases)}
     what = name.removesuffix("s") if name != "bodies" else "body or part of one"
     return Section(what, {x.name: x for x in entries}, aliases)
 
 
-def _kinds() -> list[Entry]:
-    """Return the kinds, with what their kernels take."""
+def _kinds() -> list[CatalogItem]:
+    """Kinds, with what their kernels take."""
     from kousoku.generated import kinds
     from kousoku.model.manifest import Manifest
     from kousoku.symbolic import KINDS
@@ -195,7 +200,7 @@ def _kinds() -> list[Entry]:
         quantities = [q for kernel in manifest.kernels for q in kernel.inputs]
         keys = {q.name: f"{q.meaning}, {q.shape} [{q.unit}]" for q in quantities}
         choices = kind.packages if kind.packages != (name,) else ()
-        found.append(Entry(name, kind.title, keys, (*choices, *kind.aliases)))
+        found.append(CatalogItem(name, kind.title, keys, (*choices, *kind.aliases)))
     return found
 
 
@@ -205,17 +210,17 @@ def _sorts(
     titles: Mapping[str, str],
     *before: str,
     also: Sequence[str] = (),
-) -> list[Entry]:
-    """Return the sorts of a record: the types of a force, or what says which driver it is."""
+) -> list[CatalogItem]:
+    """Sorts of a record: the types of a force, or what says which driver it is."""
     return [
-        Entry(name, titles[name], _meanings(record, (*before, *own, *also)))
+        CatalogItem(name, titles[name], _meanings(record, (*before, *own, *also)))
         for name, own in keys.items()
     ]
 
 
-def _record(name: str, record: Mapping[str, Any]) -> Entry:
+def _record(name: str, record: Mapping[str, Any]) -> CatalogItem:
     title = str(record["description"]).partition(": ")[0].partition(". ")[0].removesuffix(".")
-    return Entry(name, title, _meanings(record, record["properties"]))
+    return CatalogItem(name, title, _meanings(record, record["properties"]))
 
 
 def _meanings(record: Mapping[str, Any], keys: Sequence[str]) -> dict[str, str]:
@@ -223,7 +228,7 @@ def _meanings(record: Mapping[str, Any], keys: Sequence[str]) -> dict[str, str]:
 
 
 def _plain(name: object) -> str:
-    """Return a name as names are compared: without case, blanks, hyphens and underscores."""
+    """Name as names are compared: without case, blanks, hyphens and underscores."""
     return "".join(c for c in str(name).lower() if c not in " -_")
 
 

@@ -29,7 +29,7 @@ _MP.dps = 30
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class NodeMotion:
     """The motion of all nodes that move.
 
     Parameters
@@ -55,8 +55,8 @@ class _Dyad:
     slider: Slider | None = None
 
 
-def closed_form(scene: Scene, divisions: int, rows: int) -> Motion | None:
-    """Return the exact motion of a slider-crank or a four-bar, None of any other linkage.
+def closed_form(scene: Scene, divisions: int, rows: int) -> NodeMotion | None:
+    """Exact motion of a slider-crank or a four-bar, None of any other linkage.
 
     Parameters
     ----------
@@ -99,11 +99,11 @@ def closed_form(scene: Scene, divisions: int, rows: int) -> Motion | None:
         }
         for d in range(3)
     ]
-    return Motion(*tables)
+    return NodeMotion(*tables)
 
 
 def errors_of(scene: Scene, motion: Any) -> dict[str, float] | None:
-    """Return the largest distances from the closed form, None where there is none."""
+    """Largest distances from the closed form, None where there is none."""
     exact = closed_form(scene, motion.divisions, len(motion))
     if exact is None:
         return None
@@ -120,7 +120,7 @@ def errors_of(scene: Scene, motion: Any) -> dict[str, float] | None:
 
 
 def _recognise(scene: Scene) -> _Dyad | None:
-    """Return the dyad that a scene is, None if it is another linkage."""
+    """Dyad that a scene is, None if it is another linkage."""
     fixed = {name for name, node in scene.nodes.items() if node.fixed}
     links = {
         name: link.nodes for name, link in scene.links.items() if not fixed.issuperset(link.nodes)
@@ -151,7 +151,7 @@ def _recognise(scene: Scene) -> _Dyad | None:
 
 
 def _at(scene: Scene, node: str) -> Any:
-    """Return a position as a complex number, x + i y."""
+    """Position as a complex number, x + i y."""
     return _MP.mpc(*scene.nodes[node].at)
 
 
@@ -161,13 +161,13 @@ def _length(scene: Scene, first: str, second: str) -> Any:
 
 
 def _line(slider: Slider) -> tuple[Any, Any]:
-    """Return a point of a line, and its direction with length 1."""
+    """Point of a line, and its direction with length 1."""
     direction = _MP.mpc(*slider.direction)
     return _MP.mpc(*slider.through), direction / abs(direction)
 
 
 def _intersections(scene: Scene, dyad: _Dyad, pin: Any, rod: Any) -> tuple[Any, Any]:
-    """Return the two places where the end of the rod can be."""
+    """Intersections: two places where the end of the rod can be."""
     if dyad.slider is not None:
         point, along = _line(dyad.slider)
         seen = (pin - point) / along
@@ -182,7 +182,7 @@ def _intersections(scene: Scene, dyad: _Dyad, pin: Any, rod: Any) -> tuple[Any, 
 
 
 def _derivatives(scene: Scene, dyad: _Dyad, pin: tuple[Any, Any, Any], end: Any) -> tuple[Any, Any]:
-    """Return velocity and acceleration of the end: the rod keeps its length, the end its path."""
+    """Velocity and acceleration of the end: the rod keeps its length, the end its path."""
     rod = end - pin[0]
     if dyad.slider is not None:
         normal, bends = 1j * _line(dyad.slider)[1], 0
@@ -198,6 +198,6 @@ def _dot(a: Any, b: Any) -> Any:
 
 
 def _solve(a: Any, b: Any, p: Any, q: Any) -> Any:
-    """Return the vector x with a · x = p and b · x = q."""
+    """Vector x with a · x = p and b · x = q."""
     determinant = a.real * b.imag - a.imag * b.real
     return _MP.mpc(p * b.imag - q * a.imag, q * a.real - p * b.real) / determinant

@@ -9,7 +9,7 @@ from typing import Any
 __all__ = ["kinds"]
 
 
-class Kernels(ModuleType):
+class KindModule(ModuleType):
     """The kernels of a kind as a module that pickles: by its name."""
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -27,7 +27,7 @@ class Kinds:
         if name not in _packages():
             raise AttributeError(f"no kernels of {name!r}; there are {', '.join(_packages())}")
         module = import_module(f"kousoku.generated.kinds.{name}")
-        module.__class__ = Kernels
+        module.__class__ = KindModule
         return module
 
     def __reduce__(self) -> str:

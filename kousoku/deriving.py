@@ -84,7 +84,7 @@ def _require_varies(name: str, row: int, found: object) -> None:
 
 
 def body(name: Literal["i", "j"]) -> Body:
-    """Return body i or j, whose vectors a constraint of one's own is stated in.
+    """Body i or j, whose vectors a constraint of one's own is stated in.
 
     ``body.r``, ``body.A``, ``body.a_b`` and ``body.s_b`` are the lecture's r, A, a′ and s′.
     ``body.axis("b")`` is A b′ and ``body.point("t")`` is r + A t′, of axes and points of any name.
@@ -95,7 +95,7 @@ def body(name: Literal["i", "j"]) -> Body:
 
 
 def number(name: str, unit: Literal["-", "rad", "m"] = "-", meaning: str = "") -> Number:
-    """Return a given number, constant in time, for a constraint of one's own.
+    """Given number, constant in time, for a constraint of one's own.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def kernels(
     *,
     target: Literal["auto", "c", "numpy"] = "auto",
 ) -> Library:
-    """Return the kernels of a derivation: proved, frozen, emitted with references, and loaded.
+    """Kernels of a derivation: proved, frozen, emitted with references, and loaded.
 
     Parameters
     ----------

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.residuals import unit_of
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.equations import NUMBERS, system_equations
-from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.view_numbers import row_of
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import frozen
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.simplification.outline import outline_of
@@ -63,7 +63,7 @@ MOST_TURNS, WHOLE = 100, 1e-6
 
 
 def equations_of(scene: Scene) -> Equations:
-    """Return the equations of a scene; those of the last scenes are kept."""
+    """Equations of a scene; those of the last scenes are kept."""
     known = _KEPT.get(id(scene))
     if known is None or known.scene is not scene:
         known = Equations(scene)
@@ -78,7 +78,7 @@ def equations_of(scene: Scene) -> Equations:
 _KEPT: OrderedDict[int, Equations] = OrderedDict()
 
 
-class State(NamedTuple):
+class CheckedState(NamedTuple):
     """A state that was checked.
 
     Parameters
@@ -103,7 +103,7 @@ class State(NamedTuple):
     parameters: dict[str, float]
 
 
-class Numbers(NamedTuple):
+class EquationsAtState(NamedTuple):
     """The equations at a state, in the unit of the scene.
 
     Parameters
@@ -145,7 +145,7 @@ class Equations:
         self.system = without_held(put_together(system_of(scene, ())))
         self._recorded = system_equations(self.system)
         self._program = self._recorded.program
-        self._workspace = Workspace(self._program)
+        self._workspace = ProgramInterpreter(self._program)
         self.name, self.unit = self.system.name, self.system.unit
         #: As of a solver.
         self.parameters = self.system.parameters
@@ -201,8 +201,8 @@ class Equations:
         v: npt.ArrayLike,
         parameters: Mapping[str, float | str] | None,
         angles: Mapping[str, float] | None,
-    ) -> State:
-        """Return a state that is possible, with what its angles are counted to.
+    ) -> CheckedState:
+        """State that is possible, with what its angles are counted to.
 
         Raises
         ------
@@ -221,10 +221,10 @@ class Equations:
                 )
             p /= size
         near, known = self._near(float(t), values, angles or {})
-        return State(float(t), found_q, found_v, near, known, values)
+        return CheckedState(float(t), found_q, found_v, near, known, values)
 
     def _given(self, name: str, given: npt.ArrayLike, size: int) -> Array:
-        """Return numbers of bodies as the scene is written."""
+        """Numbers of bodies as the scene is written."""
         array = numbers_of(self.name, name, given).copy()
         if wrong := misfit_of_bodies(name, array, size):
             raise SolveError(f"{self.name}: {wrong}")
@@ -233,7 +233,7 @@ class Equations:
     def _near(
         self, time: float, values: Mapping[str, float], angles: Mapping[str, float]
     ) -> tuple[dict[str, float], frozenset[str]]:
-        """Return what the angles are near: what is given, what drivers say, else the start."""
+        """Values near which the angles are: what is given, what drivers say, else the start."""
         turning = {x.name: x.near for x in self.system.coordinates if x.counts_turns}
         known = {}
         for one in self.system.constraints:
@@ -252,8 +252,8 @@ class Equations:
                 known[name] = float(value)
         return turning | known, frozenset(known)
 
-    def numbers(self, state: State) -> tuple[Numbers, State]:
-        """Return the equations at a state, and the state with the turns of its angles."""
+    def numbers(self, state: CheckedState) -> tuple[EquationsAtState, CheckedState]:
+        """Equations at a state, and the state with the turns of its angles."""
         work, masses = self._with_parameters(state)
         bodies = [
             replace(body, origin_b=tuple(own[4:7].tolist()), axes_b=tuple(own[7:].tolist()))
@@ -268,8 +268,8 @@ class Equations:
             self._run(work, q, turned)
         return self._written(work, bodies, masses, turned, (q, v)), turned
 
-    def _with_parameters(self, state: State) -> tuple[Workspace, Array]:
-        """Return a workspace with the parameters of a state, and the numbers of the bodies."""
+    def _with_parameters(self, state: CheckedState) -> tuple[ProgramInterpreter, Array]:
+        """Workspace with the parameters of a state, and the numbers of the bodies."""
         work, program = copy(self._workspace), self._program
         work.values = list(self._workspace.values)
         work["parameters"] = [*state.parameters.values()]
@@ -292,7 +292,7 @@ class Equations:
         work.run("masses")
         return work, np.array(work["masses"]).reshape(-1, NUMBERS)
 
-    def _run(self, work: Workspace, q: Array, state: State) -> None:
+    def _run(self, work: ProgramInterpreter, q: Array, state: CheckedState) -> None:
         """Evaluate all kernels."""
         tail = [state.near.get(one.name, 0.0) for one in self._program.auxiliary]
         work["q"] = [*q[: self.sizes[0]].tolist(), *tail]
@@ -304,8 +304,8 @@ class Equations:
                 " formula has none, or two points coincide whose distance counts"
             ) from None
 
-    def _closed(self, state: State, c: Sequence[float]) -> State:
-        """Return a state whose angles have the turns that close gears, screws and couplings.
+    def _closed(self, state: CheckedState, c: Sequence[float]) -> CheckedState:
+        """State whose angles have the turns that close gears, screws and couplings.
 
         Positions tell angles up to whole turns. Where no turns close a row, none are added.
         """
@@ -325,7 +325,7 @@ class Equations:
         return state._replace(near=near)
 
     def _factors(self, one: Instance, parameters: Mapping[str, float]) -> dict[str, float]:
-        """Return the factors of the angles that a row combines."""
+        """Factors of the angles that a row combines."""
         found: dict[str, float] = {}
         for term in one.terms:
             coordinate, factor = self.system.coordinates[term.coordinate], term.factor
@@ -337,13 +337,13 @@ class Equations:
 
     def _written(
         self,
-        work: Workspace,
+        work: ProgramInterpreter,
         bodies: Sequence[BodyPlaces],
         masses: Array,
-        state: State,
+        state: CheckedState,
         solved: tuple[Array, Array],
-    ) -> Numbers:
-        """Return what was evaluated, for the body frames and in the unit of the scene."""
+    ) -> EquationsAtState:
+        """Evaluated equations, for the body frames and in the unit of the scene."""
         m, n = len(self.rows), len(self.columns)
         slopes, drift = np.zeros((m, n)), np.zeros(n)
         if m:
@@ -359,7 +359,7 @@ class Equations:
                 body, masses[k], p, omega, change.T @ loads[own]
             )
         rows, columns = self._row_scale, self._column_scale
-        return Numbers(
+        return EquationsAtState(
             C=rows * np.array(work["C"]),
             nu=0.0 - rows * np.array(work["minus_nu"]),
             gamma=0.0 - rows * (np.array(work["minus_gamma"]) + slopes @ drift),
@@ -369,7 +369,7 @@ class Equations:
         )
 
     def turning(self, solver: DynamicsSolver) -> tuple[int, list[str]]:
-        """Return where the angles that count turns begin in q of a solver, and their names."""
+        """Places of the angles that count turns in q of a solver, and their names."""
         is_shown = bool(solver.layout.coordinates)
         if is_shown not in self._turning:
             system = system_of(self.scene, ("coordinates",) if is_shown else ())
@@ -386,7 +386,7 @@ class Equations:
 def _filled(
     rows: Sequence[tuple[float, Mapping[str, float]]], turns: Mapping[str, int]
 ) -> dict[str, int] | None:
-    """Return the turns that follow from those of some angles, None where a row stays open.
+    """Turns that follow from those of some angles, None where a row stays open.
 
     Parameters
     ----------
@@ -425,7 +425,7 @@ def _lack(bodies: Sequence[MovingBody]) -> str:
 
 
 def _places(system: System) -> tuple[BodyPlaces, ...]:
-    """Return where bodies stand in q and v where nothing is left out."""
+    """Places of bodies in q and v where nothing is left out."""
     found, at_q, at_v = [], 0, 0
     for body in system.bodies:
         turns = not body.is_point
@@ -445,7 +445,7 @@ def _places(system: System) -> tuple[BodyPlaces, ...]:
 
 
 def _change(body: BodyPlaces, q: Array, v: Array) -> tuple[Array, Array]:
-    """Return T and Ṫ v for v_s = T v, from the velocities of the scene to those of a system.
+    """T and Ṫ v for v_s = T v, from the velocities of the scene to those of a system.
 
     A system has the centre of mass and the principal axes in place of the body frame: with s′ from
     there to the origin, ṙ_s = ṙ + A_s s̃′ ω_s′ and ω_s′ = A(axes) ω′.
@@ -465,7 +465,7 @@ def _change(body: BodyPlaces, q: Array, v: Array) -> tuple[Array, Array]:
 def _newton_euler(
     body: BodyPlaces, own: Array, p: Array, omega: Array, load: Array
 ) -> tuple[Array, Array]:
-    """Return M about the origin of the body frame, and applied less velocity forces, in SI units.
+    """M about the origin of the body frame, and applied less velocity forces, in SI units.
 
     Parameters
     ----------
@@ -491,11 +491,11 @@ def _newton_euler(
 
 
 def _tilde(a: Array) -> Array:
-    """Return ã with ã b = a × b."""
+    """Skew matrix ã with ã b = a × b."""
     x, y, z = a
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def _matrix(p: npt.ArrayLike) -> Array:
-    """Return A(p) for Euler parameters of norm one."""
+    """Matrix A(p) for Euler parameters of norm one."""
     return rotated(np.asarray(p)[:, np.newaxis], np.eye(3))

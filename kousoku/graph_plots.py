@@ -116,7 +116,7 @@ def _draw(axes: Axes, drawing: Layers) -> None:
 
 
 def _heights(kernel: Kernel) -> list[int]:
-    """Return for each node how many operations stand below it, one on top of the other."""
+    """Heights of the nodes: how many operations stand below each, one on top of the other."""
     heights: list[int] = []
     for node in kernel.nodes:
         heights.append(1 + max((heights[arg] for arg in node.args), default=-1))
@@ -124,7 +124,7 @@ def _heights(kernel: Kernel) -> list[int]:
 
 
 def _tree(kernel: Kernel) -> Layers:
-    """Return the drawing in which each use of a value has a node of its own."""
+    """Drawing in which each use of a value has a node of its own."""
     nodes: list[tuple[float, int, Op]] = []
     lines: list[list[tuple[float, int]]] = []
     leaves = 0
@@ -149,7 +149,7 @@ def _tree(kernel: Kernel) -> Layers:
 
 
 def _graph(kernel: Kernel) -> Layers:
-    """Return the drawing in which each value has one node, in layers, near to its neighbours."""
+    """Drawing in which each value has one node, in layers, near to its neighbours."""
     heights = _heights(kernel)
     neighbours: list[list[int]] = [[] for _ in kernel.nodes]
     for k, node in enumerate(kernel.nodes):

@@ -16,7 +16,7 @@ from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from matplotlib.path import Path
 
 from kousoku.coupling_shapes import COUPLED
-from kousoku.joint_shapes import SHAPES, Ball, Box, Cylinder
+from kousoku.joint_shapes import SHAPES, Ball, BoxShape, CylinderShape
 from kousoku.plots import save
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from kousoku.joint_shapes import Freedom, Shape, Solid, Vector
+    from kousoku.joint_shapes import JointFreedom, Shape, Solid, Vector
 
     Array = NDArray[np.float64]
 
@@ -67,13 +67,13 @@ def draw_joint(shape: Shape) -> Figure:
 
 
 def _flat(points: Array | Vector) -> Array:
-    """Return where points are in the picture."""
+    """Points in the picture."""
     flat: Array = np.asarray(points) @ np.stack([_RIGHT, _UP], axis=1)
     return flat
 
 
 def _shade(owner: str, normal: Array) -> tuple[float, ...]:
-    """Return the colour of a face: light on top, dark on the right."""
+    """Colour of a face: light on top, dark on the right."""
     light = 0.75 + 0.25 * float(normal @ np.array([-0.35, -0.2, 0.91]))
     return tuple(min(1.0, light * channel + 0.12) for channel in to_rgb(_COLORS[owner]))
 
@@ -86,12 +86,12 @@ def _fill(axes: Axes, points: Array, color: Sequence[float]) -> None:
 
 def _draw_solid(axes: Axes, solid: Solid) -> None:
     match solid:
-        case Box(owner, low, high):
+        case BoxShape(owner, low, high):
             for k, side in np.ndindex(3, 2):
                 normal = np.eye(3)[k] * (2 * side - 1)
                 if normal @ _AWAY < 0.0:
                     _fill(axes, _face(low, high, k, side), _shade(owner, normal))
-        case Cylinder(owner, start, end, radius):
+        case CylinderShape(owner, start, end, radius):
             _draw_cylinder(axes, owner, np.array(start), np.array(end), radius)
         case Ball(owner, at, radius):
             color = _shade(owner, np.array([-0.35, -0.2, 0.6]))
@@ -100,7 +100,7 @@ def _draw_solid(axes: Axes, solid: Solid) -> None:
 
 
 def _face(low: Vector, high: Vector, k: int, side: int) -> Array:
-    """Return the corners of a face of a box."""
+    """Corners of a face of a box."""
     others = [m for m in range(3) if m != k]
     corners = np.empty((4, 3))
     for corner, (a, b) in zip(corners, ((0, 0), (0, 1), (1, 1), (1, 0)), strict=True):
@@ -111,7 +111,7 @@ def _face(low: Vector, high: Vector, k: int, side: int) -> Array:
 
 
 def _circle(center: Array, axis: Array, radius: float, angles: Array) -> Array:
-    """Return points of a circle about an axis."""
+    """Points of a circle about an axis."""
     first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     first /= np.linalg.norm(first)
     second = np.cross(axis, first)
@@ -134,7 +134,7 @@ def _draw_cylinder(axes: Axes, owner: str, start: Array, end: Array, radius: flo
     _fill(axes, _circle(end, axis, radius, _ROUND[:-1]), _shade(owner, axis))
 
 
-def _draw_freedom(axes: Axes, freedom: Freedom) -> None:
+def _draw_freedom(axes: Axes, freedom: JointFreedom) -> None:
     at, direction = np.array(freedom.at), np.array(freedom.direction)
     if freedom.kind == "shift":
         points = np.stack([at - freedom.size * direction, at + freedom.size * direction])
@@ -170,13 +170,13 @@ def _label(axes: Axes, shape: Shape, owner: str) -> None:
 
 
 def _middle(solid: Solid) -> tuple[Array, float]:
-    """Return the middle of what is seen of a solid, and how large it is."""
+    """Middle of what is seen of a solid, and how large it is."""
     match solid:
-        case Box(owner, low, high):
+        case BoxShape(owner, low, high):
             size = np.subtract(high, low)
             aside = np.array([-0.3 if owner == "i" else 0.42, -0.5, -0.3])
             return np.add(low, high) / 2 + aside * size, float(np.prod(size))
-        case Cylinder(_, start, end, radius):
+        case CylinderShape(_, start, end, radius):
             length = float(np.linalg.norm(np.subtract(end, start)))
             return np.add(start, end) / 2 - 0.5 * radius * _UP, 3.0 * length * radius**2
         case Ball(_, at, radius):

@@ -15,7 +15,7 @@ X, Y, Z, ORIGIN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
+class BoxShape:
     """A box along the axes between two of its corners; ``owner`` is its body."""
 
     owner: Owner
@@ -24,7 +24,7 @@ class Box:
 
 
 @dataclass(frozen=True, slots=True)
-class Cylinder:
+class CylinderShape:
     """A cylinder between the middles of its faces."""
 
     owner: Owner
@@ -42,11 +42,11 @@ class Ball:
     radius: float
 
 
-Solid = Box | Cylinder | Ball
+Solid = BoxShape | CylinderShape | Ball
 
 
 @dataclass(frozen=True, slots=True)
-class Freedom:
+class JointFreedom:
     """A motion of body j that the joint allows while body i rests.
 
     Parameters
@@ -78,7 +78,7 @@ class Shape:
     ----------
     solids : tuple
         From back to front.
-    freedoms : tuple of Freedom
+    freedoms : tuple of JointFreedom
         As many as 6 less the rows of the joint.
     axes : tuple of (point, direction)
         Axis of body i, and that of body j where it is another one.
@@ -87,142 +87,152 @@ class Shape:
     """
 
     solids: tuple[Solid, ...]
-    freedoms: tuple[Freedom, ...]
+    freedoms: tuple[JointFreedom, ...]
     axes: tuple[tuple[Vector, Vector], ...] = ()
     points: tuple[Vector, ...] = (ORIGIN,)
 
 
 def _turns(
     at: Vector = ORIGIN, x: float = 1.0, y: float = -1.0, z: float = 1.0
-) -> tuple[Freedom, ...]:
-    """Return the turns about the axes through a point, drawn at distances x, y, z from it."""
+) -> tuple[JointFreedom, ...]:
+    """Turns about the axes through a point, drawn at distances x, y, z from it."""
     places = ((at[0] + x, at[1], at[2]), (at[0], at[1] + y, at[2]), (at[0], at[1], at[2] + z))
     return tuple(
-        Freedom("turn", axis, place, 0.28) for axis, place in zip((X, Y, Z), places, strict=True)
+        JointFreedom("turn", axis, place, 0.28)
+        for axis, place in zip((X, Y, Z), places, strict=True)
     )
 
 
-def _shifts(at: Vector) -> tuple[Freedom, ...]:
-    return tuple(Freedom("shift", axis, at, 0.75) for axis in (X, Y, Z))
+def _shifts(at: Vector) -> tuple[JointFreedom, ...]:
+    return tuple(JointFreedom("shift", axis, at, 0.75) for axis in (X, Y, Z))
 
 
-def _ridge(x: float) -> Cylinder:
-    """Return a ridge of a thread along x."""
-    return Cylinder("i", (x, 0.0, 0.0), (x + 0.08, 0.0, 0.0), 0.24)
+def _ridge(x: float) -> CylinderShape:
+    """Ridge of a thread along x."""
+    return CylinderShape("i", (x, 0.0, 0.0), (x + 0.08, 0.0, 0.0), 0.24)
 
 
-_PLATE = Box("i", (-1.5, -1.0, -0.2), (1.5, 1.0, 0.0))
-_IN_PLATE = (Freedom("shift", X, (0.0, -0.8, 0.0), 0.7), Freedom("shift", Y, (1.1, 0.0, 0.0), 0.7))
+_PLATE = BoxShape("i", (-1.5, -1.0, -0.2), (1.5, 1.0, 0.0))
+_IN_PLATE = (
+    JointFreedom("shift", X, (0.0, -0.8, 0.0), 0.7),
+    JointFreedom("shift", Y, (1.1, 0.0, 0.0), 0.7),
+)
 _START, _END = (-1.5, 0.0, -0.2), (0.6, 0.0, 0.2)
 _LENGTH = (2.1**2 + 0.4**2) ** 0.5
 _ACROSS = (-0.4 / _LENGTH, 0.0, 2.1 / _LENGTH)
 _APART = (
-    Box("i", (-1.6, -0.3, -0.4), (-0.8, 0.3, 0.4)),
-    Box("j", (0.6, -0.3, -0.3), (1.4, 0.3, 0.5)),
+    BoxShape("i", (-1.6, -0.3, -0.4), (-0.8, 0.3, 0.4)),
+    BoxShape("j", (0.6, -0.3, -0.3), (1.4, 0.3, 0.5)),
 )
 _MIDDLE = (1.0, 0.0, 0.1)
 
 SHAPES: dict[str, Shape] = {
     "fixed": Shape(
         (
-            Box("i", (-1.5, -0.35, -0.35), (0.0, 0.35, 0.35)),
-            Box("j", (0.0, -0.25, -0.25), (1.4, 0.25, 0.25)),
+            BoxShape("i", (-1.5, -0.35, -0.35), (0.0, 0.35, 0.35)),
+            BoxShape("j", (0.0, -0.25, -0.25), (1.4, 0.25, 0.25)),
         ),
         (),
     ),
     "revolute": Shape(
         (
-            Box("i", (-1.6, -0.25, -0.3), (0.3, 0.25, 0.0)),
-            Box("j", (-0.3, -0.25, 0.0), (1.6, 0.25, 0.3)),
-            Cylinder("i", (0.0, 0.0, 0.3), (0.0, 0.0, 0.42), 0.12),
+            BoxShape("i", (-1.6, -0.25, -0.3), (0.3, 0.25, 0.0)),
+            BoxShape("j", (-0.3, -0.25, 0.0), (1.6, 0.25, 0.3)),
+            CylinderShape("i", (0.0, 0.0, 0.3), (0.0, 0.0, 0.42), 0.12),
         ),
-        (Freedom("turn", Z, (0.0, 0.0, 0.75), 0.5),),
+        (JointFreedom("turn", Z, (0.0, 0.0, 0.75), 0.5),),
         ((ORIGIN, Z),),
     ),
     "prismatic": Shape(
         (
-            Box("i", (-1.7, -0.17, -0.17), (-0.5, 0.17, 0.17)),
-            Box("j", (-0.5, -0.4, -0.4), (0.5, 0.4, 0.4)),
-            Box("i", (0.5, -0.17, -0.17), (1.7, 0.17, 0.17)),
+            BoxShape("i", (-1.7, -0.17, -0.17), (-0.5, 0.17, 0.17)),
+            BoxShape("j", (-0.5, -0.4, -0.4), (0.5, 0.4, 0.4)),
+            BoxShape("i", (0.5, -0.17, -0.17), (1.7, 0.17, 0.17)),
         ),
-        (Freedom("shift", X, (0.0, 0.0, 0.75), 0.8),),
+        (JointFreedom("shift", X, (0.0, 0.0, 0.75), 0.8),),
         ((ORIGIN, X),),
     ),
     "cylindrical": Shape(
         (
-            Cylinder("i", (-1.7, 0.0, 0.0), (-0.5, 0.0, 0.0), 0.15),
-            Cylinder("j", (-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), 0.4),
-            Cylinder("i", (0.5, 0.0, 0.0), (1.7, 0.0, 0.0), 0.15),
+            CylinderShape("i", (-1.7, 0.0, 0.0), (-0.5, 0.0, 0.0), 0.15),
+            CylinderShape("j", (-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), 0.4),
+            CylinderShape("i", (0.5, 0.0, 0.0), (1.7, 0.0, 0.0), 0.15),
         ),
-        (Freedom("shift", X, (0.0, 0.0, 0.75), 0.8), Freedom("turn", X, (1.15, 0.0, 0.0), 0.5)),
+        (
+            JointFreedom("shift", X, (0.0, 0.0, 0.75), 0.8),
+            JointFreedom("turn", X, (1.15, 0.0, 0.0), 0.5),
+        ),
         ((ORIGIN, X),),
     ),
     "spherical": Shape(
         (
-            Box("i", (-0.35, -0.35, -1.3), (0.35, 0.35, -0.2)),
+            BoxShape("i", (-0.35, -0.35, -1.3), (0.35, 0.35, -0.2)),
             Ball("j", ORIGIN, 0.36),
-            Cylinder("j", (0.25, 0.0, 0.25), (1.0, 0.0, 1.15), 0.14),
+            CylinderShape("j", (0.25, 0.0, 0.25), (1.0, 0.0, 1.15), 0.14),
         ),
         _turns(z=0.85),
     ),
     "universal": Shape(
         (
-            Cylinder("i", (-1.8, 0.0, 0.0), (-0.7, 0.0, 0.0), 0.15),
-            Box("i", (-0.75, -0.5, -0.14), (-0.6, 0.5, 0.14)),
-            Box("i", (-0.6, 0.38, -0.14), (0.15, 0.5, 0.14)),
-            Box("j", (-0.15, -0.14, -0.5), (0.6, 0.14, -0.38)),
-            Cylinder("-", (0.0, 0.4, 0.0), (0.0, -0.4, 0.0), 0.09),
-            Cylinder("-", (0.0, 0.0, -0.38), (0.0, 0.0, 0.4), 0.09),
-            Box("j", (0.6, -0.14, -0.5), (0.75, 0.14, 0.5)),
-            Box("j", (-0.15, -0.14, 0.38), (0.6, 0.14, 0.5)),
-            Cylinder("j", (0.75, 0.0, 0.0), (1.8, 0.0, 0.0), 0.15),
-            Box("i", (-0.6, -0.5, -0.14), (0.15, -0.38, 0.14)),
+            CylinderShape("i", (-1.8, 0.0, 0.0), (-0.7, 0.0, 0.0), 0.15),
+            BoxShape("i", (-0.75, -0.5, -0.14), (-0.6, 0.5, 0.14)),
+            BoxShape("i", (-0.6, 0.38, -0.14), (0.15, 0.5, 0.14)),
+            BoxShape("j", (-0.15, -0.14, -0.5), (0.6, 0.14, -0.38)),
+            CylinderShape("-", (0.0, 0.4, 0.0), (0.0, -0.4, 0.0), 0.09),
+            CylinderShape("-", (0.0, 0.0, -0.38), (0.0, 0.0, 0.4), 0.09),
+            BoxShape("j", (0.6, -0.14, -0.5), (0.75, 0.14, 0.5)),
+            BoxShape("j", (-0.15, -0.14, 0.38), (0.6, 0.14, 0.5)),
+            CylinderShape("j", (0.75, 0.0, 0.0), (1.8, 0.0, 0.0), 0.15),
+            BoxShape("i", (-0.6, -0.5, -0.14), (0.15, -0.38, 0.14)),
         ),
-        (Freedom("turn", Y, (0.0, -0.95, 0.0), 0.35), Freedom("turn", Z, (0.0, 0.0, 0.85), 0.4)),
+        (
+            JointFreedom("turn", Y, (0.0, -0.95, 0.0), 0.35),
+            JointFreedom("turn", Z, (0.0, 0.0, 0.85), 0.4),
+        ),
         ((ORIGIN, Y), (ORIGIN, Z)),
     ),
     "planar": Shape(
-        (_PLATE, Box("j", (-0.45, -0.35, 0.0), (0.45, 0.35, 0.45))),
-        (*_IN_PLATE, Freedom("turn", Z, (0.0, 0.0, 0.75), 0.45)),
+        (_PLATE, BoxShape("j", (-0.45, -0.35, 0.0), (0.45, 0.35, 0.45))),
+        (*_IN_PLATE, JointFreedom("turn", Z, (0.0, 0.0, 0.75), 0.45)),
         ((ORIGIN, Z),),
     ),
     "rod": Shape(
         (
-            Box("i", (-1.9, -0.35, -0.9), (-1.2, 0.35, -0.2)),
-            Cylinder("-", _START, _END, 0.05),
-            Box("j", (0.6, -0.3, -0.05), (1.3, 0.3, 0.55)),
+            BoxShape("i", (-1.9, -0.35, -0.9), (-1.2, 0.35, -0.2)),
+            CylinderShape("-", _START, _END, 0.05),
+            BoxShape("j", (0.6, -0.3, -0.05), (1.3, 0.3, 0.55)),
         ),
         (
-            Freedom("shift", Y, _END, 0.7),
-            Freedom("shift", _ACROSS, _END, 0.7),
+            JointFreedom("shift", Y, _END, 0.7),
+            JointFreedom("shift", _ACROSS, _END, 0.7),
             *_turns(_END, 1.05, -1.0, 0.95),
         ),
         points=(_START, _END),
     ),
     "point_on_line": Shape(
         (
-            Box("i", (-1.9, -0.25, -0.7), (-1.6, 0.25, 0.25)),
-            Cylinder("i", (-1.6, 0.0, 0.0), (1.6, 0.0, 0.0), 0.05),
-            Box("i", (1.6, -0.25, -0.7), (1.9, 0.25, 0.25)),
-            Cylinder("j", ORIGIN, (0.0, 0.0, 0.5), 0.07),
+            BoxShape("i", (-1.9, -0.25, -0.7), (-1.6, 0.25, 0.25)),
+            CylinderShape("i", (-1.6, 0.0, 0.0), (1.6, 0.0, 0.0), 0.05),
+            BoxShape("i", (1.6, -0.25, -0.7), (1.9, 0.25, 0.25)),
+            CylinderShape("j", ORIGIN, (0.0, 0.0, 0.5), 0.07),
             Ball("j", ORIGIN, 0.13),
-            Box("j", (-0.35, -0.3, 0.45), (0.35, 0.3, 0.95)),
+            BoxShape("j", (-0.35, -0.3, 0.45), (0.35, 0.3, 0.95)),
         ),
-        (Freedom("shift", X, (0.5, 0.0, -0.72), 0.7), *_turns(x=0.95, z=1.25)),
+        (JointFreedom("shift", X, (0.5, 0.0, -0.72), 0.7), *_turns(x=0.95, z=1.25)),
         ((ORIGIN, X),),
     ),
     "point_on_plane": Shape(
         (
             _PLATE,
-            Cylinder("j", ORIGIN, (0.0, 0.0, 0.5), 0.07),
-            Box("j", (-0.35, -0.3, 0.45), (0.35, 0.3, 0.95)),
+            CylinderShape("j", ORIGIN, (0.0, 0.0, 0.5), 0.07),
+            BoxShape("j", (-0.35, -0.3, 0.45), (0.35, 0.3, 0.95)),
         ),
         (*_IN_PLATE, *_turns(x=1.9, y=-1.4, z=1.25)),
         ((ORIGIN, Z),),
     ),
     "parallel_axes": Shape(
         _APART,
-        (*_shifts(_MIDDLE), Freedom("turn", Z, (1.0, 0.0, 1.05), 0.35)),
+        (*_shifts(_MIDDLE), JointFreedom("turn", Z, (1.0, 0.0, 1.05), 0.35)),
         (((-1.2, 0.0, 0.0), Z), (_MIDDLE, Z)),
         (),
     ),
@@ -230,31 +240,34 @@ SHAPES: dict[str, Shape] = {
         _APART,
         (
             *_shifts(_MIDDLE),
-            Freedom("turn", Z, (1.0, 0.0, 1.05), 0.35),
-            Freedom("turn", X, (2.0, 0.0, 0.1), 0.35),
+            JointFreedom("turn", Z, (1.0, 0.0, 1.05), 0.35),
+            JointFreedom("turn", X, (2.0, 0.0, 0.1), 0.35),
         ),
         (((-1.2, 0.0, 0.0), Z), (_MIDDLE, X)),
         (),
     ),
     "screw": Shape(
         (
-            Cylinder("i", (-1.7, 0.0, 0.0), (-0.4, 0.0, 0.0), 0.17),
+            CylinderShape("i", (-1.7, 0.0, 0.0), (-0.4, 0.0, 0.0), 0.17),
             *(_ridge(-1.5 + 0.2 * k) for k in range(6)),
-            Box("j", (-0.4, -0.4, -0.4), (0.4, 0.4, 0.4)),
-            Cylinder("i", (0.4, 0.0, 0.0), (1.7, 0.0, 0.0), 0.17),
+            BoxShape("j", (-0.4, -0.4, -0.4), (0.4, 0.4, 0.4)),
+            CylinderShape("i", (0.4, 0.0, 0.0), (1.7, 0.0, 0.0), 0.17),
             *(_ridge(0.5 + 0.2 * k) for k in range(6)),
         ),
-        (Freedom("screw", X, (0.0, 0.0, 0.0), 0.72, 0.45),),
+        (JointFreedom("screw", X, (0.0, 0.0, 0.0), 0.72, 0.45),),
         ((ORIGIN, X),),
     ),
     "constant_velocity": Shape(
         (
-            Cylinder("i", (-1.8, 0.0, 0.0), (-0.5, 0.0, 0.0), 0.15),
-            Cylinder("i", (-0.5, 0.0, 0.0), (0.05, 0.0, 0.0), 0.5),
+            CylinderShape("i", (-1.8, 0.0, 0.0), (-0.5, 0.0, 0.0), 0.15),
+            CylinderShape("i", (-0.5, 0.0, 0.0), (0.05, 0.0, 0.0), 0.5),
             Ball("-", ORIGIN, 0.36),
-            Cylinder("j", (0.3, 0.0, 0.0), (1.8, 0.0, 0.0), 0.15),
+            CylinderShape("j", (0.3, 0.0, 0.0), (1.8, 0.0, 0.0), 0.15),
         ),
-        (Freedom("turn", Y, (0.0, -0.95, 0.0), 0.35), Freedom("turn", Z, (0.0, 0.0, 0.95), 0.4)),
+        (
+            JointFreedom("turn", Y, (0.0, -0.95, 0.0), 0.35),
+            JointFreedom("turn", Z, (0.0, 0.0, 0.95), 0.4),
+        ),
         ((ORIGIN, X),),
     ),
 }
@@ -262,30 +275,33 @@ SHAPES: dict[str, Shape] = {
 
 
 def _of(joint: str, *places: int) -> tuple[Solid, ...]:
-    """Return some of the solids that a joint is drawn with."""
+    """Solids that a joint is drawn with, those that are wanted."""
     return tuple(SHAPES[joint].solids[place] for place in places)
 
 
 SIGNS: dict[str, tuple[Solid, ...]] = {
-    "fixed": (Box("i", (-0.3, -0.3, -0.3), (0.3, 0.3, 0.3)),),
-    "revolute": (Cylinder("i", (0.0, 0.0, -0.5), (0.0, 0.0, 0.5), 0.36),),
+    "fixed": (BoxShape("i", (-0.3, -0.3, -0.3), (0.3, 0.3, 0.3)),),
+    "revolute": (CylinderShape("i", (0.0, 0.0, -0.5), (0.0, 0.0, 0.5), 0.36),),
     "prismatic": _of("prismatic", 1),
     "cylindrical": _of("cylindrical", 1),
     "spherical": _of("spherical", 1),
     "universal": (
-        Cylinder("i", (0.0, 0.6, 0.0), (0.0, -0.6, 0.0), 0.24),
-        Cylinder("j", (0.0, 0.0, -0.6), (0.0, 0.0, 0.6), 0.24),
+        CylinderShape("i", (0.0, 0.6, 0.0), (0.0, -0.6, 0.0), 0.24),
+        CylinderShape("j", (0.0, 0.0, -0.6), (0.0, 0.0, 0.6), 0.24),
     ),
-    "planar": (Box("i", (-0.9, -0.9, -0.12), (0.9, 0.9, 0.0)), *_of("planar", 1)),
+    "planar": (BoxShape("i", (-0.9, -0.9, -0.12), (0.9, 0.9, 0.0)), *_of("planar", 1)),
     "rod": (Ball("i", ORIGIN, 0.3), Ball("j", ORIGIN, 0.3)),
     "point_on_line": (Ball("j", ORIGIN, 0.36),),
-    "point_on_plane": (Box("i", (-0.9, -0.9, -0.12), (0.9, 0.9, 0.0)), Ball("j", ORIGIN, 0.36)),
+    "point_on_plane": (
+        BoxShape("i", (-0.9, -0.9, -0.12), (0.9, 0.9, 0.0)),
+        Ball("j", ORIGIN, 0.36),
+    ),
     "parallel_axes": (),
     "perpendicular_axes": (),
     "screw": (
         *_of("screw", 7),
-        Cylinder("j", (-0.62, 0.0, 0.0), (-0.4, 0.0, 0.0), 0.3),
-        Cylinder("j", (0.4, 0.0, 0.0), (0.62, 0.0, 0.0), 0.3),
+        CylinderShape("j", (-0.62, 0.0, 0.0), (-0.4, 0.0, 0.0), 0.3),
+        CylinderShape("j", (0.4, 0.0, 0.0), (0.62, 0.0, 0.0), 0.3),
     ),
     "constant_velocity": _of("constant_velocity", 1, 2),
 }

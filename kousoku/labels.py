@@ -19,7 +19,7 @@ COLUMNS = ("x", "y", "z", "theta_x", "theta_y", "theta_z")
 
 
 def columns_of(bodies: Sequence[MovingBody]) -> tuple[str, ...]:
-    """Return the names of the columns of bodies."""
+    """Names of the columns of bodies."""
     return tuple(
         f"{body.name}.{component}"
         for body in bodies
@@ -28,7 +28,7 @@ def columns_of(bodies: Sequence[MovingBody]) -> tuple[str, ...]:
 
 
 def rows_of(system: System, rows: Iterable[Row]) -> Iterator[str]:
-    """Yield what the rows are: joint or driver, kind, component."""
+    """Labels of the rows: joint or driver, kind, component."""
     own = Counter((one.joint, one.kind) for one in system.constraints)
     numbers: dict[int, int] = {}
     seen: Counter[tuple[str, str]] = Counter()
@@ -42,7 +42,7 @@ def rows_of(system: System, rows: Iterable[Row]) -> Iterator[str]:
 
 
 def _component(system: System, one: Instance, row: int) -> str:
-    """Return kind and component of a row of an instance; of a combination what it combines."""
+    """Kind and component of a row of an instance; of a combination what it combines."""
     if one.terms:
         return " and ".join(system.coordinates[term.coordinate].name for term in one.terms)
     if is_own(one.kind):
@@ -54,5 +54,5 @@ def _component(system: System, one: Instance, row: int) -> str:
 
 
 def is_turn(column: str) -> bool:
-    """Return whether a column is a virtual rotation."""
+    """Whether a column is a virtual rotation."""
     return column.rpartition(".")[2] in COLUMNS[3:]

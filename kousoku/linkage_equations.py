@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.assemble import Role, assemble
 from kousoku.model.directions import unit_vector
@@ -76,7 +76,7 @@ class LinkageEquations:
         self._kernels = {kernel.name: kernel for kernel in load_frozen("link").kernels}
 
     def at(self, t: float, q: npt.ArrayLike, v: npt.ArrayLike) -> list[LinkageRow]:
-        """Return all equations at a state: those of fixed nodes, sliders, links, rotations.
+        """Equations at a state: those of fixed nodes, sliders, links, rotations.
 
         Raises
         ------
@@ -111,7 +111,7 @@ class LinkageEquations:
                 )
 
     def _sliding(self, q: Array, known: Mapping[str, Sequence[float]]) -> Iterator[LinkageRow]:
-        """Yield that sliders stay on their lines, and are where inputs put them."""
+        """Equations of sliders: they stay on their lines, and are where inputs put them."""
         for name, slider in self.scene.sliders.items():
             along = self._direction(slider)
             across = np.array([-along[1], along[0]])
@@ -128,7 +128,7 @@ class LinkageEquations:
     def _on(
         self, label: str, slider: Slider, along: Array, q: Array, law: Sequence[float]
     ) -> LinkageRow:
-        """Return that a node is so far along a direction, from the origin of its line."""
+        """Equation of a node that is so far along a direction, from the origin of its line."""
         first, slope = self._place[slider.node], np.zeros(len(q))
         slope[first : first + 2] = along
         far = along @ (q[first : first + 2] - np.array(slider.through, float))
@@ -137,7 +137,7 @@ class LinkageEquations:
     def _of_links(
         self, q: Array, v: Array, known: Mapping[str, Sequence[float]]
     ) -> Iterator[LinkageRow]:
-        """Yield that links keep their lengths, and what is known of their angles."""
+        """Equations of links: they keep their lengths, and what is known of their angles."""
         angles: dict[int, list[LinkageRow]] = {}
         for element in self.system.elements:
             for row in element.rows:
@@ -168,7 +168,7 @@ class LinkageEquations:
                 )
 
     def _row(self, element: Element, row: int, q: Array, v: Array) -> LinkageRow:
-        """Return ε1, or ε2 or ε3 by the rotation that it has, with that rotation at zero."""
+        """ε1, or ε2 or ε3 by the rotation that it has, with that rotation at zero."""
         places = [self._place[node] + k for node in element.nodes for k in (0, 1)]
         x, x_dot = [0.0] * 6, [0.0] * 6
         for end, place in zip(PLACES, places, strict=True):
@@ -194,6 +194,6 @@ class LinkageEquations:
 
 
 def _law(given: Input, t: float) -> tuple[float, float, float]:
-    """Return what an input prescribes, and its first and second derivatives."""
+    """Value that an input prescribes, and its first and second derivatives."""
     start, rate, second = map(float, (given.start, given.rate, given.acceleration))
     return start + rate * t + second / 2 * t * t, rate + second * t, second

@@ -90,14 +90,14 @@ def load(
     >>> loop = ks.load("scenes/loop_free.toml")
     >>> run = loop.simulate(2, parameters={"mass": 2})
     """
-    given = Given.of(scene, own_kinds(kinds))
+    given = GivenScene.of(scene, own_kinds(kinds))
     wanted = None if outputs is None else _outputs_of(outputs)
     solver, text = opened(given, wanted, target)
     return Mechanism(solver, text, given.file, wanted)
 
 
 @dataclass(frozen=True, slots=True)
-class Given:
+class GivenScene:
     """A scene as it was given.
 
     Parameters
@@ -115,8 +115,8 @@ class Given:
     read: Callable[[], Scene]
 
     @classmethod
-    def of(cls, scene: object, kinds: Mapping[str, OwnKind] | None = None) -> Given:
-        """Return a scene as it was given, not yet read.
+    def of(cls, scene: object, kinds: Mapping[str, OwnKind] | None = None) -> GivenScene:
+        """Scene as it was given, not yet read.
 
         Parameters
         ----------
@@ -159,7 +159,7 @@ class Given:
         )
 
     @classmethod
-    def _of_file(cls, path: Path, kinds: Mapping[str, OwnKind] | None) -> Given:
+    def _of_file(cls, path: Path, kinds: Mapping[str, OwnKind] | None) -> GivenScene:
         from kousoku.model.read import scene_from_toml, text_of
 
         with suppress(OSError):  # a name that is too long is refused where it is read
@@ -171,20 +171,20 @@ class Given:
 
 
 def _told(text: str, kinds: Mapping[str, OwnKind] | None) -> bytes:
-    """Return what tells a text from others, and the kinds that it may be made of."""
+    """Signature of a text, which tells it from others, and the kinds that it may be made of."""
     names = [kind.kernels for kind in (kinds or {}).values()]
     return "\n".join([text, *(f"#kind {name}" for name in names)]).encode()
 
 
 def _is_path(line: str) -> bool:
-    """Return whether a line names a file, such as ``mass=2.toml``, and is not TOML itself."""
+    """Whether a line names a file, such as ``mass=2.toml``, and is not TOML itself."""
     with suppress(OSError, ValueError):
         return line.endswith(".toml") or Path(line).exists()
     return False
 
 
-def opened(given: Given, outputs: Sequence[str] | None, target: Target) -> tuple[Solver, str]:
-    """Return the solver of a scene, out of the cache or newly generated, and the scene's text.
+def opened(given: GivenScene, outputs: Sequence[str] | None, target: Target) -> tuple[Solver, str]:
+    """Solver of a scene, out of the cache or newly generated, and the scene's text.
 
     Raises
     ------
@@ -210,7 +210,7 @@ def opened(given: Given, outputs: Sequence[str] | None, target: Target) -> tuple
 
 @contextmanager
 def solver_folder(
-    given: Given,
+    given: GivenScene,
     outputs: Sequence[str] | None = None,
     *,
     references: bool = False,
@@ -220,7 +220,7 @@ def solver_folder(
 
     Parameters
     ----------
-    given : Given
+    given : GivenScene
         The scene.
     outputs : sequence of str, optional
         What is computed; what the scene says unless given.
@@ -281,7 +281,7 @@ def solver_folder(
 def generated(
     scene: Scene, outputs: Sequence[str] | None = None, *, references: bool = False
 ) -> dict[str, str]:
-    """Return the folder of a scene's solver, file name and text.
+    """Folder of a scene's solver, file name and text.
 
     Raises
     ------
@@ -315,7 +315,7 @@ def _written(shelf: Path, name: str, text: str, tree: Mapping[str, str]) -> Path
 
 
 def _look(key: str, options: str) -> Path | None:
-    """Return the folder of the solver that the cache holds under a key, with its own scene."""
+    """Folder of the solver that the cache holds under a key, with its own scene."""
     try:
         shelf = cache_folder() / "scenes" / key
         if not key or key_of((shelf / SCENE_FILE).read_bytes(), options) != key:
@@ -337,7 +337,7 @@ def _open(folder: Path, target: Target) -> Solver:
 
 @cache
 def stamp() -> str:
-    """Return a digest of kousoku itself: its version, and names, sizes and times of its files.
+    """Digest of kousoku itself: its version, and names, sizes and times of its files.
 
     In a checkout the version stays while the generator changes.
     """
@@ -353,7 +353,7 @@ def stamp() -> str:
 
 
 def key_of(*parts: str | bytes) -> str:
-    """Return the key of what this kousoku makes of some parts."""
+    """Key of what this kousoku makes of some parts."""
     digest = hashlib.sha256(stamp().encode())
     for part in parts:
         data = part.encode() if isinstance(part, str) else part
@@ -369,7 +369,7 @@ def _note_found(given: str, key: str) -> None:
 
 
 def _found(given: str) -> str:
-    """Return the key of the scene that was given with some bytes, empty if that is not known."""
+    """Key of the scene that was given with some bytes, empty if that is not known."""
     try:
         path = cache_folder() / "found" / given
         key = path.read_text(encoding="ascii")
@@ -386,7 +386,7 @@ def _text(scene: Scene) -> str:
 
 
 def _outputs_of(outputs: object) -> list[str]:
-    """Return names of outputs as a list; one name alone is meant as a list of it."""
+    """Names of outputs as a list; one name alone is meant as a list of it."""
     if isinstance(outputs, str):
         return [outputs]
     if isinstance(outputs, list | tuple) and all(isinstance(one, str) for one in outputs):

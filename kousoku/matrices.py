@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from kousoku.equations import Equations, Numbers, State
+    from kousoku.equations import CheckedState, Equations, EquationsAtState
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.run_ledger import Violation
@@ -191,7 +191,7 @@ class Evaluation(NamedTuple):
     notes: tuple[str, ...]
 
     def __repr__(self) -> str:
-        """Return sizes, and what is not unique or not closed."""
+        """Sizes, and what is not unique or not closed."""
         several = [row for row, one in zip(self.rows, self.is_unique, strict=True) if not one]
         text = f"v_dot ({len(self.v_dot)},), lam ({len(self.lam)},)"
         text = f"{text}; not unique: {listed(several)}" if several else text
@@ -207,7 +207,7 @@ def matrices(
     *,
     angles: Mapping[str, float] | None = None,
 ) -> Matrices:
-    """Return the matrices of a scene as it is written, at any state.
+    """Matrices of a scene as it is written, at any state.
 
     Parameters
     ----------
@@ -253,7 +253,7 @@ def evaluate(
     *,
     angles: Mapping[str, float] | None = None,
 ) -> Evaluation:
-    """Return the accelerations that a solver computes, and the multipliers of all rows.
+    """Accelerations that a solver computes, and the multipliers of all rows.
 
     Nothing is put onto the constraints: C_q v̇ = γ holds at any state, also where joints are open,
     which the result tells.
@@ -289,7 +289,7 @@ def evaluate(
 def _gaps(
     equations: Equations, violations: Mapping[str, Violation], speeds: Array
 ) -> Iterator[str]:
-    """Yield which joints a state leaves open, and which of them come apart.
+    """Joints that a state leaves open, and those of them that come apart.
 
     Velocities are compared with the largest of ``speeds``, of what each row consists [m/s, rad/s].
     """
@@ -317,8 +317,8 @@ def _gaps(
             yield f"{equations.name}: at this state {what}: {listed(gaps)}"
 
 
-def _redundant(solver: DynamicsSolver, state: State) -> Iterator[str]:
-    """Yield that rows which the solver keeps are nearly redundant with other parameters."""
+def _redundant(solver: DynamicsSolver, state: CheckedState) -> Iterator[str]:
+    """Rows that the solver keeps and that are nearly redundant with other parameters."""
     if state.parameters == dict((solver.base or solver).parameters):
         return
     if why := nearly_redundant(solver, np.array([*state.parameters.values()])):
@@ -328,7 +328,7 @@ def _redundant(solver: DynamicsSolver, state: State) -> Iterator[str]:
 def _of_linkage(
     scene: Scene, t: float, q: npt.ArrayLike, v: npt.ArrayLike, more: object
 ) -> Matrices:
-    """Return the matrices of a linkage, which has no masses."""
+    """Matrices of a linkage, which has no masses."""
     if more:
         raise SolveError(f"{scene.name}: a linkage of nodes has no parameters, and counts no turns")
     equations = LinkageEquations(scene)
@@ -352,8 +352,8 @@ def _of_linkage(
     )
 
 
-def _labelled(equations: Equations, numbers: Numbers, state: State) -> Matrices:
-    """Return matrices with the names of rows and columns."""
+def _labelled(equations: Equations, numbers: EquationsAtState, state: CheckedState) -> Matrices:
+    """Matrices with the names of rows and columns."""
     return Matrices(
         equations.name,
         state.time,
@@ -369,8 +369,8 @@ def _labelled(equations: Equations, numbers: Numbers, state: State) -> Matrices:
     )
 
 
-def _accelerations(equations: Equations, solver: DynamicsSolver, state: State) -> Array:
-    """Return v̇ of a solver as the scene is written."""
+def _accelerations(equations: Equations, solver: DynamicsSolver, state: CheckedState) -> Array:
+    """Accelerations v̇ of a solver as the scene is written."""
     there = solver.at(state.parameters)
     q, v = solver_state(there.bodies, state.q, state.v, there.unit, (there.q, there.v))
     first, names = equations.turning(solver)
@@ -394,7 +394,7 @@ def _accelerations(equations: Equations, solver: DynamicsSolver, state: State) -
 def _multipliers(
     found: Matrices, inertia: Array, length: float
 ) -> tuple[Array, npt.NDArray[np.bool_]]:
-    """Return the shortest λ with C_qᵀλ = f − M v̇, and which of its elements are unique."""
+    """Shortest λ with C_qᵀλ = f − M v̇, and which of its elements are unique."""
     rows = np.array([length if unit == "rad" else 1.0 for unit in found.units])
     columns = np.array([1 / length if is_turn(name) else 1.0 for name in found.columns])
     slopes = rows[:, np.newaxis] * found.C_q * columns
@@ -414,7 +414,7 @@ def _multipliers(
     return rows * lam, share < TAKES_PART
 
 
-def _require_there(equations: Equations, state: State, there: tuple[Array, Array]) -> None:
+def _require_there(equations: Equations, state: CheckedState, there: tuple[Array, Array]) -> None:
     """Refuse a state that the solver cannot have."""
     length = equations.length + float(np.abs(state.q).max(initial=0.0))
     speed = length + float(np.abs(state.v).max(initial=0.0))

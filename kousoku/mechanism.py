@@ -123,7 +123,7 @@ class Mechanism:
         return f"{still(self.scene)}<pre>{escape(repr(self))}</pre>"
 
     def _facts(self) -> list[str]:
-        """Return what a line says of it."""
+        """Facts about a line."""
         if not isinstance(self.solver, DynamicsSolver):
             mechanism = self.solver.mechanism
             counts = {"node": mechanism.nodes, "link": mechanism.links, "input": mechanism.inputs}
@@ -238,7 +238,7 @@ class Mechanism:
         limit: float | None = None,
         parameters: Mapping[str, float | str] | None = None,
     ) -> Result:
-        """Return positions, velocities and accelerations at the divisions of the inputs.
+        """Positions, velocities and accelerations at the divisions of the inputs.
 
         Parameters
         ----------
@@ -288,7 +288,7 @@ class Mechanism:
             )
 
     def _times_of_inputs(self, divisions: int | None) -> list[float]:
-        """Return when the inputs of a scene of bodies take their values."""
+        """Times at which the inputs of a scene of bodies take their values."""
         from math import isfinite
 
         import msgspec
@@ -312,7 +312,7 @@ class Mechanism:
         return times
 
     def begin(self, times: Sequence[float] | Array, **options: Unpack[RunOptions]) -> Run:
-        """Return a run of bodies at time 0 that can be stopped, saved and gone on with.
+        """Run of bodies at time 0 that can be stopped, saved and gone on with.
 
         Parameters
         ----------
@@ -329,7 +329,7 @@ class Mechanism:
         return self._knowing(self._bodies("a run that goes on").begin(times, **options))
 
     def resume(self, saved: SavedRun) -> Run:
-        """Return a run that goes on where another one was saved, with the same bits.
+        """Run that goes on where another one was saved, with the same bits.
 
         Raises
         ------
@@ -339,7 +339,7 @@ class Mechanism:
         return self._knowing(self._bodies("a run that goes on").resume(saved))
 
     def _knowing(self, run: Run) -> Run:
-        """Return a run whose results know what moved."""
+        """Run whose results know what moved."""
         run.mechanism = self
         return run
 
@@ -352,7 +352,7 @@ class Mechanism:
         *,
         angles: Mapping[str, float] | None = None,
     ) -> Matrices:
-        """Return M, C_q, ν, γ, f of the scene as written, see :func:`kousoku.matrices.matrices`.
+        """Matrices M, C_q, ν, γ, f of the scene as written, see :func:`kousoku.matrices.matrices`.
 
         ``loop.matrices(*run.state(k))`` has those of a row of a run, with its parameters and turns.
         """
@@ -370,7 +370,7 @@ class Mechanism:
         *,
         angles: Mapping[str, float] | None = None,
     ) -> Evaluation:
-        """Return accelerations and multipliers, see :func:`kousoku.matrices.evaluate`.
+        """Accelerations and multipliers, see :func:`kousoku.matrices.evaluate`.
 
         Where the state leaves joints open, or velocities do not fit, by more than the closure
         tolerance of the scene, a ``UserWarning`` names them, and so do the ``notes`` of the result.
@@ -395,7 +395,7 @@ class Mechanism:
         parameters: Mapping[str, float | str] | None,
         angles: Mapping[str, float] | None,
     ) -> tuple[Mapping[str, float | str] | None, Mapping[str, float] | None]:
-        """Return parameters and counted angles: those of the run where a row of one is given."""
+        """Parameters and counted angles: those of the run where a row of one is given."""
         if not (isinstance(q, Coordinates) and isinstance(self.solver, DynamicsSolver)):
             return parameters, angles
         if parameters is None:
@@ -414,7 +414,7 @@ class Mechanism:
         return draw_mechanism(self.scene, parameters)
 
     def _bodies(self, what: str) -> DynamicsSolver:
-        """Return the solver of a scene of bodies.
+        """Solver of a scene of bodies.
 
         Raises
         ------
@@ -440,6 +440,6 @@ class Mechanism:
             raise
 
     def result_of(self, result: Any) -> Result:
-        """Return a result that knows what moved."""
+        """Result that knows what moved."""
         result.mechanism = self
         return cast("Result", result)

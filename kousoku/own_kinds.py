@@ -25,7 +25,7 @@ REMEMBERED = 32
 
 
 def own_kinds(kinds: Sequence[Kind] | None) -> Mapping[str, OwnKind]:
-    """Return kinds of one's own by their names, which are types of joints.
+    """Kinds of one's own by their names, which are types of joints.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def own_kinds(kinds: Sequence[Kind] | None) -> Mapping[str, OwnKind]:
 
 
 def _package(kind: object) -> Package:
-    """Return the frozen kernels of a kind."""
+    """Frozen kernels of a kind."""
     from os import PathLike
 
     from kousoku.runtime.library import Library, load
@@ -76,8 +76,8 @@ def _package(kind: object) -> Package:
 
 
 def _of_library(library: Library) -> Package:
-    """Return the package that the files of a library are made of."""
-    from kousoku.codegen.store import GRAPH_FILE, parse
+    """Package that the files of a library are made of."""
+    from kousoku.codegen.kernel_json import GRAPH_FILE, parse
 
     if GRAPH_FILE not in library.files:
         raise DerivationError(

@@ -193,7 +193,7 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def to_svg(figure: Figure) -> str:
-    """Return a figure as SVG, the same text in every run."""
+    """Figure as SVG, the same text in every run."""
     text = io.StringIO()
     with mpl.rc_context(STYLE):
         figure.savefig(text, format="svg", metadata={"Date": None})
@@ -201,7 +201,7 @@ def to_svg(figure: Figure) -> str:
 
 
 def _scale(path: Array, vectors: Array, links: Sequence[Array]) -> float:
-    """Return how much of a vector is one length unit: the longest takes a third of the picture."""
+    """Length of a vector's unit in the picture: the longest takes a third of it."""
     points = [*path.tolist(), *(point for ends in links for point in ends.tolist())]
     extent = max(max(p[k] for p in points) - min(p[k] for p in points) for k in (0, 1))
     longest = float((vectors**2).sum(axis=1).max()) ** 0.5

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def is_watched() -> bool:
-    """Return whether somebody sees what is shown: standard error is a terminal, or a notebook."""
+    """Whether somebody sees what is shown: standard error is a terminal, or a notebook."""
     return _is_notebook() or (sys.stderr is not None and sys.stderr.isatty())
 
 

@@ -48,7 +48,7 @@ LETTERS = {3: ("x", "y", "z"), 2: ("x", "y"), 4: ("e0", "e1", "e2", "e3")}
 
 
 @dataclass(frozen=True, slots=True)
-class Panel:
+class PlotPanel:
     """Curves that share an axis.
 
     Parameters
@@ -130,7 +130,7 @@ def draw_into(
 def figures_of(
     result: Result, *, columns: Sequence[str] | None = None, of: str | None = None
 ) -> dict[str, Figure]:
-    """Return all figures of a run by name.
+    """Figures of a run by name.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def figures_of(
 
 
 def _efforts(result: Result) -> list[str]:
-    """Return the columns of what drivers do, where that is known, without what is zero."""
+    """Columns of what drivers do, where that is known, without what is zero."""
     if not (isinstance(result, Motion) and result.force):
         return []
     known = {x: result.places[x].table for name in result.drivers for x in result.columns_of(name)}
@@ -174,8 +174,8 @@ def _efforts(result: Result) -> list[str]:
 
 def _panels(
     result: Result, columns: Iterable[str], title: str = "", asked: Collection[str] = ()
-) -> Iterator[Panel]:
-    """Yield the panels of columns: components of one vector share one, and what has one unit.
+) -> Iterator[PlotPanel]:
+    """Panels of columns: components of one vector share one, and what has one unit.
 
     Labels leave out the body or joint that the title tells. Columns that are asked for one by one
     are drawn as they are, at rest too.
@@ -203,13 +203,13 @@ def _panels(
             factor = result.layout.unit ** (2 if "u²" in UNITS[table] else 1)
             curves = {own: factor * values for own, values in curves.items()}
             unit, size = IN_METRES[table], factor * size
-        panel = Panel(f"{known} [{unit}]".strip(), curves, size)
+        panel = PlotPanel(f"{known} [{unit}]".strip(), curves, size)
         if is_asked or not panel.is_noise or len(groups) == 1:
             yield panel
 
 
 def _curves(result: Result, table: str, owner: str, names: Sequence[str]) -> dict[str, Array]:
-    """Return the curves of a panel by what tells them apart."""
+    """Curves of a panel by what tells them apart."""
     if not owner:
         places = (result.places[name] for name in names)
         shown = [f"{place.owner or place.table}{COORDINATE.get(table, '')}" for place in places]
@@ -221,7 +221,7 @@ def _curves(result: Result, table: str, owner: str, names: Sequence[str]) -> dic
 
 
 def _center(result: Result, body: str, origin: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the path of the centre of mass of a body whose origin rests, empty where it moves."""
+    """Path of the centre of mass of a body whose origin rests, empty where it moves."""
     size = _size(result, "position", result.unit)
     if not isinstance(result, Motion) or any(np.ptp(x) > NOISE * size for x in origin.values()):
         return {}
@@ -232,7 +232,7 @@ def _center(result: Result, body: str, origin: Mapping[str, Array]) -> dict[str,
 
 
 def _size(result: Result, table: str, unit: str) -> float:
-    """Return the largest number of a table in the whole run."""
+    """Largest number of a table in the whole run."""
     values = getattr(result, table)
     own = {name: place for name, place in result.places.items() if place.table == table}
     same = {place.owner for place in own.values() if place.unit == unit}
@@ -244,7 +244,7 @@ def _size(result: Result, table: str, unit: str) -> float:
 
 
 def _turning(result: Motion, table: str) -> float:
-    """Return how fast a point moves that is a length of the scene beside what turns fastest."""
+    """Speed of a point that is a length of the scene beside what turns fastest."""
     length = result.reaction_length
     omega = max(map(_largest, result.angular_velocity.values()), default=0.0)
     alpha = max(map(_largest, result.angular_acceleration.values()), default=0.0)
@@ -257,7 +257,7 @@ def _largest(values: Array) -> float:
     return float(np.abs(finite).max()) if finite.size else 0.0
 
 
-def _figure(result: Result, panels: Sequence[Panel], title: str = "") -> Figure:
+def _figure(result: Result, panels: Sequence[PlotPanel], title: str = "") -> Figure:
     """Draw panels one above the other."""
     x, below = _over(result)
     with mpl.rc_context(STYLE):
@@ -282,7 +282,7 @@ def _figure(result: Result, panels: Sequence[Panel], title: str = "") -> Figure:
 
 
 def _over(result: Result) -> tuple[Array, str]:
-    """Return what curves are drawn over: time, or the input of a linkage."""
+    """Abscissa of curves: time, or the input of a linkage."""
     try:
         return result.time, "time [s]"
     except NotInResultError:

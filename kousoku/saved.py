@@ -38,7 +38,7 @@ TABLES = {"inputs": "positions"} | {table: table for table, *_ in NODE}
 TABLES |= {table: "angles" for table, *_ in LINK}
 
 
-class Kept(msgspec.Struct, kw_only=True):
+class FileFormat(msgspec.Struct, kw_only=True):
     """What a file says first: which format it has.
 
     Parameters
@@ -50,7 +50,7 @@ class Kept(msgspec.Struct, kw_only=True):
     format: int = FORMAT
 
 
-class KeptMotion(Kept, tag="bodies", kw_only=True):
+class KeptMotion(FileFormat, tag="bodies", kw_only=True):
     """What a file says of a run of bodies; its rows stand beside it.
 
     Parameters
@@ -86,7 +86,7 @@ class KeptMotion(Kept, tag="bodies", kw_only=True):
     trust_figures: dict[str, Any]
 
 
-class KeptTrajectory(Kept, tag="nodes", kw_only=True):
+class KeptTrajectory(FileFormat, tag="nodes", kw_only=True):
     """What a file says of a linkage; its tables stand beside it.
 
     Parameters
@@ -111,7 +111,7 @@ class KeptTrajectory(Kept, tag="nodes", kw_only=True):
     parts: dict[str, list[str]]
 
 
-class Moved:
+class MovedScene:
     """What moved in a run that was opened: its scene, to draw it.
 
     Parameters
@@ -171,7 +171,7 @@ class KeptFigures:
         return f"<{type(self).__name__}: {self._text.partition(chr(10))[0]}; print() shows all>"
 
     def as_data(self) -> dict[str, Any]:
-        """Return its numbers, ready for JSON."""
+        """Numbers of the run, ready for JSON."""
         return dict(self._figures)
 
 
@@ -194,8 +194,8 @@ class KeptLedger(KeptFigures):
 
 
 def arrays_of(result: Result) -> dict[str, Any]:
-    """Return the arrays that a file of columns holds beside them, so that it can be opened."""
-    about: Kept
+    """Arrays that a file of columns holds beside them, so that it can be opened."""
+    about: FileFormat
     arrays: dict[str, Any] = {}
     if isinstance(result, Motion):
         arrays |= {"rows": result.rows, "events": result.told.rows}
@@ -260,7 +260,7 @@ def open_run(path: str | Path) -> Result:
     try:
         arrays = _arrays_in(Path(path))
         text = str(arrays["about"])
-        number = msgspec.json.decode(text, type=Kept).format
+        number = msgspec.json.decode(text, type=FileFormat).format
         if number != FORMAT:
             raise ValueError(
                 f"its format is {number}, this kousoku reads {FORMAT}; make the run again and save"
@@ -282,7 +282,7 @@ def open_run(path: str | Path) -> Result:
 
 
 def _arrays_in(path: Path) -> dict[str, Any]:
-    """Return the arrays of a file that are no columns; what was cut off is missed."""
+    """Arrays of a file that are no columns; what was cut off is missed."""
     found = {}
     with zipfile.ZipFile(path) as archive:
         for entry in archive.namelist():
@@ -325,7 +325,7 @@ def _motion(about: KeptMotion, arrays: Mapping[str, Array]) -> Motion:
         is_complete=about.is_complete,
         told=Told(about.counts, events),
     )
-    motion.mechanism = Moved(about.scene, [body.name for body in layout.bodies])
+    motion.mechanism = MovedScene(about.scene, [body.name for body in layout.bodies])
     return motion
 
 
@@ -393,14 +393,14 @@ def _trajectory(about: KeptTrajectory, arrays: Mapping[str, Any]) -> Trajectory:
         is_in_time=about.is_in_time,
         **tables,
     )
-    trajectory.mechanism = Moved(about.scene, about.parts["positions"])
+    trajectory.mechanism = MovedScene(about.scene, about.parts["positions"])
     return trajectory
 
 
 def _checked(
     arrays: Mapping[str, Array], name: str, shape: tuple[int | None, ...], known: int | None
 ) -> Array:
-    """Return an array of doubles of a shape; the first columns, or all, have to be finite.
+    """Array of doubles of a shape; the first columns, or all, have to be finite.
 
     Raises
     ------

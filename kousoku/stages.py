@@ -74,7 +74,7 @@ class KernelExplanation:
         )
 
     def graph(self, kernel: str, *outputs: str) -> Kernel:
-        """Return the frozen graph of a kernel: its nodes, each an operation and its operands.
+        """Frozen graph of a kernel: its nodes, each an operation and its operands.
 
         Parameters
         ----------
@@ -121,7 +121,7 @@ class KernelExplanation:
         return draw_counts(counts, kernels, title=f"operations of {name}, stage by stage")
 
     def as_data(self) -> dict[str, Any]:
-        """Return it as data, ready for JSON."""
+        """Stages as data, ready for JSON."""
         fields = Stage.__dataclass_fields__
         rows = [dict(zip(fields, astuple(stage), strict=True)) for stage in self.stages]
         return {"name": self.derivation.name, "stages": rows}
@@ -135,7 +135,7 @@ class KernelExplanation:
         return f"<explanation of {self.derivation.name}: {kernels}; print() shows their operations>"
 
     def _known(self, sort: str, name: str, names: Any) -> str:
-        """Return a name that is known.
+        """Name that is known.
 
         Raises
         ------
@@ -148,7 +148,7 @@ class KernelExplanation:
 
 
 def _stage(function: Function, level: str) -> Stage:
-    """Return what freezing and the passes make of one level of a function."""
+    """Stage of freezing and the passes for one level of a function."""
     frozen = freeze(function if level == LEVELS[1] else _from_components(function))
     _, trace = optimise(frozen)
     dead, factored = trace
@@ -164,7 +164,7 @@ def _stage(function: Function, level: str) -> Stage:
 
 
 def _from_components(function: Function) -> Function:
-    """Return a function whose component level stands in place of its matrix level."""
+    """Function whose component level stands in place of its matrix level."""
     places = {x: symbol(q)[k, 0] for q in function.inputs for k, x in enumerate(elements(q))}
     outputs = tuple(replace(o, expression=o.components.xreplace(places)) for o in function.outputs)
     return replace(function, outputs=outputs)

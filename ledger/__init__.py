@@ -21,7 +21,7 @@ __all__ = ["entries", "find", "keys", "prove"]
 
 @cache
 def entries() -> tuple[Entry, ...]:
-    """Return all entries, document by document, in the order of reading."""
+    """Entries of all documents, one after the other, in the order of reading."""
     from kousoku.ledger.documents import (
         lecture_7_1,
         lecture_8_2,
@@ -38,7 +38,7 @@ def entries() -> tuple[Entry, ...]:
 
 @cache
 def keys() -> dict[str, Entry]:
-    """Return the entry of each key: the equation's number or slug, and its aliases.
+    """Entry of each key: the equation's number or slug, and its aliases.
 
     Raises
     ------
@@ -56,7 +56,7 @@ def keys() -> dict[str, Entry]:
 
 
 def find(key: str) -> Entry:
-    """Return the entry of a key, e.g. ``8.11``, ``(15)`` or ``cross-identity``.
+    """Entry of a key, e.g. ``8.11``, ``(15)`` or ``cross-identity``.
 
     Raises
     ------

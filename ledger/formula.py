@@ -9,14 +9,14 @@ RELATIONS = ("=", "\\equiv", "\\leq", "\\leftarrow")
 
 
 @dataclass(frozen=True, slots=True)
-class Number:
+class Numeral:
     """A number, in decimal digits."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
-class Name:
+class SymbolName:
     """A symbol: its letter with primes, subscript and superscript, e.g. ``a'^i``.
 
     Marks in front are part of the letter: ``δA``, ``vec d``, ``d/dt A``.
@@ -85,7 +85,7 @@ class Tilde:
 
 
 @dataclass(frozen=True, slots=True)
-class Call:
+class FunctionCall:
     """``cos``, ``sin`` or ``sqrt`` of something."""
 
     function: str
@@ -108,8 +108,8 @@ class Array:
 
 
 Node = (
-    Number
-    | Name
+    Numeral
+    | SymbolName
     | Sum
     | Product
     | Cross
@@ -117,7 +117,7 @@ Node = (
     | Power
     | Transposed
     | Tilde
-    | Call
+    | FunctionCall
     | Derivative
     | Array
 )

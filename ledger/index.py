@@ -21,17 +21,17 @@ PATH = Path(__file__).with_name("index.json")
 
 
 def normalised(text: str) -> str:
-    """Return a text with every run of white space as one space."""
+    """Text with every run of white space as one space."""
     return " ".join(text.split())
 
 
 def digest(printed: str) -> str:
-    """Return the SHA-256 of a printed text, whatever its line breaks and indentation."""
+    """SHA-256 of a printed text, whatever its line breaks and indentation."""
     return hashlib.sha256(normalised(printed).encode()).hexdigest()
 
 
 def index_of(entries: Sequence[Entry]) -> list[dict[str, str]]:
-    """Return the index of entries, in their order."""
+    """Index of entries, in their order."""
     return [
         {"document": e.document.file, "equation": e.equation, "digest": digest(e.printed)}
         for e in entries
@@ -39,13 +39,13 @@ def index_of(entries: Sequence[Entry]) -> list[dict[str, str]]:
 
 
 def read_index() -> list[dict[str, str]]:
-    """Return the index that is part of the repository."""
+    """Index that is part of the repository."""
     index: list[dict[str, str]] = json.loads(PATH.read_text(encoding="utf-8"))
     return index
 
 
 def print_index(index: Sequence[dict[str, str]]) -> str:
-    """Return an index as its file holds it: one statement on each line."""
+    """Index as its file holds it: one statement on each line."""
     lines = ",\n".join(f" {json.dumps(row, ensure_ascii=False)}" for row in index)
     return f"[\n{lines}\n]\n"
 

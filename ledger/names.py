@@ -15,11 +15,12 @@ Words = Callable[[], "Vocabulary"]
 #: What a proof saw, in one line; or statements, each with whether it is true.
 Seen = str | Mapping[str, bool]
 
+_Known = TypeVar("_Known")
 _Words = TypeVar("_Words", bound=Words)
 _Proof = TypeVar("_Proof", bound=Callable[..., Seen])
 
 
-class Method(NamedTuple):
+class ProofMethod(NamedTuple):
     """A way of proving: a function that raises where something is not so.
 
     Parameters
@@ -45,7 +46,7 @@ class Names:
 
     def __init__(self, known: Names | None = None) -> None:
         self._words: dict[str, Words] = {} if known is None else dict(known._words)
-        self._methods: dict[str, Method] = {} if known is None else dict(known._methods)
+        self._methods: dict[str, ProofMethod] = {} if known is None else dict(known._methods)
 
     def words(self, function: _Words) -> _Words:
         """Enter what gives a vocabulary by its name: a decorator."""
@@ -62,31 +63,33 @@ class Names:
         """
 
         def entered(function: _Proof) -> _Proof:
-            self._methods[function.__name__] = Method(function, statement)
+            self._methods[function.__name__] = ProofMethod(function, statement)
             return function
 
         return entered
 
     def vocabulary(self, name: str) -> Words:
-        """Return what gives the vocabulary of a name.
+        """Function that gives the vocabulary of a name.
 
         Raises
         ------
         LedgerError
             There is none; the message says which is near.
         """
-        if name not in self._words:
-            raise LedgerError(f"no words {name!r}{near_name(name, self._words)}")
-        return self._words[name]
+        return _known("words", name, self._words)
 
-    def method(self, name: str) -> Method:
-        """Return the way of proving of a name.
+    def method(self, name: str) -> ProofMethod:
+        """Method of proving of a name.
 
         Raises
         ------
         LedgerError
             There is none; the message says which is near.
         """
-        if name not in self._methods:
-            raise LedgerError(f"no proof {name!r}{near_name(name, self._methods)}")
-        return self._methods[name]
+        return _known("proof", name, self._methods)
+
+
+def _known(what: str, name: str, known: Mapping[str, _Known]) -> _Known:
+    if name not in known:
+        raise LedgerError(f"no {what} {name!r}{near_name(name, known)}")
+    return known[name]

@@ -48,7 +48,7 @@ OPENING = (
 
 
 def latex_page(entries: Sequence[Entry], proofs: Mapping[str, Proof]) -> str:
-    """Return a complete LaTeX document.
+    """Complete LaTeX document.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def _latex_form(entry: Entry, text: str) -> str:
 
 
 def markdown_page(entries: Sequence[Entry], proofs: Mapping[str, Proof]) -> str:
-    """Return the same as Markdown, with formulas as sites that show LaTeX take them."""
+    """Page as Markdown, with formulas as sites that show LaTeX take them."""
     note = "`kousoku ledger --markdown` prints this page."
     parts = ["# The ledger", "", OPENING, note]
     parts += ["", *_markdown_counts(entries)] if len(entries) > 1 else []
@@ -150,7 +150,7 @@ def _markdown_form(entry: Entry, text: str) -> list[str]:
 
 
 def notebook_entry(entry: Entry) -> str:
-    """Return both forms of an entry as a notebook takes them: words, with formulas as LaTeX."""
+    """Both forms of an entry as a notebook takes them: words, with formulas as LaTeX."""
     forms = {"printed": entry.printed, "corrected": entry.corrected}
     return " ".join(f"{name}: {_shown(entry, form)}" for name, form in forms.items() if form)
 

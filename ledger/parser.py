@@ -7,17 +7,17 @@ from dataclasses import replace
 from kousoku.ledger.formula import (
     RELATIONS,
     Array,
-    Call,
     Cross,
     Derivative,
-    Name,
+    FunctionCall,
     Node,
-    Number,
+    Numeral,
     Power,
     Product,
     Quotient,
     Statement,
     Sum,
+    SymbolName,
     Tilde,
     Transposed,
 )
@@ -39,7 +39,7 @@ _FUNCTIONS = {"\\cos": "cos", "\\sin": "sin"}
 
 
 def parse(latex: str) -> tuple[Statement, ...]:
-    """Return the statements of a formula; commas part them.
+    """Statements of a formula; commas part them.
 
     Raises
     ------
@@ -67,7 +67,7 @@ class _Stream:
         self.place = 0
 
     def peek(self, ahead: int = 0) -> str:
-        """Return a token without taking it; empty at the end."""
+        """Token without taking it; empty at the end."""
         place = self.place + ahead
         return self.tokens[place] if place < len(self.tokens) else ""
 
@@ -183,7 +183,7 @@ def _factor(stream: _Stream) -> Node:
 
 def _worded(node: Node, words: str) -> Node:
     """Make words behind a letter part of its name; behind anything else they say where it is."""
-    if isinstance(node, Name):
+    if isinstance(node, SymbolName):
         return replace(node, letter=node.letter + words)
     if words not in _PLACES:
         raise FormulaError(f"the words {words!r} stand behind something that is no symbol")
@@ -217,11 +217,11 @@ def _atom(stream: _Stream) -> Node:
             return _fraction(stream)
         case "\\sqrt":
             stream.next()
-            return Call("sqrt", _bracket(stream))
+            return FunctionCall("sqrt", _bracket(stream))
         case "\\cos" | "\\sin":
             return _function(stream)
     if token[:1].isdigit():
-        return Number(stream.next())
+        return Numeral(stream.next())
     if token in _ENDS or token in {"", "^", "_", "'"}:
         raise FormulaError(f"{token or 'the end'!r} stands where a symbol is wanted")
     return _symbol(stream)
@@ -289,17 +289,17 @@ def _function(stream: _Stream) -> Node:
         exponent = int(digits)
     factors: list[Node] = []
     while stream.peek()[:1].isdigit():
-        factors.append(Number(stream.next()))
+        factors.append(Numeral(stream.next()))
     factors.append(_bracket(stream) if stream.peek() in _CLOSING else _symbol(stream))
-    call = Call(function, _joined(factors))
+    call = FunctionCall(function, _joined(factors))
     return call if exponent == 1 else Power(call, exponent)
 
 
 def _marked(mark: str, node: Node) -> Node:
     """Put a mark in front of a symbol's letter, under its tilde and transposition."""
     match node:
-        case Name():
-            return Name(mark + node.letter, node.primes, node.sub, node.sup)
+        case SymbolName():
+            return SymbolName(mark + node.letter, node.primes, node.sub, node.sup)
         case Tilde():
             return Tilde(_marked(mark, node.inner))
         case Transposed():
@@ -315,11 +315,11 @@ def _symbol(stream: _Stream) -> Node:
     if token == "d" and stream.peek() == "^" and _is_letter(stream.peek(2)):
         stream.next()
         return _marked(f"d^{stream.next()} ", _symbol(stream))
-    node: Node = Number(token) if token.isdigit() else Name(token)
+    node: Node = Numeral(token) if token.isdigit() else SymbolName(token)
     if token in {"\\tilde", *_MARKS, *_FACES}:
         inside = _Stream(stream.group())
         if inside.tokens == ["0"]:  # bold, of a vector or a matrix
-            return Number(inside.next())
+            return Numeral(inside.next())
         node = _symbol(inside)
         if inside.peek():
             raise FormulaError(f"{token} stands over more than one symbol")
@@ -359,8 +359,8 @@ def _scripted(stream: _Stream, node: Node) -> Node:
 
 def _with_scripts(node: Node, primes: str, sub: str, sup: str) -> Node:
     match node:
-        case Name():
-            return Name(node.letter, node.primes + primes, node.sub + sub, node.sup + sup)
+        case SymbolName():
+            return SymbolName(node.letter, node.primes + primes, node.sub + sub, node.sup + sup)
         case Tilde():
             return Tilde(_with_scripts(node.inner, primes, sub, sup))
         case _ if not primes + sub + sup:

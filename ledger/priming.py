@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 from kousoku.ledger.formula import (
     Array,
-    Call,
     Cross,
-    Name,
+    FunctionCall,
     Node,
-    Number,
+    Numeral,
     Power,
     Product,
     Quotient,
     Sum,
+    SymbolName,
     Tilde,
     Transposed,
 )
@@ -30,12 +30,12 @@ if TYPE_CHECKING:
     from kousoku.ledger.vocabulary import Vocabulary
 
 
-def readings(node: Node, ways: Callable[[Name], tuple[Name, ...]]) -> Iterator[Node]:
-    """Yield a formula with its symbols read in all combinations of ways."""
+def readings(node: Node, ways: Callable[[SymbolName], tuple[SymbolName, ...]]) -> Iterator[Node]:
+    """Formula with its symbols read in all combinations of ways."""
     match node:
-        case Name():
+        case SymbolName():
             yield from ways(node)
-        case Number():
+        case Numeral():
             yield node
         case Sum():
             signs = [sign for sign, _ in node.terms]
@@ -47,7 +47,7 @@ def readings(node: Node, ways: Callable[[Name], tuple[Name, ...]]) -> Iterator[N
         case Transposed() | Tilde():
             for inner in readings(node.inner, ways):
                 yield replace(node, inner=inner)
-        case Cross() | Quotient() | Power() | Call() | Array():
+        case Cross() | Quotient() | Power() | FunctionCall() | Array():
             raise LedgerError(f"primes are not looked for in {type(node).__name__}")
 
 
@@ -55,9 +55,9 @@ def ways_that_agree(
     statement: Statement,
     side: int,
     vocabulary: Vocabulary,
-    ways: Callable[[Name], tuple[Name, ...]],
+    ways: Callable[[SymbolName], tuple[SymbolName, ...]],
 ) -> tuple[int, int]:
-    """Return how many of all ways to read a side make it equal to the first, and of how many.
+    """Number of ways to read a side that make it equal to the first, and of all ways.
 
     They are compared at one rational point: a way that fails there fails; the one that is left is
     proved by the entry.

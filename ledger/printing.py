@@ -23,13 +23,13 @@ _LAYOUT = re.compile(r"\\(?:begin|end)\{\w+\}(?:\{\w+\})?|\\(?:left|right|q?quad
 
 
 def row(entry: Entry, width: int = 56) -> tuple[str, str, str, str]:
-    """Return the row of an entry in the table, its first words cut at ``width``."""
+    """Row of an entry in the table, its first words cut at ``width``."""
     words = first_words(entry.printed, width)
     return entry.document.title, entry.equation, entry.verdict, words
 
 
 def first_words(printed: str, width: int) -> str:
-    """Return the beginning of a printed form on one line, without fonts and layout."""
+    """Printed form on one line, its beginning, without fonts and layout."""
     plain = re.sub(r"([a-z])(?=\\(?:math|bold))", r"\1 ", printed)
     plain = _LAYOUT.sub(" ", _FONTS.sub(r"\1", plain))
     plain = " ".join(plain.split())
@@ -37,13 +37,13 @@ def first_words(printed: str, width: int) -> str:
 
 
 def counts(entries: Sequence[Entry], document: Document | None = None) -> dict[str, int]:
-    """Return how many entries have each verdict, of one document or of all."""
+    """Number of entries of each verdict, of one document or of all."""
     found: Counter[str] = Counter(e.verdict for e in entries if document in {None, e.document})
     return {verdict: found[verdict] for verdict in VERDICTS}
 
 
 def count_lines(entries: Sequence[Entry]) -> list[str]:
-    """Return one line for each document, and one for all."""
+    """Lines of counts: one for each document, and one for all."""
     lines = [_counted(document.title, counts(entries, document)) for document in DOCUMENTS]
     return [*lines, _counted("in all", counts(entries))]
 
@@ -54,7 +54,7 @@ def _counted(name: str, numbers: dict[str, int]) -> str:
 
 
 def as_text(entry: Entry, proof: Proof | None) -> str:
-    """Return an entry, for a person to read, with its proof where that did not fail."""
+    """Entry, for a person to read, with its proof where that did not fail."""
     parts = [f"{cited(entry)}: {entry.verdict}", "", *_labelled("printed", entry.printed)]
     if entry.corrected:
         parts += _labelled("corrected", entry.corrected)
@@ -69,7 +69,7 @@ def as_text(entry: Entry, proof: Proof | None) -> str:
 
 
 def cited(entry: Entry) -> str:
-    """Return how an entry is cited, e.g. ``lecture 8.2, (8.11)``."""
+    """Citation of an entry, e.g. ``lecture 8.2, (8.11)``."""
     return f"{entry.document.title}, ({entry.equation})"
 
 
@@ -79,7 +79,7 @@ def _labelled(label: str, text: str) -> list[str]:
 
 
 def as_data(entry: Entry, proof: Proof | None) -> dict[str, Any]:
-    """Return an entry for a program to read; its proof is empty where it failed."""
+    """Entry for a program to read; its proof is empty where it failed."""
     return {
         "document": entry.document.file,
         "title": entry.document.title,

@@ -13,18 +13,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from sympy.matrices.expressions import ZeroMatrix
 from sympy.polys.domains import QQ
 
-from kousoku.ledger.formula import Name, Number
+from kousoku.ledger.formula import Numeral, SymbolName
 from kousoku.ledger.names import Names
 from kousoku.ledger.parser import parse
 from kousoku.ledger.tokens import differ_in_notation_only
 from kousoku.ledger.vocabulary import shape
 from kousoku.model.errors import FormulaError, LedgerError
+from kousoku.symbolic.sympy_types import as_value
 
 if TYPE_CHECKING:
     from kousoku.ledger.entry import Check, Entry
     from kousoku.ledger.formula import Statement
     from kousoku.ledger.names import Words
-    from kousoku.ledger.vocabulary import Value, Vocabulary
+    from kousoku.ledger.vocabulary import Vocabulary
+    from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix, Value
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,10 +152,10 @@ def refuted(latex: str, vocabulary: Vocabulary) -> str:
 
 
 def _values(statement: Statement, vocabulary: Vocabulary) -> list[Value]:
-    """Return the values of the sides; of what is replaced, ``x ← …``, the new one."""
+    """Values of the sides; of what is replaced, ``x ← …``, the new one."""
     sides = list(statement.sides)
     if "\\leftarrow" in statement.relations:
-        sides[0] = Name(f"new {sides[0]}")
+        sides[0] = SymbolName(f"new {sides[0]}")
     return [vocabulary.value(side) for side in sides]
 
 
@@ -162,14 +164,16 @@ def _compared(statement: Statement, sides: list[Value]) -> list[Value]:
 
     A zero that is all that follows is compared, and is as large as what it equals.
     """
-    if statement.sides[-1] != Number("0"):
+    if statement.sides[-1] != Numeral("0"):
         return sides
     if len(sides) > 2:
         return sides[:-1]
     return [sides[0], ZeroMatrix(*shape(sides[0]))] if shape(sides[0]) else sides
 
 
-def equality(vocabulary: Vocabulary, left: Value, right: Value) -> str:
+def equality(
+    vocabulary: Vocabulary, left: Scalar | SymbolicMatrix, right: Scalar | SymbolicMatrix
+) -> str:
     """Prove that two values are equal for all values of the quantities.
 
     Raises
@@ -192,7 +196,9 @@ def equality(vocabulary: Vocabulary, left: Value, right: Value) -> str:
     return f"{count}, identically"
 
 
-def order(vocabulary: Vocabulary, left: Value, right: Value) -> str:
+def order(
+    vocabulary: Vocabulary, left: Scalar | SymbolicMatrix, right: Scalar | SymbolicMatrix
+) -> str:
     """Prove that a number is never greater than another, where all quantities are positive.
 
     Raises
@@ -200,14 +206,16 @@ def order(vocabulary: Vocabulary, left: Value, right: Value) -> str:
     LedgerError
         Their difference is no polynomial whose coefficients are all positive.
     """
-    difference = vocabulary.ring().scalar(right - left)
+    difference = vocabulary.ring().scalar(as_value(right) - as_value(left))
     if not difference.under.is_one or any(c < 0 for c in difference.over.coeffs()):
         raise LedgerError("the left side may be greater")
     return "never greater, for positive quantities"
 
 
-def difference(vocabulary: Vocabulary, left: Value, right: Value) -> str:
-    """Return where two values differ at a rational point; empty where they agree there."""
+def difference(
+    vocabulary: Vocabulary, left: Scalar | SymbolicMatrix, right: Scalar | SymbolicMatrix
+) -> str:
+    """Place where two values differ at a rational point; empty where they agree there."""
     _same_shape(left, right)
     ring = vocabulary.ring(at=point(vocabulary))
     pairs = list(zip(ring.cells(left), ring.cells(right), strict=True))
@@ -218,21 +226,21 @@ def difference(vocabulary: Vocabulary, left: Value, right: Value) -> str:
     return ""
 
 
-def _same_shape(left: Value, right: Value) -> None:
+def _same_shape(left: Scalar | SymbolicMatrix, right: Scalar | SymbolicMatrix) -> None:
     one, other = ((1, 1) if not shape(side) else shape(side) for side in (left, right))
     if one != other:
         raise FormulaError(f"one side has shape {shape(left)}, the other {shape(right)}")
 
 
 def _shown(fraction: Any) -> str:
-    """Return a number as text; one that holds roots has no short form."""
+    """Number as text; one that holds roots has no short form."""
     if not fraction.over.is_ground or not fraction.under.is_ground:
         return "a number with roots"
     return str(fraction.over.coeff(1) / fraction.under.coeff(1))
 
 
 def point(vocabulary: Vocabulary) -> list[Any]:
-    """Return rational numbers for all elements of the quantities, none of them special."""
+    """Rational numbers for all elements of the quantities, none of them special."""
     values: list[Any] = []
     for quantity in vocabulary.quantities:
         start = len(values)
@@ -288,7 +296,7 @@ def _both(known: Vocabulary, left: str | Side, right: str | Side) -> tuple[Value
 
 
 def value_of(formula: str | Side, vocabulary: Vocabulary, side: int = -1) -> Value:
-    """Return the value of one side of a formula, its last one unless told."""
+    """Value of one side of a formula, its last one unless told."""
     text = formula.formula if isinstance(formula, Side) else formula
     number = formula.number - 1 if isinstance(formula, Side) else side
     (statement,) = parse(text)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def read(part: ModuleType) -> tuple[Entry, ...]:
-    """Return the entries of the TOML file that stands beside a module, with its names.
+    """Entries of the TOML file that stands beside a module, with its names.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def read(part: ModuleType) -> tuple[Entry, ...]:
 
 
 def _joined(data: Any) -> Any:
-    """Return data with the lines of its texts joined where they go on."""
+    """Data with the lines of its texts joined where they go on."""
     match data:
         case str():
             return re.sub(r"\n +", " ", data).strip(" ")
@@ -55,7 +55,7 @@ def _joined(data: Any) -> Any:
 
 
 def entry_of(table: dict[str, Any], document: Document, names: Names, words: str) -> Entry:
-    """Return the entry that a table of the file says.
+    """Entry that a table of the file says.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def entry_of(table: dict[str, Any], document: Document, names: Names, words: str
 
 
 def _check(table: dict[str, Any], entry: Entry, names: Names, words: str) -> Check:
-    """Return the check that a table says: the proof that it names, with its arguments.
+    """Check that a table says: the proof that it names, with its arguments.
 
     ``words`` are by default the entry's. So is the ``formula``, in the form that is true, or as
     ``of`` says; ``side`` means one side of it.

@@ -33,7 +33,7 @@ _GREEK |= {"Delta": "Δ", "Omega": "Ω"}
 
 
 def tokens(latex: str) -> list[str]:
-    r"""Return the tokens of a formula.
+    r"""Tokens of a formula.
 
     Greek letters become letters. ``\begin`` and ``\end`` of an array become ``⟦`` and ``⟧``;
     environments that only lay out lines vanish, with their ``&`` and ``\\``; ``cases`` states one
@@ -70,7 +70,7 @@ def _plain(latex: str, depth: Sequence[str]) -> Iterator[str]:
 
 
 def essence(latex: str) -> tuple[list[str], list[Counter[str]]]:
-    """Return what a formula says beyond its notation.
+    """Essence of a formula, beyond its notation.
 
     Returns
     -------
@@ -101,7 +101,7 @@ def essence(latex: str) -> tuple[list[str], list[Counter[str]]]:
 
 
 def _group_end(stream: Sequence[str], place: int) -> int:
-    """Return the place after the group, or the one token, that starts at ``place``."""
+    """Place after the group, or the one token, that starts at ``place``."""
     depth = 0
     for end in range(place, len(stream)):
         depth += (stream[end] == "{") - (stream[end] == "}")
@@ -111,7 +111,7 @@ def _group_end(stream: Sequence[str], place: int) -> int:
 
 
 def differ_in_notation_only(one: str, other: str) -> bool:
-    """Return whether two formulas are the same but for their notation.
+    """Whether two formulas are the same but for their notation.
 
     A prime that is lost to a capital I, as in ``s^{IB}``, is a prime.
     """

@@ -6,7 +6,7 @@ Euler parameters; it changes along ½ p∘(0, δθ′), and everything else is t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from kousoku.symbolic.components import Flow, compose, dot, half_turn
 from kousoku.symbolic.matrices import elements, quadratic_form
@@ -15,24 +15,23 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.model.quantity import Quantity
-
-Scalar = Any
+    from kousoku.symbolic.sympy_types import Scalar
 
 
 def orientation(p: Quantity) -> list[list[Scalar]]:
-    """Return the elements of A(p) / (p·p)."""
+    """Elements of A(p) / (p·p)."""
     e = elements(p)
     square = dot(e, e)
     return [[cell / square for cell in row] for row in quadratic_form(e)]
 
 
 def turned(p: Quantity, v: Sequence[Scalar]) -> list[Scalar]:
-    """Return the elements of A v, with A(p) / (p·p)."""
+    """Elements of A v, with A(p) / (p·p)."""
     return [dot(row, v) for row in orientation(p)]
 
 
 def along(*changes: tuple[Quantity, Quantity]) -> Flow:
-    """Return the derivative along changes of quantities.
+    """Derivative along changes of quantities.
 
     Parameters
     ----------
@@ -53,7 +52,7 @@ def along(*changes: tuple[Quantity, Quantity]) -> Flow:
 
 
 def spatial(p: Quantity, theta: Quantity) -> list[Scalar]:
-    """Return the elements of 2 δp∘p̄ / (p·p): the rotation δθ in frame O, by quaternions alone."""
+    """Elements of 2 δp∘p̄ / (p·p): the rotation δθ in frame O, by quaternions alone."""
     e = elements(p)
     conjugate = [e[0], -e[1], -e[2], -e[3]]
     product = compose(half_turn(e, elements(theta)), conjugate)
@@ -61,5 +60,5 @@ def spatial(p: Quantity, theta: Quantity) -> list[Scalar]:
 
 
 def flat(rows: Sequence[Sequence[Scalar]]) -> list[Scalar]:
-    """Return the elements of a matrix, row-major."""
+    """Elements of a matrix, row-major."""
     return [cell for row in rows for cell in row]

@@ -65,7 +65,7 @@ _PIECE = re.compile(
 
 
 def typeset(printed: str) -> str:
-    """Return a printed formula for math mode, or nothing where it cannot be typeset."""
+    """Printed formula for math mode, or nothing where it cannot be typeset."""
     body = " ".join(printed.replace("$$", " ").split())
     body = re.sub(r"\\(begin|end)\{eqnarray\*?\}", r"\\\1{aligned}", body).replace("&=&", "&=")
     body = re.sub(r"\\tag\{(\w+)\}", r"\\quad (\1)", body)
@@ -82,7 +82,7 @@ def typeset(printed: str) -> str:
 
 
 def is_balanced(body: str) -> bool:
-    r"""Return whether braces, ``\left`` and environments pair, and no index stands twice."""
+    r"""Whether braces, ``\left`` and environments pair, and no index stands twice."""
     braces = re.findall(r"(?<!\\)[{}]", body.replace("\\\\", " "))
     open_environments: list[str] = []
     for word, name in re.findall(r"\\(begin|end)\{(\w+)\}", body):
@@ -110,12 +110,12 @@ def _closes(braces: list[str]) -> bool:
 
 
 def in_words(text: str) -> str:
-    """Return plain text for LaTeX: special characters escaped, letters and signs in math mode."""
+    """Plain text for LaTeX: special characters escaped, letters and signs in math mode."""
     return _PIECE.sub(_piece, re.sub(r"\w", _decomposed, text))
 
 
 def _decomposed(match: re.Match[str]) -> str:
-    """Return a letter that holds its accent, such as ṽ, as letter and accent."""
+    """Letter that holds its accent, such as ṽ, as letter and accent."""
     parts = unicodedata.normalize("NFD", match[0])
     return parts if parts[1:] in _ACCENTS else match[0]
 
@@ -134,7 +134,7 @@ def _piece(match: re.Match[str]) -> str:
 
 
 def _math(letter: str) -> str:
-    """Return a letter for math mode: a Greek one by its name, a sign by its command."""
+    """Letter for math mode: a Greek one by its name, a sign by its command."""
     if letter in SIGNS:
         return SIGNS[letter]
     match unicodedata.name(letter, "").split():
@@ -145,7 +145,7 @@ def _math(letter: str) -> str:
 
 
 def sentence(printed: str) -> str:
-    """Return a sentence of the prose for LaTeX, its formulas in math mode."""
+    """Sentence of the prose for LaTeX, its formulas in math mode."""
     parts = " ".join(printed.split()).split("$")
     return "".join(
         _inline(part) if number % 2 else "".join(_bare(run) for run in _runs(part))
@@ -154,12 +154,12 @@ def sentence(printed: str) -> str:
 
 
 def _runs(text: str) -> list[str]:
-    """Return the text cut where letters of ASCII begin and end."""
+    """Text cut where letters of ASCII begin and end."""
     return re.findall(r"[\x20-\x7e]+|[^\x20-\x7e]+", text)
 
 
 def _bare(run: str) -> str:
-    """Return a run of text; what spells a formula without dollar signs becomes one."""
+    """Run of text; what spells a formula without dollar signs becomes one."""
     plain = re.sub(r"</?sup>", "", run)
     if re.search(r"(?<![\\\w])[A-Za-z]{4,}", plain):  # words, so that formulas end at blanks
         return " ".join(_formula_or_words(word, r"[\\{]") for word in plain.split(" "))
@@ -168,7 +168,7 @@ def _bare(run: str) -> str:
 
 
 def _formula_or_words(text: str, signs: str) -> str:
-    """Return a text in math mode where it holds one of the signs of a formula."""
+    """Text in math mode where it holds one of the signs of a formula."""
     is_formula = re.search(signs, text) and is_balanced(text)
     return f"${text}$" if is_formula else in_words(text)
 
@@ -179,7 +179,7 @@ def _inline(formula: str) -> str:
 
 
 def verbatim(printed: str, width: int = 88) -> str:
-    """Return a printed form letter by letter, long lines cut between words."""
+    """Printed form letter by letter, long lines cut between words."""
     lines = [
         part
         for line in printed.strip().splitlines()

@@ -16,16 +16,16 @@ from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
 from kousoku.ledger.formula import (
     Array,
-    Call,
     Cross,
     Derivative,
-    Name,
+    FunctionCall,
     Node,
-    Number,
+    Numeral,
     Power,
     Product,
     Quotient,
     Sum,
+    SymbolName,
     Tilde,
     Transposed,
 )
@@ -40,13 +40,14 @@ from kousoku.symbolic.matrices import (
     transpose,
 )
 from kousoku.symbolic.ring import Ring
+from kousoku.symbolic.sympy_types import as_value
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.model.quantity import Quantity
+    from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix, Value
 
-Value = Any  # a SymPy scalar, or a matrix of kousoku.symbolic.matrices: SymPy is untyped
 
 _FUNCTIONS = {"cos": sympy.cos, "sin": sympy.sin, "sqrt": sympy.sqrt}
 
@@ -60,8 +61,8 @@ class Vocabulary:
     quantities : tuple of Quantity
         The arrays that everything is made of; identities hold for all their values.
     meanings : Mapping
-        The value of each symbol, by its name as :class:`kousoku.ledger.formula.Name` prints it:
-        ``a'^i``, ``δr^P``. A vector is a (3, 1) matrix, a scalar an expression.
+        The value of each symbol, by its name as :class:`kousoku.ledger.formula.SymbolName` prints
+        it: ``a'^i``, ``δr^P``. A vector is a (3, 1) matrix, a scalar an expression.
     given : Mapping
         Component-level elements, row-major, of matrix symbols that are no quantities, such as δA.
     is_unit : bool
@@ -71,21 +72,27 @@ class Vocabulary:
     """
 
     quantities: tuple[Quantity, ...]
-    meanings: Mapping[str, Value]
+    meanings: Mapping[str, Scalar | SymbolicMatrix]
     given: Mapping[str, Sequence[Any]] = field(default_factory=dict)
     is_unit: bool = True
-    derivatives: Mapping[str, Callable[[Value], Value]] = field(default_factory=dict)
+    derivatives: Mapping[str, Callable[[Value], Scalar | SymbolicMatrix]] = field(
+        default_factory=dict
+    )
 
-    def knowing(self, meanings: Mapping[str, Value]) -> Vocabulary:
-        """Return a vocabulary that knows more symbols, or others by the same names."""
+    def knowing(self, meanings: Mapping[str, Scalar | SymbolicMatrix]) -> Vocabulary:
+        """Vocabulary that knows more symbols, or others by the same names."""
         return replace(self, meanings={**self.meanings, **meanings})
 
+    def meaning(self, name: str) -> Value:
+        """Value of a symbol, by its name."""
+        return as_value(self.meanings[name])
+
     def ring(self, at: Sequence[Any] | None = None) -> Ring:
-        """Return the ring in which values are compared, or their values at one rational point."""
+        """Ring in which values are compared, or their values at one rational point."""
         return Ring(self.quantities, self.given, is_unit=self.is_unit, at=at)
 
     def value(self, node: Node) -> Value:
-        """Return what a formula says.
+        """Value of a formula.
 
         Raises
         ------
@@ -93,9 +100,9 @@ class Vocabulary:
             A symbol is unknown, or shapes do not fit.
         """
         match node:
-            case Number():
-                return sympy.Rational(node.text)
-            case Name():
+            case Numeral():
+                return as_value(sympy.Rational(node.text))
+            case SymbolName():
                 return self._symbol(node)
             case Sum():
                 return _total([(sign, self.value(term)) for sign, term in node.terms])
@@ -104,17 +111,19 @@ class Vocabulary:
             case Cross():
                 return _product([_tilde(self.value(node.left)), self.value(node.right)])
             case Quotient():
-                return _product([1 / _number(self.value(node.under)), self.value(node.over)])
+                return _product(
+                    [as_value(1 / _number(self.value(node.under))), self.value(node.over)]
+                )
             case Power():
                 return _power(self.value(node.base), node.exponent)
             case Transposed():
-                return transpose(self.value(node.inner))
+                return as_value(transpose(self.value(node.inner)))
             case Tilde():
                 return _tilde(self.value(node.inner))
-            case Call():
+            case FunctionCall():
                 # A double angle has no other sines and cosines than the angle.
                 value = _FUNCTIONS[node.function](_number(self.value(node.argument)))
-                return sympy.expand_trig(value)
+                return as_value(sympy.expand_trig(value))
             case Derivative():
                 return self._derivative(node)
             case Array():
@@ -123,22 +132,21 @@ class Vocabulary:
     def _derivative(self, node: Derivative) -> Value:
         if node.by not in self.derivatives:
             raise FormulaError(f"nothing is differentiated by {node.by}")
-        return self.derivatives[node.by](self.value(node.inner))
+        return as_value(self.derivatives[node.by](self.value(node.inner)))
 
-    def _symbol(self, name: Name) -> Value:
+    def _symbol(self, name: SymbolName) -> Value:
         if str(name) in self.meanings:
-            return self.meanings[str(name)]
-        base = str(Name(name.letter, name.primes, name.sub))
+            return self.meaning(str(name))
+        base = str(SymbolName(name.letter, name.primes, name.sub))
         if name.sup.isdigit() and base in self.meanings:
-            return _power(self.meanings[base], int(name.sup))
+            return _power(self.meaning(base), int(name.sup))
         raise FormulaError(f"nothing is called {name}")
 
 
-def shape(value: Value) -> tuple[int, ...]:
-    """Return () for a scalar, (rows, columns) for a matrix."""
-    if not getattr(value, "is_Matrix", False):
-        return ()
-    return tuple(int(n) for n in value.shape)
+def shape(value: Scalar | SymbolicMatrix) -> tuple[int, ...]:
+    """Shape () of a scalar, (rows, columns) of a matrix."""
+    is_matrix = getattr(value, "is_Matrix", False)
+    return tuple(int(n) for n in as_value(value).shape) if is_matrix else ()
 
 
 def _number(value: Value) -> Value:
@@ -154,11 +162,11 @@ def _total(terms: Sequence[tuple[int, Value]]) -> Value:
     signed = [value if sign > 0 else _negative(value) for sign, value in terms]
     if not shapes or not shapes[0]:
         return sum(signed, S.Zero)
-    return add(*(value for value in signed if shape(value)))
+    return as_value(add(*(value for value in signed if shape(value))))
 
 
 def _negative(value: Value) -> Value:
-    return neg(value) if shape(value) else -value
+    return as_value(neg(value) if shape(value) else -value)
 
 
 def _product(factors: Sequence[Value]) -> Value:
@@ -166,12 +174,12 @@ def _product(factors: Sequence[Value]) -> Value:
     for left, right in pairwise(shapes):
         if left[1] != right[0]:
             raise FormulaError(f"a product of shapes {left} and {right}")
-    return mul(*factors) if shapes else sympy.Mul(*factors)
+    return as_value(mul(*factors) if shapes else sympy.Mul(*factors))
 
 
 def _power(value: Value, exponent: int) -> Value:
     if not shape(value):
-        return value**exponent
+        return as_value(value**exponent)
     rows, columns = shape(value)
     if exponent != -1 or rows != columns:
         raise FormulaError(f"the power {exponent} of a matrix of shape {(rows, columns)}")
@@ -179,41 +187,42 @@ def _power(value: Value, exponent: int) -> Value:
     return Inverse(value) if known is None else _inverse(known)
 
 
-def explicit(value: Value) -> Value:
-    """Return a product of matrices of formulas as one of them; None where some are symbols."""
+def explicit(value: Scalar | SymbolicMatrix) -> Value:
+    """Product of matrices of formulas as one of them; None where some are symbols."""
     if any(not isinstance(s, ImmutableDenseMatrix) for s in _factors(value)):
-        return None
+        return as_value(None)
     result, *rest = _factors(value)
     for factor in rest:
-        result = result * factor
+        result = as_value(result * factor)
     return result
 
 
-def _factors(value: Value) -> tuple[Value, ...]:
-    scalar, factors = coefficient_and_factors(value)
-    return (scalar * factors[0], *factors[1:]) if scalar != 1 else factors
+def _factors(value: Scalar | SymbolicMatrix) -> tuple[Value, ...]:
+    scalar, factors = coefficient_and_factors(as_value(value))
+    first, *rest = map(as_value, factors)
+    return (as_value(scalar * first) if scalar != 1 else first, *rest)
 
 
 @cache
-def _inverse(value: Value) -> Value:
-    """Return the inverse of a matrix of rational functions, fractions reduced."""
+def _inverse(value: Scalar | SymbolicMatrix) -> Value:
+    """Inverse of a matrix of rational functions, fractions reduced."""
     try:
         inverse = DomainMatrix.from_Matrix(value).to_field().inv()
     except DMNonInvertibleMatrixError:
         raise FormulaError("the inverse of a singular matrix") from None
-    return ImmutableDenseMatrix(inverse.to_Matrix())
+    return as_value(ImmutableDenseMatrix(inverse.to_Matrix()))
 
 
-def _tilde(value: Value) -> Value:
+def _tilde(value: Scalar | SymbolicMatrix) -> Value:
     if shape(value) != (3, 1):
         raise FormulaError(f"the skew matrix of something of shape {shape(value)}")
-    return ZeroMatrix(3, 3) if is_zero(value) else Skew(value)
+    return as_value(ZeroMatrix(3, 3) if is_zero(as_value(value)) else Skew(as_value(value)))
 
 
 def _array(cells: Sequence[Sequence[Value]]) -> Value:
-    """Return a matrix of numbers or of blocks; a 0 among blocks is as large as its place."""
+    """Matrix of numbers or of blocks; a 0 among blocks is as large as its place."""
     if not any(shape(cell) for row in cells for cell in row):
-        return ImmutableDenseMatrix([list(row) for row in cells])
+        return as_value(ImmutableDenseMatrix([list(row) for row in cells]))
     heights = [_extent([shape(cell)[:1] for cell in row if cell != 0]) for row in cells]
     columns = list(zip(*cells, strict=True))
     widths = [_extent([shape(cell)[1:] for cell in column if cell != 0]) for column in columns]
@@ -225,7 +234,7 @@ def _array(cells: Sequence[Sequence[Value]]) -> Value:
 
 
 def _extent(extents: Sequence[tuple[int, ...]]) -> Integer:
-    """Return the common height of the blocks of a row, or the common width of a column."""
+    """Common height of the blocks of a row, or the common width of a column."""
     if () in extents:
         raise FormulaError("a number stands where a block of a matrix belongs")
     if len(set(extents)) != 1:

@@ -56,7 +56,7 @@ class About:
 
     @classmethod
     def of(cls, scene: Scene, notes: Sequence[str] = ()) -> About:
-        """Return what is told of a checked scene of bodies, with further notes."""
+        """Facts about a checked scene of bodies, with further notes."""
         jumps = tuple(
             join("forces", name)
             for name, force in scene.forces.items()
@@ -67,7 +67,7 @@ class About:
 
 
 def scene_notes(scene: Scene) -> Iterator[str]:
-    """Yield what is odd in a checked scene of bodies, though it can be solved: lost points.
+    """Oddities of a checked scene of bodies, though it can be solved: lost points.
 
     A joint is looked at between bodies that are made of solids, and at the ground where its body
     has a rod: a ball that hangs on the ground by a rod without mass is no mistake.
@@ -88,7 +88,7 @@ def scene_notes(scene: Scene) -> Iterator[str]:
 
 
 def _parts_of_forces(scene: Scene) -> Iterator[tuple[str, list[Expression]]]:
-    """Yield the key of each force, and all parts of its formulas."""
+    """Key of each force, and all parts of its formulas."""
     names = {*state_names(scene), *LAW_NAMES}
     for name, force in scene.forces.items():
         formulas = []
@@ -99,7 +99,7 @@ def _parts_of_forces(scene: Scene) -> Iterator[tuple[str, list[Expression]]]:
 
 
 def notes_of_dry_friction(scene: Scene) -> Iterator[str]:
-    """Yield a note on each force that jumps where a rate passes zero, and so may stick there."""
+    """Note on each force that jumps where a rate passes zero, and so may stick there."""
     rates = {LAW_NAMES[1], *(f"{name}{RATE}" for name in scene.coordinates)}
     for key, parts in _parts_of_forces(scene):
         if any(rates.intersection(names_of(jump)) for part in parts for jump in _jumps(part)):
@@ -111,7 +111,7 @@ def notes_of_dry_friction(scene: Scene) -> Iterator[str]:
 
 
 def notes_of_events(scene: Scene) -> Iterator[str]:
-    """Yield a note on each event that may jump over 0, where it does not count."""
+    """Note on each event that may jump over 0, where it does not count."""
     names = state_names(scene)
     for name, event in scene.events.items():
         if may_jump(parse_expression(event.when, names), names.difference(scene.parameters)):
@@ -122,14 +122,14 @@ def notes_of_events(scene: Scene) -> Iterator[str]:
 
 
 def _jumps(part: Expression) -> Iterator[Expression]:
-    """Yield what jumps where it passes zero: that of a sign, and of what stands over its size."""
+    """Arguments of jumps: that of a sign, and of what stands over its size."""
     match part:
         case Apply(Function.SIGN, (x,)) | Apply(Function.DIV, (_, Apply(Function.ABS, (x,)))):
             yield x
 
 
 def _reach(scene: Scene, joint: Joint, k: int) -> tuple[str, float, float] | None:
-    """Return a body of a joint, how far the joint's point is from its solids, and their size."""
+    """Body of a joint, how far the joint's point is from its solids, and their size."""
     name = joint.ends[k]
     if name == GROUND or (joint.points is None and joint.at is None):
         return None
@@ -141,7 +141,7 @@ def _reach(scene: Scene, joint: Joint, k: int) -> tuple[str, float, float] | Non
 
 
 def _point_of(body: Body, joint: Joint, k: int) -> Point:
-    """Return the point of a joint in the frame of a body."""
+    """Point of a joint in the frame of a body."""
     if joint.points is not None:
         return joint.points[k]
     assert joint.at is not None
@@ -150,7 +150,7 @@ def _point_of(body: Body, joint: Joint, k: int) -> Point:
 
 
 def _distances(body: Body, point: Point) -> Iterator[float]:
-    """Yield how far a point in the frame of a body is from each solid of it."""
+    """Distances of a point in the frame of a body from each solid of it."""
     for rod in body.rods:
         yield _from_segment(point, *rod.ends)
     for cylinder in body.cylinders:
@@ -167,7 +167,7 @@ def _distances(body: Body, point: Point) -> Iterator[float]:
 
 
 def _corners(body: Body) -> Iterator[Point]:
-    """Yield points between which a body reaches."""
+    """Points between which a body reaches."""
     for ends in (*(rod.ends for rod in body.rods), *(one.ends for one in body.cylinders)):
         yield from ends
     for box in body.boxes:
@@ -191,7 +191,7 @@ def _from_segment(point: Point, start: Point, end: Point) -> float:
 
 
 def _in_box(box: Box, point: Point) -> Point:
-    """Return a point in the axes of a box, from its middle."""
+    """Point in the axes of a box, from its middle."""
     arm = precise.subtract(precise.triple(point), precise.triple(box.at))
     return _floats(precise.rotate_back(quaternion(box.orientation), arm))
 

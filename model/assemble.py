@@ -18,7 +18,7 @@ from kousoku.model.rotations import direction, merge_rotations
 from kousoku.model.validate import require_planar
 
 if TYPE_CHECKING:
-    from kousoku.model.rotations import Rotation
+    from kousoku.model.rotations import NodeRotation
     from kousoku.model.scene import Scene
 
 
@@ -198,7 +198,7 @@ class _Assembly:
                 )
         self.prescribed[key] = coordinate
 
-    def _rotation(self, rotation: Rotation) -> None:
+    def _rotation(self, rotation: NodeRotation) -> None:
         """Give a rotation its number, and its links their heading seen from the node."""
         first, node = rotation.links[0], rotation.node
         start, name, role = direction(self.scene, first, node), f"{first}@{node}", Role.UNKNOWN

@@ -198,7 +198,7 @@ class SceneBuilder:
         return self
 
     def build(self, *, kinds: Mapping[str, OwnKind] | None = None) -> Scene:
-        """Return the checked scene.
+        """Checked scene.
 
         Parameters
         ----------
@@ -239,13 +239,13 @@ def _plain(value: Any) -> Any:
 
 
 def _is_of_sympy(value: Any) -> bool:
-    """Return whether a value is an expression or a matrix of SymPy, which is not imported here."""
+    """Whether a value is an expression or a matrix of SymPy, which is not imported here."""
     sympy: Any = sys.modules.get("sympy")
     return sympy is not None and isinstance(value, (sympy.Basic, sympy.MatrixBase))
 
 
 def _formula(value: Any) -> Any:
-    """Return a number for a number of SymPy, a list for a vector, else the text of a formula.
+    """Number for a number of SymPy, a list for a vector, else the text of a formula.
 
     The text is read by the grammar of scenes as any other is: what it does not have is refused.
     """

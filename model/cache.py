@@ -36,7 +36,7 @@ RECENT = 600.0
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class CacheEntry:
     """What the cache holds under one key.
 
     Parameters
@@ -60,7 +60,7 @@ class Entry:
 
 
 def cache_folder() -> Path:
-    r"""Return the per-user cache folder, which may not exist yet.
+    r"""Per-user cache folder, which may not exist yet.
 
     ``KOUSOKU_CACHE`` wins; else it is the platform's own place: ``$XDG_CACHE_HOME/kousoku`` or
     ``~/.cache/kousoku``, ``~/Library/Caches/kousoku`` on macOS, ``%LOCALAPPDATA%\kousoku\Cache``
@@ -136,14 +136,14 @@ def touch(path: Path) -> None:
         os.utime(path)
 
 
-def entries() -> list[Entry]:
-    """Return what the cache holds, the longest unused first."""
+def entries() -> list[CacheEntry]:
+    """Entries of the cache, the longest unused first."""
     root = cache_folder()
     every = [entry for shelf in SHELVES for entry in _on(root / shelf)]
     return sorted(every, key=lambda entry: (entry.used, entry.path))
 
 
-def _on(shelf: Path) -> Iterator[Entry]:
+def _on(shelf: Path) -> Iterator[CacheEntry]:
     with suppress(OSError):
         for path in sorted(shelf.iterdir()):
             if path.name.startswith(".") or path.suffix == ".lock":
@@ -152,11 +152,11 @@ def _on(shelf: Path) -> Iterator[Entry]:
                 used = path.stat().st_mtime
                 files = (one for one in path.rglob("*") if one.is_file())
                 size = sum(one.stat().st_size for one in files) if path.is_dir() else 0
-                yield Entry(path, size or path.stat().st_size, used)
+                yield CacheEntry(path, size or path.stat().st_size, used)
 
 
 def size_limit() -> int:
-    """Return the bytes that the cache may take: :data:`LARGEST`, or what ``KOUSOKU_CACHE_SIZE`` is.
+    """Bytes that the cache may take: :data:`LARGEST`, or what ``KOUSOKU_CACHE_SIZE`` is.
 
     That is a number of bytes, or one with a unit: k, M, G and T are powers of 1000, Ki, Mi, Gi and
     Ti powers of 1024; a ``B`` may follow, and case does not count.
@@ -180,7 +180,7 @@ def size_limit() -> int:
     return int(float(number) * (1024 if binary else 1000) ** _POWERS[unit.lower()])
 
 
-def shrink(limit: int | None = None) -> list[Entry]:
+def shrink(limit: int | None = None) -> list[CacheEntry]:
     """Remove the entries that were not used for longest, until the rest is small enough.
 
     Parameters
@@ -190,7 +190,7 @@ def shrink(limit: int | None = None) -> list[Entry]:
 
     Returns
     -------
-    list of Entry
+    list of CacheEntry
         What is removed.
     """
     limit = size_limit() if limit is None else limit
@@ -206,7 +206,7 @@ def shrink(limit: int | None = None) -> list[Entry]:
     return removed
 
 
-def clear(which: Iterable[Entry] | None = None) -> list[Entry]:
+def clear(which: Iterable[CacheEntry] | None = None) -> list[CacheEntry]:
     """Remove all entries, or some of them; return those that are gone."""
     return [entry for entry in (entries() if which is None else which) if _remove(entry.path)]
 

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.frames import joint_points
 from kousoku.model.joints import JOINTS, NAMES
-from kousoku.model.mechanism import COMBINATION, Instance, Term
+from kousoku.model.mechanism import Instance, Term
 from kousoku.model.precise import NOISE
 from kousoku.model.traced import Traced, at_scene
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def length_of(coordinates: CoordinateList) -> float:
-    """Return a length of a scene that compares radians with metres, whatever its units [m].
+    """Length of a scene that compares radians with metres, whatever its units [m].
 
     The largest distance, along an axis, of a point of a joint from the centre of mass of a body;
     where there is none, that of a body from the origin.
@@ -45,7 +46,7 @@ def length_of(coordinates: CoordinateList) -> float:
 def as_written(
     name: str, terms: Sequence[tuple[int, High]], coordinates: CoordinateList
 ) -> Instance:
-    """Return a combination that is zero at the positions as they are written."""
+    """Combination that is zero at the positions as they are written."""
     parts = [factor * coordinates.value(place) for place, factor in terms]
     offset = -precise.total(parts)
     if not isinstance(offset, Traced) and abs(offset) <= NOISE * sum(map(abs, parts)):
@@ -56,7 +57,7 @@ def as_written(
 def combination(
     name: str, terms: Sequence[tuple[int, High]], offset: High, coordinates: CoordinateList
 ) -> Instance:
-    """Return Σ factor · coordinate + offset = 0 as an instance; coordinates are their places."""
+    """Instance Σ factor · coordinate + offset = 0; coordinates are their places."""
     records = [coordinates.record(place) for place, _ in terms]
     bodies = dict.fromkeys(body for record in records for body in (record.i, record.j))
     first = records[0]

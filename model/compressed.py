@@ -15,13 +15,13 @@ _GZIP = 31
 
 
 def stored(name: str, text: str) -> bytes:
-    """Return the bytes of a file: its text, compressed where its name ends in ``.gz``."""
+    """Bytes of a file: its text, compressed where its name ends in ``.gz``."""
     data = text.encode()
     return zlib.compress(data, 9, _GZIP) if name.endswith(ENDING) else data
 
 
 def content(name: str, data: bytes) -> bytes:
-    """Return what a file holds, given its bytes.
+    """Content of a file, given its bytes.
 
     Raises
     ------

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT
+from kousoku.model.elements.constraints import is_length
 from kousoku.model.frames import GROUND_FRAME
 from kousoku.model.joints import JOINTS, NAMES, sort_of
 from kousoku.model.mechanism import Coordinate
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Measure:
+class PreciseMeasure:
     """A scalar quantity of two bodies, in 50 digits.
 
     Parameters
@@ -45,14 +46,14 @@ class Measure:
     points: tuple[Triple, Triple] | None = None
 
     def constants(self, unit: High) -> tuple[tuple[str, tuple[float, ...]], ...]:
-        """Return the fixed inputs of the package, rounded; the unit of the scene is in metres."""
+        """Fixed inputs of the package, rounded; the unit of the scene is in metres."""
         constants = [(name, precise.rounded(vector)) for name, vector in self.vectors]
         for letter, end, point in zip("ij", self.ends, self.points or (), strict=False):
             constants.append((f"s_{letter}_b", end.point(point, unit)))
         return tuple(constants)
 
     def value(self) -> High:
-        """Return it at the positions as they are written, in rad or the unit of the scene."""
+        """Value at the positions as they are written, in rad or the unit of the scene."""
         i, j = self.ends
         fixed = {
             name: (i if name.endswith("i_b") else j).to_ground(vector)
@@ -73,22 +74,22 @@ class Measure:
 
 
 def _clean(value: High, size: High) -> High:
-    """Return a value, or zero where it is only rounding of numbers of that size."""
+    """Value, or zero where it is only rounding of numbers of that size."""
     if isinstance(value, Traced):
         return value
     return CONTEXT.mpf(0) if abs(value) <= NOISE * size else value
 
 
-def joint_measure(joint: Joint, sort: str, frames: Mapping[str, BodyFrame]) -> Measure:
-    """Return what a joint leaves free: an angle or a displacement."""
+def joint_measure(joint: Joint, sort: str, frames: Mapping[str, BodyFrame]) -> PreciseMeasure:
+    """Measure that a joint leaves free: an angle or a displacement."""
     ends = frames[joint.ends[0]], frames[joint.ends[1]]
     return JOINTS[NAMES[joint.type]].measure(joint, sort, ends)
 
 
-def place_measure(frame: BodyFrame, point: Triple, along: Triple) -> Measure:
-    """Return the place of a point of a body, from the origin of frame O along a direction of it."""
+def place_measure(frame: BodyFrame, point: Triple, along: Triple) -> PreciseMeasure:
+    """Place of a point of a body, from the origin of frame O along a direction of it."""
     vectors = (("a_i_b", precise.unit(along)),)
-    return Measure("n2", (GROUND_FRAME, frame), vectors, (ZERO, point))
+    return PreciseMeasure("n2", (GROUND_FRAME, frame), vectors, (ZERO, point))
 
 
 class CoordinateList:
@@ -127,20 +128,20 @@ class CoordinateList:
         return tuple(self._records)
 
     def record(self, place: int) -> Coordinate:
-        """Return the coordinate at a place."""
+        """Coordinate at a place."""
         return self._records[place]
 
     def value(self, place: int) -> High:
-        """Return a coordinate at the positions as they are written, in SI units, turns counted."""
+        """Coordinate at the positions as they are written, in SI units, turns counted."""
         return self._values[place]
 
     def unit_of(self, place: int) -> tuple[str, High]:
-        """Return ``rad`` or ``m``, and what a value of the scene is multiplied by."""
+        """``rad`` or ``m``, and what a value of the scene is multiplied by."""
         kind = self._records[place].kind
-        return ("rad", CONTEXT.mpf(1)) if kind in ("angle", "n1") else ("m", self.unit)
+        return ("m", self.unit) if is_length(kind) else ("rad", CONTEXT.mpf(1))
 
     def place(self, name: str) -> int:
-        """Return the place of a coordinate of the scene."""
+        """Place of a coordinate of the scene."""
         if name in self._places:
             return self._places[name]
         given = self.scene.coordinates[name]
@@ -151,7 +152,7 @@ class CoordinateList:
         return self.add(name, self._measure(given), near)
 
     def of_joint(self, joint: str, of: str | None = None) -> int:
-        """Return the place of what a joint leaves free: of the scene's coordinate, if it has one.
+        """Place of what a joint leaves free: of the scene's coordinate, if it has one.
 
         Parameters
         ----------
@@ -171,14 +172,14 @@ class CoordinateList:
         """Say what an angle of a joint is near at the start, so that its turns are known."""
         self._starts[joint, sort] = precise.number(angle)
 
-    def add(self, name: str, measure: Measure, near: High | None = None) -> int:
-        """Return the place of a coordinate, which is added unless one of its name is there.
+    def add(self, name: str, measure: PreciseMeasure, near: High | None = None) -> int:
+        """Place of a coordinate, which is added unless one of its name is there.
 
         Parameters
         ----------
         name : str
             Its name.
-        measure : Measure
+        measure : PreciseMeasure
             What it is.
         near : number [rad], optional
             Of an angle, a value within half a turn of the one at the start.
@@ -199,7 +200,7 @@ class CoordinateList:
         self._values.append(value * self.unit_of(place)[1])
         return place
 
-    def _measure(self, given: Named) -> Measure:
+    def _measure(self, given: Named) -> PreciseMeasure:
         if given.joint is not None:
             joint = self.scene.joints[given.joint]
             return joint_measure(joint, sort_of(joint.type, given.of), self.frames)
@@ -207,7 +208,7 @@ class CoordinateList:
             assert given.points is not None
             i, j = (self.frames[body] for body in given.bodies)
             start, end = map(precise.triple, given.points)
-            return Measure("length", (i, j), points=(start, end))
+            return PreciseMeasure("length", (i, j), points=(start, end))
         assert given.body is not None
         assert given.along is not None
         point = precise.triple(given.point or (0.0, 0.0, 0.0))

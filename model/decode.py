@@ -116,7 +116,7 @@ def decode_parts(
 def _fields(
     tree: object, record: type[msgspec.Struct], key: str, problems: Problems
 ) -> dict[str, Any]:
-    """Return the fields that are right; a key that is unknown breaks the one that it resembles."""
+    """Fields that are right; a key that is unknown breaks the one that it resembles."""
     if not isinstance(tree, Mapping):
         example = getattr(record, "EXAMPLE", "")
         such = f", such as {example}" if example else ""
@@ -155,7 +155,7 @@ def _fields(
 
 @cache
 def _fields_of(record: type[msgspec.Struct]) -> dict[str, Any]:
-    """Return the fields of a record by their names in a file."""
+    """Fields of a record by their names in a file."""
     flat = getattr(record, "FLAT", "")
     fields = msgspec.structs.fields(record)
     return {field.encode_name: field for field in fields if field.name != flat}
@@ -164,7 +164,7 @@ def _fields_of(record: type[msgspec.Struct]) -> dict[str, Any]:
 def _own_inputs(
     tree: Mapping[Any, object], record: type[msgspec.Struct], problems: Problems
 ) -> Mapping[str, OwnInput | ElementInput] | None:
-    """Return the keys that a type alone has, or None where nobody knows what keys it has."""
+    """Keys that a type alone has, or None where nobody knows what keys it has."""
     sort = tree.get("type")
     if not isinstance(sort, str):
         return {}
@@ -174,7 +174,7 @@ def _own_inputs(
 
 
 def _keys_of_type(sort: object, record: type[msgspec.Struct]) -> tuple[str, ...]:
-    """Return the keys of a record of a type, none where there is no such type."""
+    """Keys of a record of a type, none where there is no such type."""
     if not isinstance(sort, str):
         return ()
     found: tuple[str, ...] = getattr(record, "keys_of_type", lambda _: ())(sort)
@@ -187,7 +187,7 @@ def _unknown_key(
     record: type[msgspec.Struct],
     inputs: Mapping[str, OwnInput | ElementInput],
 ) -> str:
-    """Return the message for a key that a record does not have, with those that it may have."""
+    """Message for a key that a record does not have, with those that it may have."""
     fields = (*inputs, *_fields_of(record))
     near = _nearest(name, fields)
     sort = tree.get("type")
@@ -202,7 +202,7 @@ def _unknown_key(
 
 
 def unknown(what: str, name: str, known: tuple[str, ...]) -> str:
-    """Return the message for a name that is not among `known`, with the nearest one."""
+    """Message for a name that is not among `known`, with the nearest one."""
     near = _nearest(name, known)
     if near:
         return f"unknown {what}; did you mean {near[0]!r}?"
@@ -230,7 +230,7 @@ class UnknownNameError(SceneError):
         super().__init__(unknown(f"{what} {name[:40]!r}", name, known), key=key)
 
     def problems_beside(self, broken: Callable[[str], Sequence[str]]) -> Sequence[Problem]:
-        """Return the problem with the names of elements among the known ones that are wrong."""
+        """Problem with the names of elements among the known ones that are wrong."""
         if self.key.endswith(".type"):  # no name of an element
             return self.problems
         also = broken({"body": "bodies"}.get(self.what, f"{self.what}s"))
@@ -264,7 +264,7 @@ def require_known(what: str, name: str, known: Collection[str], key: str, *also:
 
 
 def join(key: str, name: str) -> str:
-    """Return the dotted key of `name` in the table `key`, quoted and cut short where it must be."""
+    """Dotted key of `name` in the table `key`, quoted and cut short where it must be."""
     shown = name if len(name) <= 40 else name[:40] + "…"
     if not re.fullmatch("[A-Za-z0-9_-]+…?", shown):
         shown = json.dumps(shown, ensure_ascii=not shown.isprintable())
@@ -272,7 +272,7 @@ def join(key: str, name: str) -> str:
 
 
 def dotted(path: Iterable[str | int]) -> str:
-    """Return the dotted key of a path of keys and of places in lists."""
+    """Dotted key of a path of keys and of places in lists."""
     key = ""
     for part in path:
         key = f"{key}[{part}]" if isinstance(part, int) else join(key, part)
@@ -280,14 +280,14 @@ def dotted(path: Iterable[str | int]) -> str:
 
 
 def _nearest(name: str, known: tuple[str, ...]) -> list[str]:
-    """Return the known name that resembles `name` most, if any does."""
+    """Known name that resembles `name` most, if any does."""
     if len(known) > MOST_COMPARED:
         return []
     return difflib.get_close_matches(name[:80], known, n=1)
 
 
 def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
-    """Return a value of a type, or ``FAILED`` with the reason noted."""
+    """Value of a type, or ``FAILED`` with the reason noted."""
     if problems.is_full:
         problems.break_(key)
         return FAILED
@@ -336,7 +336,7 @@ def _failed(problem: str, key: str, problems: Problems) -> object:
 
 
 def _whole(value: object, record: type[msgspec.Struct], key: str, problems: Problems) -> object:
-    """Return a record that has no problem, or ``FAILED``."""
+    """Record that has no problem, or ``FAILED``."""
     before = len(problems.found)
     values = _fields(value, record, key, problems)
     if len(problems.found) > before:
@@ -346,7 +346,7 @@ def _whole(value: object, record: type[msgspec.Struct], key: str, problems: Prob
 
 
 def _mapping(value: object, kind: Any, key: str, problems: Problems) -> object:
-    """Return the elements that have no problem, or ``FAILED`` where there is no table."""
+    """Elements that have no problem, or ``FAILED`` where there is no table."""
     if not isinstance(value, Mapping):
         return _failed(f"{_got(value)} stands where a table is wanted", key, problems)
     if len(value) > MOST_ELEMENTS:
@@ -379,12 +379,12 @@ def _without_none(kind: Any) -> Any:
 
 
 def _choices(kind: Any) -> tuple[Any, ...]:
-    """Return what a value may be: a number, the text of a formula, a list."""
+    """Choices that a value has: a number, the text of a formula, a list."""
     return get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
 
 
 def _chosen(kind: Any, value: object) -> Any:
-    """Return that of some types which a value is meant to have."""
+    """Choice of some types which a value is meant to have."""
     choices = _choices(kind)
     lists = [of for of in choices if get_origin(of) is tuple]
     if lists and isinstance(value, list | tuple):

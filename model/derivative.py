@@ -113,7 +113,7 @@ def _of_power(part: Apply, da: Expression, db: Expression) -> Expression:
 
 
 def _where_positive(a: Expression) -> Expression:
-    """Return a, and of ``max(0, x)`` something that is not zero where x is negative.
+    """a, and of ``max(0, x)`` something that is not zero where x is negative.
 
     There its derivative is zero, and so are those of its powers, which else are 0 ∞.
     """

@@ -23,7 +23,7 @@ WIDE.prec, NARROW.prec = 2 * BITS, BITS
 
 
 def square_root(value: Fraction) -> Fraction:
-    """Return √value, exact where it is rational."""
+    """Square root, exact where it is rational."""
     root = Fraction(isqrt(value.numerator), isqrt(value.denominator))
     if root * root == value:
         return root
@@ -34,13 +34,13 @@ def square_root(value: Fraction) -> Fraction:
 
 
 def unit_vector(x: Fraction, y: Fraction) -> tuple[Fraction, Fraction]:
-    """Return (x, y) divided by its length, which must not be zero."""
+    """Unit vector (x, y), divided by its length, which must not be zero."""
     length = square_root(x * x + y * y)
     return x / length, y / length
 
 
 def heading(x: Fraction | int, y: Fraction | int) -> Fraction:
-    """Return the angle of the vector (x, y) in radians, in (−π, π]."""
+    """Angle of the vector (x, y) in radians, in (−π, π]."""
     above, right = (
         WIDE.mpf(value.numerator) / value.denominator for value in (Fraction(y), Fraction(x))
     )

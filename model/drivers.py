@@ -19,7 +19,7 @@ SMALLEST = 50
 
 
 def drivers_of(scene: Scene) -> dict[str, Driver]:
-    """Return the drivers of a spatial scene by name, and its inputs as drivers."""
+    """Drivers of a spatial scene by name, and its inputs as drivers."""
     inputs = {
         name: Driver(joint=given.joint, value=law_of(given))
         for name, given in scene.inputs.items()
@@ -29,13 +29,13 @@ def drivers_of(scene: Scene) -> dict[str, Driver]:
 
 
 def law_of(given: Input) -> str:
-    """Return the formula of an input: its start, its rate and its acceleration."""
+    """Formula of an input: its start, its rate and its acceleration."""
     start, rate, acceleration = map(text_of, (given.start, given.rate, given.acceleration))
     return f"{start} + {rate}*t + {acceleration}/2*t^2"
 
 
 def way_of(given: Input) -> float:
-    """Return how far an input goes, in rad or the unit of the scene."""
+    """Length of the way of an input, in rad or the unit of the scene."""
     turns = turns_of(given)
     if turns is not None:
         return tau * turns
@@ -44,7 +44,7 @@ def way_of(given: Input) -> float:
 
 
 def time_of(given: Input, part: float) -> float:
-    """Return when an input has gone a part of its way, from 0 to 1; not a number if never.
+    """Time at which an input has gone a part of its way, from 0 to 1; not a number if never.
 
     It is the first time at which rate t + ½ acceleration t² is that part. An input that first goes
     the other way never does.
@@ -59,7 +59,7 @@ def time_of(given: Input, part: float) -> float:
 
 
 def times_of(scene: Scene) -> list[float] | None:
-    """Return when the inputs of a spatial scene take their values.
+    """Times at which the inputs of a spatial scene take their values.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def times_of(scene: Scene) -> list[float] | None:
 
 
 def text_of(value: Value) -> str:
-    """Return a value as a formula; what is too small for a number of the grammar as a quotient."""
+    """Value as a formula; what is too small for a number of the grammar as a quotient."""
     if isinstance(value, str):
         return value
     digits, _, exponent = repr(value).partition("e-")

@@ -145,7 +145,7 @@ def _most(*terms: Expression) -> Expression:
 
 
 def product_of(a: Bounds, b: Bounds) -> Bounds:
-    """Return the bounds of a product."""
+    """Bounds of a product."""
     # The ends are not hashed: parts are shared, and a tree has many times as many.
     sides = [(one.least,) if one.is_one else one for one in (a, b)]
     products = [mul(x, y) for x in sides[0] for y in sides[1]]
@@ -153,7 +153,7 @@ def product_of(a: Bounds, b: Bounds) -> Bounds:
 
 
 def quotient_of(a: Bounds, b: Bounds) -> Bounds:
-    """Return those of a quotient."""
+    """Those of a quotient."""
     return product_of(a, _reciprocal(b))
 
 

@@ -75,11 +75,11 @@ class SceneError(KousokuError):
 
     @classmethod
     def of(cls, problems: Sequence[Problem], *, file: str = "") -> Self:
-        """Return the error of one problem or more."""
+        """Error of one problem or more."""
         return cls(problems[0].problem, file=file, key=problems[0].key, problems=problems)
 
     def problems_beside(self, broken: Callable[[str], Sequence[str]]) -> Sequence[Problem]:
-        """Return the problems, where it is known which elements cannot be used.
+        """Problems, where it is known which elements cannot be used.
 
         Parameters
         ----------
@@ -97,7 +97,7 @@ class SceneError(KousokuError):
 
 
 def printable(text: str) -> str:
-    """Return a text as one line: marks that cannot be printed, such as in names, are escaped."""
+    """Text as one line: marks that cannot be printed, such as in names, are escaped."""
     return "".join(mark if mark.isprintable() else repr(mark)[1:-1] for mark in text)
 
 
@@ -175,7 +175,7 @@ class AssemblyError(SolveError):
         super().__init__(problem)
 
     def at(self, file: str, lines: Mapping[str, int]) -> AssemblyError:
-        """Return it with the file, the line of the worst joint, and that of each behind its key.
+        """Error with the file, the line of the worst joint, and that of each behind its key.
 
         Parameters
         ----------

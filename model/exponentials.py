@@ -69,7 +69,7 @@ def without_overflow(formula: Expression) -> Expression:
 
 
 def rate_of(law: Expression, time: str, order: int) -> Expression:
-    """Return a derivative of a formula by the time, in functions that texts have.
+    """Derivative of a formula by the time, in functions that texts have.
 
     That of 1/(1 + eᵃ) is 0 ∞/∞ where eᵃ is infinite, unless it is written anew.
     """

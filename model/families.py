@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def chain(count: int) -> Scene:
-    """Return a chain of bars that hangs on the ground and stretches along x, at rest.
+    """Chain of bars that hangs on the ground and stretches along x, at rest.
 
     Each bar is a uniform box of 1 m x 0.1 m x 0.1 m and 1 kg. Its frame has its origin at the joint
     with the bar before; the joints are revolute, about y, z, y, … Gravity is 9.81 m/s² along −z.
@@ -44,7 +44,7 @@ def chain(count: int) -> Scene:
 def n_four_bar(
     count: int, *, turned: tuple[float, float] = (0.0, 1.0), rate: float = -1.0
 ) -> Scene:
-    """Return the N-four-bar of the IFToMM library of benchmark problems (A02).
+    """N-four-bar of the IFToMM library of benchmark problems (A02).
 
     It has N + 1 cranks of 1 m on ground points 1 m apart along x, and N couplers of 1 m between
     their ends: uniform rods of 1 kg. The plane is x, y; gravity is 9.81 m/s² along −y.

@@ -44,23 +44,23 @@ class BodyFrame:
     is_point: bool
 
     def principal(self, a: Triple) -> Triple:
-        """Return the components in the principal frame of a vector of the body frame."""
+        """Components in the principal frame of a vector of the body frame."""
         return precise.rotate(self.axes, a)
 
     def from_ground(self, a: Triple) -> Triple:
-        """Return the components in the principal frame of a vector of frame O."""
+        """Components in the principal frame of a vector of frame O."""
         return self.principal(precise.rotate_back(self.p, a))
 
     def to_ground(self, a: Triple) -> Triple:
-        """Return the components in frame O of a vector of the principal frame."""
+        """Components in frame O of a vector of the principal frame."""
         return precise.rotate(self.p, precise.rotate_back(self.axes, a))
 
     def place(self, s: Triple) -> Triple:
-        """Return where a point of the body frame is in frame O, in the unit of the scene."""
+        """Place of a point of the body frame in frame O, in the unit of the scene."""
         return precise.add(self.position, precise.rotate(self.p, s))
 
     def point(self, s: Triple, unit: High) -> Vector:
-        """Return a point of the body frame, seen from the centre of mass in the principal frame."""
+        """Point of the body frame, seen from the centre of mass in the principal frame."""
         size = precise.length(s) + precise.length(self.center)
         arm = self.principal(precise.subtract(s, self.center))
         return to_vector(precise.scale(unit, arm), unit * size)
@@ -77,7 +77,7 @@ DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 def joint_points(joint: Joint, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, Triple]:
-    """Return the point of a joint in the two body frames; of a point body it is the body itself."""
+    """Point of a joint in the two body frames; of a point body it is the body itself."""
     if joint.points is not None:
         return precise.triple(joint.points[0]), precise.triple(joint.points[1])
     assert joint.at is not None
@@ -92,7 +92,7 @@ def joint_points(joint: Joint, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Tripl
 def joint_vectors(
     ends: tuple[BodyFrame, BodyFrame], joint: Joint | None = None
 ) -> tuple[dict[str, Triple], dict[str, Triple]]:
-    """Return axis, across and third of the two joint frames, each in its principal frame.
+    """Axis, across and third of the two joint frames, each in its principal frame.
 
     Where the joint says by ``zero`` which directions are across the axes, these are taken. Else the
     frame of body j is that of body i at the positions of the scene, turned as little as makes its
@@ -112,7 +112,7 @@ def joint_vectors(
 
 
 def joint_axes(ends: tuple[BodyFrame, BodyFrame], joint: Joint | None) -> tuple[Triple, Triple]:
-    """Return the axes of a joint, of norm one, in the principal frames of its two bodies."""
+    """Axes of a joint, of norm one, in the principal frames of its two bodies."""
     first, second = ends
     if joint is not None and joint.axes is not None:
         axis_i, axis_j = (
@@ -130,7 +130,7 @@ def joint_axes(ends: tuple[BodyFrame, BodyFrame], joint: Joint | None) -> tuple[
 def _across(
     ends: tuple[BodyFrame, BodyFrame], axis_i: Triple, across_i: Triple, axis_j: Triple
 ) -> Triple:
-    """Return the direction across the axis of j that the one of i is turned into.
+    """Direction across the axis of j that the one of i is turned into.
 
     The turn is the one about the normal of both axes that takes the axis of i to that of j. Axes
     that point against each other have no normal but that of their rounding: then it is the half
@@ -154,19 +154,19 @@ def _frame_of(axis: Triple, across: Triple) -> dict[str, Triple]:
 
 
 def to_vector(values: Triple, size: High = 0) -> Vector:
-    """Return a vector rounded to doubles, see :func:`kousoku.model.precise.rounded`."""
+    """Vector rounded to doubles, see :func:`kousoku.model.precise.rounded`."""
     x, y, z = precise.rounded(values, size)
     return x, y, z
 
 
 def not_negative(moments: Vector) -> Vector:
-    """Return principal moments in which rounding left none below zero."""
+    """Principal moments in which rounding left none below zero."""
     x, y, z = (x if isinstance(x, Varying) else max(0.0, x) for x in moments)
     return x, y, z
 
 
 def to_quaternion(p: Quadruple) -> Quaternion:
-    """Return Euler parameters of norm one, rounded to doubles."""
+    """Euler parameters of norm one, rounded to doubles."""
     size = precise.length(p)
     w, x, y, z = precise.rounded([component / size for component in p])
     return w, x, y, z

@@ -6,9 +6,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import DIRECTIONS, GROUND_FRAME, joint_vectors, to_vector
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Instance, Term
+from kousoku.model.mechanism import GROUND_INDEX, Instance, Term
 from kousoku.model.moved import moved_by_parameters
 from kousoku.model.precise import ZERO
 from kousoku.model.rows import variant
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 def held_of(
     name: str, body: Body, frame: BodyFrame, unit: High
 ) -> tuple[list[Instance], list[Instance]]:
-    """Return what a body holds of its position, and what of its velocity.
+    """Numbers that a body holds of its position, and of its velocity.
 
     A coordinate of its origin is n2 with an axis of frame O, the orientation is p1 and n1 as in a
     fixed joint; their rates hold velocities too.
@@ -76,7 +77,7 @@ def _orientation(key: str, frame: BodyFrame) -> list[Instance]:
 
 
 def held_coordinates(scene: Scene, coordinates: CoordinateList) -> Iterator[Instance]:
-    """Yield the coordinates that assembly may not change, as combinations of one of them."""
+    """Coordinates that assembly may not change, as combinations of one of them."""
     for name, given in scene.coordinates.items():
         if not given.hold:
             continue
@@ -114,7 +115,7 @@ def require_kept(system: System) -> None:
 
 
 def without_held(system: System) -> System:
-    """Return an assembled system as it moves: without what only assembly keeps."""
+    """Assembled system as it moves: without what only assembly keeps."""
     needed = len(system.coordinates) - system.only_held
     return replace(
         system, held=(), held_rates=(), coordinates=system.coordinates[:needed], only_held=0

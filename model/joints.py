@@ -22,11 +22,11 @@ from kousoku.model.elements.joint import (
     POINT,
     SECOND_ANGLE,
     JointKind,
-    Part,
+    JointPart,
 )
 from kousoku.model.elements.linear_coupling import LinearCoupling
 from kousoku.model.elements.rack_and_pinion import RackAndPinion
-from kousoku.model.elements.rod import Rod
+from kousoku.model.elements.rod import RodJoint
 from kousoku.model.elements.screw import Screw
 from kousoku.model.elements.universal import Universal
 
@@ -63,7 +63,7 @@ JOINTS: dict[str, JointKind] = {
     "spherical": JointKind("all turns about a point", (POINT,), 0, aliases=("ball",)),
     "universal": Universal(
         "turns about the two arms of a cross",
-        (POINT, Part("n1")),
+        (POINT, JointPart("n1")),
         2,
         aliases=("hooke", "cardan", "Hooke", "Cardan"),  # names of people
         leaves=(ANGLE, SECOND_ANGLE),
@@ -74,9 +74,9 @@ JOINTS: dict[str, JointKind] = {
         1,
         leaves=(ANGLE, *DISPLACEMENTS),
     ),
-    "rod": Rod(
+    "rod": RodJoint(
         "all that keeps the distance of two points",
-        (Part("distance"),),
+        (JointPart("distance"),),
         0,
         aliases=("distance", "spherical_spherical"),
     ),
@@ -103,7 +103,7 @@ JOINTS: dict[str, JointKind] = {
     ),
     "perpendicular_axes": JointKind(
         "all that keeps two axes perpendicular",
-        (Part("n1"),),
+        (JointPart("n1"),),
         2,
         has_point=False,
         aliases=("perpendicular",),
@@ -142,21 +142,21 @@ NAMES: dict[str, str] = {
 
 
 def keys_of(kind: str) -> tuple[str, ...]:
-    """Return the keys of a joint or a coupling by its name or alias, none where there is none."""
+    """Keys of a joint or a coupling by its name or alias, none where there is none."""
     name = NAMES.get(kind, "")
     entry = COUPLINGS.get(name) or JOINTS.get(name)
     return ("type", *entry.all_keys) if entry is not None else ()
 
 
 def inputs_of(kind: str) -> Mapping[str, ElementInput]:
-    """Return the keys that a joint or a coupling alone has, by its name or alias."""
+    """Keys that a joint or a coupling alone has, by its name or alias."""
     name = NAMES.get(kind, "")
     entry = COUPLINGS.get(name) or JOINTS.get(name)
     return entry.inputs if entry is not None else {}
 
 
 def leaves_of(kind: str) -> tuple[str, ...]:
-    """Return what a joint leaves free that is one number, by its name or alias.
+    """Coordinate that a joint leaves free and that is one number, by its name or alias.
 
     Of a kind of one's own nobody has said that.
     """
@@ -165,13 +165,13 @@ def leaves_of(kind: str) -> tuple[str, ...]:
 
 
 def listed(names: Sequence[str], last: str = "and") -> str:
-    """Return names as a list in words: ``a``, ``a and b``, ``a, b and c``."""
+    """Names as a list in words: ``a``, ``a and b``, ``a, b and c``."""
     *most, end = names
     return f"{', '.join(most)} {last} {end}" if most else end
 
 
 def sort_of(kind: str, of: str | None) -> str:
-    """Return which coordinate of a joint is meant: the one that is named, or the only one.
+    """Coordinate of a joint that is meant: the one that is named, or the only one.
 
     Parameters
     ----------

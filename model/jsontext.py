@@ -8,7 +8,7 @@ WIDTH = 140
 
 
 def to_text(value: object) -> str:
-    """Return ``value`` as JSON; equal values give equal bytes, and doubles all their digits.
+    """``value`` as JSON; equal values give equal bytes, and doubles all their digits.
 
     Raises
     ------
@@ -19,7 +19,7 @@ def to_text(value: object) -> str:
 
 
 def _lines(value: object, indent: str, before: int) -> list[str]:
-    """Return the lines of ``value``, all but the first indented.
+    """Lines of ``value``, all but the first indented.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def _one_line(value: object) -> str:
 
 
 def _is_flat(value: object) -> bool:
-    """Return whether a value is a number, a string, or a list of these."""
+    """Whether a value is a number, a string, or a list of these."""
     if isinstance(value, list | tuple):
         return not any(isinstance(item, dict | list | tuple) for item in value)
     return not isinstance(value, dict)

@@ -59,7 +59,7 @@ class Kernel:
         return all(op in EXACT_OPS for op in self.operations)
 
     def nonzero(self, output: int) -> tuple[int, ...]:
-        """Return the flat indices of an output's elements that are not identically zero."""
+        """Flat indices of an output's elements that are not identically zero."""
         return tuple(
             k for k, node in enumerate(self.results[output]) if self.nodes[node].value != 0
         )

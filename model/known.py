@@ -65,7 +65,7 @@ class Known:
 
 
 def known_nodes(scene: Scene, ks: np.ndarray) -> dict[str, Known]:
-    """Return the nodes that are known at the divisions `ks`, in the order of finding."""
+    """Nodes that are known at the divisions `ks`, in the order of finding."""
     known = {
         name: Known(np.array(node.at).reshape(2, 1))
         for name, node in scene.nodes.items()
@@ -86,7 +86,7 @@ def known_nodes(scene: Scene, ks: np.ndarray) -> dict[str, Known]:
 
 
 def _directions(scene: Scene) -> dict[str, Direction]:
-    """Return the links whose direction is prescribed, through rigid connections too."""
+    """Links whose direction is prescribed, through rigid connections too."""
     directions: dict[str, Direction] = {}
     for name, given in scene.inputs.items():
         if given.link is not None:
@@ -110,7 +110,7 @@ def _directions(scene: Scene) -> dict[str, Direction]:
 
 
 def _flip(scene: Scene, link: str, node: str) -> float:
-    """Return the angle from the direction that is seen from `node` to that of the link."""
+    """Angle from the direction that is seen from `node` to that of the link."""
     return 0.0 if scene.links[link].nodes[0] == node else pi
 
 
@@ -120,7 +120,7 @@ def _reach(
     directions: dict[str, Direction],
     values: dict[str, np.ndarray],
 ) -> dict[str, Known]:
-    """Return the nodes at the far ends of known links that start at known nodes."""
+    """Nodes at the far ends of known links that start at known nodes."""
     reached: dict[str, Known] = {}
     for name, direction in directions.items():
         link = scene.links[name]

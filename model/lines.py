@@ -47,7 +47,7 @@ def each_key_line(text: str) -> Iterator[tuple[Path, int]]:
 
 
 def twice_given(text: str) -> tuple[Path, int, int] | None:
-    """Return the first key that is given twice, with both of its lines; None where none is found.
+    """First key that is given twice, with both of its lines; None where none is found.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def twice_given(text: str) -> tuple[Path, int, int] | None:
 
 
 def deep_key_line(text: str, parts: int) -> int:
-    """Return the first line with a key of more than some parts between dots, 0 if there is none.
+    """First line with a key of more than some parts between dots, 0 if there is none.
 
     It takes a time that grows linearly with the text, which need not be TOML.
     """
@@ -202,7 +202,7 @@ class _Scanner:
         return found.group()
 
     def line(self) -> int:
-        """Return the line of the place, counted from 1."""
+        """Line of the place, counted from 1."""
         self._line += self.text.count("\n", self._counted, self.place)
         self._counted = self.place
         return self._line

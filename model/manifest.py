@@ -96,7 +96,7 @@ class Manifest:
     kernels: tuple[KernelManifest, ...]
 
     def stated(self) -> str:
-        """Return the SHA-256 over all that is said but files and digest: what the digest must be.
+        """SHA-256 over all that is said but files and digest: what the digest must be.
 
         Files have digests of their own, and those of a target may be left out.
         """
@@ -106,7 +106,7 @@ class Manifest:
         return hashlib.sha256(said.encode()).hexdigest()
 
     def to_json(self) -> str:
-        """Return the text of ``manifest.json``; the same manifest gives the same bytes."""
+        """Text of ``manifest.json``; the same manifest gives the same bytes."""
         return to_text({"format": FORMAT, "abi": ABI, **asdict(self)})
 
     @classmethod

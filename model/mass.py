@@ -60,7 +60,7 @@ class MassProperties:
 
 
 def mass_properties(body: Body, key: str = "") -> MassProperties:
-    """Return the mass properties of a body that was checked, summed over all that it is made of.
+    """Mass properties of a body that was checked, summed over all that it is made of.
 
     The principal axes are those that are nearest to the axes of the body: where its tensor is
     diagonal they are the axes of the body themselves.
@@ -103,7 +103,7 @@ def _properties(body: Body) -> MassProperties:
 
 
 def steiner(mass: High, d: Triple) -> Square:
-    """Return mass · (|d|² I − d dᵀ), the inertia tensor of a mass at d about the origin."""
+    """Mass · (|d|² I − d dᵀ), the inertia tensor of a mass at d about the origin."""
     square = precise.dot(d, d)
     return _symmetric(
         lambda i, j: mass * (int(i == j) * square - d[i] * d[j]),
@@ -111,7 +111,7 @@ def steiner(mass: High, d: Triple) -> Square:
 
 
 def principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
-    """Return principal moments of a symmetric tensor, and the rotation to its principal axes.
+    """Principal moments of a symmetric tensor, and the rotation to its principal axes.
 
     Jacobi's method: each rotation by at most 45 degrees clears one element, so that zeros which
     keep an axis of the body a principal axis stay zeros.
@@ -134,7 +134,7 @@ def principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
 
 
 def traced_principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
-    """Return principal moments and axes of a tensor that depends on parameters.
+    """Principal moments and axes of a tensor that depends on parameters.
 
     The axes are those of the scene where parameters do not turn them; else one element off the
     diagonal is cleared in closed form.
@@ -165,7 +165,7 @@ def traced_principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
 
 
 def _shown_off_diagonal(tensor: Sequence[Sequence[High]]) -> list[tuple[int, int]]:
-    """Return where elements off the diagonal are not zero.
+    """Elements off the diagonal that are not zero.
 
     A formula that is zero but for rounding is so beside the moments, with any parameters: in sums
     of products of which all but one vanish, nothing else tells how large the numbers were.
@@ -184,12 +184,12 @@ def _shown_off_diagonal(tensor: Sequence[Sequence[High]]) -> list[tuple[int, int
 
 
 def _value(x: High, k: int) -> High:
-    """Return a number with the parameters of the scene, k = 0, or with others."""
+    """Number with the parameters of the scene, k = 0, or with others."""
     return x.values[k] if isinstance(x, Traced) else x
 
 
 def _tangent(less: High, element: High) -> High:
-    """Return the tangent of the turn that clears an element, given the difference of moments.
+    """Tangent of the turn that clears an element, given the difference of moments.
 
     It is at most 45 degrees in the scene, which it is where moments are equal with any parameters,
     and has a value where the element is zero.
@@ -231,7 +231,7 @@ def _clear(a: list[list[High]], axes: list[list[High]], i: int, j: int) -> None:
 
 
 def _parts(body: Body) -> Iterator[Part]:
-    """Yield all that a body is made of, in the order of its keys."""
+    """Parts that a body is made of, in the order of its keys."""
     if body.mass is not None:
         mass = precise.number(body.mass)
         center = ZERO if body.center is None else precise.triple(body.center)
@@ -254,7 +254,7 @@ def _parts(body: Body) -> Iterator[Part]:
 
 
 def _about_center(mass: High, center: Triple, inertia: Inertia | None) -> Square:
-    """Return a tensor that is given about any point, about the centre of mass."""
+    """Tensor that is given about any point, about the centre of mass."""
     if inertia is None:
         return _diagonal(ZERO)
     (xx, yy, zz) = precise.triple((inertia.xx, inertia.yy, inertia.zz))
@@ -278,7 +278,7 @@ def _box(box: Box) -> Square:
 
 
 def _cylinder(cylinder: Cylinder) -> Square:
-    """Return I_t I + (I_a − I_t) u uᵀ, with I_a = m R²/2, I_t = m (3 R² + L²)/12 and u = l/L."""
+    """Inertia I_t I + (I_a − I_t) u uᵀ, with I_a = m R²/2, I_t = m (3 R² + L²)/12 and u = l/L."""
     mass, square = precise.number(cylinder.mass), precise.number(cylinder.radius) ** 2
     start, end = map(precise.triple, cylinder.ends)
     along = precise.subtract(end, start)

@@ -14,9 +14,6 @@ Quaternion = tuple[float, float, float, float]
 
 GROUND_INDEX = -1
 
-COMBINATION = "linear_combination"
-"""The kind of an instance that combines coordinates."""
-
 CLOSURE_TOLERANCE = 1e-4
 """What joints may miss that others imply, in lengths of the scene or rad, unless it says so."""
 

@@ -122,7 +122,7 @@ def _residue(value: float) -> int:
 
 
 def _constraints(scene: Scene, positions: dict[str, Residues]) -> Iterator[tuple[str, Row]]:
-    """Yield the rows of moving links (length), sliders (line) and rigid connections (angle)."""
+    """Rows of moving links (length), sliders (line) and rigid connections (angle)."""
     for name, link in scene.links.items():
         if not scene.is_ground(name):
             x, y = _difference(positions, link.nodes)
@@ -150,7 +150,7 @@ def _inputs(scene: Scene, positions: dict[str, Residues]) -> Iterator[tuple[str,
 
 
 def _angle_row(scene: Scene, positions: dict[str, Residues], link: str) -> Row:
-    """Return the derivative of the angle β of a link: (u × du) / (u · u)."""
+    """Derivative of the angle β of a link: (u × du) / (u · u)."""
     ends = scene.links[link].nodes
     x, y = _difference(positions, ends)
     if scene.is_ground(link):
@@ -165,7 +165,7 @@ def _difference(positions: dict[str, Residues], ends: tuple[str, str]) -> Residu
 
 
 def _relative(scene: Scene, ends: tuple[str, str], x: int, y: int) -> Row:
-    """Return the row of (x, y) · (dr_2 − dr_1), fixed nodes left out."""
+    """Row of (x, y) · (dr_2 − dr_1), fixed nodes left out."""
     row: Row = {}
     for node, sign in zip(ends, (-1, 1), strict=True):
         if not scene.nodes[node].fixed:

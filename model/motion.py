@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def turns_of(given: Input) -> float | None:
-    """Return the turns of an input that is described by turns, else None.
+    """Turns of an input that is described by turns, else None.
 
     An input of a link or of a joint with neither ``to`` nor ``turns`` makes one turn.
     """
@@ -26,7 +26,7 @@ def turns_of(given: Input) -> float | None:
 
 
 def input_values(given: Input, divisions: int, ks: Sequence[int] | np.ndarray) -> np.ndarray:
-    """Return the values of an input at the divisions `ks`, angles with whole turns taken off.
+    """Values of an input at the divisions `ks`, angles with whole turns taken off.
 
     With N turns over n divisions the angle at division k is from + 2π·frac(N k / n), where the
     fraction is taken before anything is rounded: the same division of every turn has the same
@@ -59,7 +59,7 @@ def input_values(given: Input, divisions: int, ks: Sequence[int] | np.ndarray) -
 
 
 def period(scene: Scene) -> int:
-    """Return after how many divisions all positions repeat, at most the divisions of the scene."""
+    """Period of all positions in divisions, at most the divisions of the scene."""
     repeats = 1
     for given in scene.inputs.values():
         turns = turns_of(given)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def moved_by_parameters(system: System, one: Instance) -> bool:
-    """Return whether parameters move what a constraint connects, seen in the frames of the user.
+    """Whether parameters move what a constraint connects, seen in the frames of the user.
 
     Where only a centre of mass moves in its body, they do not.
     """
@@ -31,7 +31,7 @@ def moved_by_parameters(system: System, one: Instance) -> bool:
 
 
 def _moves(system: System, index: int, name: str, values: tuple[float, ...]) -> bool:
-    """Return whether a point or a direction moves in the frame of the user, or a number changes."""
+    """Whether a point or a direction moves in the frame of the user, or a number changes."""
     if not name.endswith("_b") or index == GROUND_INDEX or is_own(name):
         return is_varying(values)
     body = system.bodies[index]

@@ -54,7 +54,7 @@ folder, and the devices of Windows."""
 
 
 def name_problem(name: str) -> str | None:
-    """Return why `name` cannot name an element, or None when it can."""
+    """Reason why `name` cannot name an element, or None when it can."""
     shown = repr(name if len(name) <= LONGEST else name[:LONGEST] + "…")
     if len(name) > LONGEST:
         return f"the name {shown} has {len(name)} characters; at most {LONGEST} are allowed"
@@ -73,7 +73,7 @@ def name_problem(name: str) -> str | None:
 
 
 def scene_name_problem(name: str) -> str | None:
-    """Return why `name` cannot name a scene, whose solver lives in a folder of that name."""
+    """Reason why `name` cannot name a scene, whose solver lives in a folder of that name."""
     if name.lower() in FOLDERS:
         return f"{name!r} cannot be the name of a folder of a solver; choose another name"
     if name in sys.stdlib_module_names:

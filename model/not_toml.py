@@ -19,7 +19,7 @@ _FORMULA = re.compile(r"[-+(A-Za-z0-9_.][-+*/^().A-Za-z0-9_ ]*")
 
 
 def toml_problem(error: ValueError, text: str) -> Problem:
-    """Return what a parser found in a scene file, with its line, and what to do where it is known.
+    """Problem that a parser found in a scene file, with its line and, where known, its mend.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def toml_problem(error: ValueError, text: str) -> Problem:
 
 
 def _of_value(line: str, column: int) -> str:
-    """Return what to do with the value around a column, where it is a text without quotes."""
+    """Mend of the value around a column, where it is a text without quotes."""
     before = line[: column - 1]
     start = max(before.rfind(mark) for mark in "=[,") + 1
     if not start:

@@ -1,7 +1,7 @@
 """Kinds of one's own as types of joints: what a scene gives them, and how their kernels are found.
 
-The kernels themselves are the business of :mod:`kousoku.codegen.store`; a scene knows them by a
-name that their content gives them, so that a kind that is derived anew with a change is another.
+The kernels themselves are the business of :mod:`kousoku.codegen.kernel_json`; a scene knows them by
+a name that their content gives them, so that a kind that is derived anew with a change is another.
 """
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
@@ -76,7 +76,7 @@ class OwnKind(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     inputs: Mapping[str, OwnInput] = {}
 
     def point_of(self, body: str) -> str:
-        """Return the input that is the first point of body ``i`` or ``j``, empty of none."""
+        """Input that is the first point of body ``i`` or ``j``, empty of none."""
         names = (k for k, x in self.inputs.items() if x.body == body and x.unit == "m")
         return next(names, "")
 
@@ -94,17 +94,17 @@ class OwnKinds(msgspec.Struct, frozen=True):
 
 
 def is_own(kind: str) -> bool:
-    """Return whether an instance is of a kind of one's own."""
+    """Whether an instance is of a kind of one's own."""
     return kind.startswith(PREFIX)
 
 
 def kind_name(kind: str) -> str:
-    """Return a kind as people call it: of one's own without the digest of its content."""
+    """Kind as people call it: of one's own without the digest of its content."""
     return kind.split(":")[1] if is_own(kind) else kind
 
 
 def input_name(name: str) -> str:
-    """Return what an own input is called among those of the kernels in a scene.
+    """Name of an own input among those of the kernels in a scene.
 
     No other input of a kernel, and none of what the scene knows by name, has such a name.
     """

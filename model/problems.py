@@ -55,11 +55,11 @@ class Problems:
         self._touched[key.partition(".")[0]] = None
 
     def is_broken(self, *keys: str) -> bool:
-        """Return whether one of some elements, or its table, cannot be used."""
+        """Whether one of some elements, or its table, cannot be used."""
         return any(key in self._broken or key.partition(".")[0] in self._broken for key in keys)
 
     def touches(self, *tables: str) -> bool:
-        """Return whether something in one of some tables, or all of it, cannot be used."""
+        """Whether something in one of some tables, or all of it, cannot be used."""
         return any(table in self._touched for table in tables)
 
     def check(
@@ -89,7 +89,7 @@ class Problems:
             return None
 
     def broken(self, table: str) -> list[str]:
-        """Return the names of the elements of a table that cannot be used."""
+        """Names of the elements of a table that cannot be used."""
         paths = (key.split(".") for key in self._broken)
         return list(dict.fromkeys(path[1] for path in paths if path[0] == table and path[1:]))
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def quaternion(orientation: Orientation | None) -> Quadruple:
-    """Return Euler parameters of an orientation that was checked, of any length but zero.
+    """Euler parameters of an orientation that was checked, of any length but zero.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def _from_angles(orientation: Orientation) -> Quadruple:
 
 
 def _about(axis: precise.Triple, angle: precise.High) -> Quadruple:
-    """Return the rotation about an axis of any length; none where the axis is zero."""
+    """Rotation about an axis of any length; none where the axis is zero."""
     size = precise.length(axis)
     if size == 0:
         return IDENTITY

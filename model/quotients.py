@@ -84,7 +84,7 @@ class Quotient(NamedTuple):
         return f"{self.name}.rate"
 
     def bounds(self, rate: Expression, speed: Expression, spans: Mapping[str, Bounds]) -> Spans:
-        """Return what bounds it and its rate.
+        """Bounds of it and its rate.
 
         Parameters
         ----------
@@ -109,7 +109,7 @@ class Quotient(NamedTuple):
         return {self.name: value, self.rate: self._both(enclosure(rate, spans), moved, place)}
 
     def _series(self, formula: Expression, k: int) -> tuple[Expression, Expression]:
-        """Return one of both divided by a power of z, to the second power, and its derivative."""
+        """One of both divided by a power of z, to the second power, and its derivative."""
         a, b = coefficients(formula, self.order + 2)[self.order :]
         z, rest, slope = Name(PLACE), Name(f"{REST}{k}"), Name(f"{REST}{k}.slope")
         square = power(z, number(2))
@@ -121,7 +121,7 @@ class Quotient(NamedTuple):
         )
 
     def _rests(self, formula: Expression, k: int, ends: tuple[Expression, Expression]) -> Spans:
-        """Return what bounds the factor of z² in it, and the derivative of that."""
+        """Bounds of the factor of z² in it, and of the derivative of that."""
         if _is_short(formula, self.order):
             return {}
         found: Spans = {}
@@ -131,7 +131,7 @@ class Quotient(NamedTuple):
         return found
 
     def _both(self, far: Bounds, near: Bounds, place: Bounds) -> Bounds:
-        """Return what meets two bounds, of which the first hold where z has a sign."""
+        """Bounds that meet two others, of which the first hold where z has a sign."""
         sign = apply(Function.MAX, mul(place.least, place.most), ZERO)
         none = add(div(sign, sign), number(-1))  # no number where z has no sign: none is left out
         return Bounds(
@@ -143,7 +143,7 @@ class Quotient(NamedTuple):
 def without_quotients(
     formula: Expression, varying: Collection[str]
 ) -> tuple[Expression, tuple[Quotient, ...]]:
-    """Return a formula with names for its quotients that have a limit where they are 0/0.
+    """Formula with names for its quotients that have a limit where they are 0/0.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def without_quotients(
 
 
 def _named(part: Apply, varying: Collection[str], found: dict[Expression, Quotient]) -> Expression:
-    """Return a quotient with a name for what has a limit in it, if something has."""
+    """Quotient with a name for what has a limit in it, if something has."""
     above, below = ([*_factors(one)] for one in part.args)
     for place in _places(part.args[1], varying):
         own, other = (_apart(one, place, varying) for one in (above, below))
@@ -182,7 +182,7 @@ def _named(part: Apply, varying: Collection[str], found: dict[Expression, Quotie
 
 
 def _places(below: Expression, varying: Collection[str]) -> Iterator[Expression]:
-    """Yield what may be zero where a formula is."""
+    """What may be zero where a formula is."""
     for part in reversed(ordered(below)):
         if not isinstance(part, Number) and not set(varying).isdisjoint(names_of(part)):
             yield part
@@ -199,7 +199,7 @@ def _factors(part: Expression) -> Iterator[Expression]:
 def _apart(
     factors: list[Expression], place: Expression, varying: Collection[str]
 ) -> tuple[Expression, Expression, Expression]:
-    """Return factors that depend on z alone: of z, and as they are; and the others."""
+    """Factors that depend on z alone: of z, and as they are; and the others."""
     of_place: list[Expression] = []
     own: list[Expression] = []
     others: list[Expression] = []
@@ -214,7 +214,7 @@ def _apart(
 
 
 def _of_place(formula: Expression, place: Expression, varying: Collection[str]) -> Expression:
-    """Return a formula with z in it, also where z is linear in the only name that varies."""
+    """Formula with z in it, also where z is linear in the only name that varies."""
     same = _replaced(formula, place, Name(PLACE))
     names = [one for one in names_of(place) if one in varying]
     line = polynomial_of(place)
@@ -229,7 +229,7 @@ def _of_place(formula: Expression, place: Expression, varying: Collection[str]) 
 
 
 def _replaced(formula: Expression, part: Expression, by: Expression) -> Expression:
-    """Return a formula with another in place of a part, its numbers folded."""
+    """Formula with another in place of a part, its numbers folded."""
     known: dict[int, Expression] = {}
     for one in ordered(formula):
         if one == part:
@@ -242,7 +242,7 @@ def _replaced(formula: Expression, part: Expression, by: Expression) -> Expressi
 
 
 def _value(function: Function, args: list[Expression]) -> Expression:
-    """Return a function of formulas, also of zero."""
+    """Function of formulas, also of zero."""
     if args == [ZERO] and function in AT_ZERO:
         return AT_ZERO[function]
     if function is Function.LOG and args == [ONE]:
@@ -257,7 +257,7 @@ def _value(function: Function, args: list[Expression]) -> Expression:
 
 
 def _order(above: Expression, below: Expression) -> int | None:
-    """Return the power of z that below has, if above has it, too."""
+    """Power of z that below has, if above has it, too."""
     if below == ONE:
         return None
     pairs = zip(*(coefficients(one, HIGHEST + 3) for one in (above, below)), strict=True)
@@ -269,7 +269,7 @@ def _order(above: Expression, below: Expression) -> int | None:
 
 
 def coefficients(formula: Expression, count: int) -> list[Expression]:
-    """Return the first factors of powers of z, from the zeroth on."""
+    """First factors of powers of z, from the zeroth on."""
     values = (_replaced(_derived(formula, n), Name(PLACE), ZERO) for n in range(count))
     return [div(one, number(factorial(n))) for n, one in enumerate(values)]
 
@@ -281,12 +281,12 @@ def _derived(formula: Expression, count: int) -> Expression:
 
 
 def _is_short(formula: Expression, order: int) -> bool:
-    """Return whether a formula is a polynomial in z that ends behind the order and one more."""
+    """Whether a formula is a polynomial in z that ends behind the order and one more."""
     return _derived(formula, order + 2) == ZERO
 
 
 def _has_value(formula: Expression) -> bool:
-    """Return whether nothing in a formula without z is divided by zero."""
+    """Whether nothing in a formula without z is divided by zero."""
     for part in ordered(formula):
         if isinstance(part, Apply):
             a, b = part.args[0], part.args[-1]

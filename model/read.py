@@ -5,7 +5,6 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +18,7 @@ from kousoku.model.not_toml import toml_problem
 from kousoku.model.own_kind import OwnKinds
 from kousoku.model.problems import Problems
 from kousoku.model.scene import Scene
+from kousoku.model.text import nearest
 from kousoku.model.validate import check_parts
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def read_scene(path: str | Path, *, kinds: Mapping[str, OwnKind] | None = None) 
 
 
 def text_of(path: str | Path) -> str:
-    """Return the text of a scene file.
+    """Text of a scene file.
 
     Raises
     ------
@@ -70,7 +70,9 @@ def text_of(path: str | Path) -> str:
         line = data.count(b"\n", 0, error.start) + 1
         raise SceneError(f"is not UTF-8 text (at line {line})", file=file) from None
     except OSError as error:
-        raise SceneError(f"cannot be read: {error.strerror}{_near(path)}", file=file) from error
+        raise SceneError(
+            f"cannot be read: {error.strerror}{_near_scene(path)}", file=file
+        ) from error
     except ValueError as error:
         raise SceneError(f"is not the name of a file: {error}", file=repr(file)) from error
     if len(data) > LARGEST_FILE:
@@ -79,15 +81,15 @@ def text_of(path: str | Path) -> str:
     return text
 
 
-def _near(path: str | Path) -> str:
-    """Return a question for the scene file of the folder whose name is nearest, where one is."""
+def _near_scene(path: str | Path) -> str:
+    """Question for the scene file of the folder whose name is nearest, where one is."""
     path = Path(path)
     try:
         scenes = [] if path.exists() else [found.name for found in path.parent.glob("*.toml")]
     except OSError:
         return ""
-    near = get_close_matches(path.name, scenes, n=1)
-    return f"; did you mean {str(path.with_name(near[0]))!r}?" if near else ""
+    near = nearest(path.name, scenes)
+    return f"; did you mean {str(path.with_name(near))!r}?" if near else ""
 
 
 def scene_from_toml(
@@ -140,7 +142,7 @@ def scene_from_dict(
 
 
 def located(error: SceneError | AssemblyError, path: str | Path) -> SceneError | AssemblyError:
-    """Return an error of a scene that was read, with the name of its file and the lines.
+    """Error of a scene that was read, with the name of its file and the lines.
 
     Parameters
     ----------
@@ -181,7 +183,7 @@ def _scene(tree: object, text: str, file: str, kinds: Mapping[str, OwnKind] | No
 
 
 def _written_kinds(tree: object) -> dict[str, OwnKind]:
-    """Return the kinds of one's own that the text of a scene lists, as it was written by us.
+    """Kinds of one's own that the text of a scene lists, as it was written by us.
 
     What is wrong with them is found where the scene is decoded.
     """
@@ -191,7 +193,7 @@ def _written_kinds(tree: object) -> dict[str, OwnKind]:
 
 
 def _with_lines(problems: Sequence[Problem], text: str) -> Sequence[Problem]:
-    """Return problems with their lines, in the order of the text; a key stands for what holds it.
+    """Problems with their lines, in the order of the text; a key stands for what holds it.
 
     What concerns the file as a whole comes first.
     """
@@ -203,7 +205,7 @@ def _with_lines(problems: Sequence[Problem], text: str) -> Sequence[Problem]:
 
 
 def _lines(text: str, wanted: Sequence[str] = ()) -> dict[str, int]:
-    """Return the line of each dotted key; if some are wanted, of so many that those are there."""
+    """Line of each dotted key; if some are wanted, of so many that those are there."""
     lines: dict[str, int] = {}
     missing = set(wanted)
     for path, line in each_key_line(text):
@@ -217,7 +219,7 @@ def _lines(text: str, wanted: Sequence[str] = ()) -> dict[str, int]:
 
 
 def _line(lines: Mapping[str, int], key: str) -> int:
-    """Return the line of a key, or of the nearest table around it that stands in the file."""
+    """Line of a key, or of the nearest table around it that stands in the file."""
     while key and key not in lines:
         key = key[: max(key.rfind("."), key.rfind("["), 0)]
     return lines.get(key, 0)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Rotation:
+class NodeRotation:
     """A rotation at a node: of one link where it is hinged, of several where they are rigid.
 
     Parameters
@@ -35,8 +35,8 @@ class Rotation:
     input: str = ""
 
 
-def merge_rotations(scene: Scene, notes: list[str]) -> tuple[Rotation, ...]:
-    """Return the rotations of a scene, node by node, and append to ``notes`` what was merged.
+def merge_rotations(scene: Scene, notes: list[str]) -> tuple[NodeRotation, ...]:
+    """Rotations of a scene, node by node, and append to ``notes`` what was merged.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def merge_rotations(scene: Scene, notes: list[str]) -> tuple[Rotation, ...]:
         for name, item in scene.inputs.items()
         if item.link is not None and item.about is not None
     }
-    found: list[Rotation] = []
+    found: list[NodeRotation] = []
     for node in scene.nodes:
         seen: set[str] = set()
         for link in (name for name, item in scene.links.items() if node in item.nodes):
@@ -67,7 +67,7 @@ def merge_rotations(scene: Scene, notes: list[str]) -> tuple[Rotation, ...]:
 
 
 def _tied(scene: Scene, node: str, first: str) -> dict[str, Fraction]:
-    """Return the links tied to ``first`` at a node, each with its angle from ``first``."""
+    """Links tied to ``first`` at a node, each with its angle from ``first``."""
     angles = {first: Fraction(0)}
     waiting = [first]
     used: set[str] = set()
@@ -91,7 +91,7 @@ def _tied(scene: Scene, node: str, first: str) -> dict[str, Fraction]:
 
 
 def _angle(scene: Scene, key: str, link: str, other: str) -> Fraction:
-    """Return the angle from one link of a rigid connection to another one."""
+    """Angle from one link of a rigid connection to another one."""
     return _from_base(scene, key, other) - _from_base(scene, key, link)
 
 
@@ -106,7 +106,7 @@ def _from_base(scene: Scene, key: str, link: str) -> Fraction:
 
 
 def direction(scene: Scene, link: str, node: str) -> Fraction:
-    """Return the angle of a link, seen from one of its nodes, at the positions of the scene."""
+    """Angle of a link, seen from one of its nodes, at the positions of the scene."""
     x1, y1 = map(Fraction, scene.nodes[node].at)
     x2, y2 = map(Fraction, scene.nodes[scene.links[link].other(node)].at)
     return heading(x2 - x1, y2 - y1)
@@ -114,8 +114,8 @@ def direction(scene: Scene, link: str, node: str) -> Fraction:
 
 def _from_input(
     node: str, angles: dict[str, Fraction], inputs: dict[tuple[str, str], str]
-) -> Rotation:
-    """Return a rotation whose first link is the one that is prescribed, if any is."""
+) -> NodeRotation:
+    """Rotation whose first link is the one that is prescribed, if any is."""
     prescribed = [link for link in angles if (link, node) in inputs]
     if len(prescribed) > 1:
         one, two = (inputs[link, node] for link in prescribed[:2])
@@ -125,7 +125,7 @@ def _from_input(
         )
     first = prescribed[0] if prescribed else next(iter(angles))
     links = (first, *(link for link in angles if link != first))
-    return Rotation(
+    return NodeRotation(
         node,
         links,
         tuple(angles[link] - angles[first] for link in links),

@@ -15,7 +15,7 @@ ROWS = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}
 
 
 def variant(kind: str, axis: Iterable[float]) -> str:
-    """Return the package whose rows hold the largest component of an axis, such as ``p2_z``.
+    """Package whose rows hold the largest component of an axis, such as ``p2_z``.
 
     The axis is constant in its body, so that one choice serves for a whole run (8.16).
 

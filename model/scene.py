@@ -136,7 +136,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return f"<Scene {self.name}: {', '.join(parts) or 'nothing in it'}>"
 
     def __reduce__(self) -> tuple[partial[Self], tuple[()]]:
-        """Return what is pickled: tables as dictionaries."""
+        """Pickle of a scene: tables as dictionaries."""
         values = {name: getattr(self, name) for name in self.__struct_fields__}
         return partial(type(self), **values | {name: dict(values[name]) for name in TABLES}), ()
 
@@ -146,7 +146,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return bool(self.bodies or self.joints)
 
     def length(self, link: str) -> float:
-        """Return the design length of a link, in the unit of the scene."""
+        """Design length of a link, in the unit of the scene."""
         given = self.links[link].length
         if given is not None:
             return given
@@ -154,7 +154,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return hypot(second[0] - first[0], second[1] - first[1])
 
     def rigid_angle(self, connection: str, link: str) -> float:
-        """Return the angle from the first link of a rigid connection to `link`, in radians.
+        """Angle from the first link of a rigid connection to `link`, in radians.
 
         Both links are seen from the shared node; the angle is counter-clockwise, and is taken from
         the positions of the nodes unless the connection gives it.
@@ -169,7 +169,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return atan2(end[1] - origin[1], end[0] - origin[0])
 
     def is_ground(self, link: str) -> bool:
-        """Return whether both ends of a link are fixed: it is part of the frame and never moves."""
+        """Whether both ends of a link are fixed: it is part of the frame and never moves."""
         return all(self.nodes[node].fixed for node in self.links[link].nodes)
 
     @property

@@ -84,7 +84,7 @@ SHARED: dict[str, dict[str, Any]] = {
 
 
 def scene_schema() -> dict[str, Any]:
-    """Return the JSON schema (draft 2020-12) of a scene.
+    """JSON schema (draft 2020-12) of a scene.
 
     It holds what can be said of values one by one; what relates elements to each other, such as
     names that resolve and degrees of freedom, is checked by :func:`kousoku.model.validate.check`.
@@ -120,12 +120,12 @@ def scene_schema() -> dict[str, Any]:
 
 
 def schema_text() -> str:
-    """Return the text of ``scene.schema.json``."""
+    """Text of ``scene.schema.json``."""
     return json.dumps(scene_schema(), indent=2, ensure_ascii=False) + "\n"
 
 
 def _of_types(inputs: Iterable[Mapping[str, ElementInput]]) -> dict[str, Any]:
-    """Return the keys that some types of a record alone have."""
+    """Keys that some types of a record alone have."""
     every = {name: one for own in inputs for name, one in own.items()}
     return {
         name: {"anyOf": [msgspec.json.schema(one.type), {"type": "null"}]}
@@ -146,7 +146,7 @@ def _describe(definition: dict[str, Any], record: type[msgspec.Struct]) -> None:
 
 
 def _plain(text: str) -> str:
-    """Return numpydoc text as one line without markup."""
+    """Numpydoc text as one line without markup."""
     text = re.sub(r":\w+:`(?:[\w.]*\.)?(\w+)`", r"\1", text)
     return " ".join(text.replace("`", "").split())
 
@@ -175,7 +175,7 @@ def _bounded(node: Any) -> Any:
 
 
 def _or_text(node: dict[str, Any], text: dict[str, Any]) -> Any:
-    """Return what a number may be: within its limits, or the text of a formula or an angle."""
+    """Schema of a number: within its limits, or the text of a formula or an angle."""
     told = {key: node[key] for key in ("description", "default") if key in node}
     number = {key: item for key, item in node.items() if key not in told}
     return _bounded({key: item for key, item in told.items() if item is not None}) | {
@@ -184,7 +184,7 @@ def _or_text(node: dict[str, Any], text: dict[str, Any]) -> Any:
 
 
 def _shared(node: Any) -> Any:
-    """Return a schema with references to :data:`SHARED` in place of what stands there."""
+    """Schema with references to :data:`SHARED` in place of what stands there."""
     if isinstance(node, list):
         return [_shared(item) for item in node]
     if not isinstance(node, dict):

@@ -145,14 +145,14 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     @staticmethod
     def keys_of_type(sort: str) -> tuple[str, ...]:
-        """Return the keys of a joint of a type, none where there is no such type."""
+        """Keys of a joint of a type, none where there is no such type."""
         return keys_of(sort)
 
     @staticmethod
     def own_inputs(
         sort: str, kinds: Mapping[str, OwnKind]
     ) -> Mapping[str, OwnInput | ElementInput] | None:
-        """Return the inputs that a type alone has: a shipped one, or a kind of one's own.
+        """Inputs that a type alone has: a shipped one, or a kind of one's own.
 
         None where nobody knows the type: what keys it has is not known either, and that it is
         unknown is said where types are looked at.
@@ -185,11 +185,11 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return self.bodies
 
     def input(self, name: str) -> Any:
-        """Return the value of a key that its type alone has, None where it is left out."""
+        """Value of a key that its type alone has, None where it is left out."""
         return (self.inputs or {}).get(name)
 
     def vector(self, name: str) -> tuple[float, float, float]:
-        """Return an input of a kind of one's own that is a vector."""
+        """Input of a kind of one's own that is a vector."""
         value = self.input(name)
         assert isinstance(value, tuple)
         return value

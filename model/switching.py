@@ -196,7 +196,7 @@ def switching_functions(formula: Expression) -> Iterator[Expression]:
 
 
 def _divisors_of(formula: Expression) -> Iterator[Expression]:
-    """Yield what may be zero in a formula, and is divided by there."""
+    """What may be zero in a formula, and is divided by there."""
     for part in ordered(formula):
         if isinstance(part, Apply) and part.function is Function.DIV:
             yield from filter(may_be_zero, _crossed(part.args[1]))

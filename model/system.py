@@ -13,6 +13,7 @@ import msgspec
 
 from kousoku.model import precise
 from kousoku.model.coordinates import CoordinateList
+from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
 from kousoku.model.errors import SceneError
 from kousoku.model.formulas import used_parameters
 from kousoku.model.frames import (
@@ -27,7 +28,7 @@ from kousoku.model.frames import (
 from kousoku.model.held import held_coordinates, held_of
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.mass import mass_properties
-from kousoku.model.mechanism import COMBINATION, Instance, MovingBody, System
+from kousoku.model.mechanism import Instance, MovingBody, System
 from kousoku.model.own_kind import FRAMES, ORIGINS, input_name
 from kousoku.model.precise import ZERO, High, Triple
 from kousoku.model.quaternions import quaternion
@@ -44,7 +45,7 @@ from kousoku.model.zero_directions import check_zero_directions
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kousoku.model.elements.joint import Part
+    from kousoku.model.elements.joint import JointPart
     from kousoku.model.errors import Problem
     from kousoku.model.mass import MassProperties
     from kousoku.model.own_kind import OwnInput, OwnKind
@@ -68,7 +69,7 @@ UNIT_NAMES = {float(precise.number(length)): name for name, length in METRES.ite
 
 
 def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
-    """Return the system of a spatial scene, at the positions and velocities that the scene gives.
+    """System of a spatial scene, at the positions and velocities that the scene gives.
 
     Coordinates that nothing needs, and parameters that stand in no formula, are left out of it.
 
@@ -96,7 +97,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     start_values(scene, coordinates)
     constraints = (
         *_constraints(scene, frames, coordinates),
-        *driver_instances(scene, coordinates, frames),
+        *driver_instances(scene, coordinates),
     )
     forces = force_elements(scene, frames, coordinates, unit)
     events = events_of(scene, coordinates)
@@ -129,7 +130,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
 
 
 def _outputs(scene: Scene, outputs: Sequence[str] | None) -> Sequence[str]:
-    """Return what is wanted, unless no scene of bodies has it."""
+    """Outputs that are wanted, unless no scene of bodies has them."""
     wanted = scene.outputs if outputs is None else outputs
     for index, output in enumerate(wanted):
         if output not in OUTPUTS:
@@ -138,7 +139,7 @@ def _outputs(scene: Scene, outputs: Sequence[str] | None) -> Sequence[str]:
 
 
 def _bodies(scene: Scene, frames: dict[str, BodyFrame], unit: High) -> Iterator[MovingBody]:
-    """Yield the bodies of a scene, and add their frames to those that are known."""
+    """Bodies of a scene, and add their frames to those that are known."""
     for index, (name, body) in enumerate(scene.bodies.items()):
         properties = mass_properties(body, f"bodies.{name}")
         frames[name] = BodyFrame(
@@ -153,7 +154,7 @@ def _bodies(scene: Scene, frames: dict[str, BodyFrame], unit: High) -> Iterator[
 
 
 def _moments(scene: Scene, bodies: Sequence[MovingBody]) -> Iterator[tuple[str, float]]:
-    """Yield what of principal moments depends on parameters, and is positive of a body.
+    """Principal moments that depend on parameters, and are positive of a body.
 
     That are the moments, and the sum of two less the third where they are given: those of solids
     have it.
@@ -200,7 +201,7 @@ def _moving(
 def _constraints(
     scene: Scene, frames: Mapping[str, BodyFrame], coordinates: CoordinateList
 ) -> list[Instance]:
-    """Return what all joints are composed of; all that cannot be composed is refused at once."""
+    """Constraints of all joints; all that cannot be composed is refused at once."""
     made: list[Instance] = []
     problems: list[Problem] = []
     for name, joint in scene.joints.items():
@@ -219,7 +220,7 @@ def _constraints(
 def _instances(
     name: str, joint: Joint, frames: Mapping[str, BodyFrame], coordinates: CoordinateList
 ) -> Iterator[Instance]:
-    """Yield what a joint is composed of, in the order of the table of joints."""
+    """Instances of a joint, in the order of the table of joints."""
     if NAMES[joint.type] in COUPLINGS:
         yield COUPLINGS[NAMES[joint.type]].combination(name, joint, coordinates)
         return
@@ -236,7 +237,7 @@ def _instances(
             continue
         constants = dict(_constants(part, ends, points, vectors, unit))
         package = part.kind
-        if package in ("p1", "p2"):
+        if CONSTRAINTS[package].has_variants:
             package = variant(package, constants["a_i_b"])
         if package == "distance":
             constants["length"] = (_length(name, joint, ends, points, unit),)
@@ -246,7 +247,7 @@ def _instances(
 def _own_instance(
     name: str, joint: Joint, kind: OwnKind, frames: Mapping[str, BodyFrame], scene: Scene
 ) -> Instance:
-    """Return a joint of one's own: its frames in the principal ones, and its inputs in SI units.
+    """Joint of one's own: its frames in the principal ones, and its inputs in SI units.
 
     Its point in a body is the first that its kind has there, or else the origin of the body frame.
     """
@@ -270,7 +271,7 @@ def _own_instance(
 
 
 def _own_value(one: OwnInput, value: Any, unit: High) -> tuple[float, ...]:
-    """Return an input of a kind of one's own; directions have norm one."""
+    """Input of a kind of one's own; directions have norm one."""
     factor = unit if one.unit == "m" else precise.number(1)
     if not one.vector:
         return (precise.double(factor * precise.number(value)),)
@@ -299,25 +300,25 @@ def _require_near(
 
 
 def _constants(
-    part: Part,
+    part: JointPart,
     ends: tuple[BodyFrame, BodyFrame],
     points: Sequence[Triple],
     vectors: tuple[dict[str, Triple], dict[str, Triple]],
     unit: High,
 ) -> Iterator[tuple[str, tuple[float, ...]]]:
-    """Yield the inputs of a kernel that are fixed, in the order of its arguments."""
-    for k, body in enumerate("ij"):
-        if part.kind in ("n1", "p1") or (k == 0 and part.kind in ("n2", "p2")):
-            vector = vectors[k][part.j if k else part.i]
-            yield f"a_{body}_b", precise.rounded(vector)
-        if part.kind not in ("n1", "p1"):
-            yield f"s_{body}_b", ends[k].point(points[k], unit)
+    """Inputs of a kernel that are fixed, in the order of its arguments."""
+    for name in CONSTRAINTS[part.kind].inputs:
+        k = "ij".index(name[2])
+        if name.startswith("s_"):
+            yield name, ends[k].point(points[k], unit)
+        else:
+            yield name, precise.rounded(vectors[k][part.j if k else part.i])
 
 
 def _length(
     name: str, joint: Joint, ends: tuple[BodyFrame, BodyFrame], points: Sequence[Triple], unit: High
 ) -> float:
-    """Return the length of a rod, the distance of its points where the scene gives none."""
+    """Length of a rod, the distance of its points where the scene gives none."""
     if joint.length is not None:
         return precise.double(unit * precise.number(joint.length))
     start, end = (frame.place(point) for frame, point in zip(ends, points, strict=True))

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model import precise
-from kousoku.model.coordinates import place_measure
 from kousoku.model.drivers import drivers_of, text_of
+from kousoku.model.elements.constraints import COMBINATION
+from kousoku.model.elements.drivers import kind_of
 from kousoku.model.elements.joint import ANGLES
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
-from kousoku.model.frames import DIRECTIONS
 from kousoku.model.joints import sort_of
-from kousoku.model.mechanism import COMBINATION, Instance, Term
+from kousoku.model.mechanism import Instance, Term
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
     from kousoku.model.coordinates import CoordinateList
-    from kousoku.model.frames import BodyFrame
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Value
 
@@ -30,12 +28,10 @@ def start_values(scene: Scene, coordinates: CoordinateList) -> None:
     Where a coordinate says by itself what it is near, that counts.
     """
     for driver in drivers_of(scene).values():
-        joint, of = driver.joint, driver.of
-        if driver.coordinate is not None:
-            named = scene.coordinates[driver.coordinate]
-            joint, of = named.joint, named.of
-        if joint is None or driver.value is None:
+        driven = kind_of(driver).of_joint(scene, driver)
+        if driven is None or driver.value is None:
             continue
+        joint, of = driven
         sort = sort_of(scene.joints[joint].type, of)
         if sort in ANGLES:
             coordinates.starts_at(joint, sort, _at_start(scene, driver.value))
@@ -46,26 +42,11 @@ def _at_start(scene: Scene, value: Value) -> float:
     return value_of(expression, {**scene.parameters, TIME: 0.0})
 
 
-def driver_instances(
-    scene: Scene, coordinates: CoordinateList, frames: Mapping[str, BodyFrame]
-) -> Iterator[Instance]:
-    """Yield the drivers of a scene as combinations: coordinate − law = 0."""
+def driver_instances(scene: Scene, coordinates: CoordinateList) -> Iterator[Instance]:
+    """Drivers of a scene as combinations: coordinate − law = 0."""
     for name, driver in drivers_of(scene).items():
-        if driver.body is not None:
-            assert driver.path is not None
-            point = precise.triple(driver.point or (0.0, 0.0, 0.0))
-            for (letter, along), value in zip(DIRECTIONS.items(), driver.path, strict=True):
-                measure = place_measure(frames[driver.body], point, precise.triple(along))
-                place = coordinates.add(f"{name}.{letter}", measure)
-                yield _driver(name, place, value, coordinates)
-            continue
-        assert driver.value is not None
-        if driver.coordinate is not None:
-            place = coordinates.place(driver.coordinate)
-        else:
-            assert driver.joint is not None
-            place = coordinates.of_joint(driver.joint, driver.of)
-        yield _driver(name, place, driver.value, coordinates)
+        for place, value in kind_of(driver).laws(name, driver, coordinates):
+            yield _driver(name, place, value, coordinates)
 
 
 def _driver(name: str, place: int, value: Value, coordinates: CoordinateList) -> Instance:

@@ -16,7 +16,7 @@ def table(
     title: str = "",
     numbers: bool = False,
 ) -> str:
-    """Return a table as lines, the same on a terminal and in a pipe; numbers stand to the right."""
+    """Table as lines, the same on a terminal and in a pipe; numbers stand to the right."""
     lines = [columns, *rows]
     widths = [max(len(line[k]) for line in lines) for k in range(len(columns))]
     found = [title] if title else []
@@ -30,16 +30,21 @@ def table(
 
 
 def counted(count: int, name: str, plural: str = "") -> str:
-    """Return a count with its noun: ``1 body``, ``2 bodies``."""
+    """Count with its noun: ``1 body``, ``2 bodies``."""
     return f"{count} {name if count == 1 else plural or name + 's'}"
 
 
 def with_a(noun: str) -> str:
-    """Return a noun with its article: ``a hinge``, ``an edge``, ``a universal``."""
+    """Noun with its article: ``a hinge``, ``an edge``, ``a universal``."""
     return f"{'an' if noun[:1] in 'aeiou' and not noun.startswith('uni') else 'a'} {noun}"
 
 
+def nearest(name: object, known: Iterable[str]) -> str:
+    """Known name that resembles ``name`` most; empty where none does."""
+    return next(iter(get_close_matches(str(name), list(known), n=1)), "")
+
+
 def near_name(name: object, known: Iterable[str]) -> str:
-    """Return the end of a message that asks for the known name nearest to one, or nothing."""
-    near = get_close_matches(str(name), list(known), n=1)
-    return f"; did you mean {near[0]!r}?" if near else ""
+    """End of a message that asks for the known name nearest to one, or nothing."""
+    near = nearest(name, known)
+    return f"; did you mean {near!r}?" if near else ""

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 
 def keys_text() -> str:
-    """Return the text of ``model/keys.py``."""
+    """Text of ``model/keys.py``."""
     return "\n\n".join([HEAD, *(_record(record) for record in RECORDS)])
 
 
@@ -63,7 +63,7 @@ def _record(record: type[msgspec.Struct]) -> str:
 
 
 def _line(name: str, text: str) -> str:
-    """Return a field, broken as the formatter does where it is long."""
+    """Field, broken as the formatter does where it is long."""
     line = f"    {name}: {text}"
     if len(line) <= 100:
         return line
@@ -71,7 +71,7 @@ def _line(name: str, text: str) -> str:
 
 
 def _text(kind: Any) -> str:
-    """Return a type as an annotation of what the builder takes in place of it."""
+    """Type as an annotation of what the builder takes in place of it."""
     choices = list(get_args(kind)) if get_origin(kind) in (Union, UnionType) else [kind]
     texts = dict.fromkeys(_one(of) for of in choices)
     if "Value" in texts:  # a number or the text of a formula

@@ -85,7 +85,7 @@ def _check_name(scene: Scene, table: str, name: str) -> None:
 
 
 def only_one(given: object, names: tuple[str, ...], key: str) -> str:
-    """Return the one of some keys that is given.
+    """Key that is given of some, one of which is wanted.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def refuse_foreign(given: object, own: tuple[str, ...], known: tuple[str, ...], 
 
 
 def check_leaves(scene: Scene, name: str, of: str | None, key: str) -> str:
-    """Return which coordinate of a joint is meant.
+    """Coordinate of a joint that is meant.
 
     Raises
     ------

@@ -81,7 +81,7 @@ def _check_joints(scene: Scene, joint: Joint, wanted: Sequence[str], key: str) -
 
 
 def _bodies(scene: Scene, joint: Joint) -> Iterator[str]:
-    """Yield the moving bodies that a coupling connects."""
+    """Moving bodies that a coupling connects."""
     given = [scene.coordinates[name] for name in joint.coordinates or ()]
     names = [*(joint.joints or ()), *(one.joint for one in given if one.joint is not None)]
     bodies = [body for name in names for body in scene.joints[name].ends]

@@ -5,8 +5,9 @@ from __future__ import annotations
 from math import isfinite, pi
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import join, require_known
+from kousoku.model.decode import join
 from kousoku.model.drivers import text_of
+from kousoku.model.elements.drivers import DRIVERS
 from kousoku.model.errors import ExpressionError, SceneError
 from kousoku.model.exponentials import rate_of
 from kousoku.model.expression import parse_expression
@@ -15,35 +16,13 @@ from kousoku.model.joints import sort_of
 from kousoku.model.kinks import kink_of
 from kousoku.model.problems import Problems
 from kousoku.model.terms import Function
-from kousoku.model.validate_coordinates import (
-    check_leaves,
-    check_place,
-    only_one,
-    refuse_foreign,
-)
+from kousoku.model.validate_coordinates import only_one, refuse_foreign
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
+    from kousoku.model.elements.driver import Driven
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Driver, Value
-
-KEYS = {
-    "coordinate": ("coordinate", "value"),
-    "joint": ("joint", "of", "value"),
-    "body": ("body", "point", "path"),
-}
-"""Keys of each sort of driver, by the one that says which it is."""
-
-TITLES = {
-    "coordinate": "a coordinate as a function of time",
-    "joint": "the angle or the displacement of a joint as a function of time",
-    "body": "a point on a path, three functions of time",
-}
-"""What each sort is, in one line."""
-
-Driven = tuple[object, ...]
 
 
 def check_drivers(scene: Scene, problems: Problems) -> None:
@@ -83,10 +62,10 @@ def check_drivers(scene: Scene, problems: Problems) -> None:
 
 def _check_driven(scene: Scene, name: str, drives: dict[Driven, str]) -> None:
     driver, key = scene.drivers[name], join("drivers", name)
-    sort = only_one(driver, tuple(KEYS), key)
-    known = tuple(dict.fromkeys(name for names in KEYS.values() for name in names))
-    refuse_foreign(driver, KEYS[sort], known, key)
-    for driven in _driven(scene, driver, key):
+    kind = DRIVERS[only_one(driver, tuple(DRIVERS), key)]
+    known = tuple(dict.fromkeys(name for one in DRIVERS.values() for name in one.keys))
+    refuse_foreign(driver, kind.keys, known, key)
+    for driven in kind.driven(scene, driver, key):
         other = drives.setdefault(driven, key)
         if other != key:
             raise SceneError(f"drives the same as {other}; leave one of them out", key=key)
@@ -103,48 +82,18 @@ def _check_laws(scene: Scene, driver: Driver, key: str) -> None:
     problems.settle()
 
 
-def _driven(scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
-    """Yield what is driven, the same for the same coordinate by other names."""
-    if driver.body is not None:
-        check_place(scene, driver.body, driver.point, key)
-        if driver.path is None:
-            raise SceneError("is missing; wanted three formulas", key=f"{key}.path")
-        for k in range(3):
-            along = tuple(float(k == axis) for axis in range(3))
-            yield driver.body, driver.point or (0.0, 0.0, 0.0), along
-        return
-    if driver.value is None:
-        raise SceneError("is missing; wanted a formula of t", key=f"{key}.value")
-    if driver.joint is not None:
-        yield driver.joint, check_leaves(scene, driver.joint, driver.of, key)
-        return
-    name = driver.coordinate or ""
-    require_known("coordinate", name, scene.coordinates, f"{key}.coordinate")
-    given = scene.coordinates[name]
-    if given.hold:
-        raise SceneError(
-            f"{name} is driven by {key}; a driver says where it is, leave 'hold' out",
-            key=join("coordinates", name) + ".hold",
-        )
-    if given.joint is not None:
-        yield given.joint, sort_of(scene.joints[given.joint].type, given.of)
-    elif given.bodies is not None and given.points is not None:
-        yield frozenset(zip(given.bodies, given.points, strict=True)), "length"
-    else:
-        yield given.body, given.point or (0.0, 0.0, 0.0), given.along
-
-
 def _check_turn(scene: Scene, driver: Driver, key: str) -> None:
     """Check that an angle which says which turn it is in is driven in that one."""
-    if driver.coordinate is None or driver.value is None:
+    if driver.value is None:
         return
-    near = scene.coordinates[driver.coordinate].near
-    if near is None:
+    told = DRIVERS[only_one(driver, tuple(DRIVERS), key)].near(scene, driver)
+    if told is None:
         return
+    name, near = told
     start = _check_law(scene, driver.value, key)
     if abs(near - start) > pi:
         raise SceneError(
-            f"is {start:g} at t = 0, and {driver.coordinate} is near {near:g}; wanted both within "
+            f"is {start:g} at t = 0, and {name} is near {near:g}; wanted both within "
             "half a turn, or leave 'near' out",
             key=key,
         )
@@ -180,7 +129,7 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
 
 
 def _with_state(scene: Scene, problem: str) -> str:
-    """Return a message, and that formulas of drivers do not depend on coordinates."""
+    """Message, and that formulas of drivers do not depend on coordinates."""
     names = (f"{name}{end}" for name in scene.coordinates for end in ("", RATE))
     if any(f"name {name!r}" in problem for name in names):
         return f"{problem.partition('; ')[0]}; a driver depends on t and on parameters only"

@@ -64,7 +64,7 @@ def _check_input(scene: Scene, name: str, drives: dict[tuple[str, str], str]) ->
 
 
 def _target(scene: Scene, given: Input, key: str) -> tuple[str, str]:
-    """Return what an input drives: ``link``, ``slider`` or ``joint``, and its name."""
+    """Target of an input: ``link``, ``slider`` or ``joint``, and its name."""
     targets = [target for target in TARGETS if getattr(given, target) is not None]
     if len(targets) != 1:
         got = " and ".join(targets) or "none of them"

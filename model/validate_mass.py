@@ -102,7 +102,7 @@ def _check_inertia(body: Body, key: str) -> None:
 
 
 def _principal_moments(body: Body) -> list[float]:
-    """Return the principal moments about the centre of mass, from the smallest to the largest."""
+    """Principal moments about the centre of mass, from the smallest to the largest."""
     given = body.inertia
     assert given is not None
     rows = (given.xx, given.xy, given.zx), (given.xy, given.yy, given.yz)

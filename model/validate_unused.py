@@ -71,7 +71,7 @@ def _check_outputs(scene: Scene, problems: Problems) -> None:
 
 
 def output_problem(scene: Scene, output: str) -> str:
-    """Return what is wrong with an output of a scene: it knows none such, or has none.
+    """Problem with an output of a scene: it knows none such, or has none.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def output_problem(scene: Scene, output: str) -> str:
 
 
 def foreign_output(scene: Scene, output: str) -> str:
-    """Return what is wrong with an output that scenes of the other sort have, else nothing."""
+    """Problem with an output that scenes of the other sort have, else nothing."""
     known, others = (OUTPUTS, OF_LINKAGES) if scene.is_spatial else (OF_LINKAGES, OUTPUTS)
     if output in known or output not in others:
         return ""

@@ -17,7 +17,7 @@ BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def to_toml(scene: Scene) -> str:
-    """Return the text of a scene file that reads back as the same scene.
+    """Text of a scene file that reads back as the same scene.
 
     Defaults are left out, numbers have all their digits, and elements keep their order.
     """
@@ -28,7 +28,7 @@ def to_toml(scene: Scene) -> str:
 
 
 def toml_of(tree: Mapping[str, object]) -> str:
-    """Return the text of a file that reads back as a tree: one line an element of each table."""
+    """Text of a file that reads back as a tree: one line an element of each table."""
     tables = {key: value for key, value in tree.items() if isinstance(value, Mapping)}
     own = {key: value for key, value in tree.items() if key not in tables}
     parts = [f"[{_key(key)}]\n{_lines(value)}" for key, value in tables.items()]
@@ -40,7 +40,7 @@ def _lines(table: Mapping[str, object]) -> str:
 
 
 def _given(record: msgspec.Struct) -> dict[str, object]:
-    """Return the fields that differ from their defaults, by their names in a file."""
+    """Fields that differ from their defaults, by their names in a file."""
     found = {
         field.encode_name: getattr(record, field.name)
         for field in msgspec.structs.fields(record)

@@ -56,7 +56,7 @@ class Signature:
     outputs: tuple[Quantity, ...]
 
     def order(self, positional: tuple[Any, ...], named: Mapping[str, Any]) -> tuple[Any, ...]:
-        """Return the inputs in kernel order, some of them given by name."""
+        """Inputs in kernel order, some of them given by name."""
         names = [q.name for q in self.inputs]
         for name in named:
             if name not in names:
@@ -74,7 +74,7 @@ class Signature:
         return (*positional, *(named[name] for name in rest))
 
     def select(self, outputs: Iterable[str]) -> tuple[bool, ...]:
-        """Return which outputs are asked for."""
+        """Outputs that are asked for, by their places."""
         names = [q.name for q in self.outputs]
         asked = (outputs,) if isinstance(outputs, str) else tuple(outputs)
         for name in asked:
@@ -88,7 +88,7 @@ class Signature:
     def prepare(
         self, inputs: tuple[Any, ...], out: Sequence[Any] | None, wanted: tuple[bool, ...]
     ) -> tuple[Call, tuple[Floats, ...]]:
-        """Return the arguments as a target takes them, and the outputs as the caller sees them.
+        """Arguments as a target takes them, and the outputs as the caller sees them.
 
         Parameters
         ----------
@@ -150,7 +150,7 @@ class Signature:
         return call, tuple(array for array in results if array is not None)
 
     def _floats(self, k: int, value: Any) -> Floats:
-        """Return an input as aligned C-contiguous doubles, copied only where it must be."""
+        """Input as aligned C-contiguous doubles, copied only where it must be."""
         where = f"{self.name}: input {self.inputs[k].name}"
         try:
             array = np.asarray(value)
@@ -186,7 +186,7 @@ class Signature:
             ) from None
 
     def _flat(self, k: int, array: Floats, batch: tuple[int, ...]) -> Floats:
-        """Return an input with one batch axis, or with none if all evaluations share it.
+        """Input with one batch axis, or with none if all evaluations share it.
 
         A batch of one keeps its axis: without it nothing would tell it from a single call.
         """
@@ -205,7 +205,7 @@ class Signature:
         batch: tuple[int, ...],
         lanes: tuple[int, ...] = (),
     ) -> tuple[Floats | None, ...]:
-        """Return the arrays that the outputs go to: the caller's, checked, or new ones."""
+        """Arrays that the outputs go to: the caller's, checked, or new ones."""
         shapes = [(*batch, *q.shape, *lanes) for q in self.outputs]
         if out is None:
             return tuple(
@@ -246,7 +246,7 @@ class Signature:
 
 
 def _apart(array: Floats, results: Sequence[Floats | None]) -> Floats:
-    """Return an input, copied if an output would overwrite it while it is still read."""
+    """Input, copied if an output would overwrite it while it is still read."""
     for result in results:
         if result is not None and np.may_share_memory(array, result):
             return array.copy()

@@ -91,7 +91,7 @@ class Built:
 
 
 def build(source: Source, toolchain: Toolchain) -> Built:
-    """Return the library of a source, out of the cache or newly built.
+    """Library of a source, out of the cache or newly built.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def build(source: Source, toolchain: Toolchain) -> Built:
 
 
 def _built(source: Source, toolchain: Toolchain, entry: Path) -> Path:
-    """Return the library of an entry, built here or meanwhile by another process."""
+    """Library of an entry, built here or meanwhile by another process."""
     entry.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     with locked(entry.with_suffix(".lock"), until=lambda: _look(entry)[0] is not None):
         library, _ = _look(entry)
@@ -137,7 +137,7 @@ def _built(source: Source, toolchain: Toolchain, entry: Path) -> Path:
 
 @cache
 def _own_shelf() -> Path:
-    """Return a temporary folder of this process, gone at its end."""
+    """Temporary folder of this process, gone at its end."""
     shelf, owner = Path(tempfile.mkdtemp(prefix="kousoku-")), os.getpid()
 
     def remove() -> None:
@@ -149,7 +149,7 @@ def _own_shelf() -> Path:
 
 
 def _look(entry: Path) -> tuple[Path | None, str]:
-    """Return the library of an entry if it is whole, else None and what is wrong with it."""
+    """Library of an entry if it is whole, else None and what is wrong with it."""
     try:
         wanted, _, name = (entry / _DIGEST).read_text(encoding="ascii").strip().partition("  ")
         content = (entry / name).read_bytes()

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Design:
+class DesignPlaces:
     """Where the numbers of a scene that depend on parameters stand.
 
     Parameters
@@ -46,8 +46,8 @@ class Design:
     positive: tuple[tuple[str, int], ...]
 
     @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Design:
-        """Return what ``motion.json`` says."""
+    def from_data(cls, data: Mapping[str, Any]) -> DesignPlaces:
+        """Places from ``motion.json``."""
         base, size = data["place"]
         return cls(
             (base, size),
@@ -56,7 +56,7 @@ class Design:
         )
 
     def problems(self, numbers: Array) -> Iterator[str]:
-        """Yield what is wrong with the numbers."""
+        """Problems with the numbers."""
         for name, at in self.positive:
             if not numbers[at] > 0.0:
                 yield f"{name} is {numbers[at]:.6g}; wanted a positive number"
@@ -65,7 +65,7 @@ class Design:
 
 
 def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
-    """Return a solver whose start, bodies and joints are those that some parameters make.
+    """Solver whose start, bodies and joints are those that some parameters make.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
 
 
 def not_closed(solver: DynamicsSolver, work: Array, times: float) -> str:
-    """Return the joints that are open, at rows that are left out or where these took over.
+    """Joints that are open, at rows that are left out or where these took over.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def not_closed(solver: DynamicsSolver, work: Array, times: float) -> str:
 
 
 def nearly_redundant(solver: DynamicsSolver, values: Array) -> str:
-    """Return why no run starts with parameters with which rows nearly depend on each other.
+    """Reason why no run starts with parameters with which rows nearly depend on each other.
 
     Parameters
     ----------
@@ -153,6 +153,6 @@ def nearly_redundant(solver: DynamicsSolver, values: Array) -> str:
 
 
 def told(solver: DynamicsSolver, values: Array) -> str:
-    """Return parameters and their values in one line."""
+    """Parameters and their values in one line."""
     given = zip(solver.parameters, values, strict=True)
     return ", ".join(f"{name} = {value:.6g}" for (name, _), value in given)

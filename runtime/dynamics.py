@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
-from kousoku.runtime.design import Design, with_parameters
+from kousoku.runtime.design import DesignPlaces, with_parameters
 from kousoku.runtime.given import folder_of, require_callable
 from kousoku.runtime.integrate.given import (
     numbers_of,
@@ -81,7 +81,7 @@ class DynamicsSolver:
         Where what is in the state of a run.
     moved : mapping of str to Moved
         What assembly changed of bodies, the one that changed most first.
-    design : Design, optional
+    design : DesignPlaces, optional
         Numbers of the scene that depend on parameters, where it has some. Then ``q`` and ``v`` are
         the start with the parameters of the scene, and :meth:`at` has that with others.
     base : DynamicsSolver, optional
@@ -103,7 +103,7 @@ class DynamicsSolver:
     places: Mapping[str, tuple[int, int]]
     state: Mapping[str, Field]
     moved: Mapping[str, Moved]
-    design: Design | None = None
+    design: DesignPlaces | None = None
     base: DynamicsSolver | None = None
 
     def __repr__(self) -> str:
@@ -171,7 +171,7 @@ class DynamicsSolver:
         return self.begin(chosen, **options).finish(progress)
 
     def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
-        """Return a run at time 0 that can be stopped and go on.
+        """Run at time 0 that can be stopped and go on.
 
         Parameters
         ----------
@@ -192,7 +192,7 @@ class DynamicsSolver:
         return Run(self, times_of(self.name, None, times, 0), chosen)
 
     def at(self, parameters: Mapping[str, float | str]) -> DynamicsSolver:
-        """Return the solver with other parameters, and with the start that the scene then has.
+        """Solver with other parameters, and with the start that the scene then has.
 
         Where the centre of mass or the principal axes of a body depend on parameters, ``q`` and
         ``v`` do, too: the frame of the body, and its velocity, stay as the scene has them. A run
@@ -215,7 +215,7 @@ class DynamicsSolver:
         v: Array | None = None,
         parameters: Mapping[str, float | str] | None = None,
     ) -> dict[str, Array]:
-        """Return all that the solver computes at a state as it is: nothing is projected.
+        """Outputs of the solver at a state as it is: nothing is projected.
 
         Parameters
         ----------
@@ -257,7 +257,7 @@ class DynamicsSolver:
         return {name: work[base : base + size] for name, (base, size) in self.places.items()}
 
     def resume(self, saved: SavedRun) -> Run:
-        """Return a run that goes on where another one was saved, with the same bits.
+        """Run that goes on where another one was saved, with the same bits.
 
         Raises
         ------
@@ -314,5 +314,5 @@ def load_dynamics(
         places={name: (base, size) for name, (base, size) in data["places"].items()},
         state={field.name: field for field in fields_of(data["state"])},
         moved={name: Moved(*sizes) for name, *sizes in data["moved"]},
-        design=Design.from_data(data["design"]) if "design" in data else None,
+        design=DesignPlaces.from_data(data["design"]) if "design" in data else None,
     )

@@ -53,13 +53,13 @@ class NumpySolver:
     def starter(
         self, time: float, q: Array, v: Array, parameters: Array, memory: Memory
     ) -> Callable[[], int]:
-        """Return what takes a position and velocity, and projects them onto the constraints."""
+        """Start of a run: takes a position and velocity, and projects them onto the constraints."""
         return partial(self.solver.start, time, q, v, parameters, memory.state, memory.work)
 
     def runner(
         self, settings: Settings, times: Array, memory: Memory
     ) -> Callable[[int, Array], int]:
-        """Return what moves on by at most some steps, and writes as many rows as there are."""
+        """Runner: moves on by at most some steps, and writes as many rows as there are."""
         return lambda max_steps, rows: self.run(settings, times, max_steps, memory, rows)
 
     def run(

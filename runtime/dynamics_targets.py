@@ -64,7 +64,7 @@ class SolverTarget(Protocol):
     def starter(
         self, time: float, q: Array, v: Array, parameters: Array, memory: Memory
     ) -> Callable[[], int]:
-        """Return what takes a position and velocity, and projects them onto the constraints.
+        """Start of a run: takes a position and velocity, and projects them onto the constraints.
 
         Each call takes the arrays as they are then: they are looked up once, calls cost little.
         """
@@ -72,7 +72,7 @@ class SolverTarget(Protocol):
     def runner(
         self, settings: Settings, times: Array, memory: Memory
     ) -> Callable[[int, Array], int]:
-        """Return what moves on by at most some steps, and writes as many rows as there are."""
+        """Runner: moves on by at most some steps, and writes as many rows as there are."""
 
     def evaluate(self, time: float, q: Array, v: Array, parameters: Array, work: Array) -> int:
         """Compute all that the scene has at a state as it is; it is left in the work."""
@@ -133,14 +133,14 @@ class CompiledSolver:
     def starter(
         self, time: float, q: Array, v: Array, parameters: Array, memory: Memory
     ) -> Callable[[], int]:
-        """Return what takes these arrays, as they are then, and projects onto the constraints."""
+        """Start of a run: takes these arrays, as they are then, and projects them."""
         arrays = map(_address, (q, v, parameters, memory.state, memory.work))
         return partial(self._function("start"), ctypes.c_double(time), *arrays)
 
     def runner(
         self, settings: Settings, times: Array, memory: Memory
     ) -> Callable[[int, Array], int]:
-        """Return what moves on by at most some steps, and writes as many rows as there are."""
+        """Runner: moves on by at most some steps, and writes as many rows as there are."""
         steps, count, place = ctypes.c_size_t(), ctypes.c_size_t(), ctypes.c_void_p()
         call = partial(
             self._function("run"),
@@ -174,7 +174,7 @@ class CompiledSolver:
 
 
 def _address(array: Array) -> ctypes.c_void_p:
-    """Return a pointer that keeps its array alive."""
+    """Pointer that keeps its array alive."""
     return array.ctypes.data_as(ctypes.c_void_p)
 
 
@@ -184,7 +184,7 @@ def open_solver(
     files: Mapping[str, bytes],
     target: Target,
 ) -> SolverTarget:
-    """Return what computes.
+    """Solver of a folder for a target.
 
     Parameters
     ----------

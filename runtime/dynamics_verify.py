@@ -53,7 +53,7 @@ class BodiesCheck(SolverCheck[DynamicsSolver]):
     FORMAT = 2
 
     def load(self, target: Target) -> DynamicsSolver:
-        """Return the solver by a target."""
+        """Solver by a target."""
         return load_dynamics(self.sources.folder, target=target)
 
     def require(self, data: Mapping[str, Any]) -> object:
@@ -63,14 +63,14 @@ class BodiesCheck(SolverCheck[DynamicsSolver]):
         return points, independent, data["is_exact"], data["is_smooth"]
 
     def rows(self, solver: DynamicsSolver, data: Mapping[str, Any]) -> Iterable[Row]:
-        """Return the worst error of each region, and of each body's own equations."""
+        """Worst error of each region, and of each body's own equations."""
         return (
             *worst_rows(_rows(solver, data["points"])),
             *independent_rows(solver, data["independent"]),
         )
 
     def notes(self, data: Mapping[str, Any]) -> Iterator[str]:
-        """Yield why there is nothing to compare with."""
+        """Notes on why there is nothing to compare with."""
         name = self.sources.folder.name
         if not data["points"]:
             yield (
@@ -85,7 +85,7 @@ class BodiesCheck(SolverCheck[DynamicsSolver]):
             )
 
     def problems(self, solvers: Sequence[DynamicsSolver], data: Data) -> Iterator[str]:
-        """Yield what is wrong with methods and codes, and where targets move differently."""
+        """Problems with methods and codes, and places where targets move differently."""
         folder, files = self.sources.folder, self.sources.files
         if solvers:
             yield from table_problems(folder, files)
@@ -100,7 +100,7 @@ class BodiesCheck(SolverCheck[DynamicsSolver]):
 
 
 def _code_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
-    """Yield the codes of what a call returns that are others in C."""
+    """Codes of what a call returns that are others in C."""
     if HEADER not in files:
         return
     text = files[HEADER].decode()
@@ -114,7 +114,7 @@ def _code_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
 
 
 def _rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
-    """Yield the error of each region at each state."""
+    """Error of each region at each state."""
     for number, point in enumerate(points):
         q, v = (np.array(point[name], dtype=np.float64) for name in ("q", "v"))
         given = zip(solver.parameters, point.get("parameters", ()), strict=False)
@@ -140,14 +140,14 @@ def _owner(solver: DynamicsSolver, region: str, element: int) -> str:
 
 
 def _parameters(points: Sequence[Mapping[str, Any]]) -> Sequence[float]:
-    """Return the last values of parameters that a state has, none where all are of the scene."""
+    """Last values of parameters that a state has, none where all are of the scene."""
     return next((point["parameters"] for point in reversed(points) if "parameters" in point), ())
 
 
 def _differences(
     one: DynamicsSolver, other: DynamicsSolver, values: Sequence[float], *, is_exact: bool
 ) -> Iterator[str]:
-    """Yield where two targets move differently: the first steps of each method, and the rows."""
+    """Differences between two targets: the first steps of each method, and the rows."""
     for method in METHODS if one.is_driven else RUNGE_KUTTA:
         try:
             runs = [_run(solver, method, values) for solver in (one, other)]

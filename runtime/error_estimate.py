@@ -53,7 +53,7 @@ class ErrorEstimate:
     unknown_from: float | None
 
     def as_data(self) -> dict[str, object]:
-        """Return it ready for JSON."""
+        """Estimate as data, ready for JSON."""
         return {name: getattr(self, name) for name in self.__slots__}
 
     @property
@@ -70,7 +70,7 @@ class ErrorEstimate:
 
 
 def second_options(options: Options) -> Options:
-    """Return how a second run is made: by another method, with other ends of its steps.
+    """Options of a second run: another method, with other ends of its steps.
 
     Of fixed steps, those of order 5 would tell too little of those of order 8.
     """
@@ -86,7 +86,7 @@ def second_options(options: Options) -> Options:
 
 
 def second_times(times: Array, options: Options) -> Array:
-    """Return the times that a second run is asked for, of which every second one is compared.
+    """Times that a second run is asked for, of which every second one is compared.
 
     Where drivers lead from row to row, rows between them make other steps.
     """
@@ -97,7 +97,7 @@ def second_times(times: Array, options: Options) -> Array:
 
 
 def error_estimate(first: Motion, second: Motion, size: float) -> ErrorEstimate:
-    """Return the error of the first of two runs.
+    """Error of the first of two runs.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ Way = Literal["C", "C batch", "C lanes", "NumPy", "NumPy batch"]
 
 
 @dataclass(frozen=True, slots=True)
-class Evaluation:
+class EvaluatedOutput:
     """One output at every point.
 
     Parameters
@@ -43,20 +43,20 @@ class Evaluation:
 
 
 def ways(target: Literal["c", "numpy"]) -> tuple[Way, ...]:
-    """Return the ways to call a kernel of a target."""
+    """Ways to call a kernel of a target."""
     return ("C", "C batch", "C lanes") if target == "c" else ("NumPy", "NumPy batch")
 
 
-def evaluate(kernel: Kernel, reference: Reference, way: Way) -> Iterator[Evaluation]:
-    """Yield every output at every point, all of them together and each alone."""
+def evaluate(kernel: Kernel, reference: Reference, way: Way) -> Iterator[EvaluatedOutput]:
+    """Every output at every point, all of them together and each alone."""
     names = tuple(q.name for q in kernel.manifest.outputs)
     # The points are chosen to hurt; that NumPy notices is no news.
     with np.errstate(all="ignore"):
         for k, values in enumerate(_run(kernel, reference, way, names)):
-            yield Evaluation(way, k, False, values)
+            yield EvaluatedOutput(way, k, False, values)
         for k, name in enumerate(names if len(names) > 1 else ()):
             (values,) = _run(kernel, reference, way, (name,))
-            yield Evaluation(way, k, True, values)
+            yield EvaluatedOutput(way, k, True, values)
 
 
 def _run(
@@ -82,9 +82,9 @@ def _run(
 
 
 def different_bits(
-    kernel: KernelManifest, reference: Reference, evaluations: Sequence[Evaluation]
+    kernel: KernelManifest, reference: Reference, evaluations: Sequence[EvaluatedOutput]
 ) -> Iterator[str]:
-    """Yield a message for each output whose bits depend on the way of calling.
+    """Message for each output whose bits depend on the way of calling.
 
     Which NaN it is does not count: IEEE 754 leaves that to the processor.
     """

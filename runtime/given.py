@@ -10,7 +10,7 @@ from kousoku.runtime.integrate.result import shown
 
 
 def folder_of(given: object) -> Path:
-    """Return the absolute path of a folder.
+    """Absolute path of a folder.
 
     Raises
     ------

@@ -30,7 +30,7 @@ KERNEL = "newton_euler"
 
 
 def independent_rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
-    """Yield the worst error of each sort of numbers over all states.
+    """Worst error of each sort of numbers over all states.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def _by_owner(numbers: Numbers) -> dict[str, list[float]]:
 def _computed(
     layout: Layout, found: Mapping[str, Array], q: Array, v: Array
 ) -> Iterator[tuple[str, Numbers]]:
-    """Yield what a solver computed, by the names of the reference, in SI units."""
+    """Results of a solver, by the names of the reference, in SI units."""
     tables = body_tables(layout.bodies, q[np.newaxis], v[np.newaxis], found["v_dot"][np.newaxis], 1)
     for name in ("acceleration", "angular_acceleration"):
         table = tables.get(name, {})
@@ -122,7 +122,7 @@ def _largest(arrays: Sequence[Array]) -> float:
 
 
 def _wrenches(layout: Layout, q: Array, reactions: Array) -> Iterator[tuple[str, Array, Array]]:
-    """Yield name, force, and moment about the origin of frame O, of each joint and driver."""
+    """Name, force, and moment about the origin of frame O, of each joint and driver."""
     for joint in layout.reactions:
         force, torque = layout.of_joint(joint, q[np.newaxis], reactions[np.newaxis])
         point = layout.point_of(joint, q[np.newaxis])

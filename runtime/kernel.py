@@ -115,7 +115,7 @@ class Kernel:
         outputs: Iterable[str] | None = None,
         **named: Floats,
     ) -> BoundKernel:
-        """Return the kernel with fixed arrays, to be called with no arguments.
+        """Kernel with fixed arrays, to be called with no arguments.
 
         The arrays are read and written in place at every call, so nothing is converted: each must
         be a float64 C-contiguous array (as for ``out``). Outputs that are not given are allocated

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def to_lanes(values: Floats, width: int) -> Floats:
-    """Return a batch packed into blocks.
+    """Batch packed into blocks.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def to_lanes(values: Floats, width: int) -> Floats:
 
 
 def from_lanes(blocks: Floats, n: int | None = None) -> Floats:
-    """Return the first ``n`` evaluations, all by default, with the batch axis first.
+    """First ``n`` evaluations, all by default, with the batch axis first.
 
     Parameters
     ----------

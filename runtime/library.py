@@ -66,7 +66,7 @@ class Library:
     _handle: ctypes.CDLL | None = None
 
     def __getitem__(self, name: str) -> Kernel:
-        """Return a kernel by its name."""
+        """Kernel by its name."""
         try:
             return self.kernels[name]
         except KeyError:
@@ -91,7 +91,7 @@ class Library:
         return load_same, (Sources(self.folder, self.manifest, self.files), self.target)
 
     def function(self, name: str) -> Any:
-        """Return any function that the shared library exports, as a ctypes function pointer.
+        """Function that the shared library exports, any of them, as a ctypes function pointer.
 
         A solver package exports more than kernels; the caller sets ``restype`` and ``argtypes``
         from its header. Each call gives a new object, so that no two callers share those settings.
@@ -150,7 +150,7 @@ def load_same(sources: Sources, target: Literal["c", "numpy"]) -> Library:
 
 
 def read_manifest(folder: Path) -> Manifest:
-    """Return the manifest of a folder.
+    """Manifest of a folder.
 
     Raises
     ------
@@ -193,7 +193,7 @@ def require_digest(folder: Path, manifest: Manifest, name: str, digest: object) 
 
 
 def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
-    """Return what the files hold that a manifest lists, each compared with its digest.
+    """Files that a manifest lists, with what they hold, each compared with its digest.
 
     Raises
     ------
@@ -244,7 +244,7 @@ def _load_numpy(
 
 
 def c_sources(files: Mapping[str, bytes]) -> tuple[tuple[str, bytes], ...]:
-    """Return the sources of C among the files of a package, and what its batches include."""
+    """Sources of C among the files of a package, and what its batches include."""
     sources = tuple(item for item in files.items() if item[0].endswith((".c", ".h")))
     if BATCH_SOURCE in files and LANES.name not in files:
         sources += ((LANES.name, LANES.read_bytes()),)

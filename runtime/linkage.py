@@ -15,9 +15,9 @@ from kousoku.runtime.dynamics_numpy import NUMPY_SOURCE
 from kousoku.runtime.dynamics_targets import C_SOURCE
 from kousoku.runtime.given import folder_of
 from kousoku.runtime.importing import import_source
-from kousoku.runtime.kinematics.mechanism import Mechanism
 from kousoku.runtime.kinematics.moving import Linkage
-from kousoku.runtime.kinematics.rows import OF_LINKS, OF_NODES, Run, empty_rows
+from kousoku.runtime.kinematics.rows import RUN, empty_rows
+from kousoku.runtime.kinematics.solve import Solver
 from kousoku.runtime.kinematics.trajectory import Trajectory
 from kousoku.runtime.library import compiled, read_files, read_manifest, require_digest
 from kousoku.runtime.notice import say_once
@@ -26,16 +26,20 @@ from kousoku.runtime.sources import Sources
 if TYPE_CHECKING:
     from collections.abc import Collection
     from pathlib import Path
-    from types import ModuleType
 
     from kousoku.runtime.choice import Target
     from kousoku.runtime.kinematics.mechanism import Array
-    from kousoku.runtime.kinematics.rows import Rows
+    from kousoku.runtime.kinematics.rows import Rows, Run
 
 __all__ = ["LinkageSolver", "Trajectory", "load_scene", "solve"]
 
-#: Room for the results, in the order of the fields of ``solver.h``.
-RESULTS = ("alpha", *OF_NODES, *OF_LINKS, "iterations", "residual", "condition")
+#: The types of numbers of ``solver.h``; all others point at numbers.
+_TYPES: dict[str, Any] = {
+    "int": ctypes.c_int,
+    "double": ctypes.c_double,
+    "long long": ctypes.c_longlong,
+    "size_t": ctypes.c_size_t,
+}
 
 
 class LinkageSolver(Linkage):
@@ -45,20 +49,20 @@ class LinkageSolver(Linkage):
     ----------
     sources : Sources
         The generated files.
-    module : module
-        The folder's ``solver.py``.
+    solver : Solver
+        That of ``solver.py``, with the analysis of the folder.
     library : ctypes.CDLL, optional
-        Its compiled solver; NumPy computes without.
+        The compiled solver.
     """
 
     def __init__(
-        self, sources: Sources, module: ModuleType, library: ctypes.CDLL | None = None
+        self, sources: Sources, solver: Solver, library: ctypes.CDLL | None = None
     ) -> None:
         data = json.loads(sources.files[MOTION_FILE])
-        mechanism = Mechanism.from_data(data, module)
-        super().__init__(sources.manifest.package, mechanism, Run(**data["run"]))
+        super().__init__(data, solver)
         self.sources = sources
         self._library = library
+        self._segments: list[str] = data["segments"]
 
     def __repr__(self) -> str:
         return f"<LinkageSolver {self.name}; in {self.target}>"
@@ -93,7 +97,7 @@ class LinkageSolver(Linkage):
         if self._library is None:
             mechanism.segments[segment](slots)
         else:
-            number = ctypes.c_size_t([*mechanism.segments].index(segment))
+            number = ctypes.c_size_t(self._segments.index(segment))
             self._function("evaluate", None)(number, slots.ctypes.data_as(ctypes.c_void_p))
         return {name: slots[place] for name, place in places.items()}
 
@@ -141,7 +145,8 @@ def load_scene(
 
 def is_linkage(files: Collection[str]) -> bool:
     """Whether files are those of the solver of a linkage, by their names."""
-    return any(name.startswith(f"{LINKAGE_LIBRARY}/") for name in files)
+    is_scene = MOTION_FILE in files
+    return is_scene and any(name.startswith(f"{LINKAGE_LIBRARY}/") for name in files)
 
 
 def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
@@ -157,21 +162,19 @@ def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
         raise LoadError(
             f"{folder} is not made from a linkage of nodes: it has no {LINKAGE_LIBRARY}"
         )
-    if NUMPY_SOURCE not in files:
-        raise LoadError(f"{folder} was generated without {NUMPY_SOURCE}, which has its tables")
-    module = import_source(folder, files, NUMPY_SOURCE)
-    require_digest(folder, manifest, NUMPY_SOURCE, module.DIGEST)
 
     def in_c() -> LinkageSolver:
         from kousoku.runtime.toolchain import find_toolchain
 
         library, _ = compiled(manifest, files, find_toolchain())
-        return LinkageSolver(sources, module, library)
+        return LinkageSolver(sources, Solver(), library)
 
     def in_numpy(reason: Exception | None) -> LinkageSolver:
         if reason is not None:
             say_once(f"kousoku uses the NumPy solver: {reason}")
-        return LinkageSolver(sources, module)
+        module = import_source(folder, files, NUMPY_SOURCE)
+        require_digest(folder, manifest, NUMPY_SOURCE, module.DIGEST)
+        return LinkageSolver(sources, module.SOLVER)
 
     return choose(target, folder, files, (C_SOURCE, in_c), (NUMPY_SOURCE, in_numpy))
 
@@ -192,40 +195,29 @@ def solve(
 def record_of(run: Run, rows: Rows) -> Any:
     """Return the record of ``solver.h`` that asks for a run and points at room for its rows."""
     record = _run_type(len(run.origin))()
-    for name in ("method", "max_iterations", "limit", "divisions", "start", "first", "rows"):
-        setattr(record, name, getattr(run, name))
-    for name in ("origin", "span", "turns", "rate", "rate_dot"):
-        getattr(record, name)[:] = getattr(run, name)
-    if run.times is not None:
-        record.times = run.times.ctypes.data
-    for name in RESULTS:
-        array = getattr(rows, name)
-        setattr(record, name, array.ctypes.data if array.size else None)
+    for field in RUN:
+        value = getattr(run if hasattr(run, field.name) else rows, field.name)
+        if field.is_pointer:
+            has_room = value is not None and value.size
+            setattr(record, field.name, value.ctypes.data if has_room else None)
+        elif field.is_by_input:
+            getattr(record, field.name)[:] = value
+        else:
+            setattr(record, field.name, value)
     return record
 
 
 def _run_type(inputs: int) -> type[ctypes.Structure]:
     """Return the record of ``solver.h``."""
-    numbers = ctypes.c_double * inputs
-    whole = ctypes.c_longlong
 
-    class Run(ctypes.Structure):
-        _fields_ = (
-            ("method", ctypes.c_int),
-            ("max_iterations", ctypes.c_int),
-            ("limit", ctypes.c_double),
-            *((name, whole) for name in ("divisions", "start", "first")),
-            ("rows", ctypes.c_size_t),
-            ("origin", numbers),
-            ("span", numbers),
-            ("turns", whole * inputs),
-            ("rate", numbers),
-            ("rate_dot", numbers),
-            ("times", ctypes.c_void_p),
-            *((name, ctypes.c_void_p) for name in RESULTS),
-            ("done", ctypes.c_size_t),
-            ("block", ctypes.c_size_t),
-            ("reached", numbers),
+    class Record(ctypes.Structure):
+        _fields_ = tuple(
+            (one.name, _TYPES[one.type] * inputs if one.is_by_input else _type_of(one.type))
+            for one in RUN
         )
 
-    return Run
+    return Record
+
+
+def _type_of(declared: str) -> Any:
+    return _TYPES.get(declared, ctypes.c_void_p)

@@ -44,7 +44,7 @@ if sys.platform == "win32":
     import msvcrt
 
     def _try_lock(handle: int) -> bool:
-        """Return False while another process holds the lock."""
+        """Whether the lock was taken; it is not while another process holds it."""
         try:
             msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
         except PermissionError:
@@ -57,7 +57,7 @@ else:
     import fcntl
 
     def _try_lock(handle: int) -> bool:
-        """Return False while another process holds the lock."""
+        """Whether the lock was taken; it is not while another process holds it."""
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -34,7 +34,7 @@ class KeptPlaces:
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> KeptPlaces:
-        """Return what ``motion.json`` says of a part."""
+        """Momenta of a part from ``motion.json``."""
         linear, angular = (tuple(map(tuple, data[name])) for name in ("linear", "angular"))
         return cls(tuple(data["bodies"]), linear, angular, data["is_central"])
 
@@ -61,7 +61,7 @@ class Momentum:
     is_central: bool = True
 
     def as_data(self) -> dict[str, object]:
-        """Return it ready for JSON."""
+        """Change as data, ready for JSON."""
         about = "centre of mass" if self.is_central else "a point of the ground"
         numbers = {"linear": self.linear, "angular": self.angular}
         return {"bodies": list(self.bodies), **numbers, "about": about}
@@ -78,7 +78,7 @@ class Momentum:
 
 
 def momenta_of(kept: Sequence[KeptPlaces], changes: Sequence[float]) -> tuple[Momentum, ...]:
-    """Return the changes by part.
+    """Changes by part.
 
     Parameters
     ----------

@@ -17,10 +17,10 @@ __all__ = ["Motion", "composed", "rotated"]
 
 
 def rotated(p: Array, v: Array) -> Array:
-    """Return A(p) v for rows of Euler parameters of norm one, and of vectors."""
+    """Matrix A(p) v for rows of Euler parameters of norm one, and of vectors."""
     return body_tables.rotated(p.T, v.T).T
 
 
 def composed(p: Array, q: Array) -> Array:
-    """Return p∘q for rows of Euler parameters, scalar first."""
+    """Products p∘q for rows of Euler parameters, scalar first."""
     return body_tables.composed(p.T, q.T).T

@@ -95,7 +95,7 @@ class Options:
     strict: bool = False
 
     def settings(self) -> Settings:
-        """Return what a solver takes."""
+        """Settings that a solver takes."""
         longest = min(self.largest_step, 1e300)
         method = METHODS.index(self.method)
         return Settings(self.tolerance, longest, self.step or 0.0, int(self.checks), method)
@@ -117,7 +117,7 @@ def options_of(
     strict: bool = False,
     estimate_error: bool = False,
 ) -> Options:
-    """Return the options of a run.
+    """Options of a run.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def options_of(
 
 
 def is_given_anew(solver: DynamicsSolver, values: tuple[tuple[str, float], ...]) -> bool:
-    """Return whether the start depends on parameters, which are not those of the scene."""
+    """Whether the start depends on parameters, which are not those of the scene."""
     return bool(solver.layout.given) and values != (solver.base or solver).parameters
 
 
@@ -214,5 +214,5 @@ def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> No
 def with_values(
     solver: DynamicsSolver, given: Mapping[str, float | str] | None
 ) -> tuple[tuple[str, float], ...]:
-    """Return all parameters, those that are given with their new values."""
+    """Parameters of a scene, all of them, those that are given with their new values."""
     return tuple(values_of(solver.name, dict(solver.parameters), given).items())

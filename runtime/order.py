@@ -62,12 +62,12 @@ ROWS = (0.0, 0.31, 0.57, 0.83, 1.0)
 
 @cache
 def trees(nodes: int) -> tuple[Tree, ...]:
-    """Return all rooted trees of so many nodes, each as the tuple of its branches."""
+    """Rooted trees of so many nodes, each as the tuple of its branches."""
     return tuple(dict.fromkeys(_forests(nodes - 1)))
 
 
 def _forests(nodes: int) -> Iterator[Tree]:
-    """Yield branches of so many nodes together, in order."""
+    """Branches of so many nodes together, in order."""
     if nodes == 0:
         yield ()
     for size in range(1, nodes + 1):
@@ -96,7 +96,7 @@ class _Weights:
         self._known: dict[Tree, tuple[list[int], list[float]]] = {}
 
     def __call__(self, tree: Tree) -> tuple[list[int], list[float]]:
-        """Return Φ in units of 2^(−GRAIN · branches' nodes), and what its terms add up to."""
+        """Weight Φ in units of 2^(−GRAIN · branches' nodes), and what its terms add up to."""
         if tree not in self._known:
             exact, sizes = [1] * len(self._exact), [1.0] * len(self._exact)
             for branch in tree:
@@ -108,7 +108,7 @@ class _Weights:
         return self._known[tree]
 
     def left(self, b: Sequence[float], tree: Tree, wanted: Fraction) -> tuple[float, float]:
-        """Return what a condition leaves, and what rounding of the table may leave of it."""
+        """Defect of an order condition, and what rounding of the table may leave of it."""
         exact, sizes = self(tree)
         total = sum(_whole(x) * y for x, y in zip(b, exact, strict=False))
         found = Fraction(total, 2 ** (GRAIN * _size(tree))) - wanted
@@ -121,7 +121,7 @@ def _whole(x: float) -> int:
 
 
 def table_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
-    """Yield what is wrong with the tables of the methods of a folder.
+    """Problems with the tables of the methods of a folder.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def table_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
 
 
 def _in_c(name: str, text: str) -> dict[str, list[float]]:
-    """Return the tables of a method in its header, by name."""
+    """Tables of a method in its header, by name."""
     found = {}
     for table, numbers in re.findall(rf"double {name}_(\w+)\[\] = \{{([^}}]*)\}}", text):
         found[table] = [float(x) for x in numbers.replace(",", " ").split()]
@@ -149,7 +149,7 @@ def _in_c(name: str, text: str) -> dict[str, list[float]]:
 
 
 def _in_python(method: Method) -> dict[str, list[float]]:
-    """Return the same as the method has them."""
+    """Tables of a method in Python, by name."""
     found = {"c": [*method.c], "error": [*method.errors[0]]}
     found |= {f"error_{k + 1}": [*row] for k, row in enumerate(method.errors) if k}
     tables = {"a": method.a, "dense": method.dense}
@@ -157,7 +157,7 @@ def _in_python(method: Method) -> dict[str, list[float]]:
 
 
 def wrong_conditions(method: Method) -> Iterator[str]:
-    """Yield which conditions the end of a step, its nodes and its estimates do not meet."""
+    """Order conditions that the end of a step, its nodes and its estimates do not meet."""
     weights = _Weights(method.a)
     for k, row in enumerate(method.a):
         if abs(math.fsum((*row, -method.c[k]))) > ROUNDING * math.fsum(map(abs, (*row, 1.0))):
@@ -183,7 +183,7 @@ def wrong_conditions(method: Method) -> Iterator[str]:
 
 
 def wrong_inside(method: Method, dense: ModuleType) -> Iterator[str]:
-    """Yield where the polynomial inside of a step has not the order that it should have."""
+    """Places where the polynomial inside of a step has not the order that it should have."""
     weights, order = _Weights(method.a), INSIDE[method.name]
     for x in PLACES:
         row = _at(method, dense, x)
@@ -203,7 +203,7 @@ def wrong_inside(method: Method, dense: ModuleType) -> Iterator[str]:
 
 
 def _sizes(method: Method) -> list[float]:
-    """Return how large the parts of the polynomial's weights are, stage by stage."""
+    """Sizes of the parts of the polynomial's weights, stage by stage."""
     found = [1.0] * method.all
     for row in (method.a[method.stages], *method.dense):
         for k, x in enumerate(row):
@@ -212,7 +212,7 @@ def _sizes(method: Method) -> list[float]:
 
 
 def _at(method: Method, dense: ModuleType, x: float) -> list[float]:
-    """Return b(x): what each derivative adds at the part x of a step of length one."""
+    """Weights b(x): what each derivative adds at the part x of a step of length one."""
     found = []
     for k in range(method.all):
         rows = np.zeros((method.all, 1))
@@ -237,7 +237,7 @@ def _at(method: Method, dense: ModuleType, x: float) -> list[float]:
 def shown_order_problems(
     solver: DynamicsSolver, methods: Sequence[Method], values: Mapping[str, float]
 ) -> Iterator[str]:
-    """Yield methods whose steps, halved and halved again, show a lower order than they have.
+    """Methods whose steps, halved and halved again, show a lower order than they have.
 
     Rows inside of steps are among what is compared, so that dense output counts. Where motions are
     too short, at rest, or led by drivers, nothing shows, and nothing is said.
@@ -269,7 +269,7 @@ def shown_order_problems(
 
 
 def _first_time(solver: DynamicsSolver, method: str, values: Mapping[str, float]) -> float:
-    """Return how far two steps go, zero where there are none."""
+    """Times that two steps reach, zero where there are none."""
     try:
         run = solver.begin([0.0, 1.0], tolerance=TOLERANCE, method=method, parameters=values)
         run.advance(max_steps=2)
@@ -281,7 +281,7 @@ def _first_time(solver: DynamicsSolver, method: str, values: Mapping[str, float]
 def _shown(
     solver: DynamicsSolver, method: str, values: Mapping[str, float], time: float
 ) -> float | None:
-    """Return the order that 2, 4 and 8 steps show, None where rounding or more hides it."""
+    """Order that 2, 4 and 8 steps show, None where rounding or more hides it."""
     found = []
     for count in (2, 4, 8):
         times = time * np.array(ROWS)

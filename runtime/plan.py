@@ -21,7 +21,7 @@ _MODULE = "kousoku_call"
 
 @cache
 def plan_type(toolchain: Toolchain) -> Callable[..., Any] | None:
-    """Return the type ``Plan`` of ``_call.c``, None where it cannot be built.
+    """Type ``Plan`` of ``_call.c``, None where it cannot be built.
 
     Without it the same checks run in Python, and ctypes does the calls: slower, with the same
     results and messages. It is built once for each version of Python and NumPy.
@@ -38,7 +38,7 @@ def plan_type(toolchain: Toolchain) -> Callable[..., Any] | None:
 
 
 def _headers() -> tuple[str, ...] | None:
-    """Return the folders of ``Python.h`` and ``numpy/arrayobject.h``, None if one is missing."""
+    """Folders of ``Python.h`` and ``numpy/arrayobject.h``, None if one is missing."""
     import sysconfig
 
     folders = (sysconfig.get_path("include"), np.get_include())

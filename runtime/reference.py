@@ -41,11 +41,11 @@ class Expected:
 
     @classmethod
     def of_columns(cls, columns: Mapping[str, Any]) -> Expected:
-        """Return what is stored of an output at one point; null is NaN."""
+        """Stored values of an output at one point; null is NaN."""
         return cls(*(np.array([columns[key]], dtype=np.float64) for key in ("high", "low", "unit")))
 
     def row(self, values: Floats, **told: Any) -> Row:
-        """Return the worst error of an output at one point.
+        """Worst error of an output at one point.
 
         Parameters
         ----------
@@ -65,7 +65,7 @@ class Expected:
         )
 
     def errors(self, values: Floats) -> Floats:
-        """Return how many units each element is off; infinite where no number of units says it.
+        """Errors in units, element by element; infinite where no number of units says it.
 
         Parameters
         ----------
@@ -104,11 +104,11 @@ class Reference:
     limits: tuple[Mapping[str, float], ...]
 
     def limits_of(self, output: str) -> Floats:
-        """Return how many units an output may be off at each point."""
+        """Limits of an output in units, point by point."""
         return np.array([limits.get(output, LIMIT) for limits in self.limits])
 
     def inputs_at(self, point: int, kernel: KernelManifest) -> tuple[tuple[str, str], ...]:
-        """Return the names of the inputs and their numbers at a point, with all their digits."""
+        """Names of the inputs and their numbers at a point, with all their digits."""
         return tuple(
             (q.name, str(array[point].tolist()))
             for q, array in zip(kernel.inputs, self.inputs, strict=True)
@@ -118,7 +118,7 @@ class Reference:
 def read_references(
     folder: Path, manifest: Manifest, files: Mapping[str, bytes]
 ) -> dict[str, Reference]:
-    """Return the reference values of every kernel of a package.
+    """Reference values of every kernel of a package.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def read_references(
 
 
 def reference_of(kernel: KernelManifest, points: list[dict[str, Any]]) -> Reference:
-    """Return points of a kernel as the reference file has them, as arrays."""
+    """Points of a kernel as the reference file has them, as arrays."""
 
     def stack(q: Quantity) -> Floats:
         rows = [[float(x) for x in point["inputs"][q.name]] for point in points]

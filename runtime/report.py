@@ -73,7 +73,7 @@ class Row:
 
 
 def worst_rows(rows: Iterable[Row]) -> tuple[Row, ...]:
-    """Return the worst row of each output of each kernel, in the order of the first ones."""
+    """Worst row of each output of each kernel, in the order of the first ones."""
     worst: dict[tuple[str, str], Row] = {}
     for row in rows:
         known = worst.setdefault((row.kernel, row.output), row)
@@ -133,7 +133,7 @@ class Report:
             raise VerifyError(f"{self.package}: " + "\n".join(self.problems))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the report as JSON can hold it; what is not finite becomes text."""
+        """Report as JSON can hold it; what is not finite becomes text."""
         return {
             "package": self.package,
             "folder": self.folder,
@@ -148,7 +148,7 @@ class Report:
         }
 
     def __str__(self) -> str:
-        """Return a table of all outputs, the worst point, and what is wrong."""
+        """Table of all outputs, the worst point, and what is wrong."""
         head = ("kernel", "output", "way", "worst [units]", "at point")
         cells = [
             (r.kernel, r.output, r.way, _units(r.worst), f"{r.point} ({r.label})")

@@ -25,7 +25,7 @@ from kousoku.runtime.integrate.initial_given import initial_of, parameters_of
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.nearly_dependent import nearly_dependent
 from kousoku.runtime.integrate.result import listed
-from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, Status
+from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, MESSAGES, Status
 from kousoku.runtime.options import is_given_anew, require_unmoved, with_values
 from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies
@@ -43,22 +43,7 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-MESSAGES: dict[int, str] = {
-    Status.STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is"
-    " too fast, or the tolerance is too tight for doubles",
-    Status.NOT_PROJECTED: "the constraints cannot be met inside of a step, as where their rows are"
-    " dependent; steps of other lengths may pass such a place",
-    Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not"
-    " determine the motion there, or a formula of a force has no finite value there, which"
-    " kousoku check names",
-    Status.BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
-    Status.NOT_CLOSED: "joints come open: constraints that were left out, because they depend on"
-    " others where they were looked at, do not depend on them here",
-    Status.DEPENDENT: "rows of joints depend on each other nearly, that do not with the parameters"
-    " of the scene",
-    Status.WRONG_STATE: "the state belongs to another solver, or was damaged",
-}
-#: Instead of the second of them, where steps have a length that was given.
+#: Instead of what is said of ``NOT_PROJECTED``, where steps have a length that was given.
 TOO_LONG = (
     "the constraints cannot be met inside of a step of {step:g} s, which is too long, or their rows"
     " are dependent; try a smaller step"
@@ -218,7 +203,7 @@ class Run:
         self._start()
 
     def _room(self) -> Array:
-        """Return room for all rows."""
+        """Room for all rows."""
         size = self.solver.target.row_size
         require_room(self.solver.name, len(self.times), size)
         try:
@@ -260,25 +245,25 @@ class Run:
         return without_value(self.solver.layout, self.state.item(self._places["event"]), where)
 
     def _still(self) -> str:
-        """Return the note that nothing can move, where that is so."""
+        """Note that nothing can move, where that is so."""
         return "".join(f"; {note}" for note in self.solver.layout.notes if STILL in note)
 
     def _led(self, y: Array) -> tuple[Array, Array]:
-        """Return q and v with initial values, given where the scene starts."""
+        """Start q, v with initial values, given where the scene starts."""
         from kousoku.runtime.integrate.placing import started
 
         there = self._there
         return started(there.layout, there.checked, self._evaluate(), y, self.options.initial)
 
     def _evaluate(self) -> Evaluate:
-        """Return what the scene computes at time 0, with the parameters of the run."""
+        """Outputs of the scene at time 0, with the parameters of the run."""
         from kousoku.runtime.integrate.initial import evaluated
 
         target = self.solver.target
         return evaluated(target.evaluate, self._values, target.work_size, self._there.places)
 
     def _gaps(self, y: Array) -> Array:
-        """Return what is left of the rows where the start came, with the parameters of the run.
+        """Residuals of the rows where the start came, with the parameters of the run.
 
         On the way there others were tried, of which a small gap was left.
         """
@@ -392,7 +377,7 @@ class Run:
         return self.motion()
 
     def _estimate(self, progress: Callable[[float, float], object] | None) -> ErrorEstimate:
-        """Return the error of all rows, from a second run by another method."""
+        """Error of all rows, from a second run by another method."""
         begin = perf_counter()
         written = self.times[: self.written]
         times, options = second_times(written, self.options), second_options(self.options)
@@ -468,7 +453,7 @@ class Run:
         )
 
     def motion(self) -> Motion:
-        """Return what was computed so far."""
+        """Motion that was computed so far."""
         rows = self._rows[: self.written]
         is_complete = len(rows) == len(self.times)
         if self._status == Status.STOPPED:  # the state there stands at the end
@@ -494,11 +479,11 @@ class Run:
         return motion
 
     def _events(self, told: Sequence[Array]) -> Array:
-        """Return the rows of events, as of :class:`Told`."""
+        """Rows of events, as of :class:`Told`."""
         return np.array(told).reshape(-1, 1 + self.solver.target.row_size)
 
     def save(self) -> SavedRun:
-        """Return all that is needed to go on, as it is now."""
+        """Saved run: all that is needed to go on, as it is now."""
         rows = self._rows[: self.written].copy()
         events = self._events(self._told)
         return SavedRun(self.options, self.times, self.state.copy(), rows, events).sealed()

@@ -167,7 +167,7 @@ class RunLedger:
         return f"<RunLedger: {str(self).splitlines()[0]}; print() shows all>"
 
     def worst(self, level: str) -> tuple[float, float]:
-        """Return the largest violation of all joints at a level, in metres and in radians."""
+        """Largest violation of all joints at a level, in metres and in radians."""
         k = LEVELS.index(level)
         found = self.violations.values()
         return (
@@ -176,12 +176,12 @@ class RunLedger:
         )
 
     def worst_joint(self, level: str) -> str:
-        """Return the joint with the largest violation at a level; there is one at least."""
+        """Joint with the largest violation at a level; there is one at least."""
         k, found = LEVELS.index(level), self.violations
         return max(found, key=lambda name: max(found[name].metres[k], found[name].radians[k]))
 
     def _control(self) -> str:
-        """Return what decides how long steps are."""
+        """Lines about what decides how long steps are."""
         if self.method == KINEMATICS:
             return "driven"
         if self.fixed_step is not None:
@@ -189,7 +189,7 @@ class RunLedger:
         return f"tolerance {self.tolerance:g}"
 
     def as_data(self) -> dict[str, object]:
-        """Return it ready for JSON, without the verdict."""
+        """Ledger as data, ready for JSON, without the verdict."""
         named = {name: getattr(self, name) for name in self.__slots__ if name != "trust"}
         named["violations"] = {
             joint: {"metres": list(one.metres), "radians": list(one.radians)}
@@ -205,7 +205,7 @@ class RunLedger:
         return named
 
     def _of_constraints(self) -> Iterator[str]:
-        """Yield what is left of the constraints, and where they nearly depend on each other."""
+        """Lines about residuals of the constraints, and where these nearly depend on each other."""
         if not self.violations:
             return
         for level, per in zip(LEVELS, ("", "/s", "/s²"), strict=True):
@@ -293,7 +293,7 @@ def ledger_of(
     seconds: Mapping[str, float],
     error: ErrorEstimate | None = None,
 ) -> RunLedger:
-    """Return the ledger of a run.
+    """Ledger of a run.
 
     Parameters
     ----------
@@ -361,7 +361,7 @@ def _events(events: Sequence[tuple[str, str]], counts: Array) -> dict[str, int]:
 
 
 def _works(y: Array, works: Sequence[tuple[str, int]], options: Options) -> dict[str, float]:
-    """Return the works; where drivers determine the motion steps fit them for the ledger only."""
+    """Works; where drivers determine the motion steps fit them for the ledger only."""
     if options.method == KINEMATICS and not options.checks:
         return {}
     return {name: float(y[place]) for name, place in works}
@@ -370,7 +370,7 @@ def _works(y: Array, works: Sequence[tuple[str, int]], options: Options) -> dict
 def violations_of(
     worst: Array, rows: Sequence[Sequence[str]], order: Sequence[str] = ()
 ) -> dict[str, Violation]:
-    """Return the largest residuals of joints.
+    """Largest residuals of joints.
 
     Parameters
     ----------

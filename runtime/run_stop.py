@@ -26,7 +26,7 @@ NEAR = 100.0
 
 
 def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Array) -> str:
-    """Return the end of a message: the joints that are open, and those whose rows are dependent.
+    """End of a message: the joints that are open, and those whose rows are dependent.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Ar
 def joints_of_bodies(
     rows: Sequence[tuple[str, str]], reduced: Sequence[tuple[str, str]], *, is_driven: bool
 ) -> str:
-    """Return the end of a message: the drivers that lead bodies, or the joints that they are on.
+    """End of a message: the drivers that lead bodies, or the joints that they are on.
 
     Parameters
     ----------

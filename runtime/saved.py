@@ -43,7 +43,7 @@ OF_ROWS = ("energy_error", "energy_moved", "work_error", "violations")
 
 
 def digest_of(arrays: Mapping[str, npt.NDArray[Any]]) -> str:
-    """Return the SHA-256 digest of arrays: of their names, types, shapes and content."""
+    """SHA-256 digest of arrays: of their names, types, shapes and content."""
     total = hashlib.sha256()
     for name in sorted(arrays):
         array = np.asarray(arrays[name])
@@ -80,7 +80,7 @@ class SavedRun:
     digest: str = ""
 
     def sealed(self) -> SavedRun:
-        """Return it with the digest of what it holds."""
+        """Saved run with the digest of what it holds."""
         arrays = {"times": self.times, "state": self.state, "rows": self.rows}
         text = np.array(repr(self.options))
         return replace(self, digest=digest_of(arrays | {"events": self.events, "options": text}))
@@ -91,7 +91,7 @@ class SavedRun:
 
 
 def checked(solver: DynamicsSolver, saved: object) -> SavedRun:
-    """Return a saved run whose numbers fit the solver and each other.
+    """Saved run whose numbers fit the solver and each other.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def _options(solver: DynamicsSolver, given: object) -> Options:
 
 
 def _problems(solver: DynamicsSolver, saved: SavedRun) -> Iterator[str]:
-    """Yield what does not fit; what follows the first may rest on it."""
+    """Problems of a saved run; what follows the first may rest on it."""
     target, fields = solver.target, solver.state
     if saved.state.shape != (target.state_size,):
         yield (
@@ -183,7 +183,7 @@ def _problems(solver: DynamicsSolver, saved: SavedRun) -> Iterator[str]:
 def _disagreements(
     solver: DynamicsSolver, saved: SavedRun, written: int, method: float
 ) -> Iterator[str]:
-    """Yield where the parts of a saved run say different things."""
+    """Places where the parts of a saved run say different things."""
     fields, rows, times = solver.state, saved.rows, saved.times
     if written > len(times):
         yield f"{written} rows are written, {len(times)} times are asked for"

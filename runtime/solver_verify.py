@@ -46,7 +46,7 @@ class SolverCheck(ABC, Generic[Solver]):
 
     @abstractmethod
     def load(self, target: Target) -> Solver:
-        """Return the solver by a target."""
+        """Solver by a target."""
 
     @abstractmethod
     def require(self, data: Mapping[str, Any]) -> object:
@@ -54,18 +54,18 @@ class SolverCheck(ABC, Generic[Solver]):
 
     @abstractmethod
     def rows(self, solver: Solver, data: Mapping[str, Any]) -> Iterable[Row]:
-        """Return the worst error of each output."""
+        """Worst error of each output."""
 
     @abstractmethod
     def problems(self, solvers: Sequence[Solver], data: Data) -> Iterator[str]:
-        """Yield what else is wrong: with motions, tables, and one target beside the other."""
+        """Problems besides: with motions, tables, and one target beside the other."""
 
     def notes(self, data: Mapping[str, Any]) -> Iterator[str]:
-        """Yield what is not compared, and why."""
+        """Notes on what is not compared, and why."""
         return iter(())
 
     def verify(self, target: Target) -> Report:
-        """Return whether the folder computes what was composed.
+        """Whether the folder computes what was composed.
 
         Parameters
         ----------
@@ -109,7 +109,7 @@ class SolverCheck(ABC, Generic[Solver]):
         return data
 
     def _solvers(self, target: Target, problems: list[str], notes: list[str]) -> Iterator[Solver]:
-        """Yield the solver by each target; what cannot be had is a problem or a note."""
+        """Solver by each target; what cannot be had is a problem or a note."""
         targets: tuple[Target, ...] = ("c", "numpy")
         for wanted in targets:
             if target not in {"auto", wanted}:

@@ -37,7 +37,7 @@ class Sources:
         return Sources, (self.folder, self.manifest, dict(self.files))
 
     def place(self) -> Path:
-        """Return a folder that has them: where they lay, or one in the cache.
+        """Folder that has them: where they lay, or one in the cache.
 
         Raises
         ------

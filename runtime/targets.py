@@ -156,7 +156,7 @@ def _problem(library: ctypes.CDLL, manifest: Manifest) -> str:
 
 
 def lane_width(library: ctypes.CDLL, package: str) -> int:
-    """Return the count of lanes of a block in a library."""
+    """Count of lanes of a block in a library."""
     function = library[f"kousoku_{package}_lanes"]
     function.restype = ctypes.c_size_t
     function.argtypes = ()

@@ -96,13 +96,13 @@ class Toolchain:
     def compile_command(
         self, sources: Sequence[str], library: str, extra: Sequence[str] = ()
     ) -> tuple[str, ...]:
-        """Return the command that builds a shared library from C sources."""
+        """Command that builds a shared library from C sources."""
         flags = (*self.flags, *extra, *_SHARED)
         return (*self.command, *flags, "-o", library, *sources, *LIBRARIES)
 
 
 def find_toolchain() -> Toolchain:
-    """Return this machine's compiler.
+    """Compiler of this machine.
 
     A compiler is probed once a process for each setting of the environment; it is never remembered
     on disk, so that a library built for another processor cannot be taken for this one's.
@@ -151,7 +151,7 @@ def _first(usual: str, path: str, added: tuple[str, ...]) -> Toolchain:
 
 
 def _located(text: str, path: str) -> tuple[str, ...] | None:
-    """Return a command with its program's full path, None where there is no such program."""
+    """Command with its program's full path, None where there is no such program."""
     whole = shutil.which(text, path=path)  # a path may hold blanks
     if whole:
         return (whole,)
@@ -228,5 +228,5 @@ def run(
 
 
 def output(process: subprocess.CompletedProcess[bytes]) -> str:
-    """Return everything a compiler printed."""
+    """Everything a compiler printed."""
     return (process.stdout + process.stderr).decode(errors="replace").strip()

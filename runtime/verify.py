@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kousoku.model.manifest import KernelManifest
-    from kousoku.runtime.evaluate import Evaluation
+    from kousoku.runtime.evaluate import EvaluatedOutput
     from kousoku.runtime.reference import Reference
 
 __all__ = ["LIMIT", "Report", "Row", "verify"]
@@ -98,7 +98,7 @@ def _libraries(
     problems: list[str],
     notes: list[str],
 ) -> Iterator[Library]:
-    """Yield the package for every target to check; what cannot be had is a problem or a note."""
+    """Package for every target to check; what cannot be had is a problem or a note."""
     targets: tuple[Literal["c", "numpy"], ...] = ("c", "numpy") if target == "auto" else (target,)
     for wanted in targets:
         try:
@@ -118,9 +118,9 @@ def _libraries(
 
 
 def rows_of(
-    kernel: KernelManifest, reference: Reference, evaluations: Sequence[Evaluation]
+    kernel: KernelManifest, reference: Reference, evaluations: Sequence[EvaluatedOutput]
 ) -> Iterator[Row]:
-    """Yield the worst error of each output in each way of calling."""
+    """Worst error of each output in each way of calling."""
     for way in dict.fromkeys(evaluation.way for evaluation in evaluations):
         for k in range(len(kernel.outputs)):
             candidates = [e for e in evaluations if e.way == way and e.output == k]
@@ -132,9 +132,12 @@ def rows_of(
 
 
 def _row(
-    kernel: KernelManifest, reference: Reference, evaluation: Evaluation, is_here: NDArray[np.bool_]
+    kernel: KernelManifest,
+    reference: Reference,
+    evaluation: EvaluatedOutput,
+    is_here: NDArray[np.bool_],
 ) -> Row:
-    """Return the worst error at the points that are meant."""
+    """Worst error at the points that are meant."""
     expected = reference.outputs[evaluation.output]
     errors = expected.errors(evaluation.values)
     errors[~np.resize(is_here, len(errors))] = 0.0

@@ -18,7 +18,7 @@ from kousoku.symbolic.components import dot, rotate
 from kousoku.symbolic.constraint import derive_constraint
 from kousoku.symbolic.derivation import Step
 from kousoku.symbolic.forms import (
-    Closed,
+    ClosedForm,
     Constraint,
     Plain,
     blocks_of,
@@ -30,8 +30,7 @@ from kousoku.symbolic.forms import (
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
-    Matrix,
-    Named,
+    NamedMatrix,
     NamedScalar,
     add,
     elements,
@@ -46,13 +45,14 @@ from kousoku.symbolic.variation import abbreviate, orthogonality, replaced
 
 if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Derivation
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 THIRD = Quantity("b_i_b", (3,), "-", "direction in body i across axis and a_i, frame of i")
 #: The zero direction of j seen from the frame of i.
-Y = Named("y", mul(transpose(A["i"]), A["j"], SYMBOLS["a_j_b"]))
+Y = NamedMatrix("y", mul(transpose(A["i"]), A["j"], SYMBOLS["a_j_b"]))
 #: Its rate, and its second rate without accelerations.
-Y_DOT = Named("y_dot", abbreviate(RATE(Y), Y))
-Y_DDOT = Named("y_ddot", abbreviate(curvature(Y), Y))
+Y_DOT = NamedMatrix("y_dot", abbreviate(RATE(Y), Y))
+Y_DDOT = NamedMatrix("y_ddot", abbreviate(curvature(Y), Y))
 #: Cosine and sine of the angle, times the lengths of the vectors.
 COSINE = NamedScalar("c", Dot(SYMBOLS["a_i_b"], Y))
 SINE = NamedScalar("s", Dot(symbol(THIRD), Y))
@@ -61,36 +61,41 @@ SQUARE = Divisor(COSINE**2 + SINE**2)
 APART = NamedScalar("apart", (COSINE**2 + SINE**2) / SQUARE)
 
 #: The axis, times the lengths of a_i and b_i.
-AXIS = Named("n", mul(skew(SYMBOLS["a_i_b"]), symbol(THIRD)))
+AXIS = NamedMatrix("n", mul(skew(SYMBOLS["a_i_b"]), symbol(THIRD)))
 #: Their n1 with a_j has the Jacobians of θ and of ρ = ln √(c² + s²), frame of i.
-ACROSS = Named("h", mul(1 / SQUARE, Named("m", mul(skew(AXIS), Y))))
-ALONG = Named("g", add(mul(COSINE / SQUARE, SYMBOLS["a_i_b"]), mul(SINE / SQUARE, symbol(THIRD))))
+ACROSS = NamedMatrix("h", mul(1 / SQUARE, NamedMatrix("m", mul(skew(AXIS), Y))))
+ALONG = NamedMatrix(
+    "g", add(mul(COSINE / SQUARE, SYMBOLS["a_i_b"]), mul(SINE / SQUARE, symbol(THIRD)))
+)
 
 #: Rates and γ of the cosine and the sine.
 RATES = ("c_dot", "s_dot", "gamma_c", "gamma_s")
 
 
 def derive(_: str) -> Derivation:
-    """Return the derivation of ``angle``."""
+    """Derivation of ``angle``: θ = atan2(s, c) [rad], from two outputs of n1, lecture 8.2, (8.9).
+
+    c = a_i·a_j and s = b_i·a_j; a_i and b_i are vectors of body i, across the axis, frame O.
+    """
     return derive_constraint(_angle())
 
 
-def _row(vector: Matrix) -> tuple[Matrix, ...]:
-    """Return the Jacobian of n1 for a fixed vector of body i, frame of i, and a_j."""
+def _row(vector: SymbolicMatrix) -> tuple[SymbolicMatrix, ...]:
+    """Jacobian of n1 for a fixed vector of body i, frame of i, and a_j."""
     return blocks_of(DELTA(_n1(vector)), orthogonality, (Y,))
 
 
-def _second(vector: Matrix) -> list[tuple[Matrix, ...]]:
-    """Return δ of the transposed blocks of this Jacobian."""
+def _second(vector: SymbolicMatrix) -> list[tuple[SymbolicMatrix, ...]]:
+    """Variations of the transposed blocks of this Jacobian."""
     return [blocks_of(DELTA(transpose(block)), orthogonality, (Y,)) for block in _row(vector)]
 
 
-def _n1(vector: Matrix) -> Matrix:
+def _n1(vector: SymbolicMatrix) -> SymbolicMatrix:
     return mul(transpose(vector), transpose(A["i"]), A["j"], SYMBOLS["a_j_b"])
 
 
-def _closed() -> Closed:
-    """Return θ_q and θ_qq: with u = c + i s, ln u = ρ + i θ and (ln u)_qq = u_qq/u − (u_q/u)²."""
+def _closed() -> ClosedForm:
+    """Slopes θ_q and θ_qq: with u = c + i s, ln u = ρ + i θ and (ln u)_qq = u_qq/u − (u_q/u)²."""
     fixed = MatrixSymbol("h", 3, 1)
     own, other = (
         name_blocks(letter, [replaced(block, fixed, vector) for block in _row(fixed)])
@@ -98,13 +103,14 @@ def _closed() -> Closed:
     )
     # Seen from j, so that nothing is lost of what stands along the axes of j.
     squares = [Dot(SYMBOLS[f"p_{body}"], SYMBOLS[f"p_{body}"]) for body in BODIES]
-    axis_from_j = Named("n_j", mul(transpose(A["j"]), A["i"], AXIS))
-    across = Named("m_j", mul(skew(axis_from_j), SYMBOLS["a_j_b"]))
+    axis_from_j = NamedMatrix("n_j", mul(transpose(A["j"]), A["i"], AXIS))
+    across = NamedMatrix("m_j", mul(skew(axis_from_j), SYMBOLS["a_j_b"]))
     inverse = APART * squares[0] * squares[1] / SQUARE
-    turn = mul(inverse, Named("o_j", mul(skew(SYMBOLS["a_j_b"]), across)))
-    row = (*own[:3], Named(own[3].name, transpose(turn)))
+    turn = mul(inverse, NamedMatrix("o_j", mul(skew(SYMBOLS["a_j_b"]), across)))
+    assert isinstance(own[3], NamedMatrix)
+    row = (*own[:3], NamedMatrix(own[3].name, transpose(turn)))
     kept = [[replaced(block, fixed, ACROSS) for block in line] for line in _second(fixed)]
-    return Closed(
+    return ClosedForm(
         row,
         name_lines("K", less_products(kept, (own, other), (other, own))),
         (
@@ -116,21 +122,24 @@ def _closed() -> Closed:
     )
 
 
-def _n1_rate(vector: Matrix) -> Matrix:
-    """Return Ω·(y × a), the rate of n1 for a vector a of body i and a_j, frame of i."""
+def _n1_rate(vector: SymbolicMatrix) -> SymbolicMatrix:
+    """Rate Ω·(y × a), the rate of n1 for a vector a of body i and a_j, frame of i."""
     return mul(transpose(turning_seen_from("i").omega), skew(Y), vector)
 
 
 def _gamma() -> Step:
-    """Return γ, that of n1 for h and a_j and 2 θ̇ ρ̇: small where the bodies turn together."""
-    theta_dot, rho_dot = Named("theta_dot", _n1_rate(ACROSS)), Named("rho_dot", _n1_rate(ALONG))
+    """Step of γ, that of n1 for h and a_j and 2 θ̇ ρ̇: small where the bodies turn together."""
+    theta_dot, rho_dot = (
+        NamedMatrix("theta_dot", _n1_rate(ACROSS)),
+        NamedMatrix("rho_dot", _n1_rate(ALONG)),
+    )
     gamma = add(n1_gamma(ACROSS, "i"), mul(2, theta_dot, rho_dot))
     rule = "that of n1 for h and a_j, and dh/dt = −g dθ/dt − h dρ/dt"
     return Step(MatrixSymbol("gamma", 1, 1), gamma, rule, "7.15")
 
 
 def _plain() -> Plain:
-    """Return what the chain rule gives of atan2(s, c), in c and s, their rows, rates and γ."""
+    """Derivatives of atan2(s, c) by the chain rule, in c and s, their rows, rates and γ."""
     first, second = SYMBOLS["a_i_b"], symbol(THIRD)
     c_q, s_q = name_blocks("c", _row(first)), name_blocks("s", _row(second))
     lines = zip(name_lines("c", _second(first)), name_lines("s", _second(second)), strict=True)
@@ -141,15 +150,15 @@ def _plain() -> Plain:
     return Plain(row, less_products(whole, (row, other), (other, row)), gamma)
 
 
-def _chain(of_c: Matrix, of_s: Matrix) -> tuple[Matrix, Matrix]:
-    """Return the derivatives of θ and of ρ from those of c and s."""
+def _chain(of_c: SymbolicMatrix, of_s: SymbolicMatrix) -> tuple[SymbolicMatrix, SymbolicMatrix]:
+    """Derivatives of θ and of ρ from those of c and s."""
     by_c, by_s = SINE / SQUARE, COSINE / SQUARE
     return add(mul(by_s, of_s), mul(-by_c, of_c)), add(mul(by_s, of_c), mul(by_c, of_s))
 
 
-def _plain_gamma(*forms: Matrix) -> Matrix:
-    """Return γ from the rates of c and s, and from their γ."""
-    c_dot, s_dot, *gammas = map(Named, RATES, forms)
+def _plain_gamma(*forms: SymbolicMatrix) -> SymbolicMatrix:
+    """Components of γ from the rates of c and s, and from their γ."""
+    c_dot, s_dot, *gammas = map(NamedMatrix, RATES, forms)
     theta_dot, rho_dot = _chain(c_dot, s_dot)
     return add(_chain(*gammas)[0], mul(2, theta_dot, rho_dot))
 

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sympy import S
 from sympy.matrices.expressions import MatrixSymbol
 
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import Flow, half_turn
-from kousoku.symbolic.matrices import Matrix, Orientation, elements, symbol, vector
+from kousoku.symbolic.matrices import Orientation, elements, symbol, vector
 from kousoku.symbolic.variation import Variation
+
+if TYPE_CHECKING:
+    from kousoku.symbolic.sympy_types import Letter
 
 BODIES = ("i", "j")
 
@@ -44,26 +47,26 @@ A = {body: Orientation(SYMBOLS[f"p_{body}"]) for body in BODIES}
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class JacobianColumns:
     """A block of columns of a Jacobian: three coordinates of one body.
 
     Parameters
     ----------
     name : str
         ``r_i`` or ``θ_i``.
-    delta, velocity, acceleration : Matrix
+    delta, velocity, acceleration : Letter
         δr or δθ′, and what stands for it when δ is d/dt, once and twice.
     """
 
     name: str
-    delta: Matrix
-    velocity: Matrix
-    acceleration: Matrix
+    delta: Letter
+    velocity: Letter
+    acceleration: Letter
 
 
-def _column(body: str, *, is_rotation: bool) -> Column:
+def _column(body: str, *, is_rotation: bool) -> JacobianColumns:
     name = f"omega_{body}_b" if is_rotation else f"v_{body}"
-    return Column(
+    return JacobianColumns(
         f"θ_{body}" if is_rotation else f"r_{body}",
         vector(f"δθ_{body}_b" if is_rotation else f"δr_{body}"),
         SYMBOLS[name],
@@ -97,7 +100,7 @@ SPINS = (*COMPONENTS["omega_i_b"], *COMPONENTS["omega_j_b"])
 
 
 def unit_flows() -> tuple[Flow, ...]:
-    """Return the derivatives along δr^i, δθ′^i, δr^j, δθ′^j, one for each component."""
+    """Derivatives along δr^i, δθ′^i, δr^j, δθ′^j, one for each component."""
     flows: list[Flow] = []
     for body in BODIES:
         r, p = COMPONENTS[f"r_{body}"], COMPONENTS[f"p_{body}"]
@@ -109,7 +112,7 @@ def unit_flows() -> tuple[Flow, ...]:
 
 
 def motion_flow() -> Flow:
-    """Return d/dt on the component level at constant v and ω′."""
+    """Time derivative on the component level at constant v and ω′."""
     change: dict[Any, Any] = {}
     for body in BODIES:
         change.update(zip(COMPONENTS[f"r_{body}"], COMPONENTS[f"v_{body}"], strict=True))

@@ -14,13 +14,22 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.derivation import Derivation, Function, Output, Step
-from kousoku.symbolic.matrices import Named, add, elements, mul, neg, symbol, transpose, vector
+from kousoku.symbolic.matrices import (
+    NamedMatrix,
+    add,
+    elements,
+    mul,
+    neg,
+    symbol,
+    transpose,
+    vector,
+)
 from kousoku.symbolic.variation import Variation, coefficient, without
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.symbolic.matrices import Matrix
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 TITLE = "linear_combination, coordinates coupled to each other (COUPLER, MOTION)"
 SOURCE = "lecture 7.1, (7.10)"
@@ -61,7 +70,7 @@ RATE = Variation(
 )
 
 
-def _combined(parts: Sequence[Matrix]) -> Matrix:
+def _combined(parts: Sequence[SymbolicMatrix]) -> SymbolicMatrix:
     return add(*(mul(symbol(FACTORS[k]), part) for k, part in zip(BOTH, parts, strict=True)))
 
 
@@ -76,7 +85,7 @@ GAMMA = add(_combined([symbol(GAMMAS[k]) for k in BOTH]), symbol(LAW_DDOT))
 
 
 def derive(_: str) -> Derivation:
-    """Return the derivation of ``linear_combination``."""
+    """Derivation of ``linear_combination``: c₁ u₁ + c₂ u₂ + b − f(t) = 0 (1,) of coordinates u."""
     functions = (_constraint(), _rates(), _reaction())
     return Derivation(
         "linear_combination", "linear_combination", TITLE, SOURCE, _steps(), functions
@@ -92,7 +101,7 @@ def _steps() -> tuple[Step, ...]:
         add(*(mul(block, changes[k]) for k, block in zip(BOTH, JACOBIAN, strict=True)))
         for changes in (DELTAS, VELOCITIES)
     ]
-    given = [Named(f"gamma_{k}", neg(mul(TURNING[k], VELOCITIES[k]))) for k in BOTH]
+    given = [NamedMatrix(f"gamma_{k}", neg(mul(TURNING[k], VELOCITIES[k]))) for k in BOTH]
     blocks = [
         Step(MatrixSymbol(f"C_{k}", 1, COLUMNS), block, f"coefficient of δq_{k}", "")
         for k, block in zip(BOTH, JACOBIAN, strict=True)

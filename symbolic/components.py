@@ -6,36 +6,53 @@ velocity ṗ = ½ p∘(0, ω′), and everything else is the chain rule on the p
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy
 from sympy import Rational, S
 
 from kousoku.symbolic.matrices import quadratic_form
+from kousoku.symbolic.sympy_types import as_scalar
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-Scalar = Any
+    from kousoku.symbolic.sympy_types import Scalar
 
 
 def rotate(p: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
-    """Return the elements of A(p) v, frame O."""
+    """Elements of A(p) v, frame O: lecture 7.1, (4.3).
+
+    Parameters
+    ----------
+    p : (4,) [-]
+        Euler parameters, scalar first, of any norm.
+    v : (3,)
+        A vector in the body frame; the result has its unit, times (p·p).
+    """
     return [dot(row, v) for row in quadratic_form(p)]
 
 
 def rotate_back(p: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
-    """Return the elements of A(p)ᵀ v, body frame."""
+    """Elements of A(p)ᵀ v, body frame: lecture 7.1, (4.3).
+
+    Parameters
+    ----------
+    p : (4,) [-]
+        Euler parameters, scalar first, of any norm.
+    v : (3,)
+        A vector in frame O; the result has its unit, times (p·p).
+    """
     return [dot(column, v) for column in zip(*quadratic_form(p), strict=True)]
 
 
 def dot(u: Sequence[Scalar], v: Sequence[Scalar]) -> Scalar:
-    """Return the elements' sum of products."""
+    """Sum of products of the elements, uᵀv."""
     return sum((a * b for a, b in zip(u, v, strict=True)), S.Zero)
 
 
 def cross(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
-    """Return the elements of u × v."""
+    """Elements of u × v."""
     return [
         u[1] * v[2] - u[2] * v[1],
         u[2] * v[0] - u[0] * v[2],
@@ -44,23 +61,23 @@ def cross(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
 
 
 def subtract(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
-    """Return the elements of u − v."""
+    """Elements of u − v."""
     return [a - b for a, b in zip(u, v, strict=True)]
 
 
 def plus(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
-    """Return the elements of u + v."""
+    """Elements of u + v."""
     return [a + b for a, b in zip(u, v, strict=True)]
 
 
 def compose(p: Sequence[Scalar], q: Sequence[Scalar]) -> list[Scalar]:
-    """Return the elements of the quaternion product p∘q, scalar first."""
+    """Elements (4,) of the quaternion product p∘q, scalar first: the turn q, then p."""
     vector = plus(plus([p[0] * c for c in q[1:]], [q[0] * c for c in p[1:]]), cross(p[1:], q[1:]))
     return [p[0] * q[0] - dot(p[1:], q[1:]), *vector]
 
 
 def half_turn(p: Sequence[Scalar], theta: Sequence[Scalar]) -> list[Scalar]:
-    """Return the elements of ½ p∘(0, θ): how p changes with a rotation θ in the body frame."""
+    """Elements (4,) of ½ p∘(0, θ): how p changes with a rotation θ [rad] in the body frame."""
     return [Rational(1, 2) * c for c in compose(p, [S.Zero, *theta])]
 
 
@@ -81,7 +98,7 @@ class Flow:
         self._memo: dict[Scalar, Scalar] = {}
 
     def __call__(self, x: Scalar) -> Scalar:
-        """Return the derivative of ``x``."""
+        """Derivative of ``x``."""
         known = self._memo.get(x)
         if known is None:
             known = self._memo[x] = self._derivative(x)
@@ -92,19 +109,19 @@ class Flow:
             return self._direction.get(x, S.Zero)
         if x.is_Add:
             total = sympy.Add(*(self(arg) for arg in x.args))
-            return sympy.expand(total) if x.free_symbols <= self._small else total
+            return as_scalar(sympy.expand(total) if x.free_symbols <= self._small else total)
         if x.is_Mul:
             terms = []
             for k, arg in enumerate(x.args):
                 change = self(arg)
                 if change != 0:
                     terms.append(sympy.Mul(*x.args[:k], change, *x.args[k + 1 :]))
-            return sympy.Add(*terms)
+            return as_scalar(sympy.Add(*terms))
         if x.is_Pow and not x.exp.free_symbols:
             change = self(x.base)
-            return S.Zero if change == 0 else x.exp * x.base ** (x.exp - 1) * change
+            return as_scalar(S.Zero if change == 0 else x.exp * x.base ** (x.exp - 1) * change)
         if isinstance(x, sympy.atan2):
             above, beside = x.args
             turned = beside * self(above) - above * self(beside)
-            return turned / (above**2 + beside**2)
-        return sympy.Add(*(x.diff(s) * change for s, change in self._direction.items()))
+            return as_scalar(turned / (above**2 + beside**2))
+        return as_scalar(sympy.Add(*(x.diff(s) * change for s, change in self._direction.items())))

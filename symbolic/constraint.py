@@ -14,19 +14,20 @@ from kousoku.symbolic.bodies import CONFIGURATION, MOTION, motion_flow, unit_flo
 from kousoku.symbolic.check import check_constraint, check_functions
 from kousoku.symbolic.derivation import Derivation, Function, Output
 from kousoku.symbolic.forms import Constraint, Forms, collect, steps, with_abbreviations
-from kousoku.symbolic.matrices import Matrix, elements, mul, symbol, transpose
+from kousoku.symbolic.matrices import elements, mul, symbol, transpose
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.symbolic.components import Flow
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 
 __all__ = ["Constraint", "derive_constraint"]
 
 
 def derive_constraint(c: Constraint) -> Derivation:
-    """Return all that is derived of a constraint: Jacobian, right-hand sides, reaction.
+    """Derivation of a constraint: Jacobian, right-hand sides, reaction.
 
     Raises
     ------
@@ -49,7 +50,10 @@ def derive_constraint(c: Constraint) -> Derivation:
 
 
 def _output(
-    quantity: Quantity, x: Matrix, scalars: Sequence[Any], through: tuple[Matrix, ...] = ()
+    quantity: Quantity,
+    x: SymbolicMatrix,
+    scalars: Sequence[Any],
+    through: tuple[SymbolicMatrix, ...] = (),
 ) -> Output:
     return Output(quantity, x, ImmutableDenseMatrix(len(scalars), 1, list(scalars)), through)
 
@@ -157,5 +161,5 @@ def _function(
     return Function(name, f"{c.title}: {title}", formula, c.source, (*inputs, *extra), outputs)
 
 
-def _held(x: Matrix) -> set[str]:
+def _held(x: SymbolicMatrix) -> set[str]:
     return {str(atom.name) for atom in x.atoms(Symbol, MatrixSymbol)}

@@ -174,7 +174,7 @@ class Derivation:
         outputs: Sequence[str] | None = None,
         **named: Any,
     ) -> dict[str, Any]:
-        """Return values of the outputs at given numbers, from the formulas and not from a kernel.
+        """Values of the outputs at given numbers, from the formulas and not from a kernel.
 
         Parameters
         ----------
@@ -282,7 +282,7 @@ def _sized(quantity: Quantity) -> str:
 
 
 def _line(text: str, tail: str = "") -> str:
-    """Return a line of a repr, cut where it is too long; the tail goes first."""
+    """Line of a repr, cut where it is too long; the tail goes first."""
     room = LONGEST_LINE - min(len(tail), LONGEST_LINE // 2)
     head = text if len(text) <= room else text[: room - 1] + "…"
     whole = head + tail
@@ -290,7 +290,7 @@ def _line(text: str, tail: str = "") -> str:
 
 
 def _shaped(quantity: Quantity, elements: Any) -> Any:
-    """Return elements as a SymPy matrix in the shape of a quantity; a scalar as it is."""
+    """Elements as a SymPy matrix in the shape of a quantity; a scalar as it is."""
     from sympy import ImmutableDenseMatrix
 
     if not quantity.shape:

@@ -13,8 +13,7 @@ from kousoku.model.quantity import Quantity
 from kousoku.symbolic.bodies import COLUMNS, DELTA, PRODUCT_RULE, RATE
 from kousoku.symbolic.derivation import Step
 from kousoku.symbolic.matrices import (
-    Matrix,
-    Named,
+    NamedMatrix,
     add,
     coefficient_and_factors,
     is_zero,
@@ -23,12 +22,14 @@ from kousoku.symbolic.matrices import (
     symbol,
     transpose,
 )
+from kousoku.symbolic.sympy_types import as_matrix
 from kousoku.symbolic.variation import abbreviate, coefficient, orthogonality, rewrite, without
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from kousoku.symbolic.bodies import Column
+    from kousoku.symbolic.bodies import JacobianColumns
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 VARIATIONS = tuple(column.delta for column in COLUMNS)
 
@@ -42,18 +43,18 @@ class Plain:
     Parameters
     ----------
     jacobian, second
-        As of :class:`Closed`.
-    gamma : Matrix
+        As of :class:`ClosedForm`.
+    gamma : SymbolicMatrix
         γ.
     """
 
-    jacobian: tuple[Matrix, ...]
-    second: tuple[tuple[Matrix, ...], ...]
-    gamma: Matrix
+    jacobian: tuple[SymbolicMatrix, ...]
+    second: tuple[tuple[SymbolicMatrix, ...], ...]
+    gamma: SymbolicMatrix
 
 
 @dataclass(frozen=True, slots=True)
-class Closed:
+class ClosedForm:
     """Short forms of the derivatives of a value that is no polynomial.
 
     What the product rule leaves of it is longer, and loses digits. The multiplier comes last in
@@ -61,9 +62,9 @@ class Closed:
 
     Parameters
     ----------
-    jacobian : tuple of Matrix
+    jacobian : tuple of SymbolicMatrix
         The coefficients of δr^i, δθ′^i, δr^j, δθ′^j.
-    second : tuple of tuple of Matrix
+    second : tuple of tuple of SymbolicMatrix
         δ of each of them, transposed, by the same four.
     rules : tuple of str
         Why the Jacobian equals what is left of δC; what its variation rests on.
@@ -71,16 +72,16 @@ class Closed:
         What they are proved by.
     lines : tuple of Step
         On the way to γ.
-    through : tuple of Matrix
+    through : tuple of SymbolicMatrix
         Forms between γ and its plain one.
     """
 
-    jacobian: tuple[Matrix, ...]
-    second: tuple[tuple[Matrix, ...], ...]
+    jacobian: tuple[SymbolicMatrix, ...]
+    second: tuple[tuple[SymbolicMatrix, ...], ...]
     rules: tuple[str, str]
     plain: Plain
     lines: tuple[Step, ...]
-    through: tuple[Matrix, ...] = ()
+    through: tuple[SymbolicMatrix, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,11 +96,11 @@ class Constraint:
         Unit of C: ``m``, or ``-`` where C is a product of axes.
     steps : tuple of Step
         From the lecture's equation to ``value``.
-    value : Matrix
+    value : SymbolicMatrix
         C, a column.
     components : tuple of sympy.Expr
         C as polynomials of the input components.
-    names : tuple of Named
+    names : tuple of NamedMatrix
         What ``value`` abbreviates.
     rule : callable, optional
         A rewriting of products that holds for this constraint, applied to the Jacobian blocks.
@@ -108,7 +109,7 @@ class Constraint:
     inputs : tuple of Quantity
         What the constraint takes beside the arrays of both bodies, e.g. a given angle; constant in
         time. ``symbolic.matrices`` gives the ``symbol`` and the ``elements`` of each.
-    closed : Closed, optional
+    closed : ClosedForm, optional
         Of a value that is no polynomial: the forms of its derivatives that are emitted.
     at_pole : mapping of str to float
         By output, as :attr:`kousoku.symbolic.derivation.Output.at_pole`.
@@ -121,13 +122,13 @@ class Constraint:
     formula: str
     unit: str
     steps: tuple[Step, ...]
-    value: Matrix
+    value: SymbolicMatrix
     components: tuple[Any, ...]
-    names: tuple[Named, ...] = ()
-    rule: Callable[[Matrix], Matrix | None] = orthogonality
+    names: tuple[NamedMatrix, ...] = ()
+    rule: Callable[[SymbolicMatrix], SymbolicMatrix | None] = orthogonality
     gamma: Step | None = None
     inputs: tuple[Quantity, ...] = ()
-    closed: Closed | None = None
+    closed: ClosedForm | None = None
     at_pole: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -143,27 +144,27 @@ class Forms:
 
     Parameters
     ----------
-    variation, rate, acceleration : Matrix
+    variation, rate, acceleration : SymbolicMatrix
         δC, Ċ and C̈ as the product rule leaves them.
-    collected, jacobian : tuple of Matrix
+    collected, jacobian : tuple of SymbolicMatrix
         The coefficients of δr^i, δθ′^i, δr^j, δθ′^j, as they are left and as they are emitted.
-    nu, gamma : Matrix
+    nu, gamma : SymbolicMatrix
         Ċ = C_q v − ν and C̈ = C_q v̇ − γ.
-    reaction : tuple of Matrix
+    reaction : tuple of SymbolicMatrix
         The blocks of C_qᵀλ.
-    stiffness : tuple of tuple of Matrix
+    stiffness : tuple of tuple of SymbolicMatrix
         For each block of the reaction its coefficients of δr^i, δθ′^i, δr^j, δθ′^j.
     """
 
-    variation: Matrix
-    rate: Matrix
-    acceleration: Matrix
-    collected: tuple[Matrix, ...]
-    jacobian: tuple[Matrix, ...]
-    nu: Matrix
-    gamma: Matrix
-    reaction: tuple[Matrix, ...]
-    stiffness: tuple[tuple[Matrix, ...], ...]
+    variation: SymbolicMatrix
+    rate: SymbolicMatrix
+    acceleration: SymbolicMatrix
+    collected: tuple[SymbolicMatrix, ...]
+    jacobian: tuple[SymbolicMatrix, ...]
+    nu: SymbolicMatrix
+    gamma: SymbolicMatrix
+    reaction: tuple[SymbolicMatrix, ...]
+    stiffness: tuple[tuple[SymbolicMatrix, ...], ...]
 
 
 def collect(c: Constraint) -> Forms:
@@ -196,15 +197,17 @@ def collect(c: Constraint) -> Forms:
     )
 
 
-def _reaction(c: Constraint, jacobian: Sequence[Matrix]) -> tuple[Matrix, ...]:
+def _reaction(c: Constraint, jacobian: Sequence[SymbolicMatrix]) -> tuple[SymbolicMatrix, ...]:
     if c.closed is None:
-        known: dict[str, Matrix] = {}
+        known: dict[str, SymbolicMatrix] = {}
         return tuple(_weighted(block, symbol(c.lam), known) for block in jacobian)
     factor = symbol(c.lam)[0, 0]
     return tuple(mul(factor, transpose(block)) for block in c.closed.jacobian)
 
 
-def _stiffness(c: Constraint, reaction: Sequence[Matrix]) -> tuple[tuple[Matrix, ...], ...]:
+def _stiffness(
+    c: Constraint, reaction: Sequence[SymbolicMatrix]
+) -> tuple[tuple[SymbolicMatrix, ...], ...]:
     if c.closed is None:
         return tuple(blocks_of(DELTA(f), c.rule, c.names) for f in reaction)
     factor = symbol(c.lam)[0, 0]
@@ -212,41 +215,44 @@ def _stiffness(c: Constraint, reaction: Sequence[Matrix]) -> tuple[tuple[Matrix,
 
 
 def blocks_of(
-    x: Matrix,
-    rule: Callable[[Matrix], Matrix | None] = orthogonality,
-    names: Sequence[Named] = (),
-    symbols: Sequence[Matrix] = VARIATIONS,
-) -> tuple[Matrix, ...]:
-    """Return the coefficients of ``symbols`` in a linear form, rewritten and abbreviated."""
+    x: SymbolicMatrix,
+    rule: Callable[[SymbolicMatrix], SymbolicMatrix | None] = orthogonality,
+    names: Sequence[NamedMatrix] = (),
+    symbols: Sequence[SymbolicMatrix] = VARIATIONS,
+) -> tuple[SymbolicMatrix, ...]:
+    """Coefficients of ``symbols`` in a linear form, rewritten and abbreviated."""
     collected = (coefficient(x, symbol) for symbol in symbols)
     square = (rewrite(block, orthogonality) for block in collected)
     return tuple(abbreviate(rewrite(block, rule), *names) for block in square)
 
 
-def curvature(x: Matrix) -> Matrix:
-    """Return d²x/dt² without accelerations, as the product rule leaves it."""
+def curvature(x: SymbolicMatrix) -> SymbolicMatrix:
+    """Second rate d²x/dt² without accelerations, as the product rule leaves it."""
     return without(RATE(RATE(x)), *(column.acceleration for column in COLUMNS))
 
 
-def name_blocks(letter: str, blocks: Sequence[Matrix]) -> tuple[Matrix, ...]:
-    """Return the blocks of a row, each that is not zero with a name of its own."""
+def name_blocks(letter: str, blocks: Sequence[SymbolicMatrix]) -> tuple[SymbolicMatrix, ...]:
+    """Blocks of a row, each that is not zero with a name of its own."""
     return tuple(
-        block if is_zero(block) else Named(f"{letter}_{_index(x)}", block)
+        block if is_zero(block) else NamedMatrix(f"{letter}_{_index(x)}", block)
         for block, x in zip(blocks, COLUMNS, strict=True)
     )
 
 
-def name_lines(letter: str, lines: Sequence[Sequence[Matrix]]) -> tuple[tuple[Matrix, ...], ...]:
-    """Return the blocks of a second derivative, each that is not zero with a name of its own."""
+def name_lines(
+    letter: str, lines: Sequence[Sequence[SymbolicMatrix]]
+) -> tuple[tuple[SymbolicMatrix, ...], ...]:
+    """Blocks of a second derivative, each that is not zero with a name of its own."""
     return tuple(
         name_blocks(f"{letter}_{_index(x)}", line) for x, line in zip(COLUMNS, lines, strict=True)
     )
 
 
 def less_products(
-    second: Sequence[Sequence[Matrix]], *rows: tuple[Sequence[Matrix], Sequence[Matrix]]
-) -> tuple[tuple[Matrix, ...], ...]:
-    """Return a second derivative less the products uᵀv of the rows u and v."""
+    second: Sequence[Sequence[SymbolicMatrix]],
+    *rows: tuple[Sequence[SymbolicMatrix], Sequence[SymbolicMatrix]],
+) -> tuple[tuple[SymbolicMatrix, ...], ...]:
+    """Second derivative less the products uᵀv of the rows u and v."""
     return tuple(
         tuple(
             add(block, *(neg(mul(transpose(u[m]), v[n])) for u, v in rows))
@@ -256,12 +262,14 @@ def less_products(
     )
 
 
-def _index(column: Column) -> str:
+def _index(column: JacobianColumns) -> str:
     return column.name.replace("θ", "theta")
 
 
-def _weighted(block: Matrix, lam: Matrix, known: dict[str, Matrix]) -> Matrix:
-    """Return blockᵀ λ; a single multiplier is a number and goes to the vector on the right.
+def _weighted(
+    block: SymbolicMatrix, lam: SymbolicMatrix, known: dict[str, SymbolicMatrix]
+) -> SymbolicMatrix:
+    """Product blockᵀ λ; a single multiplier is a number and goes to the vector on the right.
 
     The ``known`` names of such vectors are added to: another vector gets another name.
     """
@@ -270,25 +278,27 @@ def _weighted(block: Matrix, lam: Matrix, known: dict[str, Matrix]) -> Matrix:
     scalar, factors = coefficient_and_factors(transpose(block))
     sign = -1 if scalar.could_extract_minus_sign() else 1
     vector = factors[-1]
-    suffix = vector.name[1:] if isinstance(vector, Named) and vector.name.startswith("d_") else ""
+    suffix = (
+        vector.name[1:] if isinstance(vector, NamedMatrix) and vector.name.startswith("d_") else ""
+    )
     value = mul(sign * scalar * lam[0, 0], vector)
     names = (f"b{suffix}", *(f"b_{number}" for number in range(2, len(COLUMNS) + 2)))
     name = next(name for name in names if known.setdefault(name, value) == value)
-    return mul(sign, *factors[:-1], Named(name, value))
+    return mul(sign, *factors[:-1], NamedMatrix(name, value))
 
 
 def steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
-    """Return the steps from C to its Jacobian, right-hand sides, reaction and its derivative."""
+    """Steps from C to its Jacobian, right-hand sides, reaction and its derivative."""
     return (*_jacobian_steps(c, forms), *_rate_steps(c, forms), *_force_steps(c, forms))
 
 
 def with_abbreviations(lines: Sequence[Step]) -> tuple[Step, ...]:
-    """Return the steps, each name that none of them defines written out before its first use."""
+    """Steps, each name that none of them defines written out before its first use."""
     defined = {step.left.name for step in lines if isinstance(step.left, MatrixSymbol)}
     complete: list[Step] = []
     for step in lines:
         for x in postorder_traversal(step.right):
-            if isinstance(x, Named) and x.name not in defined:
+            if isinstance(x, NamedMatrix) and x.name not in defined:
                 defined.add(x.name)
                 left = MatrixSymbol(x.name, *x.shape)
                 complete.append(Step(left, x.value, "abbreviation", ""))
@@ -301,10 +311,10 @@ def _jacobian_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
     form = add(*(mul(block, x.delta) for block, x in zip(forms.collected, COLUMNS, strict=True)))
     blocks = []
     for block, final, x in zip(forms.collected, forms.jacobian, COLUMNS, strict=True):
-        name = final.name if isinstance(final, Named) else f"C_{x.name}"
+        name = final.name if isinstance(final, NamedMatrix) else f"C_{x.name}"
         letter = MatrixSymbol(name, *block.shape)
         blocks.append(Step(letter, block, f"coefficient of {_spoken(x.name)}", ""))
-        if final != block and c.closed is not None:
+        if final != block and c.closed is not None and isinstance(final, NamedMatrix):
             blocks.append(Step(letter, final.value, c.closed.rules[0], ""))
     return (
         Step(left, PRODUCT_RULE(c.value), "product rule; a′ and s′ are constant", "7.10"),
@@ -343,7 +353,7 @@ def _force_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
         factor
         for f in forms.reaction
         for factor in coefficient_and_factors(f)[1]
-        if isinstance(factor, Named) and factor.name[0] == "b"
+        if isinstance(factor, NamedMatrix) and factor.name[0] == "b"
     )
     text = "abbreviation: the vector times its multiplier"
     steps = [Step(_block(*_letter_and_index(b.name), b), b.value, text, "") for b in weighted]
@@ -359,8 +369,8 @@ def _force_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
     return tuple(steps)
 
 
-def _block(letter: str, name: str, block: Matrix) -> Matrix:
-    return MatrixSymbol(f"{letter}_{name}" if name else letter, *block.shape)
+def _block(letter: str, name: str, block: SymbolicMatrix) -> SymbolicMatrix:
+    return as_matrix(MatrixSymbol(f"{letter}_{name}" if name else letter, *block.shape))
 
 
 def _letter_and_index(name: str) -> tuple[str, str]:

@@ -3,20 +3,55 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
-Polynomial = Any
+
+class SparsePolynomial(Protocol):
+    """A polynomial of SymPy's sparse rings, as a type: SymPy is untyped."""
+
+    @property
+    def ring(self) -> Any:
+        """What it is an element of."""
+
+    @property
+    def is_one(self) -> bool:
+        """Whether it is 1."""
+
+    @property
+    def is_generator(self) -> bool:
+        """Whether it is a generator of its ring."""
+
+    def __add__(self, other: Any, /) -> Any: ...
+    def __sub__(self, other: Any, /) -> Any: ...
+    def __mul__(self, other: Any, /) -> Any: ...
+    def __rmul__(self, other: Any, /) -> Any: ...
+    def __pow__(self, other: int, /) -> Any: ...
+    def __neg__(self) -> Any: ...
+    def __bool__(self) -> bool: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __iter__(self) -> Iterator[tuple[int, ...]]: ...
+    def __setitem__(self, powers: tuple[int, ...], value: Any, /) -> None: ...
+
+    def coeffs(self) -> list[Any]:
+        """The coefficients of its monomials."""
+
+    def terms(self) -> list[tuple[tuple[int, ...], Any]]:
+        """Its monomials, each with its coefficient."""
+
+    def div(self, other: Any, /) -> tuple[Any, Any]:
+        """Quotient and remainder."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fraction:
     """A fraction of two polynomials; common factors stay."""
 
-    over: Polynomial
-    under: Polynomial
+    over: SparsePolynomial
+    under: SparsePolynomial
 
     def __add__(self, other: Fraction) -> Fraction:
         if self.under == other.under:
@@ -32,7 +67,7 @@ class Fraction:
         return Fraction(self.over * other.under + other.over * self.under, self.under * other.under)
 
     def cancelled(self, norms: Sequence[Norm] | None) -> Fraction:
-        """Return the same number without norms that divide both parts.
+        """Fraction without norms that divide both parts.
 
         Where there are none, without its denominator if that divides; None changes nothing.
         """
@@ -63,8 +98,8 @@ class Fraction:
         return Fraction(number * self.over, self.under)
 
 
-def _may_divide(under: Polynomial, over: Polynomial) -> bool:
-    """Return whether the first and the last monomial of a polynomial divide those of another.
+def _may_divide(under: SparsePolynomial, over: SparsePolynomial) -> bool:
+    """Whether the first and the last monomial of a polynomial divide those of another.
 
     Those of a product are the products of those of its factors.
     """
@@ -83,19 +118,19 @@ class Norm:
     """A polynomial g² + s, g a generator that s does not hold, such as p·p."""
 
     place: int
-    rest: Polynomial
+    rest: SparsePolynomial
 
-    def divide(self, x: Polynomial) -> Polynomial | None:
-        """Return x / (g² + s), or None where that is no polynomial: long division in g."""
-        parts: dict[int, Polynomial] = {}
+    def divide(self, x: SparsePolynomial) -> SparsePolynomial | None:
+        """Quotient x / (g² + s), or None where that is no polynomial: long division in g."""
+        parts: dict[int, SparsePolynomial] = {}
         for powers, value in x.terms():
             k = powers[self.place]
             part = parts.setdefault(k, x.ring.zero)
             part[(*powers[: self.place], 0, *powers[self.place + 1 :])] = value
         quotient = x.ring.zero
         for k in range(max(parts, default=0), 1, -1):
-            part = parts.get(k)
-            if part:
-                parts[k - 2] = parts.get(k - 2, x.ring.zero) - self.rest * part
-                quotient += part * x.ring.gens[self.place] ** (k - 2)
+            over = parts.get(k)
+            if over:
+                parts[k - 2] = parts.get(k - 2, x.ring.zero) - self.rest * over
+                quotient += over * x.ring.gens[self.place] ** (k - 2)
         return None if parts.get(0) or parts.get(1) else quotient

@@ -15,8 +15,7 @@ from kousoku.symbolic.forms import Constraint
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
-    Matrix,
-    Named,
+    NamedMatrix,
     add,
     coefficient_and_factors,
     mul,
@@ -30,21 +29,27 @@ from kousoku.symbolic.pairs import FROM_CENTRE, TO_POINT, D
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    Rule = Callable[[Matrix], Matrix | None]
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
+
+    Rule = Callable[[SymbolicMatrix], SymbolicMatrix | None]
 
 #: Why the γ of a distance and of a length is equal to what the product rule leaves.
 GAMMA_RULE = "|ω′~ s′|² + s′·ω′~ ω′~ s′ = 0, (7.15) for ω, and (x × y)·z = x·(y × z)"
 
 
 def derive(package: str) -> Derivation:
-    """Return the derivation of ``point``, ``distance`` or ``norm``."""
+    """Derivation of ``point``, ``distance`` or ``norm``.
+
+    With d = r_j + A_j s_j′ − r_i − A_i s_i′, frame O [m], lecture 8.2, (8.8): d = 0 (3,) [m] of a
+    point, (d·d − l²)/(2 l) = 0 (1,) [m] of a distance; p·p − 1 = 0 (1,) [-] of the norm.
+    """
     if package == "norm":
         return derive_norm()
     return derive_constraint(_point() if package == "point" else _distance())
 
 
 def point_offset() -> list[Any]:
-    """Return d, from the point on i to the point on j, on the component level."""
+    """Vector d from the point on i to the point on j, frame O [m], on the component level."""
     x = COMPONENTS
     ends = [plus(x[f"r_{body}"], rotate(x[f"p_{body}"], x[f"s_{body}_b"])) for body in "ij"]
     return subtract(ends[1], ends[0])
@@ -69,21 +74,21 @@ def _point() -> Constraint:
     )
 
 
-def own_point_drops(d: Matrix, from_own_origin: Mapping[str, Matrix]) -> Rule:
-    """Return dᵀA s̃′ = (d ∓ A s′)ᵀA s̃′: the own point drops out, as (A s′)ᵀA s̃′ = (p·p)² s′ᵀs̃′ = 0.
+def own_point_drops(d: SymbolicMatrix, from_own_origin: Mapping[str, SymbolicMatrix]) -> Rule:
+    """Row dᵀA s̃′ = (d ∓ A s′)ᵀA s̃′: the own point drops out, as (A s′)ᵀA s̃′ = (p·p)² s′ᵀs̃′ = 0.
 
     Without it the product would hold a part that cancels, and with it digits, where the point is
     far from its origin.
 
     Parameters
     ----------
-    d : Matrix
+    d : SymbolicMatrix
         The vector between the points.
-    from_own_origin : mapping of str to Matrix
+    from_own_origin : mapping of str to SymbolicMatrix
         For each body d without its own point: from the origin of i, and to the origin of j.
     """
 
-    def rule(x: Matrix) -> Matrix | None:
+    def rule(x: SymbolicMatrix) -> SymbolicMatrix | None:
         scalar, factors = coefficient_and_factors(x)
         for k in range(len(factors) - 2):
             for body, own in from_own_origin.items():
@@ -94,8 +99,8 @@ def own_point_drops(d: Matrix, from_own_origin: Mapping[str, Matrix]) -> Rule:
     return rule
 
 
-def half_square_curvature() -> Matrix:
-    """Return −γ of ½ d·d, v·(v + 2 w) + r·u + Ω·(s_i × w_j − s_j × w_i).
+def half_square_curvature() -> SymbolicMatrix:
+    """Right-hand side −γ of ½ d·d [m²/s²], v·(v + 2 w) + r·u + Ω·(s_i × w_j − s_j × w_i).
 
     v and r belong to the origins, s = A s′, w = A ω̃′s′ and u = A ω̃′ω̃′s′ to the points, Ω to the
     orientations; those without an index are of body j less those of body i. Each term is small
@@ -107,8 +112,8 @@ def half_square_curvature() -> Matrix:
     return add(mul(transpose(v), add(v, mul(Integer(2), w))), turning_curvature())
 
 
-def turning_curvature() -> Matrix:
-    """Return what is left of it without v, r·u + Ω·(s_i × w_j − s_j × w_i)."""
+def turning_curvature() -> SymbolicMatrix:
+    """Curvature without v, r·u + Ω·(s_i × w_j − s_j × w_i): all that turning leaves."""
     of_body, motion = {body: parts_of_motion(body) for body in BODIES}, relative_motion()
     s, w = ({body: parts[name] for body, parts in of_body.items()} for name in "sw")
     arm = add(mul(skew(s["i"]), w["j"]), neg(mul(skew(s["j"]), w["i"])))
@@ -118,25 +123,28 @@ def turning_curvature() -> Matrix:
     )
 
 
-def parts_of_motion(body: str) -> dict[str, Matrix]:
-    """Return s, w, u, ω, r and v of a body in frame O; ω = A ω′/(p·p), for p of any norm."""
+def parts_of_motion(body: str) -> dict[str, SymbolicMatrix]:
+    """Vectors (3,) of a body, frame O: s [m], w [m/s], u [m/s²], ω [rad/s]; r, v of its origin.
+
+    s = A s′, w = A ω̃′s′, u = A ω̃′ω̃′s′ and ω = A ω′/(p·p), for p of any norm.
+    """
     p, s, spin = SYMBOLS[f"p_{body}"], SYMBOLS[f"s_{body}_b"], SYMBOLS[f"omega_{body}_b"]
     turned = mul(skew(spin), s)
-    turning = Named(f"Omega_{body}", mul(A[body], spin))
+    turning = NamedMatrix(f"Omega_{body}", mul(A[body], spin))
     return {
-        "s": Named(f"s_{body}", mul(A[body], s)),
-        "w": Named(f"w_{body}", mul(A[body], turned)),
-        "u": Named(f"u_{body}", mul(A[body], skew(spin), turned)),
-        "omega": Named(f"omega_{body}", mul(1 / Divisor(Dot(p, p)), turning)),
+        "s": NamedMatrix(f"s_{body}", mul(A[body], s)),
+        "w": NamedMatrix(f"w_{body}", mul(A[body], turned)),
+        "u": NamedMatrix(f"u_{body}", mul(A[body], skew(spin), turned)),
+        "omega": NamedMatrix(f"omega_{body}", mul(1 / Divisor(Dot(p, p)), turning)),
         "r": SYMBOLS[f"r_{body}"],
         "v": SYMBOLS[f"v_{body}"],
     }
 
 
-def relative_motion() -> dict[str, Matrix]:
-    """Return the same of body j less those of body i."""
+def relative_motion() -> dict[str, SymbolicMatrix]:
+    """Motion of body j less that of body i, the parts as of :func:`parts_of_motion`."""
     i, j = (parts_of_motion(body) for body in BODIES)
-    return {name: Named(name, add(j[name], neg(i[name]))) for name in i}
+    return {name: NamedMatrix(name, add(j[name], neg(i[name]))) for name in i}
 
 
 def _distance() -> Constraint:
@@ -147,8 +155,8 @@ def _distance() -> Constraint:
     d = point_offset()
     gamma = mul(S.NegativeOne / length, half_square_curvature())
     from_own_origin = {
-        "i": Named("d_i", TO_POINT),
-        "j": Named("d_j", add(SYMBOLS["r_j"], neg(SYMBOLS["r_i"]), FROM_CENTRE)),
+        "i": NamedMatrix("d_i", TO_POINT),
+        "j": NamedMatrix("d_j", add(SYMBOLS["r_j"], neg(SYMBOLS["r_i"]), FROM_CENTRE)),
     }
     return Constraint(
         name="distance",

@@ -88,7 +88,7 @@ def _plain(name: str) -> str:
 
 
 def packages_of(name: str) -> tuple[str, ...]:
-    """Return the packages that a name stands for.
+    """Packages that a name stands for.
 
     Parameters
     ----------

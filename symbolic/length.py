@@ -24,7 +24,7 @@ from kousoku.symbolic.components import dot
 from kousoku.symbolic.constraint import derive_constraint
 from kousoku.symbolic.derivation import Step
 from kousoku.symbolic.forms import (
-    Closed,
+    ClosedForm,
     Constraint,
     Plain,
     blocks_of,
@@ -43,8 +43,7 @@ from kousoku.symbolic.joints import (
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
-    Matrix,
-    Named,
+    NamedMatrix,
     NamedScalar,
     add,
     mul,
@@ -56,11 +55,12 @@ from kousoku.symbolic.spring import ALONG, FROM_OWN_ORIGIN, INVERSE, OF_BODY, RE
 
 if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Derivation
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
-    Blocks = tuple[Matrix, ...]
+    Blocks = tuple[SymbolicMatrix, ...]
 
 #: Rate of d, and its second without accelerations.
-RATES = (Named("d_dot", RATE(D)), Named("d_ddot", curvature(D)))
+RATES = (NamedMatrix("d_dot", RATE(D)), NamedMatrix("d_ddot", curvature(D)))
 #: d·w, in which no point meets its own rate.
 BY_POINTS = add(
     mul(transpose(RELATIVE["r"]), RELATIVE["w"]),
@@ -74,34 +74,34 @@ OWN_POINT_DROPS = own_point_drops(D, FROM_OWN_ORIGIN)
 
 
 def derive(_: str) -> Derivation:
-    """Return the derivation of ``length``."""
+    """Derivation of ``length``: l = |d| (1,) [m], d from the point on i to that on j, (8.8)."""
     return derive_constraint(_length())
 
 
-def _gamma(by_points: Matrix) -> Matrix:
-    """Return γ = −(v_p·(v_p + 2 w_p) + y − (n·w)²)/l, v_p and w_p the parts of v and w across d.
+def _gamma(by_points: SymbolicMatrix) -> SymbolicMatrix:
+    """γ = −(v_p·(v_p + 2 w_p) + y − (n·w)²)/l, v_p and w_p the parts of v and w across d.
 
     Parameters
     ----------
-    by_points : Matrix
+    by_points : SymbolicMatrix
         d·w.
     """
     v, w = RELATIVE["v"], RELATIVE["w"]
-    own = Named("k", by_points)
+    own = NamedMatrix("k", by_points)
     # Divided by the square, which is there before its root is.
-    by_origins = Named("h_v", mul(transpose(D), v))
+    by_origins = NamedMatrix("h_v", mul(transpose(D), v))
     along_v, along_w = (mul(1 / Divisor(Dot(D, D)), x) for x in (by_origins, own))
-    across_v = Named("v_p", add(v, neg(mul(D, Named("e", along_v)))))
-    across_w = Named("w_p", add(w, neg(mul(D, Named("f", along_w)))))
+    across_v = NamedMatrix("v_p", add(v, neg(mul(D, NamedMatrix("e", along_v)))))
+    across_w = NamedMatrix("w_p", add(w, neg(mul(D, NamedMatrix("f", along_w)))))
     whole = mul(transpose(across_v), add(across_v, mul(2, across_w)))
-    rest = add(Named("y", turning_curvature()), neg(mul(own, Named("f", along_w))))
+    rest = add(NamedMatrix("y", turning_curvature()), neg(mul(own, NamedMatrix("f", along_w))))
     return mul(-1 / Divisor(L), add(whole, rest))
 
 
-def _plain_gamma(rate: Matrix, curved: Matrix) -> Matrix:
-    """Return γ = ((h/l)² − z)/l, h = d·ḋ and z what d·ḋ has as its rate without accelerations."""
-    along = mul(CURVED, Named("h", rate))
-    return mul(CURVED, add(mul(along, along), neg(Named("z", curved))))
+def _plain_gamma(rate: SymbolicMatrix, curved: SymbolicMatrix) -> SymbolicMatrix:
+    """γ = ((h/l)² − z)/l, h = d·ḋ and z what d·ḋ has as its rate without accelerations."""
+    along = mul(CURVED, NamedMatrix("h", rate))
+    return mul(CURVED, add(mul(along, along), neg(NamedMatrix("z", curved))))
 
 
 def _lines() -> tuple[Step, ...]:
@@ -120,8 +120,8 @@ def _lines() -> tuple[Step, ...]:
     )
 
 
-def _closed() -> Closed:
-    """Return l_q = d·d_q / l and l_qq = (n~ d_q)ᵀ n~ d_q / l + n·d_qq, by 1 − n nᵀ = n~ᵀ n~."""
+def _closed() -> ClosedForm:
+    """Rows l_q = d·d_q / l and l_qq = (n~ d_q)ᵀ n~ d_q / l + n·d_qq, by 1 − n nᵀ = n~ᵀ n~."""
     half_square = blocks_of(mul(transpose(D), DELTA(D)), OWN_POINT_DROPS)
     names = name_blocks("D", half_square)
     row = name_blocks("C", [mul(INVERSE, block) for block in names])
@@ -134,7 +134,7 @@ def _closed() -> Closed:
         for block in name_blocks("B", [mul(transpose(D), column) for column in columns])
     ]
     rules = ("the own point drops out", "δ(d/l) = n~ᵀ n~ δd/l")
-    return Closed(
+    return ClosedForm(
         row,
         name_lines("K", _with_own_angles(_across(columns), of_own_angles)),
         rules,
@@ -155,7 +155,7 @@ def _closed() -> Closed:
 
 
 def _across(columns: Blocks) -> tuple[Blocks, ...]:
-    """Return the products of n~ d_q with each other, divided by l."""
+    """Products of n~ d_q with each other, divided by l."""
     turned = [mul(skew(ALONG), column) for column in columns]
     parts = [
         part if column.name[0] == "r" else block
@@ -167,7 +167,7 @@ def _across(columns: Blocks) -> tuple[Blocks, ...]:
 def _with_own_angles(
     blocks: tuple[Blocks, ...], of_own_angles: tuple[Blocks, ...]
 ) -> tuple[Blocks, ...]:
-    """Return a second derivative with these blocks where it is by the angles of one body twice."""
+    """Second derivative with these blocks where it is by the angles of one body twice."""
     return tuple(
         tuple(
             own if m == n and COLUMNS[m].name[0] != "r" else block

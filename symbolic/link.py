@@ -33,17 +33,19 @@ from kousoku.symbolic.link_element import (
     jacobian_rate,
 )
 from kousoku.symbolic.link_steps import assembly_steps, element_steps, method_steps
-from kousoku.symbolic.matrices import Matrix, elements, mul, neg, symbol
+from kousoku.symbolic.matrices import elements, mul, neg, symbol
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 SOURCE = "Yamada and Tatsumi 1981"
 TITLE = "planar link element"
 
 
 def derive(package: str) -> Derivation:
-    """Return the derivation of ``link``."""
+    """Derivation of ``link``."""
     return Derivation(
         name=package,
         kind="link",
@@ -55,7 +57,7 @@ def derive(package: str) -> Derivation:
 
 
 def _angle_to_link(k: int, x: Sequence[Any], offset: Sequence[Any]) -> Any:
-    """Return β_k − offset_k − β in (−π, π], as the angle between two directions."""
+    """Angle β_k − offset_k − β in (−π, π], as the angle between two directions."""
     theta = x[3 * k + 2] - offset[k]
     dx, dy = x[3] - x[0], x[4] - x[1]
     c, s = sympy.cos(theta), sympy.sin(theta)
@@ -123,7 +125,7 @@ def _rate() -> Function:
     )
 
 
-def _output(quantity: Quantity, expression: Matrix, scalars: Sequence[Any]) -> Output:
+def _output(quantity: Quantity, expression: SymbolicMatrix, scalars: Sequence[Any]) -> Output:
     return Output(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
 
 

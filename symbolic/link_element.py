@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import sympy
 from sympy import Symbol
 from sympy.matrices.expressions import BlockMatrix, MatrixSymbol
@@ -10,8 +12,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.matrices import (
     Dot,
-    Matrix,
-    Named,
+    NamedMatrix,
     NamedScalar,
     add,
     mul,
@@ -19,7 +20,11 @@ from kousoku.symbolic.matrices import (
     symbol,
     transpose,
 )
+from kousoku.symbolic.sympy_types import as_matrix
 from kousoku.symbolic.variation import coefficient
+
+if TYPE_CHECKING:
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 X = Quantity("x", (6,), "m, rad", "x1 y1 β1 x2 y2 β2 of the ends, frame O, (2)")
 X_DOT = Quantity("x_dot", (6,), "m/s, rad/s", "derivative of x along the motion")
@@ -33,33 +38,34 @@ SECOND_ANGLE = ImmutableDenseMatrix([[0, 0, 0, 0, 0, 1]])
 
 L0 = Symbol("length")
 #: From end 1 to end 2; its length l; the unit vectors along and across the link.
-D = Named("d", mul(Named("N", ENDS), symbol(X)))
+D = NamedMatrix("d", mul(NamedMatrix("N", ENDS), symbol(X)))
 L = NamedScalar("l", sympy.sqrt(Dot(D, D)))
-ALONG = Named("n", mul(1 / L, D))
-ACROSS = Named("t", mul(Named("J", QUARTER_TURN), ALONG))
-D_RATE = Named("d_dot", mul(Named("N", ENDS), symbol(X_DOT)))
+ALONG = NamedMatrix("n", mul(1 / L, D))
+ACROSS = NamedMatrix("t", mul(NamedMatrix("J", QUARTER_TURN), ALONG))
+D_RATE = NamedMatrix("d_dot", mul(NamedMatrix("N", ENDS), symbol(X_DOT)))
 L_RATE = NamedScalar("l_dot", Dot(ALONG, D_RATE))
 BETA_RATE = NamedScalar("beta_dot", Dot(ACROSS, D_RATE) / L)
 
 
-def variations() -> tuple[Matrix, Matrix, Matrix]:
-    """Return δε1, δε2, δε3: δl = nᵀδd and l δβ = tᵀδd."""
-    delta_d = mul(Named("N", ENDS), DELTA_X)
+def variations() -> tuple[SymbolicMatrix, SymbolicMatrix, SymbolicMatrix]:
+    """Variations δε1, δε2, δε3 (1, 1) [length], (5) to (7): δl = nᵀδd and l δβ = tᵀδd."""
+    delta_d = mul(NamedMatrix("N", ENDS), DELTA_X)
     angle = mul(L0 / L, transpose(ACROSS), delta_d)
     first, second = (
-        mul(L0, Named(f"b{k}", row), DELTA_X) for k, row in ((1, FIRST_ANGLE), (2, SECOND_ANGLE))
+        mul(L0, NamedMatrix(f"b{k}", row), DELTA_X)
+        for k, row in ((1, FIRST_ANGLE), (2, SECOND_ANGLE))
     )
     return mul(transpose(ALONG), delta_d), add(first, neg(angle)), add(angle, neg(second))
 
 
-def jacobian() -> Matrix:
-    """Return D = ∂ε/∂x, by collecting δx."""
-    return BlockMatrix([[coefficient(row, DELTA_X)] for row in variations()])
+def jacobian() -> SymbolicMatrix:
+    """Jacobian D (3, 6) = ∂ε/∂x of Yamada and Tatsumi (1981), by collecting δx."""
+    return as_matrix(BlockMatrix([[coefficient(row, DELTA_X)] for row in variations()]))
 
 
-def jacobian_rate() -> Matrix:
-    """Return Ḋ with ṅ = β̇ t, ṫ = −β̇ n, l̇ = nᵀḋ, l β̇ = tᵀḋ."""
-    ends = Named("N", ENDS)
+def jacobian_rate() -> SymbolicMatrix:
+    """Rate Ḋ (3, 6) [1/s] with ṅ = β̇ t, ṫ = −β̇ n, l̇ = nᵀḋ, l β̇ = tᵀḋ."""
+    ends = NamedMatrix("N", ENDS)
     turned = add(mul(BETA_RATE, transpose(ALONG)), mul(L_RATE / L, transpose(ACROSS)))
     row = mul(L0 / L, turned, ends)
-    return BlockMatrix([[mul(BETA_RATE, transpose(ACROSS), ends)], [row], [neg(row)]])
+    return as_matrix(BlockMatrix([[mul(BETA_RATE, transpose(ACROSS), ends)], [row], [neg(row)]]))

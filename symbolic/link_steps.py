@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import sympy
 from sympy import Rational, Symbol
 from sympy.matrices.expressions import Inverse, MatrixSymbol, ZeroMatrix
@@ -22,12 +24,16 @@ from kousoku.symbolic.link_element import (
     jacobian_rate,
     variations,
 )
-from kousoku.symbolic.matrices import Matrix, NamedScalar, add, mul, neg, symbol
+from kousoku.symbolic.matrices import NamedScalar, add, mul, neg, symbol
+from kousoku.symbolic.sympy_types import as_matrix
 from kousoku.symbolic.variation import coefficient
+
+if TYPE_CHECKING:
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 
 def element_steps() -> tuple[Step, ...]:
-    """Return the steps from (5)–(7) to D and its derivative along the motion."""
+    """Steps from (5)–(7) to D and its derivative along the motion."""
     beta = Symbol("beta")
     x, offset = symbol(X), symbol(OFFSET)
     names = [f"epsilon_{k}" for k in (1, 2, 3)]
@@ -54,7 +60,7 @@ def element_steps() -> tuple[Step, ...]:
 
 
 def _reference_steps() -> tuple[Step, ...]:
-    """Return the steps (1)–(3), (8), (10) and (11): the reference position."""
+    """Steps (1)–(3), (8), (10) and (11): the reference position."""
     place, beta = MatrixSymbol("x_0", 6, 1), Symbol("beta_0")
     x = [place[k, 0] for k in range(6)]
     length = sympy.sqrt((x[3] - x[0]) ** 2 + (x[4] - x[1]) ** 2)
@@ -125,7 +131,7 @@ def _rate_steps() -> tuple[Step, ...]:
 
 
 def assembly_steps() -> tuple[Step, ...]:
-    """Return the steps (16)–(21): all elements together, parted into unknown and known."""
+    """Steps (16)–(21): all elements together, parted into unknown and known."""
     m, n, k = sympy.symbols("m n k", integer=True, positive=True)
     whole, u = MatrixSymbol("D", m, n), MatrixSymbol("u", n, 1)
     element, place = MatrixSymbol("D_e", 3, 6), MatrixSymbol("B_e", 6, n)
@@ -151,12 +157,12 @@ def assembly_steps() -> tuple[Step, ...]:
     )
 
 
-def _solved(whole: Matrix, unknown: Matrix) -> Matrix:
-    return Inverse(mul(whole, unknown))
+def _solved(whole: SymbolicMatrix, unknown: SymbolicMatrix) -> SymbolicMatrix:
+    return as_matrix(Inverse(mul(whole, unknown)))
 
 
 def method_steps() -> tuple[Step, ...]:
-    """Return the steps (22)–(28): transfer functions, predictor and corrector."""
+    """Steps (22)–(28): transfer functions, predictor and corrector."""
     return (*_transfer_steps(), *_motion_steps(), *_iteration_steps())
 
 

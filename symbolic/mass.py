@@ -21,11 +21,9 @@ from kousoku.symbolic.components import Flow, cross, dot, half_turn, rotate, rot
 from kousoku.symbolic.derivation import Derivation, Function, Output, Step
 from kousoku.symbolic.mass_steps import balance_steps, motion_steps, reduction_steps
 from kousoku.symbolic.matrices import (
-    Matrix,
-    Named,
+    NamedMatrix,
     NamedScalar,
     Orientation,
-    Scalar,
     add,
     elements,
     mul,
@@ -37,6 +35,8 @@ from kousoku.symbolic.matrices import (
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix
 
 SOURCE = "three mass points"
 P = Quantity("p", (4,), "-", "Euler parameters of the body, scalar first")
@@ -52,39 +52,43 @@ A = Orientation(symbol(P))
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class BodyTerms:
     """The matrix level of what moves.
 
     Parameters
     ----------
-    mass : Scalar
+    mass : NamedScalar
         Total mass.
-    moment : Matrix
+    moment : NamedMatrix
         First moment, mass times r_AG, body frame.
-    inertia : Matrix
+    inertia : NamedMatrix
         About the origin, body frame.
-    force, torque : Matrix
+    force, torque : NamedMatrix
         Resultants, frame O and body frame.
-    second : Matrix, optional
+    second : NamedMatrix, optional
         Second moment K = Σ m s′s′ᵀ, where it is known: I = tr(K) − K, and ω̃′Iω′ = −ω̃′Kω′ without
         the trace, which cancels.
     """
 
-    mass: Scalar
-    moment: Matrix
-    inertia: Matrix
-    force: Matrix
-    torque: Matrix
-    second: Matrix | None = None
+    mass: NamedScalar
+    moment: NamedMatrix
+    inertia: NamedMatrix
+    force: NamedMatrix
+    torque: NamedMatrix
+    second: NamedMatrix | None = None
 
 
 def derive(package: str) -> Derivation:
-    """Return the derivation of ``mass_points`` (three of them) or ``rigid_body``."""
+    """Derivation of ``mass_points`` (three of them) or ``rigid_body``.
+
+    M (v̇, ω̇′) = h, (6, 6) and (6,): the first three rows in frame O [N], the others in the body
+    frame [N m]; "three mass points" (2020).
+    """
     return derive_mass_points(3) if package == "mass_points" else derive_rigid_body()
 
 
-def newton_euler(body: Body) -> tuple[Matrix, Matrix]:
-    """Return M and h of the 6×6 form."""
+def newton_euler(body: BodyTerms) -> tuple[SymbolicMatrix, SymbolicMatrix]:
+    """Matrix M (6, 6) and h (6,) of M (v̇, ω̇′) = h: force [N], frame O, then torque, body frame."""
     spin, arm = skew(symbol(OMEGA_B)), skew(body.moment)
     coupling = mul(A, arm)
     matrix = BlockMatrix(
@@ -118,7 +122,7 @@ def _unit_flows() -> list[Flow]:
 
 
 def _coupling_components(moment: Sequence[Any]) -> list[list[Any]]:
-    """Return ∂(A c)/∂θ′, by differentiating the polynomial."""
+    """Derivative ∂(A c)/∂θ′, by differentiating the polynomial."""
     turned = rotate(elements(P), moment)
     return [[flow(x) for flow in _unit_flows()] for x in turned]
 
@@ -133,16 +137,16 @@ def _matrix_components(
 
 
 def _centrifugal_components(moment: Sequence[Any]) -> list[Any]:
-    """Return d²(A c)/dt² at constant ω′."""
+    """Acceleration d²(A c)/dt² at constant ω′."""
     flow = _spin_flow()
     return [flow(flow(x)) for x in rotate(elements(P), moment)]
 
 
 def derive_rigid_body() -> Derivation:
-    """Return the derivation of a body given by mass, centre and inertia."""
-    body = Body(
+    """Derivation of a body given by mass, centre and inertia."""
+    body = BodyTerms(
         symbol(MASS),
-        Named("c", mul(symbol(MASS), symbol(R_AG_B))),
+        NamedMatrix("c", mul(symbol(MASS), symbol(R_AG_B))),
         symbol(I_A_B),
         symbol(FORCE),
         symbol(TORQUE_B),
@@ -176,7 +180,7 @@ def derive_rigid_body() -> Derivation:
     return Derivation("rigid_body", "rigid_body", title, SOURCE, steps, (function,))
 
 
-def _form_steps(matrix: Matrix, right: Matrix) -> tuple[Step, ...]:
+def _form_steps(matrix: SymbolicMatrix, right: SymbolicMatrix) -> tuple[Step, ...]:
     return (
         Step(MatrixSymbol("M", 6, 6), matrix, "mass matrix: M (a, dω′/dt) = h", "matrix-form"),
         Step(MatrixSymbol("h", 6, 1), right, "right-hand side", "matrix-form"),
@@ -184,7 +188,7 @@ def _form_steps(matrix: Matrix, right: Matrix) -> tuple[Step, ...]:
 
 
 def derive_mass_points(n: int) -> Derivation:
-    """Return the derivation of ``n`` mass points that are fixed in frame A.
+    """Derivation of ``n`` mass points that are fixed in frame A.
 
     Parameters
     ----------
@@ -222,7 +226,7 @@ def derive_mass_points(n: int) -> Derivation:
     return Derivation("mass_points", "mass_points", title, SOURCE, steps, functions)
 
 
-def _inertia(points: _Points, body: Body, title: str) -> Function:
+def _inertia(points: _Points, body: BodyTerms, title: str) -> Function:
     masses = elements(points.m)
     total = sum(masses, S.Zero)
     return Function(
@@ -243,7 +247,7 @@ def _inertia(points: _Points, body: Body, title: str) -> Function:
     )
 
 
-def _resultant(points: _Points, body: Body, title: str) -> Function:
+def _resultant(points: _Points, body: BodyTerms, title: str) -> Function:
     return Function(
         "resultant",
         f"{title}: total force and torque",
@@ -273,7 +277,7 @@ class _Points:
             Quantity("f", (n, 3), "N", "external forces on the points, frame O, one a row"),
         )
 
-    def _row(self, quantity: Quantity, k: int) -> Matrix:
+    def _row(self, quantity: Quantity, k: int) -> SymbolicMatrix:
         unit = [[Integer(k == row)] for row in range(quantity.shape[0])]
         return mul(transpose(symbol(quantity)), ImmutableDenseMatrix(unit))
 
@@ -282,30 +286,30 @@ class _Points:
         return [symbol(self.m)[k, 0] for k in range(self.m.size)]
 
     @property
-    def places(self) -> list[Matrix]:
-        return [Named(f"s_{k + 1}_b", self._row(self.s_b, k)) for k in range(self.m.size)]
+    def places(self) -> list[SymbolicMatrix]:
+        return [NamedMatrix(f"s_{k + 1}_b", self._row(self.s_b, k)) for k in range(self.m.size)]
 
     @property
-    def forces(self) -> list[Matrix]:
-        return [Named(f"f_{k + 1}", self._row(self.f, k)) for k in range(self.m.size)]
+    def forces(self) -> list[SymbolicMatrix]:
+        return [NamedMatrix(f"f_{k + 1}", self._row(self.f, k)) for k in range(self.m.size)]
 
-    def body(self) -> Body:
+    def body(self) -> BodyTerms:
         pairs = list(zip(self.masses, self.places, strict=True))
         unit_inertias = (
-            Named(f"J_{k}", neg(mul(skew(s), skew(s)))) for k, s in enumerate(self.places, 1)
+            NamedMatrix(f"J_{k}", neg(mul(skew(s), skew(s)))) for k, s in enumerate(self.places, 1)
         )
         torques = (
             mul(skew(s), transpose(A), f) for s, f in zip(self.places, self.forces, strict=True)
         )
-        return Body(
+        return BodyTerms(
             NamedScalar("mass", sum(self.masses, S.Zero)),
-            Named("c", add(*(mul(m, s) for m, s in pairs))),
-            Named(
+            NamedMatrix("c", add(*(mul(m, s) for m, s in pairs))),
+            NamedMatrix(
                 "I_A", add(*(mul(m, j) for m, j in zip(self.masses, unit_inertias, strict=True)))
             ),
-            Named("F", add(*self.forces)),
-            Named("N_b", add(*torques)),
-            Named("K", add(*(mul(m, s, transpose(s)) for m, s in pairs))),
+            NamedMatrix("F", add(*self.forces)),
+            NamedMatrix("N_b", add(*torques)),
+            NamedMatrix("K", add(*(mul(m, s, transpose(s)) for m, s in pairs))),
         )
 
     def _rows(self, quantity: Quantity) -> list[tuple[Any, ...]]:
@@ -320,12 +324,12 @@ class _Points:
         return self._sum([[m * x for x in s] for m, s in zip(masses, places, strict=True)])
 
     def _unit_velocities(self) -> list[list[list[Any]]]:
-        """Return e_a × s_k for the three unit rotations a and all points k."""
+        """Velocities e_a × s_k for the three unit rotations a and all points k."""
         units = [[Integer(k == n) for n in range(3)] for k in range(3)]
         return [[cross(unit, s) for s in self._rows(self.s_b)] for unit in units]
 
     def inertia_components(self) -> list[list[Any]]:
-        """Return twice the kinetic energy of unit rotations, as a bilinear form."""
+        """Twice the kinetic energy of unit rotations, as a bilinear form."""
         velocities = self._unit_velocities()
         return [
             [
@@ -349,7 +353,7 @@ class _Points:
         return self._sum([cross(s, rotate_back(p, f)) for s, f in pairs])
 
     def right_components(self) -> list[Any]:
-        """Return the forces less those that hold the points on their circles at constant ω′."""
+        """Right-hand side: forces less those that hold points on their circles at constant ω′."""
         omega = elements(OMEGA_B)
         circling = [cross(omega, cross(omega, s)) for s in self._rows(self.s_b)]
         torques = [

@@ -7,36 +7,27 @@ from typing import TYPE_CHECKING
 from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol, ZeroMatrix
 
 from kousoku.symbolic.derivation import Step
-from kousoku.symbolic.matrices import (
-    Matrix,
-    Orientation,
-    Scalar,
-    add,
-    mul,
-    neg,
-    skew,
-    symbol,
-    transpose,
-)
+from kousoku.symbolic.matrices import Orientation, add, mul, neg, skew, symbol, transpose
 from kousoku.symbolic.variation import Variation, coefficient, without
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.model.quantity import Quantity
-    from kousoku.symbolic.mass import Body
+    from kousoku.symbolic.mass import BodyTerms
+    from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix
 
 R, V, ACCELERATION = (MatrixSymbol(name, 3, 1) for name in ("r", "v", "v_dot"))
 
 
 def balance_steps(
     masses: Sequence[Scalar],
-    places: Sequence[Matrix],
-    body: Body,
+    places: Sequence[SymbolicMatrix],
+    body: BodyTerms,
     orientation: Orientation,
     omega_b: Quantity,
 ) -> tuple[Step, ...]:
-    """Return the steps from one point to the sums over all points."""
+    """Steps from one point to the sums over all points."""
     omega, omega_dot = symbol(omega_b), MatrixSymbol("omega_b_dot", 3, 1)
     rate = Variation({R: V, V: ACCELERATION, omega: omega_dot}, {orientation.p: omega})
     positions = [add(R, mul(orientation, s)) for s in places]
@@ -53,8 +44,8 @@ def balance_steps(
     )
 
 
-def motion_steps(body: Body, orientation: Orientation, omega_b: Quantity) -> tuple[Step, ...]:
-    """Return the steps of a body given by mass, centre and inertia."""
+def motion_steps(body: BodyTerms, orientation: Orientation, omega_b: Quantity) -> tuple[Step, ...]:
+    """Steps of a body given by mass, centre and inertia."""
     omega, omega_dot = symbol(omega_b), MatrixSymbol("omega_b_dot", 3, 1)
     rate = Variation({R: V, V: ACCELERATION, omega: omega_dot}, {orientation.p: omega})
     centre = add(R, mul(orientation, MatrixSymbol("r_AG_b", 3, 1)))
@@ -75,7 +66,10 @@ def motion_steps(body: Body, orientation: Orientation, omega_b: Quantity) -> tup
 
 
 def _one_point(
-    name: str, position: Matrix, rate: Variation, unknowns: tuple[Matrix, Matrix]
+    name: str,
+    position: SymbolicMatrix,
+    rate: Variation,
+    unknowns: tuple[SymbolicMatrix, SymbolicMatrix],
 ) -> tuple[Step, ...]:
     acceleration = rate(rate(position))
     linear, angular = (mul(coefficient(acceleration, x), x) for x in unknowns)
@@ -95,7 +89,7 @@ def _one_point(
     )
 
 
-def _definitions(body: Body) -> tuple[Step, ...]:
+def _definitions(body: BodyTerms) -> tuple[Step, ...]:
     return (
         Step(body.mass, body.mass.value, "total mass", "total-mass"),
         Step(
@@ -120,7 +114,7 @@ def _definitions(body: Body) -> tuple[Step, ...]:
     )
 
 
-def _second_moment(body: Body) -> tuple[Step, ...]:
+def _second_moment(body: BodyTerms) -> tuple[Step, ...]:
     if body.second is None:
         return ()
     rule = "second moment: I_A = tr(K) I − K, so that ω′~ I_A ω′ = −ω′~ K ω′"
@@ -128,7 +122,11 @@ def _second_moment(body: Body) -> tuple[Step, ...]:
 
 
 def _collected_force(
-    momentum: Matrix, body: Body, orientation: Matrix, omega: Matrix, omega_dot: Matrix
+    momentum: SymbolicMatrix,
+    body: BodyTerms,
+    orientation: SymbolicMatrix,
+    omega: SymbolicMatrix,
+    omega_dot: SymbolicMatrix,
 ) -> tuple[Step, ...]:
     arm, spin = skew(body.moment), skew(omega)
     left = MatrixSymbol("P_dot", 3, 1)
@@ -150,7 +148,11 @@ def _collected_force(
 
 
 def _collected_torque(
-    moment: Matrix, body: Body, orientation: Matrix, omega: Matrix, omega_dot: Matrix
+    moment: SymbolicMatrix,
+    body: BodyTerms,
+    orientation: SymbolicMatrix,
+    omega: SymbolicMatrix,
+    omega_dot: SymbolicMatrix,
 ) -> tuple[Step, ...]:
     arm, spin = skew(body.moment), skew(omega)
     collected = add(
@@ -166,9 +168,13 @@ def _collected_torque(
 
 
 def reduction_steps(
-    mass: Scalar, inertia: Matrix, force: Matrix, torque: Matrix, omega_b: Quantity
+    mass: Scalar,
+    inertia: SymbolicMatrix,
+    force: SymbolicMatrix,
+    torque: SymbolicMatrix,
+    omega_b: Quantity,
 ) -> tuple[Step, ...]:
-    """Return the form that is left where the origin is the centre of mass, r_AG = 0."""
+    """Steps to the form where the origin is the centre of mass, r_AG = 0."""
     omega, zero = symbol(omega_b), ZeroMatrix(3, 3)
     return (
         Step(

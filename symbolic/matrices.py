@@ -12,7 +12,7 @@ node                                  meaning
 ``Identity``, ``ZeroMatrix``          constants
 ``ImmutableDenseMatrix``              a constant such as a selection of rows, or scalar formulas
 ``BlockMatrix``                       blocks side by side, such as a Jacobian
-``Named(name, x)``                    x, printed by its name
+``NamedMatrix(name, x)``                    x, printed by its name
 ====================================  ===========================================================
 
 Scalars, as factors of a product or as elements of an explicit matrix, are built from numbers,
@@ -45,23 +45,22 @@ from sympy.matrices.expressions.matexpr import MatrixElement
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.errors import DerivationError
+from kousoku.symbolic.sympy_types import as_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.model.quantity import Quantity
-
-Matrix = Any  # a SymPy matrix expression or explicit matrix: SymPy is untyped
-Scalar = Any  # a SymPy expression
+    from kousoku.symbolic.sympy_types import Letter, Scalar, SymbolicMatrix
 
 
 class Orientation(MatrixExpr):
-    """A(p) = (e0² − e·e) I + 2 e eᵀ + 2 e0 ẽ, body components to frame O.
+    """Matrix A(p) = (e0² − e·e) I + 2 e eᵀ + 2 e0 ẽ, body components to frame O.
 
     The Euler parameters ``p`` (4, 1), scalar first, may have any norm: A Aᵀ = (p·p)² I.
     """
 
-    def __new__(cls, p: Matrix) -> Any:
+    def __new__(cls, p: SymbolicMatrix) -> Any:
         return Basic.__new__(cls, p)
 
     p = property(lambda self: self.args[0])
@@ -74,7 +73,7 @@ class Orientation(MatrixExpr):
 class Skew(MatrixExpr):
     """ṽ, the skew-symmetric matrix of a vector (3, 1): ṽ w = v × w."""
 
-    def __new__(cls, v: Matrix) -> Any:
+    def __new__(cls, v: SymbolicMatrix) -> Any:
         return Basic.__new__(cls, v)
 
     v = property(lambda self: self.args[0])
@@ -88,10 +87,10 @@ class Skew(MatrixExpr):
         return sign * self.v[3 - i - j, 0]
 
 
-class Named(MatrixExpr):
+class NamedMatrix(MatrixExpr):
     """A matrix expression that is printed by its name, such as d or y."""
 
-    def __new__(cls, name: str | Str, value: Matrix) -> Any:
+    def __new__(cls, name: str | Str, value: SymbolicMatrix) -> Any:
         return Basic.__new__(cls, Str(str(name)), value)
 
     name = property(lambda self: str(self.args[0]))
@@ -107,7 +106,7 @@ class Dot(Expr):
 
     is_commutative = True
 
-    def __new__(cls, u: Matrix, v: Matrix) -> Any:
+    def __new__(cls, u: SymbolicMatrix, v: SymbolicMatrix) -> Any:
         return Basic.__new__(cls, u, v)
 
 
@@ -135,13 +134,14 @@ class NamedScalar(Expr):
     value = property(lambda self: self.args[1])
 
 
-def vector(name: str, size: int = 3) -> Matrix:
-    """Return the symbol of an input vector."""
-    return MatrixSymbol(name, size, 1)
+def vector(name: str, size: int = 3) -> Letter:
+    """Symbol of an input vector."""
+    found: Letter = MatrixSymbol(name, size, 1)
+    return found
 
 
 def symbol(quantity: Quantity) -> Any:
-    """Return the matrix-level symbol of an input: a ``Symbol`` where it is a scalar."""
+    """Matrix-level symbol of an input: a ``Symbol`` where it is a scalar."""
     if not quantity.shape:
         return Symbol(quantity.name)
     rows, columns = (*quantity.shape, 1)[:2]
@@ -149,7 +149,7 @@ def symbol(quantity: Quantity) -> Any:
 
 
 def elements(quantity: Quantity) -> tuple[Symbol, ...]:
-    """Return the component-level symbols of an array, flat and row-major.
+    """Component-level symbols of an array, flat and row-major.
 
     They are named ``r_i[0]``, ``r_i[1]`` …; a scalar keeps its bare name.
     """
@@ -159,7 +159,16 @@ def elements(quantity: Quantity) -> tuple[Symbol, ...]:
 
 
 def quadratic_form(p: Sequence[Any]) -> list[list[Any]]:
-    """Return the elements of A(p) for any numbers ``p`` with ``+``, ``-`` and ``*``."""
+    """Elements (3, 3) of A(p) for any numbers ``p`` with ``+``, ``-`` and ``*``.
+
+    A(p) = (e0² − e·e) I + 2 e eᵀ + 2 e0 ẽ, lecture 7.1, (4.3), takes components in the body frame
+    to frame O, times p·p where p is not of norm one.
+
+    Parameters
+    ----------
+    p : (4,) [-]
+        Euler parameters, scalar first.
+    """
     e0, e1, e2, e3 = p
     return [
         [e0 * e0 + e1 * e1 - e2 * e2 - e3 * e3, 2 * (e1 * e2 - e0 * e3), 2 * (e1 * e3 + e0 * e2)],
@@ -168,14 +177,14 @@ def quadratic_form(p: Sequence[Any]) -> list[list[Any]]:
     ]
 
 
-def is_zero(x: Matrix) -> bool:
-    """Return whether ``x`` is a zero matrix by construction."""
+def is_zero(x: SymbolicMatrix) -> bool:
+    """Whether ``x`` is a zero matrix by construction."""
     return isinstance(x, ZeroMatrix) or (
         isinstance(x, ImmutableDenseMatrix) and all(value == 0 for value in x)
     )
 
 
-def coefficient_and_factors(x: Matrix) -> tuple[Scalar, tuple[Matrix, ...]]:
+def coefficient_and_factors(x: SymbolicMatrix) -> tuple[Scalar, tuple[SymbolicMatrix, ...]]:
     """Split a product into its scalar factor and its matrix factors, in order."""
     if not isinstance(x, MatMul):
         return S.One, (x,)
@@ -188,10 +197,10 @@ def coefficient_and_factors(x: Matrix) -> tuple[Scalar, tuple[Matrix, ...]]:
     return scalar, tuple(factors)
 
 
-def mul(*factors: Any) -> Matrix:
-    """Return the product in the given order: flat, without identities, scalar factors in front."""
+def mul(*factors: Any) -> SymbolicMatrix:
+    """Product in the given order: flat, without identities, scalar factors in front."""
     scalar: Scalar = S.One
-    matrices: list[Matrix] = []
+    matrices: list[SymbolicMatrix] = []
     for factor in factors:
         if not getattr(factor, "is_Matrix", False):
             scalar = scalar * factor
@@ -205,16 +214,16 @@ def mul(*factors: Any) -> Matrix:
         )
     rows, columns = matrices[0].shape[0], matrices[-1].shape[1]
     if scalar == 0 or any(is_zero(matrix) for matrix in matrices):
-        return ZeroMatrix(rows, columns)
+        return as_matrix(ZeroMatrix(rows, columns))
     kept = [matrix for matrix in matrices if not isinstance(matrix, Identity)] or matrices[:1]
     if scalar == 1:
         return kept[0] if len(kept) == 1 else MatMul(*kept)
-    return MatMul(scalar, *kept)
+    return as_matrix(MatMul(scalar, *kept))
 
 
-def add(*terms: Matrix) -> Matrix:
-    """Return the sum in the given order: flat, without zeros, equal terms collected."""
-    counts: dict[tuple[Matrix, ...], Scalar] = {}
+def add(*terms: SymbolicMatrix) -> SymbolicMatrix:
+    """Sum in the given order: flat, without zeros, equal terms collected."""
+    counts: dict[tuple[SymbolicMatrix, ...], Scalar] = {}
     for term in terms:
         for part in term.args if isinstance(term, MatAdd) else (term,):
             if not is_zero(part):
@@ -222,27 +231,27 @@ def add(*terms: Matrix) -> Matrix:
                 counts[factors] = counts.get(factors, S.Zero) + scalar
     kept = [mul(scalar, *factors) for factors, scalar in counts.items() if scalar != 0]
     if not kept:
-        return ZeroMatrix(*terms[0].shape)
+        return as_matrix(ZeroMatrix(*terms[0].shape))
     return kept[0] if len(kept) == 1 else MatAdd(*kept)
 
 
-def neg(x: Matrix) -> Matrix:
-    """Return −x."""
+def neg(x: SymbolicMatrix) -> SymbolicMatrix:
+    """Negative −x."""
     if isinstance(x, MatAdd):
         return add(*(neg(term) for term in x.args))
     return mul(S.NegativeOne, x)
 
 
-def skew(v: Matrix) -> Matrix:
-    """Return ṽ with the scalar factor of v in front."""
+def skew(v: SymbolicMatrix) -> SymbolicMatrix:
+    """Skew matrix ṽ with the scalar factor of v in front."""
     if is_zero(v):
-        return ZeroMatrix(3, 3)
+        return as_matrix(ZeroMatrix(3, 3))
     scalar, factors = coefficient_and_factors(v)
     return mul(scalar, Skew(mul(*factors)))
 
 
-def transpose(x: Matrix) -> Matrix:
-    """Return xᵀ with the transposition carried to the symbols: (XY)ᵀ = YᵀXᵀ, ṽᵀ = −ṽ."""
+def transpose(x: SymbolicMatrix) -> SymbolicMatrix:
+    """Transpose xᵀ with the transposition carried to the symbols: (XY)ᵀ = YᵀXᵀ, ṽᵀ = −ṽ."""
     if tuple(x.shape) == (1, 1) and not isinstance(x, MatMul | MatAdd):
         return x
     match x:
@@ -252,30 +261,32 @@ def transpose(x: Matrix) -> Matrix:
         case MatAdd():
             return add(*(transpose(term) for term in x.args))
         case Transpose():
-            return x.arg
+            return as_matrix(x.arg)
         case Skew():
             return neg(x)
         case ZeroMatrix():
-            return ZeroMatrix(x.shape[1], x.shape[0])
+            return as_matrix(ZeroMatrix(x.shape[1], x.shape[0]))
         case Identity():
-            return x
+            return as_matrix(x)
         case ImmutableDenseMatrix():
-            return x.T
+            return as_matrix(x.T)
         case BlockMatrix():
             rows, columns = x.blockshape
-            return BlockMatrix(
-                [[transpose(x.blocks[i, j]) for i in range(rows)] for j in range(columns)]
+            return as_matrix(
+                BlockMatrix(
+                    [[transpose(x.blocks[i, j]) for i in range(rows)] for j in range(columns)]
+                )
             )
-    return Transpose(x)
+    return as_matrix(Transpose(x))
 
 
 def description(x: Any) -> str:
-    """Return a text that fixes the order of commuting scalar terms, the same in all versions."""
+    """Text that fixes the order of commuting scalar terms, the same in all versions."""
     if isinstance(x, Rational):
         return f"0 {x.p}/{x.q}"
     if isinstance(x, MatrixElement):
         return f"1 {x.parent.name} {x.i},{x.j}"
-    if isinstance(x, Symbol | MatrixSymbol | Named | NamedScalar):
+    if isinstance(x, Symbol | MatrixSymbol | NamedMatrix | NamedScalar):
         return f"1 {x.name}"
     parts = [description(arg) for arg in x.args]
     if isinstance(x, Add | Mul):

@@ -35,7 +35,7 @@ REACTION_Q = coefficient(DELTA(REACTION), DELTA_P)
 
 
 def derive_norm() -> Derivation:
-    """Return the derivation of p·p − 1 = 0, by δp and dp/dt."""
+    """Derivation of p·p − 1 = 0 (1,) [-], lecture 7.1, (4.3), by δp and dp/dt."""
     return Derivation(
         "norm", "norm", TITLE, SOURCE, _steps(), (_constraint(), _rates(), _reaction())
     )

@@ -50,7 +50,7 @@ SIGNS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Name:
+class NameParts:
     """A symbol's name taken apart: ``omega_i_b_dot`` is ω with index i, a prime and a dot."""
 
     letters: str
@@ -59,7 +59,7 @@ class Name:
     dots: int
 
     @classmethod
-    def parse(cls, name: str) -> Name:
+    def parse(cls, name: str) -> NameParts:
         base, *parts = name.split("_")
         dots = sum({"dot": 1, "ddot": 2}.get(part, 0) for part in parts)
         index = "_".join(GREEK.get(x, x) for x in parts if x not in {"b", "dot", "ddot"})
@@ -70,14 +70,14 @@ class Name:
         return cls(base, index, "b" in parts, dots)
 
 
-class Text:
+class PlainText:
     """Plain text."""
 
     minus = "−"
 
     def name(self, name: str, *, bold: bool) -> str:
         del bold
-        n = Name.parse(name)
+        n = NameParts.parse(name)
         dots = "\u0307" * (n.dots == 1) + "\u0308" * (n.dots == 2)
         return n.letters + dots + "'" * n.is_body + f"_{n.index}" * bool(n.index)
 
@@ -115,13 +115,13 @@ class Text:
         return "[" + "; ".join(", ".join(row) for row in rows) + "]"
 
 
-class Latex(Text):
+class Latex(PlainText):
     """LaTeX in the lecture's type: bold for vectors and matrices, the body as an upper index."""
 
     minus = "-"
 
     def name(self, name: str, *, bold: bool) -> str:
-        n = Name.parse(name)
+        n = NameParts.parse(name)
         if n.letters in {"C", "f"} and n.index:
             lower = ", ".join(_coordinate(part) for part in n.index.split(","))
             return f"\\mathbf{{{n.letters}}}_{{{lower}}}"
@@ -185,12 +185,12 @@ class Latex(Text):
 
 
 def at_least(piece: Piece, level: int) -> str:
-    """Return the text, in parentheses where it binds less tightly than ``level``."""
+    """Text, in parentheses where it binds less tightly than ``level``."""
     return piece[0] if piece[1] >= level else f"({piece[0]})"
 
 
 def _coordinate(name: str) -> str:
-    """Return δr^i's r^i or δθ′^i's θ′^i, as the index of a block."""
+    """Coordinate r^i of δr^i or δθ′^i's θ′^i, as the index of a block."""
     kind, _, body = name.partition("_")
     if not body:
         return f"\\mathbf{{{kind}}}"
@@ -200,7 +200,7 @@ def _coordinate(name: str) -> str:
 
 
 def _upright_or_word(letters: str) -> str:
-    """Return a scalar's letters: cos and sin upright, e0 with its index below, a word joined."""
+    """Letters of a scalar: cos and sin upright, e0 with its index below, a word joined."""
     if letters.startswith(("cos ", "sin ")):
         return f"\\{letters}"
     if re.fullmatch(r"[a-z][0-9]", letters):
@@ -209,7 +209,7 @@ def _upright_or_word(letters: str) -> str:
 
 
 def in_text(words: str) -> str:
-    r"""Return a rule for LaTeX's ``\text``, its formulas in math mode."""
+    r"""Rule for LaTeX's ``\text``, its formulas in math mode."""
     return " ".join(_word(word) for word in words.split(" "))
 
 
@@ -232,7 +232,7 @@ WIDEST = 56
 
 
 def in_lines(formula: str) -> list[str]:
-    """Return LaTeX cut before signs that stand in no group, in lines of about one width."""
+    """LaTeX cut before signs that stand in no group, in lines of about one width."""
     wanted = ceil(_glyphs(formula) / WIDEST)
     room = 1.1 * _glyphs(formula) / wanted
     depth, start = 0, 0
@@ -253,7 +253,7 @@ def in_lines(formula: str) -> list[str]:
 
 
 def _glyphs(formula: str) -> int:
-    """Return about how many letters and signs LaTeX shows."""
+    """Number of letters and signs that LaTeX shows, about."""
     faces = r"\\(?:mathbf|boldsymbol|mathit|widetilde|d?dot|begin|end|left|right|[tf]?frac)\b"
     shown = re.sub(r"\\[A-Za-z]+", "x", re.sub(faces, "", formula))
     return len(re.sub(r"[{}^_&\\\s]", "", shown))

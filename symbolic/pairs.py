@@ -15,49 +15,45 @@ from kousoku.symbolic.components import dot as dot_product
 from kousoku.symbolic.constraint import derive_constraint
 from kousoku.symbolic.derivation import Step
 from kousoku.symbolic.forms import Constraint
-from kousoku.symbolic.matrices import (
-    Divisor,
-    Dot,
-    Matrix,
-    Named,
-    add,
-    mul,
-    neg,
-    skew,
-    transpose,
-)
+from kousoku.symbolic.matrices import Divisor, Dot, NamedMatrix, add, mul, neg, skew, transpose
 from kousoku.symbolic.variation import orthogonality
 
 if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Derivation
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 #: A frame-O vector of each body, a = A a′.
-AXES = {body: Named(f"a_{body}", mul(A[body], SYMBOLS[f"a_{body}_b"])) for body in ("i", "j")}
+AXES = {body: NamedMatrix(f"a_{body}", mul(A[body], SYMBOLS[f"a_{body}_b"])) for body in ("i", "j")}
 TO_POINT = add(SYMBOLS["r_j"], mul(A["j"], SYMBOLS["s_j_b"]), neg(SYMBOLS["r_i"]))
 FROM_CENTRE = neg(mul(A["i"], SYMBOLS["s_i_b"]))
 #: The vector from the point on i to the point on j, frame O.
-D = Named("d", add(TO_POINT, FROM_CENTRE))
+D = NamedMatrix("d", add(TO_POINT, FROM_CENTRE))
 #: Why γ in the relative angular velocity Ω is equal to what the product rule leaves.
 TURNING_RULE = "seen from one body dy/dt = Ω × y and dΩ/dt = Ω × ω, by (7.15)"
 #: The point on j seen from the frame of i.
-Y = Named("y", mul(transpose(A["i"]), TO_POINT))
+Y = NamedMatrix("y", mul(transpose(A["i"]), TO_POINT))
 
 
 def derive(package: str) -> Derivation:
-    """Return the derivation of ``n1``, ``n2``, ``p1_x`` … ``p2_z``."""
+    """Derivation of ``n1``, ``n2``, ``p1_x`` … ``p2_z``, lecture 8.2.
+
+    n1: a_i·a_j = 0 (1,), (8.9); n2: a_i·d = 0 (1,) [m], (8.12); p1: two rows of ã_i a_j = 0 (2,),
+    (8.14); p2: two rows of ã_i d = 0 (2,) [m], (8.16). Vectors a = A a′ and d, from the point on i
+    to the point on j, are in frame O; the rows of p1 and p2 are taken in the frame of i.
+    """
     kind, _, axis = package.partition("_")
     builders = {"n1": _n1, "n2": _n2, "p1": _p1, "p2": _p2}
     return derive_constraint(builders[kind](axis))
 
 
-def body_frame_offset() -> Matrix:
-    """Return A_iᵀ d = y − (p·p)² s_i′, by A_iᵀA_i = (p·p)² I."""
+def body_frame_offset() -> SymbolicMatrix:
+    """Offset A_iᵀ d (3,) [m] = y − (p·p)² s_i′, frame of i, by A_iᵀA_i = (p·p)² I and (8.8)."""
     own = mul(transpose(A["i"]), FROM_CENTRE)
     return add(Y, orthogonality(own) or own)
 
 
-def _offset_steps(*before: Matrix) -> tuple[Matrix, tuple[Step, ...]]:
-    """Return C = before · A_iᵀ d with d resolved, and the steps from the frame-O form to it."""
+def _offset_steps(*before: SymbolicMatrix) -> tuple[SymbolicMatrix, tuple[Step, ...]]:
+    """Constraint C = before · A_iᵀ d with d resolved, and the steps from the frame-O form to it."""
     value = mul(*before, body_frame_offset())
     left = MatrixSymbol("C", *value.shape)
     d = MatrixSymbol("d", 3, 1)
@@ -73,16 +69,17 @@ def _offset_steps(*before: Matrix) -> tuple[Matrix, tuple[Step, ...]]:
 
 
 def _offset_components() -> list[Any]:
-    """Return A_iᵀ d; s_i′ comes back to frame i with the factor (p·p)² for any p."""
+    """Components of A_iᵀ d; s_i′ comes back to frame i with the factor (p·p)² for any p."""
     x = COMPONENTS
     to_point = subtract(plus(x["r_j"], rotate(x["p_j"], x["s_j_b"])), x["r_i"])
     square = sum(e**2 for e in x["p_i"]) ** 2
     return subtract(rotate_back(x["p_i"], to_point), [square * s for s in x["s_i_b"]])
 
 
-def _selection(axis: str) -> Matrix:
+def _selection(axis: str) -> NamedMatrix:
     rows = [[int(k == row) for k in range(3)] for row in ROWS[axis]]
-    return Named("S", ImmutableDenseMatrix(rows))
+    selection: NamedMatrix = NamedMatrix("S", ImmutableDenseMatrix(rows))
+    return selection
 
 
 def _choice(axis: str) -> Step:
@@ -104,41 +101,41 @@ class Turning:
 
     Parameters
     ----------
-    y : Matrix
+    y : SymbolicMatrix
         The vector.
-    w : Matrix
+    w : SymbolicMatrix
         Its rate by the turning of its own body alone.
-    own : Matrix
+    own : SymbolicMatrix
         Angular velocity of the body that sees.
-    omega : Matrix
+    omega : SymbolicMatrix
         Ω, that of the other body less this one. It is found before anything is multiplied with it,
         so that no digits cancel where the bodies turn together.
     """
 
-    y: Matrix
-    w: Matrix
-    own: Matrix
-    omega: Matrix
+    y: SymbolicMatrix
+    w: SymbolicMatrix
+    own: SymbolicMatrix
+    omega: SymbolicMatrix
 
 
 def turning_seen_from(body: str) -> Turning:
-    """Return the vector a of the other body as it turns in the frame of ``body``."""
+    """Vector a of the other body as it turns in the frame of ``body``."""
     (other,) = set(BODIES) - {body}
     axis, spin, own = (SYMBOLS[x] for x in (f"a_{other}_b", f"omega_{other}_b", f"omega_{body}_b"))
     p, q = SYMBOLS[f"p_{body}"], SYMBOLS[f"p_{other}"]
     squares = Divisor(Dot(p, p) * Dot(q, q))
     into = (transpose(A[body]), A[other])
-    seen = Named("omega_seen", mul(*into, spin))
+    seen = NamedMatrix("omega_seen", mul(*into, spin))
     return Turning(
-        Named("y", mul(*into, axis)),
-        Named("w", mul(*into, skew(spin), axis)),
+        NamedMatrix("y", mul(*into, axis)),
+        NamedMatrix("w", mul(*into, skew(spin), axis)),
         own,
-        Named("omega", add(mul(1 / squares, seen), neg(own))),
+        NamedMatrix("omega", add(mul(1 / squares, seen), neg(own))),
     )
 
 
-def n1_gamma(vector: Matrix, body: str) -> Matrix:
-    """Return γ of n1 for a vector b of ``body`` and a of the other, Ω·(b × w − y × (ω × b)).
+def n1_gamma(vector: SymbolicMatrix, body: str) -> SymbolicMatrix:
+    """γ of n1 for a vector b of ``body`` and a of the other, Ω·(b × w − y × (ω × b)).
 
     It is seen from ``body``, where nothing is lost of what stands along its own axes.
     """
@@ -148,7 +145,7 @@ def n1_gamma(vector: Matrix, body: str) -> Matrix:
 
 
 def _p1_gamma(axis: str) -> Step:
-    """Return γ = S a′_i~ (ω × (Ω × y) − Ω × w), seen from i."""
+    """γ = S a′_i~ (ω × (Ω × y) − Ω × w), seen from i."""
     seen = turning_seen_from("i")
     turned = add(mul(skew(seen.own), skew(seen.omega), seen.y), neg(mul(skew(seen.omega), seen.w)))
     gamma = mul(_selection(axis), skew(SYMBOLS["a_i_b"]), turned)

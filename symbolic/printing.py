@@ -26,14 +26,14 @@ from kousoku.model.errors import DerivationError
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
-    Named,
+    NamedMatrix,
     NamedScalar,
     Orientation,
     Skew,
     coefficient_and_factors,
     description,
 )
-from kousoku.symbolic.notation import Latex, Piece, Text, at_least, in_lines, in_text
+from kousoku.symbolic.notation import Latex, Piece, PlainText, at_least, in_lines, in_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -44,13 +44,13 @@ if TYPE_CHECKING:
 class _Printer:
     """Walks over an expression; the style says how each node is written."""
 
-    def __init__(self, style: Text) -> None:
+    def __init__(self, style: PlainText) -> None:
         self._style = style
 
     def piece(self, x: Any) -> Piece:
         style = self._style
         match x:
-            case MatrixSymbol() | Named():
+            case MatrixSymbol() | NamedMatrix():
                 return style.name(str(x.name), bold=True), 2
             case Orientation():
                 return style.orientation(str(x.p.name)), 2
@@ -156,22 +156,22 @@ def _positive_first(term: Any) -> tuple[bool, str]:
     return bool(term.could_extract_minus_sign()), description(term)
 
 
-STYLES = {"text": Text(), "latex": Latex()}
+STYLES = {"text": PlainText(), "latex": Latex()}
 
 
 def show(x: Any, style: Literal["text", "latex"] = "text") -> str:
-    """Return one expression of the matrix level as text or LaTeX."""
+    """Expression of the matrix level as text or LaTeX."""
     return _Printer(_style(style)).piece(x)[0]
 
 
-def _style(name: str) -> Text:
+def _style(name: str) -> PlainText:
     if name not in STYLES:
         raise DerivationError(f"unknown style {name!r}; use one of {', '.join(STYLES)}")
     return STYLES[name]
 
 
 def print_steps(derivation: Derivation, style: Literal["text", "latex"] = "text") -> str:
-    """Return the steps of a derivation, each with its rule and equation number.
+    """Steps of a derivation, each with its rule and equation number.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def print_steps(derivation: Derivation, style: Literal["text", "latex"] = "text"
 
 
 def latex_of(steps: Sequence[Step]) -> str:
-    """Return steps as one ``align*`` environment, each line with its rule and equation number."""
+    """Steps as one ``align*`` environment, each line with its rule and equation number."""
     printer = _Printer(STYLES["latex"])
     lines = []
     for step in steps:

@@ -17,13 +17,13 @@ from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import Flow, half_turn
 from kousoku.symbolic.matrices import (
     Divisor,
-    Named,
+    NamedMatrix,
     NamedScalar,
     Orientation,
     elements,
     quadratic_form,
 )
-from kousoku.symbolic.opaque import OpaqueRing, polynomial_names, shared
+from kousoku.symbolic.named_ring import NamedRing, polynomial_names, shared
 from kousoku.symbolic.ring import Ring
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def prove(function: Function) -> int:
         carrier = whole
         if output.through:
             names = polynomial_names(whole, forms[-1])
-            carrier = OpaqueRing(function.inputs, names, plain=whole)
+            carrier = NamedRing(function.inputs, names, plain=whole)
         _compare(function, output, carrier, forms[-1])
     return sum(output.quantity.size for output in function.outputs)
 
@@ -120,23 +120,23 @@ def prove_steps(derivation: Derivation) -> int:
                 f"{derivation.name}: step {number} does not follow: {step.rule}; correct it"
             )
         if isinstance(step.left, MatrixSymbol):
-            same[Named(step.left.name, left)] = Named(step.left.name, step.right)
+            same[NamedMatrix(step.left.name, left)] = NamedMatrix(step.left.name, step.right)
         count += 1
     return count
 
 
 def _with_one_name(x: Any, same: Mapping[Any, Any]) -> Any:
-    """Return ``x`` with names by the last of the values that were proved equal."""
+    """``x`` with names by the last of the values that were proved equal."""
     for old, new in same.items():
         x = x.xreplace({old: new})
     return x
 
 
 def _with_names_of(one: Any, other: Any) -> Any:
-    """Return ``one`` with the values that its names have in ``other``, where these are equal."""
+    """``one`` with the values that its names have in ``other``, where these are equal."""
     while True:
-        values = {x.name: x for x in other.atoms(Named)}
-        differing = (x for x in one.atoms(Named) if values.get(x.name, x) != x)
+        values = {x.name: x for x in other.atoms(NamedMatrix)}
+        differing = (x for x in one.atoms(NamedMatrix) if values.get(x.name, x) != x)
         name = min(differing, key=lambda x: (len(str(x)), str(x)), default=None)
         if name is None or not _agree((name.value, values[name.name].value), is_unit=False):
             return one
@@ -144,7 +144,7 @@ def _with_names_of(one: Any, other: Any) -> Any:
 
 
 def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:
-    """Return whether two formulas are equal for all values of their symbols.
+    """Whether two formulas are equal for all values of their symbols.
 
     Given more than once they differ in names that were proved equal.
     """
@@ -174,17 +174,17 @@ def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:
     if not _is_same(Ring(quantities, given, is_unit=is_unit, at=point), left, right):
         return False
     sorts_of_names = (
-        (Named, Divisor, Orientation),
-        (Named, NamedScalar, Orientation),
-        (Named, Orientation),
+        (NamedMatrix, Divisor, Orientation),
+        (NamedMatrix, NamedScalar, Orientation),
+        (NamedMatrix, Orientation),
         (NamedScalar,),
     )
     if any(one == other for one, other in forms):
         return True
-    ordered = sorted(forms, key=lambda form: -len(shared(*form, Named)))
+    ordered = sorted(forms, key=lambda form: -len(shared(*form, NamedMatrix)))
     for (one, other), sorts in itertools.product(ordered, sorts_of_names):
         names = shared(one, other, *sorts)
-        carrier = OpaqueRing(quantities, names, given=given, is_unit=is_unit)
+        carrier = NamedRing(quantities, names, given=given, is_unit=is_unit)
         if names and _is_same(carrier, one, other):
             return True
     return _is_same(Ring(quantities, given, is_unit=is_unit), left, right)
@@ -196,7 +196,7 @@ def _is_same(carrier: Ring, left: Any, right: Any) -> bool:
 
 
 def _point(quantities: Sequence[Quantity], *, is_unit: bool) -> list[Any]:
-    """Return rational numbers for all elements; Euler parameters of norm one if asked for."""
+    """Rational numbers for all elements; Euler parameters of norm one if asked for."""
     unit = ([QQ(2, 9), QQ(4, 9), QQ(5, 9), QQ(6, 9)], [QQ(1, 11), QQ(2, 11), QQ(4, 11), QQ(10, 11)])
     values: list[Any] = []
     for k, quantity in enumerate(quantities):
@@ -209,12 +209,12 @@ def _point(quantities: Sequence[Quantity], *, is_unit: bool) -> list[Any]:
 
 
 def _virtual_rotation(body: str, known: set[str]) -> str:
-    """Return the name of δθ′ of a body: an input of the rotation, or a column of a constraint."""
+    """Name of δθ′ of a body: an input of the rotation, or a column of a constraint."""
     return "dtheta_b" if not body or "dtheta_b" in known else f"δθ{body}_b"
 
 
 def _varied_orientation(p_name: str, theta_name: str, *, is_unit: bool) -> list[Any]:
-    """Return δA by differentiating A(p) along ½ p∘(0, δθ′)."""
+    """Variation δA by differentiating A(p) along ½ p∘(0, δθ′)."""
     p = elements(Quantity(p_name, (4,), "", ""))
     theta = elements(Quantity(theta_name, (3,), "", ""))
     flow = Flow(dict(zip(p, half_turn(p, theta), strict=True)), (*p, *theta))

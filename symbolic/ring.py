@@ -26,11 +26,11 @@ from sympy.polys.domains import QQ
 from sympy.polys.rings import ring
 
 from kousoku.model.errors import DerivationError
-from kousoku.symbolic.fractions import Fraction, Norm, Polynomial
+from kousoku.symbolic.fractions import Fraction, Norm, SparsePolynomial
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
-    Named,
+    NamedMatrix,
     NamedScalar,
     Orientation,
     Skew,
@@ -87,7 +87,7 @@ class Ring:
             s: Fraction(value, self._one) for s, value in zip(self._symbols, values, strict=True)
         }
         self._functions: list[tuple[str, tuple[Fraction, ...], Fraction]] = []
-        self._squares: list[tuple[Polynomial, Polynomial, Polynomial]] = []
+        self._squares: list[tuple[SparsePolynomial, SparsePolynomial, SparsePolynomial]] = []
         self._norms: list[Norm] = []
         self._cancelled: Sequence[Norm] | None = self._norms
         self._quantities = {q.name: q for q in quantities}
@@ -97,7 +97,7 @@ class Ring:
     # -- numbers -------------------------------------------------------------------------------
 
     def scalar(self, x: Any) -> Fraction:
-        """Return a scalar expression of either level."""
+        """Scalar expression of either level."""
         known = self._scalars.get(x)
         if known is None:
             known = self._scalars[x] = self._scalar(x)
@@ -176,7 +176,7 @@ class Ring:
         return Fraction(over, under)
 
     def is_equal(self, x: Fraction, y: Fraction) -> bool:
-        """Return whether two numbers are the same for all values of the inputs."""
+        """Whether two numbers are the same for all values of the inputs."""
         if x.under == y.under and x.over == y.over:
             return True
         if not self._functions and self._differ_at_a_point(x, y):
@@ -185,7 +185,7 @@ class Ring:
         return not self._reduced(self._reduced(difference)).over
 
     def _differ_at_a_point(self, x: Fraction, y: Fraction) -> bool:
-        """Return whether two rational functions differ at one rational point: a counterexample."""
+        """Whether two rational functions differ at one rational point: a counterexample."""
         point = [QQ(2 * k + 3, k + 2) for k in range(len(self._ring.gens))]
         x_over, x_under, y_over, y_under = (
             _value(part, point) for part in (x.over, x.under, y.over, y.under)
@@ -195,7 +195,7 @@ class Ring:
     # -- matrices ------------------------------------------------------------------------------
 
     def matrix(self, x: Any) -> Rows:
-        """Return the elements of a matrix-level expression."""
+        """Elements of a matrix-level expression."""
         known = self._memo.get(x)
         if known is None:
             known = self._memo[x] = self._matrix(x)
@@ -205,7 +205,7 @@ class Ring:
         match x:
             case MatrixSymbol():
                 return self._array(x)
-            case Named():
+            case NamedMatrix():
                 return self.matrix(x.value)
             case Orientation():
                 return self._orientation([e for (e,) in self.matrix(x.p)])
@@ -256,7 +256,7 @@ class Ring:
         return [[Fraction(cell.over, square.over) for cell in row] for row in form]
 
     def cells(self, x: Any) -> list[Fraction]:
-        """Return the elements of a scalar or matrix expression, row-major."""
+        """Elements of a scalar or matrix expression, row-major."""
         if not getattr(x, "is_Matrix", False):
             return [self.scalar(x)]
         return [cell for row in self.matrix(x) for cell in row]
@@ -283,7 +283,7 @@ class Ring:
         return [[self._reduced(value * cell) for cell in row] for row in matrices[0]]
 
 
-def _value(x: Polynomial, point: Sequence[Any]) -> Any:
+def _value(x: SparsePolynomial, point: Sequence[Any]) -> Any:
     total = QQ.zero
     for powers, coefficient in x.terms():
         product = coefficient
@@ -295,9 +295,12 @@ def _value(x: Polynomial, point: Sequence[Any]) -> Any:
 
 
 def _without_squares(
-    x: Polynomial, generator: Polynomial, over: Polynomial, under: Polynomial
-) -> tuple[Polynomial, Polynomial]:
-    """Return x·f and f, f a power of ``under``, where generator² = over / under."""
+    x: SparsePolynomial,
+    generator: SparsePolynomial,
+    over: SparsePolynomial,
+    under: SparsePolynomial,
+) -> tuple[SparsePolynomial, SparsePolynomial]:
+    """Products x·f and f, f a power of ``under``, where generator² = over / under."""
     place = x.ring.gens.index(generator)
     highest = max((powers[place] for powers in x), default=0) // 2
     if highest == 0:

@@ -14,8 +14,7 @@ from kousoku.symbolic.components import Flow, compose, dot, half_turn, plus, rot
 from kousoku.symbolic.derivation import Derivation, Function, Output, Step
 from kousoku.symbolic.matrices import (
     Dot,
-    Matrix,
-    Named,
+    NamedMatrix,
     Orientation,
     add,
     elements,
@@ -26,10 +25,13 @@ from kousoku.symbolic.matrices import (
     symbol,
     transpose,
 )
+from kousoku.symbolic.sympy_types import as_matrix
 from kousoku.symbolic.variation import Variation, coefficient
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 R = Quantity("r", (3,), "m", "position of the body frame's origin, frame O")
 P = Quantity("p", (4,), "-", "Euler parameters, scalar first")
@@ -45,14 +47,14 @@ RATE = Variation({}, {symbol(P): symbol(OMEGA_B)})
 #: The scalar and the vector part of the Euler parameters.
 E0 = symbol(P)[0, 0]
 VECTOR_PART = ImmutableDenseMatrix([[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
-E = Named("e", mul(VECTOR_PART, symbol(P)))
+E = NamedMatrix("e", mul(VECTOR_PART, symbol(P)))
 #: Under the root of θ² + TINY the angle never vanishes, and sin(θ/2)/θ is right to rounding.
 TINY = Rational(1, 10**300)
 SOURCE = "lecture 7.1"
 
 
 def derive(package: str) -> Derivation:
-    """Return the derivation of ``rotation``."""
+    """Derivation of ``rotation``, lecture 7.1: A(p) (3, 3), δA = A δθ̃′ (7.16), ṗ = ½ p∘(0, ω′)."""
     return Derivation(
         name=package,
         kind="rotation",
@@ -72,7 +74,7 @@ def derive(package: str) -> Derivation:
     )
 
 
-def _output(quantity: Quantity, expression: Matrix, scalars: Sequence[Any]) -> Output:
+def _output(quantity: Quantity, expression: SymbolicMatrix, scalars: Sequence[Any]) -> Output:
     return Output(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
 
 
@@ -129,8 +131,8 @@ def _point() -> Function:
     )
 
 
-def _collected_displacement() -> Matrix:
-    """Return δr − A s′~ δθ′, by collecting δ(r + A s′)."""
+def _collected_displacement() -> SymbolicMatrix:
+    """Displacement δr − A s′~ δθ′, by collecting δ(r + A s′)."""
     change = DELTA(add(symbol(R), mul(A, symbol(S_B))))
     parts = (mul(coefficient(change, x), x) for x in (symbol(DR), symbol(DTHETA_B)))
     return add(*parts)
@@ -164,9 +166,9 @@ def _orientation_rate() -> Function:
     )
 
 
-def _spin(sign: int) -> Matrix:
-    """Return the vector part of p̄∘ṗ (sign −1) or ṗ∘p̄ (sign +1)."""
-    e_dot = Named("e_dot", mul(VECTOR_PART, symbol(P_DOT)))
+def _spin(sign: int) -> SymbolicMatrix:
+    """Vector part of p̄∘ṗ (sign −1) or ṗ∘p̄ (sign +1)."""
+    e_dot = NamedMatrix("e_dot", mul(VECTOR_PART, symbol(P_DOT)))
     return add(mul(E0, e_dot), mul(-symbol(P_DOT)[0, 0], E), mul(sign, skew(E), e_dot))
 
 
@@ -197,10 +199,10 @@ def _angular_velocity() -> Function:
     )
 
 
-def _turned(theta: Matrix) -> Matrix:
-    """Return p∘(0, θ)."""
-    return BlockMatrix(
-        [[neg(mul(transpose(E), theta))], [add(mul(E0, theta), mul(skew(E), theta))]]
+def _turned(theta: SymbolicMatrix) -> SymbolicMatrix:
+    """Product p∘(0, θ)."""
+    return as_matrix(
+        BlockMatrix([[neg(mul(transpose(E), theta))], [add(mul(E0, theta), mul(skew(E), theta))]])
     )
 
 
@@ -226,7 +228,7 @@ def _update() -> Function:
     theta, p, t = symbol(DTHETA_B), elements(P), elements(DTHETA_B)
     angle = sympy.sqrt(Dot(theta, theta) + TINY)
     c, s = sympy.cos(angle / 2), sympy.sin(angle / 2) / angle
-    whole = Named("w", add(mul(c, symbol(P)), mul(s, _turned(theta))))
+    whole = NamedMatrix("w", add(mul(c, symbol(P)), mul(s, _turned(theta))))
     norm = sympy.sqrt(Dot(whole, whole))
     length = sympy.sqrt(dot(t, t) + TINY)
     half = [sympy.cos(length / 2), *(sympy.sin(length / 2) / length * x for x in t)]
@@ -246,8 +248,8 @@ def _update() -> Function:
 def _variation_steps() -> tuple[Step, ...]:
     point, change = MatrixSymbol("r_P", 3, 1), MatrixSymbol("δr_P", 3, 1)
     delta_a, theta_b = MatrixSymbol("δA", 3, 3), symbol(DTHETA_B)
-    theta = Named("δθ", mul(A, theta_b))
-    s = Named("s", mul(A, symbol(S_B)))
+    theta = NamedMatrix("δθ", mul(A, theta_b))
+    s = NamedMatrix("s", mul(A, symbol(S_B)))
     dr, s_b = symbol(DR), symbol(S_B)
     into = transpose(A)
     quadratic = add(

@@ -35,8 +35,7 @@ from kousoku.symbolic.joints import parts_of_motion, point_offset, relative_moti
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
-    Matrix,
-    Named,
+    NamedMatrix,
     NamedScalar,
     add,
     elements,
@@ -51,6 +50,8 @@ from kousoku.symbolic.variation import coefficient
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 TITLE = "spring_damper, spring and damper between two points (TSDA)"
 SOURCE = "lecture 8.2, (8.8)"
@@ -67,32 +68,32 @@ PLACES = tuple(q for q in CONFIGURATION if q.name[0] in "rps")
 #: What the bodies have each, and j less i.
 OF_BODY, RELATIVE = {body: parts_of_motion(body) for body in BODIES}, relative_motion()
 #: The vector between the points: zero to the last bit where the bodies are in the same place.
-D = Named("d", add(RELATIVE["r"], RELATIVE["s"]))
+D = NamedMatrix("d", add(RELATIVE["r"], RELATIVE["s"]))
 #: d without the point on the body itself: from the origin of i, and to the origin of j.
 FROM_OWN_ORIGIN = {
-    "i": Named("d_i", add(RELATIVE["r"], OF_BODY["j"]["s"])),
-    "j": Named("d_j", add(RELATIVE["r"], neg(OF_BODY["i"]["s"]))),
+    "i": NamedMatrix("d_i", add(RELATIVE["r"], OF_BODY["j"]["s"])),
+    "j": NamedMatrix("d_j", add(RELATIVE["r"], neg(OF_BODY["i"]["s"]))),
 }
 L = NamedScalar("l", sympy.sqrt(Dot(D, D)))
 #: One, and zero where the points coincide; one divided by l, and zero there.
 APART = NamedScalar("apart", L / Divisor(L))
 INVERSE = NamedScalar("g", APART / Divisor(L))
-ALONG = Named("n", mul(INVERSE, D))
-D_RATE = Named("d_dot", RATE(D))
+ALONG = NamedMatrix("n", mul(INVERSE, D))
+D_RATE = NamedMatrix("d_dot", RATE(D))
 ELONGATION = symbol(LENGTH) - symbol(FREE_LENGTH)
 LAW = symbol(STIFFNESS) * ELONGATION + symbol(DAMPING) * symbol(LENGTH_RATE)
 ENERGY = Rational(1, 2) * symbol(STIFFNESS) * ELONGATION**2
 
 
 def derive(_: str) -> Derivation:
-    """Return the derivation of ``spring_damper``."""
+    """Derivation of ``spring_damper``: T = k (l − l⁰) + c dl/dt [N] along d, (8.8), by −T δl."""
     return Derivation(
         "spring_damper", "spring_damper", TITLE, SOURCE, _steps(), (_length(), _law(), _force())
     )
 
 
-def length_rate() -> tuple[Matrix, Matrix]:
-    """Return dl/dt = h l / d·d, zero where d is, and h / l; h = d·v + r·w + s_i·(Ω_i × s_j).
+def length_rate() -> tuple[SymbolicMatrix, SymbolicMatrix]:
+    """Rate dl/dt = h l / d·d, zero where d is, and h / l; h = d·v + r·w + s_i·(Ω_i × s_j).
 
     Without an index is what j has less what i has; Ω_i is what i turns more than j, seen from j, so
     that nothing is lost of what turns about the line to the point. Each term is small where the
@@ -100,16 +101,16 @@ def length_rate() -> tuple[Matrix, Matrix]:
     from it.
     """
     # Named, so that it does not wait for the angular velocity.
-    seen = Named("s_seen", mul(transpose(A["j"]), OF_BODY["i"]["s"]))
+    seen = NamedMatrix("s_seen", mul(transpose(A["j"]), OF_BODY["i"]["s"]))
     by_turning = mul(transpose(seen), skew(turning_seen_from("j").omega), SYMBOLS["s_j_b"])
     by_origins = mul(transpose(D), RELATIVE["v"])
     by_points = mul(transpose(RELATIVE["r"]), RELATIVE["w"])
-    half_square_rate = Named("h", add(by_origins, by_points, by_turning))
+    half_square_rate = NamedMatrix("h", add(by_origins, by_points, by_turning))
     return mul(L / Divisor(Dot(D, D)), half_square_rate), mul(1 / L, half_square_rate)
 
 
-def generalised_forces() -> tuple[Matrix, ...]:
-    """Return force on i in frame O, torque in the frame of i, and those of j.
+def generalised_forces() -> tuple[SymbolicMatrix, ...]:
+    """Force on i in frame O, torque in the frame of i, and those of j.
 
     In a torque the point's own arm drops out, (A s′)ᵀA s̃′ = 0, and with it digits where the point
     is far from its origin.
@@ -118,7 +119,7 @@ def generalised_forces() -> tuple[Matrix, ...]:
     tension = symbol(TENSION)
     for body, sign in zip(BODIES, (1, -1), strict=True):
         turning = mul(skew(SYMBOLS[f"s_{body}_b"]), transpose(A[body]), FROM_OWN_ORIGIN[body])
-        arm = Named(f"m_{body}", mul(INVERSE, turning))
+        arm = NamedMatrix(f"m_{body}", mul(INVERSE, turning))
         found += [mul(sign * tension, ALONG), mul(sign * tension, arm)]
     return tuple(found)
 
@@ -149,7 +150,10 @@ def _steps() -> tuple[Step, ...]:
 
 
 def _output(
-    quantity: Quantity, expression: Any, scalars: Sequence[Any], through: tuple[Matrix, ...] = ()
+    quantity: Quantity,
+    expression: Any,
+    scalars: Sequence[Any],
+    through: tuple[SymbolicMatrix, ...] = (),
 ) -> Output:
     column = ImmutableDenseMatrix(len(scalars), 1, list(scalars))
     return Output(quantity, expression, column, through)
@@ -165,7 +169,7 @@ def _number(quantity: Quantity, expression: Any, component: Any) -> Output:
 
 
 def _zero_at_pole(output: Output) -> Output:
-    """Return an output that is zero where the points coincide."""
+    """Output that is zero where the points coincide."""
     return replace(output, at_pole=0.0)
 
 

@@ -27,7 +27,7 @@ DIGITS = 40
 def values_at(
     derivation: Derivation, numbers: Mapping[str, Any], outputs: Sequence[str] | None = None
 ) -> dict[str, Any]:
-    """Return what :meth:`kousoku.symbolic.derivation.Derivation.at` does."""
+    """Values for :meth:`kousoku.symbolic.derivation.Derivation.at`."""
     inputs = derivation.inputs
     for name in numbers:
         _require("input", name, derivation, inputs)
@@ -50,7 +50,7 @@ def values_at(
 
 
 def _wanted(derivation: Derivation, given: set[str], names: Sequence[str] | None) -> list[Output]:
-    """Return the outputs that are asked for, or all that the given inputs are enough for."""
+    """Outputs that are asked for, or all that the given inputs are enough for."""
     where = f"{derivation.name}.at"
     if isinstance(names, str):
         names = (names,)
@@ -92,7 +92,7 @@ def _require(what: str, name: str, derivation: Derivation, known: Mapping[str, A
 
 
 def _cells(where: str, quantity: Quantity, given: Any) -> list[Any]:
-    """Return what is given as a list of numbers, row by row."""
+    """Cells of a list of numbers, row by row."""
     if isinstance(given, sympy.MatrixBase):
         given = given.tolist() if len(quantity.shape) > 1 else list(given)
     try:
@@ -113,7 +113,7 @@ def _cells(where: str, quantity: Quantity, given: Any) -> list[Any]:
 
 
 def _sort(x: Any) -> str:
-    """Return what sort of number this is; nothing where it is none, or not finite."""
+    """Sort of a number; nothing where it is none, or not finite."""
     if isinstance(x, sympy.Expr):
         if isinstance(x, sympy.Float):
             return "float"
@@ -126,7 +126,7 @@ def _sort(x: Any) -> str:
 
 
 def _exact(x: Any) -> Any:
-    """Return a number as SymPy's exact one; a float is the fraction that it stands for."""
+    """Number as SymPy's exact one; a float is the fraction that it stands for."""
     match x:
         case mpmath.mpf():
             return sympy.Rational(x.man) * sympy.Integer(2) ** x.exp
@@ -140,7 +140,7 @@ def _exact(x: Any) -> Any:
 
 
 def _value(x: Any, known: dict[Any, Any]) -> Any:
-    """Return the value of a formula, each part that stands in it more than once computed once."""
+    """Value of a formula, each part that stands in it more than once computed once."""
     found = known.get(x)
     if found is None:
         found = known[x] = x.func(*(_value(arg, known) for arg in x.args)) if x.args else x
@@ -154,7 +154,7 @@ def _finish(sorts: set[str]) -> Callable[[Any], Any]:
 
 
 def _float(x: Any) -> float:
-    """Return the nearest double."""
+    """Nearest double."""
     if not x.is_real:  # a pole, or no real root
         return np.nan
     exact = x if x.is_Rational else sympy.Rational(sympy.N(x, DIGITS))
@@ -165,5 +165,5 @@ def _float(x: Any) -> float:
 
 
 def _mpf(x: Any) -> Any:
-    """Return the nearest number of mpmath's working precision."""
+    """Nearest number of mpmath's working precision."""
     return mpmath.mpf(sympy.N(x, mpmath.mp.dps + 10)) if x.is_real else mpmath.nan

@@ -26,11 +26,9 @@ from kousoku.model.errors import DerivationError
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
-    Matrix,
-    Named,
+    NamedMatrix,
     NamedScalar,
     Orientation,
-    Scalar,
     Skew,
     add,
     coefficient_and_factors,
@@ -41,9 +39,12 @@ from kousoku.symbolic.matrices import (
     skew,
     transpose,
 )
+from kousoku.symbolic.sympy_types import as_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+
+    from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +61,11 @@ class Variation:
         of δθ′ stands for δA itself, before the rule is applied.
     """
 
-    vectors: Mapping[Matrix, Matrix]
-    rotations: Mapping[Matrix, Matrix]
+    vectors: Mapping[SymbolicMatrix, SymbolicMatrix]
+    rotations: Mapping[SymbolicMatrix, SymbolicMatrix]
 
-    def __call__(self, x: Matrix) -> Matrix:
-        """Return δx, by the product rule and (7.16)."""
+    def __call__(self, x: SymbolicMatrix) -> SymbolicMatrix:
+        """Variation δx, by the product rule and (7.16)."""
         match x:
             case MatAdd():
                 return add(*(self(term) for term in x.args))
@@ -76,26 +77,28 @@ class Variation:
                 return skew(self(x.v))
             case Transpose():
                 return transpose(self(x.arg))
-            case Named():
+            case NamedMatrix():
                 return self(x.value)
             case BlockMatrix():
                 rows, columns = x.blockshape
-                return BlockMatrix(
-                    [[self(x.blocks[i, j]) for j in range(columns)] for i in range(rows)]
+                return as_matrix(
+                    BlockMatrix(
+                        [[self(x.blocks[i, j]) for j in range(columns)] for i in range(rows)]
+                    )
                 )
             case MatrixSymbol():
                 return self.vectors.get(x, ZeroMatrix(*x.shape))
             case Identity() | ZeroMatrix() | ImmutableDenseMatrix():
-                return ZeroMatrix(*x.shape)
+                return as_matrix(ZeroMatrix(*x.shape))
         raise DerivationError(f"variation: no rule for {type(x).__name__} in {x}")
 
-    def _of_orientation(self, x: Orientation) -> Matrix:
+    def _of_orientation(self, x: Orientation) -> SymbolicMatrix:
         change = self.rotations.get(x.p)
         if change is None:
-            return ZeroMatrix(3, 3)
+            return as_matrix(ZeroMatrix(3, 3))
         return change if change.shape[1] == 3 else mul(x, skew(change))
 
-    def _of_product(self, x: Matrix) -> Matrix:
+    def _of_product(self, x: SymbolicMatrix) -> SymbolicMatrix:
         scalar, factors = coefficient_and_factors(x)
         change = self.of_scalar(scalar)
         varied = mul(change, *factors) if x.shape[0] == 1 else ZeroMatrix(*x.shape)
@@ -113,8 +116,8 @@ class Variation:
             ),
         )
 
-    def of_scalar(self, x: Scalar) -> Matrix:
-        """Return δx (1, 1) of a scalar factor, by the chain rule."""
+    def of_scalar(self, x: Scalar) -> SymbolicMatrix:
+        """Variation δx (1, 1) of a scalar factor, by the chain rule."""
         match x:
             case Dot() if x.args[0] == x.args[1]:
                 u = x.args[0]
@@ -133,12 +136,12 @@ class Variation:
                 return mul(ImmutableDenseMatrix(row), self(x.parent))
         changes = {arg: self.of_scalar(arg) for arg in x.args}
         if all(map(is_zero, changes.values())):
-            return ZeroMatrix(1, 1)
+            return as_matrix(ZeroMatrix(1, 1))
         return add(*(mul(slope, changes[arg]) for slope, arg in _slopes(x)))
 
 
 def _slopes(x: Scalar) -> list[tuple[Scalar, Scalar]]:
-    """Return the arguments of a scalar formula that may vary, each after the derivative by it."""
+    """Arguments of a scalar formula that may vary, each after the derivative by it."""
     match x:
         case sympy.Add():
             return [(sympy.S.One, arg) for arg in sorted(x.args, key=description)]
@@ -157,13 +160,13 @@ def _slopes(x: Scalar) -> list[tuple[Scalar, Scalar]]:
     raise DerivationError(f"variation: no rule for {type(x).__name__} in the scalar factor {x}")
 
 
-def contains(x: Matrix, symbol: Matrix) -> bool:
-    """Return whether ``symbol`` stands anywhere in ``x``."""
+def contains(x: SymbolicMatrix, symbol: SymbolicMatrix) -> bool:
+    """Whether ``symbol`` stands anywhere in ``x``."""
     return bool(x == symbol or any(contains(arg, symbol) for arg in x.args))
 
 
-def coefficient(x: Matrix, symbol: Matrix) -> Matrix:
-    """Return M of the column ``x`` = M ``symbol`` + terms without it.
+def coefficient(x: SymbolicMatrix, symbol: SymbolicMatrix) -> SymbolicMatrix:
+    """Matrix M of the column ``x`` = M ``symbol`` + terms without it.
 
     The rules are ũ w = −w̃ u, and that a number is its own transpose.
 
@@ -174,20 +177,20 @@ def coefficient(x: Matrix, symbol: Matrix) -> Matrix:
     """
     zero = ZeroMatrix(x.shape[0], symbol.shape[0])
     if x == symbol:
-        return Identity(symbol.shape[0])
+        return as_matrix(Identity(symbol.shape[0]))
     if not contains(x, symbol):
-        return zero
+        return as_matrix(zero)
     match x:
         case MatAdd():
             return add(*(coefficient(term, symbol) for term in x.args))
-        case Named():
+        case NamedMatrix():
             return coefficient(x.value, symbol)
         case MatMul():
             return _of_product(x, symbol)
     raise DerivationError(f"linear form: {symbol} cannot be collected from {x}")
 
 
-def _of_product(x: Matrix, symbol: Matrix) -> Matrix:
+def _of_product(x: SymbolicMatrix, symbol: SymbolicMatrix) -> SymbolicMatrix:
     scalar, factors = coefficient_and_factors(x)
     where = [k for k, factor in enumerate(factors) if contains(factor, symbol)]
     if len(where) != 1:
@@ -199,7 +202,7 @@ def _of_product(x: Matrix, symbol: Matrix) -> Matrix:
         return add(
             *(coefficient(mul(scalar, *before, term, *after), symbol) for term in factor.args)
         )
-    if isinstance(factor, Named):
+    if isinstance(factor, NamedMatrix):
         return coefficient(mul(scalar, *before, factor.value, *after), symbol)
     if isinstance(factor, Skew):
         right = mul(*after)
@@ -212,8 +215,10 @@ def _of_product(x: Matrix, symbol: Matrix) -> Matrix:
     raise DerivationError(f"linear form: {symbol} cannot be brought to the right in {x}")
 
 
-def rewrite(x: Matrix, rule: Callable[[Matrix], Matrix | None]) -> Matrix:
-    """Return ``x`` with ``rule`` applied to every node from the leaves up, until none changes."""
+def rewrite(
+    x: SymbolicMatrix, rule: Callable[[SymbolicMatrix], SymbolicMatrix | None]
+) -> SymbolicMatrix:
+    """``x`` with ``rule`` applied to every node from the leaves up, until none changes."""
     if isinstance(x, MatAdd):
         rebuilt = add(*(rewrite(arg, rule) for arg in x.args))
     elif isinstance(x, MatMul):
@@ -227,10 +232,10 @@ def rewrite(x: Matrix, rule: Callable[[Matrix], Matrix | None]) -> Matrix:
     return rebuilt if changed is None or changed == rebuilt else rewrite(changed, rule)
 
 
-def replaced(x: Matrix, symbol: Matrix, other: Matrix) -> Matrix:
-    """Return ``x`` with ``other`` in the place of a symbol."""
+def replaced(x: SymbolicMatrix, symbol: SymbolicMatrix, other: SymbolicMatrix) -> SymbolicMatrix:
+    """``x`` with ``other`` in the place of a symbol."""
 
-    def exchange(node: Matrix) -> Matrix | None:
+    def exchange(node: SymbolicMatrix) -> SymbolicMatrix | None:
         if node in (symbol, transpose(symbol)):
             return other if node == symbol else transpose(other)
         return None
@@ -238,22 +243,24 @@ def replaced(x: Matrix, symbol: Matrix, other: Matrix) -> Matrix:
     return rewrite(x, exchange)
 
 
-def without(x: Matrix, *symbols: Matrix) -> Matrix:
-    """Return ``x`` with the vectors ``symbols`` set to zero."""
+def without(x: SymbolicMatrix, *symbols: SymbolicMatrix) -> SymbolicMatrix:
+    """``x`` with the vectors ``symbols`` set to zero."""
 
-    def vanish(node: Matrix) -> Matrix | None:
+    def vanish(node: SymbolicMatrix) -> SymbolicMatrix | None:
         if node in symbols:
-            return ZeroMatrix(*node.shape)
-        if isinstance(node, Named) and any(contains(node.value, symbol) for symbol in symbols):
+            return as_matrix(ZeroMatrix(*node.shape))
+        if isinstance(node, NamedMatrix) and any(
+            contains(node.value, symbol) for symbol in symbols
+        ):
             return without(node.value, *symbols)
         if isinstance(node, Transpose) and node.arg in symbols:
-            return ZeroMatrix(*node.shape)
+            return as_matrix(ZeroMatrix(*node.shape))
         return None
 
     return rewrite(x, vanish)
 
 
-def orthogonality(x: Matrix) -> Matrix | None:
+def orthogonality(x: SymbolicMatrix) -> SymbolicMatrix | None:
     """Apply A(p)ᵀA(p) = (p·p)² I, true for Euler parameters of any norm, where it stands in x."""
     if not isinstance(x, MatMul):
         return None
@@ -267,10 +274,10 @@ def orthogonality(x: Matrix) -> Matrix | None:
     return None
 
 
-def abbreviate(x: Matrix, *names: Named) -> Matrix:
-    """Return ``x`` with every product, or sum, that a name stands for replaced by the name."""
+def abbreviate(x: SymbolicMatrix, *names: NamedMatrix) -> SymbolicMatrix:
+    """``x`` with every product, or sum, that a name stands for replaced by the name."""
 
-    def shorten(node: Matrix) -> Matrix | None:
+    def shorten(node: SymbolicMatrix) -> SymbolicMatrix | None:
         scalar, factors = coefficient_and_factors(node)
         for name in names:
             whole = coefficient_and_factors(name.value)[1]

@@ -25,9 +25,7 @@ from kousoku.symbolic.derivation import Step
 from kousoku.symbolic.forms import Constraint
 from kousoku.symbolic.matrices import (
     Dot,
-    Matrix,
-    Named,
-    Scalar,
+    NamedMatrix,
     Skew,
     add,
     coefficient_and_factors,
@@ -39,10 +37,13 @@ from kousoku.symbolic.matrices import (
     transpose,
 )
 from kousoku.symbolic.printing import show
+from kousoku.symbolic.sympy_types import as_matrix, as_scalar
 from kousoku.symbolic.variation import orthogonality, rewrite
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
+
+    from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix
 
 #: The power of length in the units that an own input may have.
 POWERS = {"-": 0, "rad": 0, "m": 1}
@@ -55,7 +56,7 @@ class _Term:
 
     Parameters
     ----------
-    matrix : Matrix
+    matrix : SymbolicMatrix
         Matrix level: (3, 1) of a vector, (1, 1) of a number.
     components : tuple of sympy.Expr
         Component level, found without the matrix level.
@@ -65,7 +66,7 @@ class _Term:
         What it depends on, without the orientations and positions of the bodies.
     """
 
-    matrix: Matrix
+    matrix: SymbolicMatrix
     components: tuple[Scalar, ...]
     power: int
     inputs: tuple[Quantity, ...] = ()
@@ -110,7 +111,7 @@ class Vector(_Term):
     parts: Mapping[str, tuple[Scalar, ...]] = field(default_factory=dict, compare=False)
 
     def dot(self, other: Vector) -> Number:
-        """Return the scalar product."""
+        """Scalar product."""
         self._require_same_frame(other, f"{self.text} is multiplied by")
         return Number(
             mul(transpose(self.matrix), other.matrix),
@@ -121,7 +122,7 @@ class Vector(_Term):
         )
 
     def _product(self, other: Vector) -> Scalar:
-        """Return the elements' sum of products; what A has turned on both sides it leaves alone."""
+        """Scalar product by elements; what A has turned on both sides it leaves alone."""
         total = S.Zero
         for name in self.parts.keys() & other.parts.keys() - {self.frame}:
             total += _square(name) ** 2 * dot(self.parts[name], other.parts[name])
@@ -131,22 +132,22 @@ class Vector(_Term):
             for two, v in other._turned().items():
                 if one != two or one == self.frame:
                     total += dot(u, v)
-        return total
+        return as_scalar(total)
 
     def _turned(self) -> dict[str, Sequence[Scalar]]:
-        """Return the terms, each in the frame of the whole."""
+        """Terms, each in the frame of the whole."""
         return {
             name: x if name == self.frame else rotate(bodies.COMPONENTS[f"p_{name}"], x)
             for name, x in self.parts.items()
         }
 
     def _with(self, parts: Mapping[str, Sequence[Scalar]], **changes: Any) -> Vector:
-        """Return a vector of these terms."""
+        """Vector of these terms."""
         new = replace(self, parts={k: tuple(x) for k, x in parts.items()}, **changes)
         return replace(new, components=tuple(_sum(new._turned().values())))
 
     def cross(self, other: Vector) -> Vector:
-        """Return the vector product, self × other."""
+        """Vector product, self × other."""
         self._require_same_frame(other, f"{self.text} is multiplied by")
         product = cross(self.components, other.components)
         return self._with(
@@ -157,9 +158,9 @@ class Vector(_Term):
         )
 
     def named(self, name: str) -> Vector:
-        """Return the same vector under a name of its own, such as d, by which steps call it."""
+        """Vector of the same value under a name of its own, such as d, by which steps call it."""
         _require_name(name)
-        return replace(self, matrix=Named(name, self.matrix))
+        return replace(self, matrix=NamedMatrix(name, self.matrix))
 
     def __getitem__(self, place: int) -> Number:
         if place not in (0, 1, 2):
@@ -365,7 +366,7 @@ class Body:
         return self.fixed("s", "m")
 
     def fixed(self, name: str, unit: str, meaning: str = "") -> Vector:
-        """Return components in the body frame of a vector that is fixed in the body.
+        """Components in the body frame of a vector that is fixed in the body.
 
         Parameters
         ----------
@@ -383,11 +384,11 @@ class Body:
         return _vector(quantity, self.name)
 
     def axis(self, name: str = "a") -> Vector:
-        """Return a = A a′, an axis fixed in the body, components in frame O [-]."""
+        """Axis a = A a′, fixed in the body, components in frame O [-]."""
         return (self.A @ self.fixed(name, "-")).named(f"{name}_{self.name}")
 
     def point(self, name: str = "s") -> Vector:
-        """Return r + A s′, a point fixed in the body, in frame O [m]."""
+        """Point r + A s′, fixed in the body, in frame O [m]."""
         return self.r + self.A @ self.fixed(name, "m")
 
     if not TYPE_CHECKING:  # which tells what there is by itself
@@ -402,7 +403,7 @@ class Body:
 
 
 def body(name: str) -> Body:
-    """Return body i or j, of whose vectors a constraint is an expression.
+    """Body i or j, of whose vectors a constraint is an expression.
 
     Raises
     ------
@@ -415,7 +416,7 @@ def body(name: str) -> Body:
 
 
 def number(name: str, unit: str = "-", meaning: str = "") -> Number:
-    """Return a given number, constant in time: an input of the constraint by this name.
+    """Given number, constant in time: an input of the constraint by this name.
 
     Parameters
     ----------
@@ -432,7 +433,7 @@ def number(name: str, unit: str = "-", meaning: str = "") -> Number:
 
 
 def number_of(x: Any, where: str) -> Number:
-    """Return a number of the formula; an exact one of Python or SymPy is taken as it is.
+    """Number of the formula; an exact one of Python or SymPy is taken as it is.
 
     Raises
     ------
@@ -453,7 +454,7 @@ def number_of(x: Any, where: str) -> Number:
 
 
 def constraint_of(name: str, C: Any, *, title: str = "", source: str = "") -> Constraint:
-    """Return the constraint C = 0 that an expression states, or several, one below the other.
+    """Constraint C = 0 that an expression states, or several, one below the other.
 
     Parameters
     ----------
@@ -511,14 +512,14 @@ def constraint_of(name: str, C: Any, *, title: str = "", source: str = "") -> Co
     )
 
 
-def _opened(x: Matrix) -> Matrix | None:
-    """Return what a name stands for."""
-    if isinstance(x, Transpose) and isinstance(x.arg, Named):
+def _opened(x: SymbolicMatrix) -> SymbolicMatrix | None:
+    """Value that a name stands for."""
+    if isinstance(x, Transpose) and isinstance(x.arg, NamedMatrix):
         return transpose(x.arg.value)
-    return x.value if isinstance(x, Named) else None
+    return x.value if isinstance(x, NamedMatrix) else None
 
 
-def resolve(x: Matrix) -> Matrix | None:
+def resolve(x: SymbolicMatrix) -> SymbolicMatrix | None:
     """Apply AᵀA = (p·p)² I and sᵀs̃ = 0 where they stand in x, also to single terms of a sum."""
     if not isinstance(x, MatMul):
         return None
@@ -527,12 +528,12 @@ def resolve(x: Matrix) -> Matrix | None:
         left, right = factors[k : k + 2]
         skews = [(u.v, v) for u, v in ((left, right), (right, left)) if isinstance(u, Skew)]
         if any(v in {u, transpose(u)} for u, v in skews):
-            return ZeroMatrix(*x.shape)
+            return as_matrix(ZeroMatrix(*x.shape))
         if isinstance(left, MatAdd) == isinstance(right, MatAdd):
             continue
         terms = (left if isinstance(left, MatAdd) else right).args
-        apart: list[Matrix] = []
-        found: list[Matrix] = []
+        apart: list[SymbolicMatrix] = []
+        found: list[SymbolicMatrix] = []
         for term in terms:
             product = mul(term, right) if isinstance(left, MatAdd) else mul(left, term)
             met = orthogonality(product)
@@ -546,8 +547,8 @@ def resolve(x: Matrix) -> Matrix | None:
     return orthogonality(x)
 
 
-def _column_of(parts: Sequence[_Term]) -> Matrix:
-    """Return the parts one below the other, as a sum: part k times the columns that place it."""
+def _column_of(parts: Sequence[_Term]) -> SymbolicMatrix:
+    """Parts one below the other, as a sum: part k times the columns that place it."""
     if len(parts) == 1:
         return parts[0].matrix
     rows = [(k, n) for k, part in enumerate(parts) for n in range(len(part.components))]
@@ -572,12 +573,12 @@ def _sum(vectors: Iterable[Sequence[Scalar]]) -> list[Scalar]:
 
 
 def _square(body: str) -> Scalar:
-    """Return p·p of a body."""
-    return sum(e**2 for e in bodies.COMPONENTS[f"p_{body}"])
+    """Square p·p of a body."""
+    return as_scalar(sum(e**2 for e in bodies.COMPONENTS[f"p_{body}"]))
 
 
 def _input(name: str, shape: tuple[int, ...], unit: str, meaning: str) -> Quantity:
-    """Return an input; what every constraint has already, such as a′ of body i, as it is there."""
+    """Input by a name; what every constraint has already, such as a′ of body i, as it is there."""
     if unit not in POWERS:
         raise DerivationError(f"{name}: unit {unit!r}; wanted one of {', '.join(POWERS)}")
     there = _SHARED.get(name)
@@ -604,7 +605,7 @@ def _joined(*terms: _Term) -> tuple[Quantity, ...]:
 
 
 def _inverse(term: _Term, other: Any) -> Number:
-    """Return one divided by a constant.
+    """Reciprocal of a constant.
 
     Raises
     ------

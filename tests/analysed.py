@@ -23,17 +23,17 @@ if TYPE_CHECKING:
 
 
 def all_rows(system: System, *, may_be_planar: bool = True) -> Analysed:
-    """Return a system, in its plane if it has one, with all rows."""
+    """System, in its plane if it has one, with all rows."""
     return with_all_rows(system, plane_of(system) if may_be_planar else None)
 
 
 def independent(system: System, *, may_be_planar: bool = True) -> Analysed:
-    """Return a system without the rows that depend on others."""
+    """System without the rows that depend on others."""
     return ranked(system, plane_of(system) if may_be_planar else None)
 
 
 def without(found: Analysed, rows: Iterable[Row], joints: Sequence[str] | None = None) -> Analysed:
-    """Return a system without some rows; forces of joints, all unless named, are not unique."""
+    """System without some rows; forces of joints, all unless named, are not unique."""
     names = dict.fromkeys(row.joint for row in found.outline.rows) if joints is None else joints
     one = DependentSet(tuple(names), 0, 0, is_everywhere=True)
     freedom = replace(found.freedom, dropped=tuple(rows), dependent=(one,))
@@ -41,5 +41,5 @@ def without(found: Analysed, rows: Iterable[Row], joints: Sequence[str] | None =
 
 
 def jointed(system: System, most_free: int = ANY) -> Analysed:
-    """Return a system in joint coordinates, whatever these cost."""
+    """System in joint coordinates, whatever these cost."""
     return with_joint_coordinates(all_rows(system), most_free)

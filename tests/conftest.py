@@ -104,7 +104,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def together(nodeid: str) -> str:
-    """Return what tests of one process have in common: their file, and what fixtures make for it.
+    """Key that tests of one process have in common: their file, and what fixtures make for it.
 
     In long files only tests with the same first parameter share anything.
     """
@@ -113,7 +113,7 @@ def together(nodeid: str) -> str:
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeScheduling:
-    """Return what distributes the tests to processes."""
+    """Scheduler that distributes the tests to processes."""
     scheduler = LoadScopeScheduling(config, log)
     scheduler._split_scope = together
     return scheduler
@@ -150,12 +150,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def marks_of(item: pytest.Item) -> set[str]:
-    """Return the names of a test's marks."""
+    """Names of a test's marks."""
     return {mark.name for mark in item.iter_markers()}
 
 
 def processor_time() -> float:
-    """Return the seconds that this process and those that it waited for have computed."""
+    """Seconds that this process and those that it waited for have computed."""
     return sum(os.times()[:4])
 
 
@@ -192,7 +192,7 @@ def _refuse_steps(*_: object) -> None:
 
 @pytest.fixture(scope="session")
 def derived() -> Callable[[str], Derivation]:
-    """Return ``derive`` with a memory."""
+    """``derive`` with a memory."""
     # SymPy takes a third of a second to import, and most tests need none of it.
     from kousoku.symbolic import derive
 
@@ -234,7 +234,7 @@ def golden(request: pytest.FixtureRequest) -> Callable[[str], None]:
 
 @pytest.fixture(scope="session")
 def compiler() -> Toolchain:
-    """Return this machine's C compiler, as it is for users; without one the test is skipped."""
+    """Compiler of C on this machine, as it is for users; without one the test is skipped."""
     with pytest.MonkeyPatch.context() as patch:
         patch.delenv("KOUSOKU_CFLAGS", raising=False)
         if "KOUSOKU_TESTS_TINY_C" in os.environ:
@@ -269,7 +269,7 @@ def backend(request: pytest.FixtureRequest) -> str:
 
 @pytest.fixture(scope="session")
 def shared_tree() -> Callable[[str, object, Callable[[], dict[str, str]]], Path]:
-    """Return a folder by its name and its key, made by the first of all tests that wants it."""
+    """Folder by its name and its key, made by the first of all tests that wants it."""
 
     def find(name: str, key: object, make: Callable[[], dict[str, str]]) -> Path:
         digest = hashlib.sha256(repr(key).encode()).hexdigest()[:24]
@@ -286,7 +286,7 @@ def shared_tree() -> Callable[[str, object, Callable[[], dict[str, str]]], Path]
 
 @pytest.fixture(scope="session")
 def bodies_folder(shared_tree: Callable[..., Path]) -> Callable[..., Path]:
-    """Return the folder of the solver of a scene of bodies, generated once for its outputs."""
+    """Folder of the solver of a scene of bodies, generated once for its outputs."""
 
     def folder(scene: Scene, outputs: tuple[str, ...] = (), **options: Any) -> Path:
         key = ("bodies", astuple(scene), outputs, options)
@@ -297,5 +297,5 @@ def bodies_folder(shared_tree: Callable[..., Path]) -> Callable[..., Path]:
 
 @pytest.fixture
 def rng() -> np.random.Generator:
-    """Return random numbers that are the same in every run."""
+    """Random numbers that are the same in every run."""
     return np.random.default_rng(1981)

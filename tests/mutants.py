@@ -75,7 +75,7 @@ class Mutant:
     old: str
 
     def of(self, text: str) -> str:
-        """Return the text of the file with the mistake."""
+        """Text of the file with the mistake."""
         return text[: self.start] + self.new + text[self.end :]
 
     def __str__(self) -> str:
@@ -83,19 +83,19 @@ class Mutant:
 
 
 def mutants_of(path: Path) -> Iterator[Mutant]:
-    """Return all mistakes that the rules find in a file."""
+    """Mistakes that the rules find in a file."""
     return filter(is_possible, candidates_of(path))
 
 
 def one_of(path: Path, draw: random.Random) -> Mutant | None:
-    """Return one mistake of a file, or None if there is none."""
+    """Mistake of a file, or None if there is none."""
     candidates = [*candidates_of(path)]
     draw.shuffle(candidates)
     return next(filter(is_possible, candidates), None)
 
 
 def candidates_of(path: Path) -> Iterator[Mutant]:
-    """Return what the rules find in a file, with what is no Python any more."""
+    """Mistakes that the rules find in a file, with those that are no Python any more."""
     text = (ROOT / path).read_text(encoding="utf-8")
     # As long as the text, so that places are the same; line ends stay for what takes whole lines.
     code = NO_CODE.sub(lambda found: re.sub(r"[^\n]", "\0", found[0]), text)
@@ -107,7 +107,7 @@ def candidates_of(path: Path) -> Iterator[Mutant]:
 
 
 def changes(code: str) -> Iterator[tuple[int, int, str]]:
-    """Return places in a code and what may stand there."""
+    """Places in a code and what may stand there."""
     for found in OPERATOR.finditer(code):
         yield *found.span(), OPERATORS[found[0]]
     for found in SIGN.finditer(code):
@@ -123,7 +123,7 @@ def changes(code: str) -> Iterator[tuple[int, int, str]]:
 
 
 def dropped(text: str) -> Iterator[tuple[int, int, str]]:
-    """Return the statements of one line in Python that give no name its first value."""
+    """Statements of one line in Python that give no name its first value."""
     starts = [0, *(found.end() for found in re.finditer("\n", text))]
     for node in (node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.stmt)):
         is_set = isinstance(node, ast.Assign) and not isinstance(node.targets[0], ast.Name)
@@ -135,7 +135,7 @@ def dropped(text: str) -> Iterator[tuple[int, int, str]]:
 
 
 def is_possible(mutant: Mutant) -> bool:
-    """Return whether a file of Python can still be parsed."""
+    """Whether a file of Python can still be parsed."""
     try:
         if mutant.path.suffix == ".py":
             ast.parse(mutant.of((ROOT / mutant.path).read_text(encoding="utf-8")))
@@ -145,7 +145,7 @@ def is_possible(mutant: Mutant) -> bool:
 
 
 def copied(folder: Path) -> Path:
-    """Return a copy of all files of the checkout that git knows or would add.
+    """Copy of all files of the checkout that git knows or would add.
 
     What the folder has of them already is written anew.
     """
@@ -159,7 +159,7 @@ def copied(folder: Path) -> Path:
 
 
 def run(folder: Path, options: list[str], seconds: float | None) -> str:
-    """Return the first test that fails in a copy, or what else went wrong; "" if all pass."""
+    """First test that fails in a copy, or what else went wrong; "" if all pass."""
     cache = folder.parent / "cache"  # what a mistake does not change is compiled once for all
     settings = {"PYTHONPATH": str(folder), "KOUSOKU_CACHE": str(cache), "PYTHONHASHSEED": "0"}
     command = [sys.executable, "-m", "pytest", "-x", "--quiet", "-p", "no:cacheprovider", *options]

@@ -79,7 +79,7 @@ class Draft:
         self.may_be_massless = False
 
     def pick(self, table: str, options: Sequence[T], each: int = 1, every: int = 1) -> T:
-        """Return one of some options: by the number of the scene first, and then drawn.
+        """Option of some: by the number of the scene first, and then drawn.
 
         Parameters
         ----------
@@ -98,46 +98,46 @@ class Draft:
         return options[(self.turn // every * each + call) % len(options)]
 
     def number(self, low: float, high: float) -> float:
-        """Return one of 17 numbers, the simplest is the lowest."""
+        """Number of 17 ones, the simplest is the lowest."""
         return low + self.draw.randrange(17) * (high - low) / 16
 
     def vector(self, size: float = 1.0) -> Vector:
-        """Return a vector, the simplest is zero."""
+        """Vector, the simplest is zero."""
         x, y, z = (size * self.draw.choice(PLACES) for _ in range(3))
         return (x, y, z)
 
     def length(self, low: float, high: float) -> float:
-        """Return a length in the unit of the scene of so many metres."""
+        """Length in the unit of the scene of so many metres."""
         return self.metre * self.number(low, high)
 
     def place(self) -> Vector:
-        """Return a point within a metre of frame O."""
+        """Point within a metre of frame O."""
         return self.vector(self.metre)
 
     def parameter(self, value: float) -> str:
-        """Return the name of a new parameter."""
+        """Name of a new parameter."""
         parameters = self.table("parameters")
         name = f"p{len(parameters)}"
         parameters[name] = value
         return name
 
     def design(self, value: float) -> float | str:
-        """Return a number, or in some scenes a formula of a parameter."""
+        """Number, or in some scenes a formula of a parameter."""
         if not self.is_parametric or self.draw.randrange(3) < 2:
             return value
         return self.formula(value)
 
     def formula(self, value: float) -> str:
-        """Return a formula of a parameter with this value."""
+        """Formula of a parameter with this value."""
         text = self.pick("formula", [*FORMULAS])
         return text.format(self.parameter(FORMULAS[text](value)))
 
     def designs(self, values: Vector) -> list[float | str]:
-        """Return a vector whose components may be formulas."""
+        """Vector whose components may be formulas."""
         return [self.design(value) for value in values]
 
     def table(self, name: str) -> Tree:
-        """Return a table of the scene."""
+        """Table of the scene."""
         made: Tree = self.tree.setdefault(name, {})
         return made
 
@@ -167,7 +167,7 @@ class Draft:
         return name
 
     def rigid(self) -> str:
-        """Return a body that turns; there is one at least."""
+        """Body that turns; there is one at least."""
         bodies = [name for name in self.poses if name not in ("ground", *self.points)]
         return self.draw.choice(bodies) if bodies else self.body(self.place())
 
@@ -199,7 +199,7 @@ class Draft:
         return self.add("joints", entry)
 
     def _rod(self, ends: tuple[Pose, Pose], at: Vector, *, is_point: bool) -> Tree:
-        """Return the points of a rod, and its length or none; no rod is as short as a point."""
+        """Points of a rod, and its length or none; no rod is as short as a point."""
         far = ends[1].place((0, 0, 0) if is_point else self.vector(self.metre / 4))
         length = math.dist(far, at)
         if length < 0.01 * self.metre:
@@ -209,7 +209,7 @@ class Draft:
         return points | ({"length": self.design(length)} if has_length else {})
 
     def _axes(self, name: str, ends: tuple[Pose, Pose], axis: Vector, *, in_bodies: bool) -> Tree:
-        """Return the axes of a joint, and its directions across them, where it has some."""
+        """Axes of a joint, and its directions across them, where it has some."""
         kind, is_cv = JOINTS[name], name == "constant_velocity"
         has_zero = kind.has_zero and not is_cv
         has_zero = has_zero and (kind.counts_along_zero or self.pick("zero", (False, True)))
@@ -228,7 +228,7 @@ class Draft:
         return axes
 
     def free(self, sorts: tuple[str, ...]) -> tuple[str, str]:
-        """Return a joint that leaves a coordinate free, and which; a new one if there is none."""
+        """Joint that leaves a coordinate free, and which; a new one if there is none."""
         joints = self.table("joints").items()
         found = [
             (name, sort)
@@ -243,7 +243,7 @@ class Draft:
 
     @staticmethod
     def _counts(joint: Tree) -> bool:
-        """Return whether a joint says along which direction its displacement counts."""
+        """Whether a joint says along which direction its displacement counts."""
         return "zero" in joint or "second_displacement" not in leaves_of(joint["type"])
 
     def hang(self, kind: str, *, name: str = "") -> str:
@@ -253,11 +253,11 @@ class Draft:
         return self.join(kind, "ground", body, at, self.draw.choice(DIRECTIONS))
 
     def type_of(self, joint: str) -> str:
-        """Return the type of a joint, as it is written."""
+        """Type of a joint, as it is written."""
         return str(self.table("joints")[joint]["type"])
 
     def leaf(self, joint: str, of: str) -> Tree:
-        """Return the keys that mean what a joint leaves free."""
+        """Keys that mean what a joint leaves free."""
         return {"joint": joint} | ({"of": of} if len(leaves_of(self.type_of(joint))) > 1 else {})
 
     def coordinate(self, sorts: tuple[str, ...] = ("angle", "displacement")) -> str:
@@ -269,14 +269,14 @@ class Draft:
         return self.add("coordinates", self.leaf(joint, of))
 
     def load(self, size: float) -> str:
-        """Return a formula of a force or torque of so many units, about."""
+        """Formula of a force or torque of so many units, about."""
         text = self.pick("load", LOADS, each=2)
         u = self.coordinate(("angle", "second_angle")) if "{u}" in text else ""
         p = self.parameter(0.5) if "{p}" in text else ""
         return f"{size:g}*({text.format(u=u, p=p)})"
 
     def law(self, start: float, size: float = 1.0) -> str:
-        """Return a formula of a driver that starts near a value."""
+        """Formula of a driver that starts near a value."""
         text = self.pick("law", LAWS)
         return f"{start!r} + {size:g}*({text.format(p=self.parameter(1.5) if 'p' in text else '')})"
 

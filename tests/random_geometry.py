@@ -17,34 +17,34 @@ TURNS = ((1, 0, 0, 0), (1, 0, 0, 1), (2, 1, 0, 0), (3, 1, 0, -1), (2, 1, -2, 1),
 
 
 def dot(a: Vector, b: Vector) -> float:
-    """Return a·b."""
+    """a·b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """Return a × b."""
+    """Vector product a × b."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def across(a: Vector) -> Vector:
-    """Return a direction across another one."""
+    """Direction across another one."""
     least = min(range(3), key=lambda k: abs(a[k]))
     return cross(a, (float(least == 0), float(least == 1), float(least == 2)))
 
 
 def times(A: Matrix, x: Vector) -> Vector:
-    """Return A x."""
+    """A x."""
     return (dot(A[0], x), dot(A[1], x), dot(A[2], x))
 
 
 def transposed(A: Matrix) -> Matrix:
-    """Return Aᵀ."""
+    """Aᵀ."""
     (a, b, c), (d, e, f), (g, h, i) = A
     return ((a, d, g), (b, e, h), (c, f, i))
 
 
 def rotation(e0: float, e: Vector) -> Matrix:
-    """Return A of Euler parameters of any norm but zero."""
+    """A of Euler parameters of any norm but zero."""
     size = e0 * e0 + dot(e, e)
     rows = []
     for k in range(3):
@@ -57,14 +57,14 @@ def rotation(e0: float, e: Vector) -> Matrix:
 
 
 def turn(axis: Vector, angle: float) -> Matrix:
-    """Return A of a turn about an axis."""
+    """A of a turn about an axis."""
     size = math.sqrt(dot(axis, axis))
     x, y, z = (math.sin(angle / 2) * x / size for x in axis)
     return rotation(math.cos(angle / 2), (x, y, z))
 
 
 def product(A: Matrix, B: Matrix) -> Matrix:
-    """Return A B."""
+    """A B."""
     first, second, third = (times(A, column) for column in transposed(B))
     return transposed((first, second, third))
 
@@ -77,14 +77,14 @@ class Pose:
     A: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
     def place(self, s_b: Vector) -> Vector:
-        """Return a point of the body in frame O."""
+        """Point of the body in frame O."""
         x, y, z = times(self.A, s_b)
         return (self.r[0] + x, self.r[1] + y, self.r[2] + z)
 
     def point(self, s: Vector) -> Vector:
-        """Return a point of frame O in the body."""
+        """Point of frame O in the body."""
         return self.vector((s[0] - self.r[0], s[1] - self.r[1], s[2] - self.r[2]))
 
     def vector(self, a: Vector) -> Vector:
-        """Return a vector of frame O in the body."""
+        """Vector of frame O in the body."""
         return times(transposed(self.A), a)

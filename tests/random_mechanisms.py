@@ -36,7 +36,7 @@ Driven = tuple[str, ...]
 
 
 def _frame(draft: Draft) -> Pose:
-    """Return where a mechanism in a plane lies: in the plane of x and y, or turned."""
+    """Frame of a mechanism in a plane: in the plane of x and y, or turned."""
     w, x, y, z = draft.pick("plane", TURNS)
     return Pose(draft.place(), rotation(w, (x, y, z)))
 

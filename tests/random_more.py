@@ -72,7 +72,7 @@ def _bent(draft: Draft) -> None:
 
 
 def times_turn(about: Vector, angle: float, a: Vector) -> Vector:
-    """Return a vector that is turned about another one."""
+    """Vector that is turned about another one."""
     return Pose(A=turn(about, angle)).place(a)
 
 

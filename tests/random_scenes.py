@@ -35,7 +35,7 @@ WANTED = [chosen for size in range(5) for chosen in combinations(OUTPUTS, size)]
 
 
 def _load(draft: Draft, kind: str, key: str) -> Tree:
-    """Return a force or torque; two of three components are formulas."""
+    """Force or torque; two of three components are formulas."""
     size = draft.metre if kind == "force" else draft.metre**2
     components: list[float | str] = [draft.load(size), draft.load(size), size]
     entry = {"type": kind, "body": draft.rigid(), key: components}
@@ -43,7 +43,7 @@ def _load(draft: Draft, kind: str, key: str) -> Tree:
 
 
 def _spring(draft: Draft, **more: Any) -> Tree:
-    """Return a spring from a place above to a body."""
+    """Spring from a place above to a body."""
     body = draft.draw.choice([name for name in draft.poses if name != "ground"] or [draft.rigid()])
     end = [0, 0, 0] if body in draft.points else draft.designs(draft.vector(draft.metre / 4))
     above = draft.poses[body].place((0, 0, 0))
@@ -221,7 +221,7 @@ def _build(draft: Draft, wanted: Sequence[str]) -> None:
 
 
 def random_scene(draw: random.Random, number: int | None = None) -> Tree:
-    """Return a random scene of bodies, as :func:`tomllib.loads` would give it.
+    """Random scene of bodies, as :func:`tomllib.loads` would give it.
 
     Parameters
     ----------
@@ -252,5 +252,5 @@ def random_scene(draw: random.Random, number: int | None = None) -> Tree:
 
 
 def numbered_scenes() -> list[Tree]:
-    """Return the scenes that have everything together, the same ones each time."""
+    """Scenes that have everything together, the same ones each time."""
     return [random_scene(random.Random(number), number) for number in range(COUNT)]

@@ -60,7 +60,7 @@ WANTED = ("accelerations", "coordinates", "reactions", "energies")
 
 @cache
 def scenes() -> dict[str, Callable[[], Scene]]:
-    """Return all scenes by name, as functions that read them."""
+    """Scenes by name, as functions that read them."""
     # At the end, and after kousoku: that of another checkout stays the one that is measured.
     sys.path.append(str(ROOT))
     from tests.random_scenes import numbered_scenes
@@ -73,7 +73,7 @@ def scenes() -> dict[str, Callable[[], Scene]]:
 
 
 def array(values: Any) -> Items:
-    """Return an array for the file: its digest and its numbers; all that is NaN is the same."""
+    """Array for the file: its digest and its numbers; all that is NaN is the same."""
     numbers = np.array(values, dtype=np.float64)
     numbers[np.isnan(numbers)] = np.nan
     data = numbers.tobytes()
@@ -82,12 +82,12 @@ def array(values: Any) -> Items:
 
 
 def numbers_of(item: Items) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Return the array of an item of the file."""
+    """Array of an item of the file."""
     return np.frombuffer(zlib.decompress(base64.b64decode(item["data"]))).reshape(item["shape"])
 
 
 def flat(data: Any, key: str) -> Iterator[tuple[str, Any]]:
-    """Yield the leaves of nested tables and lists, and empty ones, by dotted keys."""
+    """Leaves of nested tables and lists, and empty ones, by dotted keys."""
     if isinstance(data, dict | list | tuple) and data:
         for name, value in data.items() if isinstance(data, dict) else enumerate(data):
             yield from flat(value, f"{key}.{name}")
@@ -96,13 +96,13 @@ def flat(data: Any, key: str) -> Iterator[tuple[str, Any]]:
 
 
 def told(error: Exception, folder: Path) -> str:
-    """Return an error as text; one that is none of kousoku's own is marked."""
+    """Error as text; one that is none of kousoku's own is marked."""
     mark = "" if isinstance(error, KousokuError) else "FOREIGN "
     return f"{mark}{type(error).__name__}: {error}".replace(str(folder), "FOLDER")
 
 
 def computed(name: str, scene: Scene, folder: Path) -> Items:
-    """Return all that is computed for a scene."""
+    """Results that are computed for a scene."""
     if not scene.is_spatial:
         return _of_linkage(scene, folder)
     items: Items = {}
@@ -146,7 +146,7 @@ def _of_linkage(scene: Scene, folder: Path) -> Items:
 
 
 def _of_solver(solver: DynamicsSolver, folder: Path) -> Items:
-    """Return the start of a solver and its runs."""
+    """Start of a solver and its runs."""
     items: Items = {}
     changed = {name: 1.01 * value + 1e-3 for name, value in solver.parameters}
     for name, given in (("evaluate", {}), ("evaluate changed", changed)):
@@ -181,7 +181,7 @@ def _of_solver(solver: DynamicsSolver, folder: Path) -> Items:
 
 
 def _of_run(run: Run, pieces: int, folder: Path) -> Items:
-    """Return what a run leaves: status, rows, state but for its key, tables, ledger.
+    """Remains of a run: status, rows, state but for its key, tables, ledger.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def _of_run(run: Run, pieces: int, folder: Path) -> Items:
 
 
 def difference(was: Items, now: Items) -> str:
-    """Return the first difference of two records of a scene, empty if there is none.
+    """First difference of two records of a scene, empty if there is none.
 
     More numbers that the second one tells in a ledger or of a state are no difference.
     """
@@ -225,7 +225,7 @@ def difference(was: Items, now: Items) -> str:
 
 
 def differences(was: Items, now: Items) -> Iterator[tuple[str, str]]:
-    """Yield the items that differ, and how."""
+    """Items that differ, and how."""
     for key, value in was.items():
         if key not in now:
             yield key, f": is not there any more, was {shown(value)}"
@@ -240,12 +240,12 @@ def differences(was: Items, now: Items) -> Iterator[tuple[str, str]]:
 
 
 def shown(value: Any) -> str:
-    """Return a value for a line."""
+    """Value for a line."""
     return f"an array {value['shape']}" if is_array(value) else repr(value)[:400]
 
 
 def is_array(value: Any) -> bool:
-    """Return whether an item of the file is an array; an empty table of a ledger is none."""
+    """Whether an item of the file is an array; an empty table of a ledger is none."""
     return isinstance(value, dict) and "sha256" in value
 
 
@@ -277,7 +277,7 @@ def _job(name: str) -> tuple[str, Items, float]:
 
 
 def _results(names: Sequence[str]) -> Iterator[tuple[str, Items, float]]:
-    """Yield what is computed for scenes, each in a process of its own.
+    """Results of scenes, each computed in a process of its own.
 
     What was generated before in a process shall change nothing, and if it does, two records are
     still of the same.
@@ -289,7 +289,7 @@ def _results(names: Sequence[str]) -> Iterator[tuple[str, Items, float]]:
 
 
 def record(only: str) -> dict[str, Items]:
-    """Return what this version computes, and tell on stderr how far it is.
+    """Results of this version; tells on stderr how far it is.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def folded(scene: Scene, given: Mapping[str, float]) -> Scene:
-    """Return a scene with the numbers that some parameters make in place of its formulas."""
+    """Scene with the numbers that some parameters make in place of its formulas."""
     values = dict(scene.parameters) | dict(given)
     other = msgspec.structs.replace(scene, parameters=values, name=f"{scene.name}_folded")
     return with_numbers(read_formulas(other, Problems()))
@@ -33,7 +33,7 @@ def folded(scene: Scene, given: Mapping[str, float]) -> Scene:
 def missed(
     scene: Scene, given: Mapping[str, float], motion: Motion, *, is_there: bool = False
 ) -> tuple[float, float]:
-    """Return by how much a run begins elsewhere, and faster, than the file with its parameters.
+    """By how much a run begins elsewhere, and faster, than the file with its parameters.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def missed(
 
 
 def _placed(body: MovingBody, unit: float, motion: Motion) -> MovingBody:
-    """Return a body where a run begins, with the velocity that the scene gives."""
+    """Body where a run begins, with the velocity that the scene gives."""
     origin = precise.triple((unit * motion.position[body.name][0]).tolist())
     if body.is_point:
         return replace(body, r=_vector(origin))
@@ -97,7 +97,7 @@ def _placed(body: MovingBody, unit: float, motion: Motion) -> MovingBody:
 
 
 def _written(system: System) -> list[tuple[Any, Any, Any]]:
-    """Return of each body the origin, its velocity, and the angular velocity in its frame."""
+    """Of each body the origin, its velocity, and the angular velocity in its frame."""
     found = []
     for body in system.bodies:
         p, axes = normalised(body.p), normalised(body.axes_b)

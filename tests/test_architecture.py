@@ -26,6 +26,11 @@ MAY_IMPORT = {
     "runtime": {"model", "library"},
     "generated": {"runtime"},
 }
+#: Rooms of ``codegen/dynamics``, and files beside them; each may import what stands before it.
+STAGES = (
+    *("recording", "operations", "elements", "assembly", "simplification", "redundancy"),
+    *("analyse", "composition", "emission", "checking", "choose", "generate", "explanation"),
+)
 #: The files of ``model`` that ``runtime`` uses.
 SHARED = {"angles", "quantity", "manifest", "errors", "cache", "compressed", "jsontext"}
 #: Folders of ``runtime`` that generated folders take along.
@@ -74,6 +79,28 @@ def test_each_folder_imports_only_what_stands_left_of_it(folder: str) -> None:
     allowed = MAY_IMPORT[folder] | {folder, "__version__"}
     wrong = {str(p.relative_to(ROOT)): rooms(p) - allowed for p in sources(folder)}
     assert not {path: names for path, names in wrong.items() if names}
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_each_stage_of_dynamics_imports_only_what_stands_before_it(stage: str) -> None:
+    """So that no two rooms import each other, not even for a type.
+
+    Elements alone name in types who calls them, and hands itself over.
+    """
+    after = STAGES[STAGES.index(stage) + 1 :]
+    folder = ROOT / "codegen" / "dynamics"
+    above = "kousoku.codegen.dynamics."
+    for path in sorted((folder / stage).rglob("*.py")) or [folder / f"{stage}.py"]:
+        names = imports(path, with_types=stage != "elements")
+        used = {name.removeprefix(above).split(".")[0] for name in names if name.startswith(above)}
+        assert used.isdisjoint(after), path
+
+
+def test_every_stage_of_dynamics_has_its_place() -> None:
+    folder = ROOT / "codegen" / "dynamics"
+    assert {path.parent.name for path in folder.glob("*/__init__.py")} | {
+        path.stem for path in folder.glob("*.py") if path.stem != "__init__"
+    } == {*STAGES}
 
 
 def test_no_file_imports_a_root_folder_by_its_bare_name() -> None:

@@ -9,7 +9,8 @@ import pytest
 
 from kousoku.cataloging import catalog
 from kousoku.committed import kinds
-from kousoku.model import loads, spatial, validate_coordinates, validate_drivers
+from kousoku.model import loads, spatial, validate_coordinates
+from kousoku.model.elements.drivers import DRIVERS
 from kousoku.model.elements.forces import FORCES
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.symbolic import KINDS
@@ -23,7 +24,7 @@ def test_the_catalog_holds_all_that_scenes_are_read_with() -> None:
     assert list(found["kinds"]) == list(KINDS)
     assert list(found["joints"]) == [*JOINTS, *COUPLINGS]
     assert list(found["forces"]) == list(FORCES)
-    assert list(found["drivers"]) == list(validate_drivers.TITLES)
+    assert list(found["drivers"]) == list(DRIVERS)
     assert list(found["coordinates"]) == list(validate_coordinates.TITLES)
     for name, alias in NAMES.items():
         assert found["joints"][name] is found["joints"][alias]

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kousoku.closed_form import Motion, closed_form
+from kousoku.closed_form import NodeMotion, closed_form
 from kousoku.model.read import read_scene, scene_from_toml
 
 SCENES = Path(__file__).parents[1] / "scenes"
 
 
-def solved(name: str, divisions: int = 60) -> Motion:
+def solved(name: str, divisions: int = 60) -> NodeMotion:
     motion = closed_form(read_scene(SCENES / f"{name}.toml"), divisions, divisions + 1)
     assert motion is not None
     return motion

@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 from kousoku.model.builder import SceneBuilder
-from kousoku.model.elements.joint import ROWS_OF
+from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
-from kousoku.model.mechanism import COMBINATION
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 
@@ -21,13 +20,13 @@ matplotlib = pytest.importorskip("matplotlib")
 
 from kousoku.coupling_shapes import COUPLED  # noqa: E402
 from kousoku.joint_plots import draw_joint  # noqa: E402
-from kousoku.joint_shapes import SHAPES, Box, Cylinder  # noqa: E402
+from kousoku.joint_shapes import SHAPES, BoxShape, CylinderShape  # noqa: E402
 from kousoku.plots import to_svg  # noqa: E402
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kousoku.joint_shapes import Freedom
+    from kousoku.joint_shapes import JointFreedom
     from kousoku.model.mechanism import Coordinate, Instance, System
 
 ROOT = Path(__file__).parents[1]
@@ -91,7 +90,7 @@ def evaluated(instance: Instance | Coordinate) -> tuple[Any, Any]:
     return C, C_q
 
 
-def motion_of(freedom: Freedom) -> NDArray[np.float64]:
+def motion_of(freedom: JointFreedom) -> NDArray[np.float64]:
     """Return velocity and angular velocity of body j, whose origin is the origin."""
     direction, at = np.array(freedom.direction), np.array(freedom.at)
     if freedom.kind == "shift":
@@ -143,9 +142,9 @@ def test_each_joint_has_a_section_with_its_picture_its_names_and_a_scene(joint: 
     assert NAMES[joint] == joint
 
 
-@pytest.mark.parametrize("kind", ROWS_OF)
+@pytest.mark.parametrize("kind", CONSTRAINTS)
 def test_the_table_of_kinds_counts_their_rows(kind: str) -> None:
-    assert re.search(rf"^\| `{kind}` \| {ROWS_OF[kind]} \|", TEXT, re.M)
+    assert re.search(rf"^\| `{kind}` \| {CONSTRAINTS[kind].rows} \|", TEXT, re.M)
 
 
 @pytest.mark.parametrize("name", COUPLINGS)
@@ -164,12 +163,12 @@ def test_couplings_have_pictures_in_which_wheels_touch() -> None:
     assert set(COUPLED) == set(COUPLINGS)
     assert all(f"](joints/{name}.svg)" in TEXT for name in COUPLED)
     small, large = sorted(COUPLED["gear"].solids, key=lambda wheel: getattr(wheel, "radius", 0.0))
-    assert isinstance(small, Cylinder) and isinstance(large, Cylinder)
+    assert isinstance(small, CylinderShape) and isinstance(large, CylinderShape)
     assert large.start[0] - small.start[0] == pytest.approx(small.radius + large.radius)
     ratio = re.search(r'type = "gear"\n.*\nratio = (.*)\n', TEXT)
     assert ratio is not None and float(ratio[1]) == -small.radius / large.radius
     rack, pinion = COUPLED["rack_and_pinion"].solids
-    assert isinstance(rack, Box) and isinstance(pinion, Cylinder)
+    assert isinstance(rack, BoxShape) and isinstance(pinion, CylinderShape)
     assert pinion.start[2] - pinion.radius == pytest.approx(rack.high[2])
 
 
@@ -177,7 +176,7 @@ def test_the_rope_of_the_linear_coupling_keeps_its_length() -> None:
     """Its strands touch the pulleys; the arrows, up to which both go, show the factors."""
     factors = re.search(r'type = "linear"\n.*\nfactors = \[(.*), (.*)\]\n', TEXT)
     assert factors is not None
-    solids = [one for one in COUPLED["linear"].solids if isinstance(one, Cylinder)]
+    solids = [one for one in COUPLED["linear"].solids if isinstance(one, CylinderShape)]
     pulleys = [one for one in solids if one.radius > 0.3]
     strands = [one for one in solids if one.radius < 0.05]
     ends = {round(one.start[0] + s * one.radius, 9) for one in pulleys for s in (-1, 1)}

@@ -23,7 +23,7 @@ MOST_STEPS = 10_000_000
 def cvodes(
     equations: Equations, tolerance: float, times: Array
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
-    """Return what runs to the last time, and what gives the states at all times."""
+    """Functions that run to the last time, and that give the states at all times."""
     ca = required("casadi")
     state = ca.MX.sym("x", len(equations.start))
     rate = ca.densify(equations.explicit)
@@ -34,7 +34,7 @@ def cvodes(
 def idas(
     equations: Equations, tolerance: float, times: Array
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
-    """Return the same by IDAS, which gets v̇ and the multipliers as algebraic variables.
+    """The same by IDAS, which gets v̇ and the multipliers as algebraic variables.
 
     Steps are controlled by positions and velocities alone, as its manual advises for index 1.
     """

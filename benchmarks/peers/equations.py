@@ -68,13 +68,13 @@ class Equations:
         return ca.vertcat(self.q_dot, self.solved()[: self.x.numel() - self.q_dot.numel()])
 
     def solved(self) -> Any:
-        """Return v̇ and the multipliers."""
+        """v̇ and the multipliers."""
         ca = required("casadi")
         d, lt, order = ca.ldl(self.matrix, False)
         return ca.ldl_solve(self.right, d, lt, order)
 
     def judge(self) -> Callable[[Array], tuple[Array, Array, Array]]:
-        """Return what gives positions, energy and reactions of rows of states."""
+        """Function that gives positions, energy and reactions of rows of states."""
         ca = required("casadi")
         empty = ca.SX(0, 1)
         told = [
@@ -106,7 +106,7 @@ def index_1(
     energy: Any = None,
     held: Sequence[slice] = (),
 ) -> Equations:
-    """Return M v̇ + Gᵀλ = forces and G v̇ = γ of constraints g(q) = 0; q̇ is v unless given.
+    """M v̇ + Gᵀλ = forces and G v̇ = γ of constraints g(q) = 0; q̇ is v unless given.
 
     ``held`` are the rows of each joint whose reaction is judged, by how large its force is.
     """
@@ -145,7 +145,7 @@ def lagrange(
     constraints: Any = None,
     forces: Any = 0,
 ) -> Equations:
-    """Return Lagrange's equations of T(q, v) and V(q), of index 1 where there are constraints."""
+    """Lagrange's equations of T(q, v) and V(q), of index 1 where there are constraints."""
     ca = required("casadi")
     momentum = ca.gradient(kinetic, v)
     mass = ca.jacobian(momentum, v)
@@ -183,7 +183,7 @@ def one_freedom(
     observed: Any,
     torque: Any = 0,
 ) -> Equations:
-    """Return M(θ) θ̈ = τ − V′ − M′ θ̇²/2: reduced by hand to one coordinate."""
+    """M(θ) θ̈ = τ − V′ − M′ θ̇²/2: reduced by hand to one coordinate."""
     ca = required("casadi")
     slope = ca.jtimes(mass, angle, 1)
     change = (torque - ca.jtimes(potential, angle, 1) - slope * rate * rate / 2) / mass
@@ -197,7 +197,7 @@ def one_freedom(
 
 
 def compiled(function: Any) -> Any:
-    """Return a CasADi function that calls its own C."""
+    """CasADi function that calls its own C."""
     ca = required("casadi")
     folder = Path(tempfile.mkdtemp(prefix="bench_"))
     name = f"{function.name()}.c"
@@ -216,7 +216,7 @@ def compiled(function: Any) -> Any:
 def caller(
     equations: Equations, what: Literal["rate", "jacobian"] = "rate"
 ) -> Callable[[float, Array], Array]:
-    """Return f(t, x) or its Jacobian over arrays, compiled, through CasADi's buffers."""
+    """f(t, x) or its Jacobian over arrays, compiled, through CasADi's buffers."""
     ca = required("casadi")
     wanted = equations.explicit
     count = len(equations.start)

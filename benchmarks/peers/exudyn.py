@@ -176,7 +176,7 @@ class System:
         )
 
     def _moves(self, k: int) -> tuple[Array, Array, Array]:
-        """Return place and velocity of a link's centre of mass, and its angular velocity."""
+        """Place and velocity of a link's centre of mass, and its angular velocity."""
         tree, link = self.tree, self.tree.links[k]
         place = self._where[0][k] + self._where[1][k] @ link.center
         velocity = np.array(tree.v) @ slopes(tree, (k, link.center), self._where)
@@ -233,7 +233,7 @@ class System:
 def set_up(
     line: str, steps: int, end: float, period: float, links: int = 1, *, is_tight: bool = True
 ) -> Any:
-    """Return the settings of a run that lets sensors write so often.
+    """Settings of a run that lets sensors write so often.
 
     Newton's tolerances are tightened, or short steps would not pay; not where constraints lose
     rank on the way, which it then does not pass.
@@ -264,7 +264,7 @@ def set_up(
 def runs(
     tree: Tree, line: str, steps: int, times: Array, *, is_tight: bool = True
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
-    """Return what runs to the end, and what gives the observed positions at all times."""
+    """Functions that run to the end, and that give the observed positions at all times."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         has_cross = not all(link.mass for link in tree.links)

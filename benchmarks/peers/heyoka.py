@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def translated(expression: Any, x: Any) -> tuple[list[Any], list[Any]]:
-    """Return variables and expressions of heyoka for one of CasADi, operation by operation."""
+    """Variables and expressions of heyoka for one of CasADi, operation by operation."""
     ca, hy = required("casadi"), required("heyoka")
     function = ca.Function("f", [x], [ca.densify(expression)], {"cse": True})
     variables = [hy.expression(f"x{i}") for i in range(x.numel())]
@@ -58,7 +58,7 @@ def translated(expression: Any, x: Any) -> tuple[list[Any], list[Any]]:
 
 
 def integrator(equations: Equations, tolerance: float, *, compact: bool = False) -> Any:
-    """Return heyoka's adaptive integrator; compact code compiles faster and runs slower."""
+    """Heyoka's adaptive integrator; compact code compiles faster and runs slower."""
     hy = required("heyoka")
     variables, rates = translated(equations.explicit, equations.x)
     system = list(zip(variables, rates, strict=True))
@@ -69,7 +69,7 @@ def integrator(equations: Equations, tolerance: float, *, compact: bool = False)
 def runs(
     equations: Equations, tolerance: float, times: Array, *, compact: bool = False
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
-    """Return what runs to the last time, and what gives the states at all times."""
+    """Functions that run to the last time, and that give the states at all times."""
     hy = required("heyoka")
     made = integrator(equations, tolerance, compact=compact)
     end = float(times[-1])

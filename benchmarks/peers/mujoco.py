@@ -25,7 +25,7 @@ MEMORY = "256M"
 
 
 def text(tree: Tree) -> str:
-    """Return the model in MuJoCo's XML: a site for each point that is judged or pulled."""
+    """Model in MuJoCo's XML: a site for each point that is judged or pulled."""
     sites: dict[int, list[str]] = {k: [] for k in range(-1, len(tree.links))}
 
     def site(name: str, point: Point) -> None:
@@ -85,7 +85,7 @@ def _joint(link: Link) -> str:
 
 
 def order_of(tree: Tree) -> list[int]:
-    """Return the links as MuJoCo numbers their joints, depth first."""
+    """Links as MuJoCo numbers their joints, depth first."""
 
     def below(k: int) -> list[int]:
         return [k, *(deep for child in tree.children(k) for deep in below(child))]
@@ -96,7 +96,7 @@ def order_of(tree: Tree) -> list[int]:
 def runs(
     tree: Tree, method: str, steps: int, times: Array
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
-    """Return what steps to the end, and what gives the observed positions at all times."""
+    """Functions that step to the end, and that give the observed positions at all times."""
     mujoco = required("mujoco")
     mujoco.set_mju_user_warning(lambda _text: None)  # or it writes a file: errors tell the same
     model = mujoco.MjModel.from_xml_string(text(tree))

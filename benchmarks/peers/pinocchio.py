@@ -26,7 +26,7 @@ REDUNDANT = (1e-14, 1e-4, 200)
 
 
 def model_of(tree: Tree) -> tuple[Any, list[int]]:
-    """Return Pinocchio's model and the joints of links."""
+    """Pinocchio's model and the joints of links."""
     pin = required("pinocchio")
     model = pin.Model()
     model.gravity.linear = np.array(tree.gravity)
@@ -49,7 +49,7 @@ def _at(pin: Any, place: Any) -> Any:
 
 
 def rate_of(tree: Tree, *, is_redundant: bool = False) -> Callable[[float, Array], Array]:
-    """Return ẋ of x = (q, v): links by the articulated-body algorithm, loops by its constraints."""
+    """Rate ẋ of x = (q, v): links by the articulated-body algorithm, loops by its constraints."""
     pin = required("pinocchio")
     model, joints = model_of(tree)
     data, count = model.createData(), len(tree.links)
@@ -95,7 +95,7 @@ def rate_of(tree: Tree, *, is_redundant: bool = False) -> Callable[[float, Array
 def runs(
     tree: Tree, tolerance: float, times: Array, *, is_redundant: bool = False
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
-    """Return what runs to the end, and what gives the observed positions at all times."""
+    """Functions that run to the end, and that give the observed positions at all times."""
     run, states = solved(rate_of(tree, is_redundant=is_redundant), tree.start, tolerance, times)
     count = len(tree.links)
     return run, lambda: np.array([placed(tree, x[:count]) for x in states()])

@@ -30,7 +30,7 @@ def solved(
     method: str = "DOP853",
     **more: object,
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
-    """Return what runs to the last time, and what gives the states at all times."""
+    """Functions that run to the last time, and that give the states at all times."""
     integrate = required("scipy.integrate")
     end = float(times[-1])
     options = {"method": method, "rtol": max(tolerance, LEAST), "atol": tolerance, **more}
@@ -48,6 +48,6 @@ def solved(
 def runs(
     equations: Equations, tolerance: float, times: Array, method: str = "DOP853"
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
-    """Return both for equations; implicit methods get the exact Jacobian, as its manual advises."""
+    """Both for equations; implicit methods get the exact Jacobian, as its manual advises."""
     more = {"jac": caller(equations, "jacobian")} if method in IMPLICIT else {}
     return solved(caller(equations), equations.start, tolerance, times, method, **more)

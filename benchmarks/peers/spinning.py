@@ -27,7 +27,7 @@ EXUDYN = ("generalised alpha, index 3", "trapezoidal, index 2", "RK44", "RK67")
 
 
 def axes_of(p: Array) -> Array:
-    """Return the axes of the body, (9,), of Euler parameters of any length."""
+    """Axes of the body, (9,), of Euler parameters of any length."""
     a, b, c, d = p / np.sqrt(p @ p)
     return np.array(
         [
@@ -39,7 +39,7 @@ def axes_of(p: Array) -> Array:
 
 
 def mujoco(top: Top, method: str, steps: int, times: Array) -> Runs:
-    """Return a run of MuJoCo: a ball joint."""
+    """Run of MuJoCo: a ball joint."""
     mj = required("mujoco")
 
     def words(numbers: Any) -> str:
@@ -74,7 +74,7 @@ def mujoco(top: Top, method: str, steps: int, times: Array) -> Runs:
 
 
 def pinocchio(top: Top, tolerance: float, times: Array) -> Runs:
-    """Return a run of Pinocchio's accelerations with the rate of its quaternion."""
+    """Run of Pinocchio's accelerations with the rate of its quaternion."""
     pin = required("pinocchio")
     model = pin.Model()
     model.gravity.linear = np.array([0, 0, -WEIGHT])
@@ -95,7 +95,7 @@ def pinocchio(top: Top, tolerance: float, times: Array) -> Runs:
 
 
 def exudyn(top: Top, line: str, steps: int, times: Array) -> Runs:
-    """Return a run of Exudyn: a spherical joint, or for explicit steps held coordinates."""
+    """Run of Exudyn: a spherical joint, or for explicit steps held coordinates."""
     exu, items = required("exudyn"), required("exudyn.itemInterface")
     utilities = required("exudyn.utilities")
     is_explicit = "index" not in line

@@ -70,7 +70,7 @@ TREE = Tree(
 
 
 def by_crank() -> Equations:
-    """Return the equation of the crank's angle: all other points are where circles meet."""
+    """Equation of the crank's angle: all other points are where circles meet."""
     ca = required("casadi")
     angle, rate = ca.SX.sym("angle"), ca.SX.sym("rate")
 
@@ -122,17 +122,17 @@ def by_crank() -> Equations:
 
 
 def with_loops() -> Equations:
-    """Return the equations in joint coordinates, whose loops meet at E."""
+    """Equations in joint coordinates, whose loops meet at E."""
     return equations(TREE)
 
 
 def of_all_bodies() -> Equations:
-    """Return the equations of all bodies."""
+    """Equations of all bodies."""
     return flat(TREE)
 
 
 def peers(problem: Problem, size: Size) -> list[Case]:
-    """Return the cases of all peers."""
+    """Cases of all peers."""
     cases = equation_lines(
         problem, size, "index 1", "equations", with_loops, has_multipliers=True, is_long=True
     )
@@ -142,7 +142,7 @@ def peers(problem: Problem, size: Size) -> list[Case]:
 
 
 def observe(result: Any) -> Any:
-    """Return F, G and H."""
+    """F, G and H."""
     return np.hstack(
         [result.position[body][:, :2] for body in ("coupler", "upper_arm", "lower_arm")]
     )

@@ -32,7 +32,7 @@ SLIDER_MASS = 2.0
 
 
 def slider_crank() -> Tree:
-    """Return the crank about x, and the slider on x with its rod on a universal joint."""
+    """Crank about x, and the slider on x with its rod on a universal joint."""
     y, z = BEARING[1], BEARING[2] + CRANK
     place = math.sqrt(ROD**2 - y**2 - z**2)
     turned, lifted = math.atan2(-y, place), math.asin(z / ROD)
@@ -62,7 +62,7 @@ def _rod() -> tuple[float, float, float]:
 
 
 def scene_of_slider_crank() -> Scene:
-    """Return the scene: revolute, spherical, universal and prismatic joints."""
+    """Scene: revolute, spherical, universal and prismatic joints."""
     tree = slider_crank()
     where = frames(tree, np.array(tree.q))
     builder = SceneBuilder("spatial_slider_crank", unit="m").gravity(*tree.gravity)
@@ -94,7 +94,7 @@ def scene_of_slider_crank() -> Scene:
 
 
 def by_crank() -> Equations:
-    """Return the equation of the crank's angle."""
+    """Equation of the crank's angle."""
     ca = required("casadi")
     angle, rate = ca.SX.sym("angle"), ca.SX.sym("rate")
     y = BEARING[1] - CRANK * ca.sin(angle)
@@ -128,7 +128,7 @@ _ALONG, _ACROSS = 0.05**2 / 2, (3 * 0.05**2 + 1) / 12
 
 
 def _of_bricard(*, rows: str) -> Tree:
-    """Return the tree from the hinge a on, whose end meets the hinge f."""
+    """Tree from the hinge a on, whose end meets the hinge f."""
 
     def link(joint: Any, parent: int, at: Any, along: int, side: int) -> Link:
         c, m = [0.0] * 3, [_ACROSS] * 3
@@ -159,7 +159,7 @@ BRICARD = _of_bricard(rows="x")
 
 
 def by_curve() -> Equations:
-    """Return the equation along the curve of the two angles that all six hinges have in turn.
+    """Equation along the curve of the two angles that all six hinges have in turn.
 
     With α of the hinges a, c, e and β of b, d, f, from the start in a cube, it closes where
     sin α + sin β = sin α sin β; the state is α, β and the speed along the curve.
@@ -192,7 +192,7 @@ def by_curve() -> Equations:
 def peers_of(
     tree: Tree, reduced: Callable[[], Equations], problem: Problem, size: Size
 ) -> list[Case]:
-    """Return the cases of all peers."""
+    """Cases of all peers."""
     make = partial(equations, tree)
     return [
         *equation_lines(

@@ -30,7 +30,7 @@ TOLERANCE = 1e-26
 
 
 def integrated(equations: Equations, times: Array) -> tuple[Array, Array, Array]:
-    """Return positions, energies and reactions at times; states come from quadruple precision."""
+    """Positions, energies and reactions at times; states come from quadruple precision."""
     hy = required("heyoka")
     variables, rates = translated(equations.explicit, equations.x)
     made = hy.taylor_adaptive(

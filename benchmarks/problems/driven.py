@@ -38,7 +38,7 @@ ROD = Tree(
 
 
 def scene() -> Scene:
-    """Return the scene: a carriage that is driven, and the rod on it."""
+    """Scene: a carriage that is driven, and the rod on it."""
     builder = SceneBuilder("driven_pendulum", unit="m").gravity(*ROD.gravity)
     builder.body(
         "carriage",
@@ -68,7 +68,7 @@ def scene() -> Scene:
 
 
 def by_angle() -> Equations:
-    """Return the equation of the angle, with time as a state."""
+    """Equation of the angle, with time as a state."""
     ca = required("casadi")
     angle, rate, time = (ca.SX.sym(name) for name in ("angle", "rate", "time"))
     height = SHAKE * ca.sin(OFTEN * time)
@@ -82,7 +82,7 @@ def by_angle() -> Equations:
 
 
 def with_pivot() -> Equations:
-    """Return the equations of the rod in the plane, whose end multipliers lead along the pivot."""
+    """Equations of the rod in the plane, whose end multipliers lead along the pivot."""
     ca = required("casadi")
     q, v = ca.SX.sym("q", 4), ca.SX.sym("v", 3)
     angle, time = q[2], q[3]
@@ -103,7 +103,7 @@ def with_pivot() -> Equations:
 
 
 def peers(problem: Problem, size: Size) -> list[Case]:
-    """Return the cases of all peers."""
+    """Cases of all peers."""
     return [
         *equation_lines(problem, size, "index 1", "equations", with_pivot, has_multipliers=True),
         *equation_lines(problem, size, "reduced", "reduced", by_angle),

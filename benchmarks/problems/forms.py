@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def scene_of(name: str, tree: Tree) -> Scene:
-    """Return the scene: one body a link, with the velocities that its joints' rates give."""
+    """Scene: one body a link, with the velocities that its joints' rates give."""
     where = frames(tree, np.array(tree.q))
     rates = np.array(tree.v)
     builder = SceneBuilder(name, unit="m").gravity(*tree.gravity)
@@ -87,12 +87,12 @@ def scene_of(name: str, tree: Tree) -> Scene:
 
 
 def inertia_of(moments: Vector) -> InertiaKeys:
-    """Return moments as a scene has them."""
+    """Moments as a scene has them."""
     return {"xx": moments[0], "yy": moments[1], "zz": moments[2]}
 
 
 def observed_of(tree: Tree, names: list[str] | None = None) -> Any:
-    """Return what takes the positions that are judged from a result of kousoku."""
+    """Function that takes the positions that are judged from a result of kousoku."""
     places = ["xyz".index(axis) for axis in tree.axes]
 
     def of(result: Any) -> Any:
@@ -108,7 +108,7 @@ def observed_of(tree: Tree, names: list[str] | None = None) -> Any:
 
 
 def flat(tree: Tree) -> Equations:
-    """Return the equations of all bodies of a plane mechanism: x, y and the angle of each centre.
+    """Equations of all bodies of a plane mechanism: x, y and the angle of each centre.
 
     Every joint holds its bodies by multipliers; the whole is of index 1.
     """
@@ -178,7 +178,7 @@ def flat(tree: Tree) -> Equations:
 
 
 def _turned(tree: Tree, k: int, *, rate: bool = False) -> float:
-    """Return the angle of a link of a plane mechanism at the start, or its rate."""
+    """Angle of a link of a plane mechanism at the start, or its rate."""
     total = 0.0
     while k != GROUND:
         link = tree.links[k]
@@ -188,7 +188,7 @@ def _turned(tree: Tree, k: int, *, rate: bool = False) -> float:
 
 
 def recursive(tree: Tree) -> Equations:
-    """Return Featherstone's articulated-body algorithm of a mechanism without loops.
+    """Featherstone's articulated-body algorithm of a mechanism without loops.
 
     Motions are (turning, shifting at the joint), forces (moment about it, force), in each link.
     """
@@ -258,7 +258,7 @@ SMALL = 12
 
 
 def _gradient(made: Kinematics) -> Any:
-    """Return what springs, dampers and torques of joints add, with the sign of a gradient."""
+    """Forces of springs, dampers and torques of joints, with the sign of a gradient."""
     ca = required("casadi")
     tree = made.tree
     total = ca.SX(len(tree.links), 1)
@@ -270,7 +270,7 @@ def _gradient(made: Kinematics) -> Any:
 
 
 def _turn(axis: int, angle: Any) -> Any:
-    """Return the matrix that takes components in the parent to those in the link."""
+    """Matrix that takes components in the parent to those in the link."""
     return rotation(axis, angle).T
 
 

@@ -37,7 +37,7 @@ MOVED = ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
 
 
 def growth(problem: Problem) -> float:
-    """Return the largest later distance of positions, in lengths of the problem, over the first.
+    """Largest later distance of positions, in lengths of the problem, over the first.
 
     The first one is what assembly leaves of a move: a motion of few bodies and the same one of many
     have the same figure. Where drivers lead only the start is moved: a run begins at time 0.
@@ -75,7 +75,7 @@ def _largest(vectors: Mapping[str, Array]) -> float:
 
 
 def _first(usual: Motion, moved: Motion, sizes: tuple[float, float, float]) -> float:
-    """Return how far the first rows of two motions are apart: lengths, angles and velocities."""
+    """Distance of the first rows of two motions: lengths, angles and velocities."""
     found = [0.0]
     for name, position in usual.position.items():
         p, other = usual.orientation[name][0], moved.orientation[name][0]

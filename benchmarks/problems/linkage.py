@@ -39,19 +39,19 @@ DYADS = (
 
 
 def contests(size: Size) -> list[str]:
-    """Return its name."""
+    """Its name."""
     return [CONTEST] if size.is_full else []
 
 
 def given() -> tuple[dict[str, Array], dict[str, float]]:
-    """Return the nodes' positions near which it starts, and the lengths of links, of the file."""
+    """Nodes' positions near which it starts, and the lengths of links, of the file."""
     scene = tomllib.loads(FILE.read_text(encoding="utf-8"))
     nodes = {name: np.array(one["at"], dtype=np.float64) for name, one in scene["nodes"].items()}
     return nodes, {name: float(one["length"]) for name, one in scene["links"].items()}
 
 
 def by_circles(angles: Array) -> dict[str, Array]:
-    """Return where the nodes are at angles of the crank, each on the side where it starts."""
+    """Positions of the nodes at angles of the crank, each on the side where it starts."""
     near, lengths = given()
     at = {name: np.tile(place, (len(angles), 1)) for name, place in near.items()}
     at["A"] = near["O1"] + lengths["crank"] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
@@ -75,7 +75,7 @@ def _angles() -> Array:
 
 
 def _judged(found: Array) -> Judged:
-    """Return the largest error of all nodes, relative to the crank."""
+    """Largest error of all nodes, relative to the crank."""
     wanted = by_circles(_angles())
     right = np.hstack([wanted[name] for name in MOVING])
     return Judged(float(np.abs(found - right).max()) / given()[1]["crank"])
@@ -132,7 +132,7 @@ def _scipy(limit: float) -> Call:
 
 
 def _closed() -> Call:
-    """Return the closed form in NumPy, all divisions at once."""
+    """Closed form in NumPy, all divisions at once."""
     angles = _angles()
 
     def run() -> dict[str, Array]:
@@ -142,7 +142,7 @@ def _closed() -> Call:
 
 
 def cases() -> list[Case]:
-    """Return the cases."""
+    """Cases."""
     lines: list[tuple[str, str, Any, Callable[[float], Call]]] = [
         *(("kousoku", method, "kousoku", partial(_kousoku, method)) for method in METHODS),
         ("SciPy", "MINPACK, loop equations", "equations", _scipy),

@@ -33,7 +33,7 @@ PUBLISHED = {
 
 
 def tree_of(count: int) -> Tree:
-    """Return it as a tree of cranks, each with its coupler, whose ends meet the next crank."""
+    """Tree of cranks, each with its coupler, whose ends meet the next crank."""
     moments = (1e-3, INERTIA, INERTIA)
     links: list[Link] = []
     loops, rates, angles = [], [], []
@@ -61,12 +61,12 @@ def tree_of(count: int) -> Tree:
 
 
 def seen(count: int) -> tuple[int, int, int]:
-    """Return the cranks whose ends are judged."""
+    """Cranks whose ends are judged."""
     return 0, count // 2, count
 
 
 def by_crank(count: int) -> Equations:
-    """Return the equation of the angle of the cranks from the vertical."""
+    """Equation of the angle of the cranks from the vertical."""
     ca = required("casadi")
     angle, rate = ca.SX.sym("angle"), ca.SX.sym("rate")
     mass, weight = (count + 1) / 3 + count, (count + 1) / 2 + count
@@ -82,7 +82,7 @@ def by_crank(count: int) -> Equations:
 
 
 def observe(count: int, result: Any) -> Any:
-    """Return where the cranks end; a coupler begins there, and the last one ends at the last."""
+    """Ends of the cranks; a coupler begins there, and the last one ends at the last."""
     starts = [f"coupler_{k}" for k in seen(count)[:2]]
     ends = [result.position[name][:, :2] for name in starts]
     last = result.position[f"coupler_{count - 1}"][:, :2]
@@ -92,7 +92,7 @@ def observe(count: int, result: Any) -> Any:
 
 
 def peers(count: int, problem: Problem, size: Size) -> list[Case]:
-    """Return the cases of all peers."""
+    """Cases of all peers."""
     cases = equation_lines(problem, size, "reduced", "reduced", partial(by_crank, count))
     tree = tree_of(count)
     if count <= MIDDLE and size.is_full:
@@ -106,7 +106,7 @@ MIDDLE = 40
 
 
 def problem_of(count: int) -> Problem:
-    """Return the problem with so many four-bars."""
+    """Problem with so many four-bars."""
     published = {10.0: PUBLISHED[count]} if count in PUBLISHED else {}
     return Problem(
         name=f"n_four_bar_{count}",

@@ -40,7 +40,7 @@ ROD = Tree(
 
 
 def reduced() -> Equations:
-    """Return the equation of the angle from the downward vertical."""
+    """Equation of the angle from the downward vertical."""
     ca = required("casadi")
     angle, rate = ca.SX.sym("angle"), ca.SX.sym("rate")
     sine, cosine = ca.sin(angle), ca.cos(angle)
@@ -55,7 +55,7 @@ def reduced() -> Equations:
 
 
 def with_multiplier() -> Equations:
-    """Return the equations of the mass in x and y, held by its distance."""
+    """Equations of the mass in x and y, held by its distance."""
     ca = required("casadi")
     q, v = ca.SX.sym("q", 2), ca.SX.sym("v", 2)
     return index_1(
@@ -71,7 +71,7 @@ def with_multiplier() -> Equations:
 
 
 def peers(problem: Problem, size: Size) -> list[Case]:
-    """Return the cases of all peers; those that take scenes get the rod."""
+    """Cases of all peers; those that take scenes get the rod."""
     return [
         *equation_lines(
             problem, size, "index 1", "equations", with_multiplier, has_multipliers=True

@@ -89,7 +89,7 @@ class Digits:
     def judged(
         self, positions: Array, length: float, reactions: Array | None, **extra: float
     ) -> Judged:
-        """Return the largest errors of all times, of positions relative to a length."""
+        """Largest errors of all times, of positions relative to a length."""
         error = float(np.abs(positions - self.positions).max()) / length
         if reactions is not None and self.reactions is not None and reactions.size:
             scale = float(np.abs(self.reactions).max())
@@ -154,28 +154,28 @@ class Problem:
         return PROMISED * max(1.0, GROWTH.get(self.name, 0.0) / USUAL_GROWTH)
 
     def digits(self) -> Digits:
-        """Return what is right."""
+        """Digits that are right."""
         return Digits.read(self.name)
 
     def cases(self, size: Size) -> list[Case]:
-        """Return the cases of kousoku and of all peers."""
+        """Cases of kousoku and of all peers."""
         return [*kousoku_cases(self, size), *self.peers(self, size)]
 
 
 def reaction_norms(joints: Sequence[str], result: Any) -> Array:
-    """Return how large the forces of joints are, (rows, joints), of a result of kousoku."""
+    """Norms of the forces of joints, (rows, joints), of a result of kousoku."""
     forces = [result.joint(name).force for name in joints]
     found: Array = np.linalg.norm(np.stack(forces, axis=1), axis=2)
     return found
 
 
 def tolerances(size: Size) -> Sequence[float]:
-    """Return the tolerances that are measured."""
+    """Tolerances that are measured."""
     return FULL if size.is_full else QUICK
 
 
 def kousoku_cases(problem: Problem, size: Size) -> list[Case]:
-    """Return kousoku's lines: every method and the default, a table of rows, and the C alone."""
+    """Kousoku's lines: every method and the default, a table of rows, and the C alone."""
     has_all = size.is_full and not problem.is_large
     method = problem.methods[-1] if has_all else None
     name = method or "auto"
@@ -199,13 +199,13 @@ def kousoku_cases(problem: Problem, size: Size) -> list[Case]:
 
 
 def loaded(problem: Problem) -> Mechanism:
-    """Return the mechanism, with reactions where they are judged."""
+    """Mechanism, with reactions where they are judged."""
     outputs: list[Output] = ["reactions"] if problem.reactions else []
     return ks.load(problem.scene(), outputs=outputs, target="c")
 
 
 def kousoku_call(problem: Problem, method: str | None, tolerance: float, what: str) -> Call:
-    """Return a run of kousoku: to the end by the door, with a table of rows, or the C alone."""
+    """Run of kousoku: to the end by the door, with a table of rows, or the C alone."""
     mechanism, digits = loaded(problem), problem.digits()
     end = float(digits.times[-1])
     options: dict[str, Any] = {"tolerance": tolerance}
@@ -251,7 +251,7 @@ def equation_cases(
     tools: Sequence[tuple[str, str, Callable[[Equations, float, Array], Runs]]],
     settings: Sequence[float],
 ) -> list[Case]:
-    """Return the cases of equations that are given, for tools by name, line and what runs them."""
+    """Cases of equations that are given, for tools by name, line and what runs them."""
     return [
         Case(
             tool,
@@ -267,7 +267,7 @@ def equation_cases(
 
 @lru_cache(maxsize=4)
 def written(make: Callable[[], Equations]) -> Equations:
-    """Return equations, written and compiled once for all tolerances of a tool."""
+    """Equations, written and compiled once for all tolerances of a tool."""
     return make()
 
 
@@ -277,7 +277,7 @@ def equation_call(
     run: Callable[[Equations, float, Array], Runs],
     tolerance: float,
 ) -> Call:
-    """Return the run of a tool on equations."""
+    """Run of a tool on equations."""
     digits, equations = problem.digits(), written(make)
     call, states = run(equations, tolerance, digits.times)
 

@@ -45,7 +45,7 @@ def equation_lines(
     has_multipliers: bool = False,
     tolerances: Sequence[float] = TAYLOR,
 ) -> list[Case]:
-    """Return the lines of heyoka, SciPy and CasADi on equations that are given.
+    """Lines of heyoka, SciPy and CasADi on equations that are given.
 
     Code of equations that are long is compact in heyoka: inlined it compiles for minutes. Where
     that takes half a minute, too, heyoka gets fewer tolerances.
@@ -80,7 +80,7 @@ def tree_lines(
     is_singular: bool = False,
     is_redundant: bool = False,
 ) -> list[Case]:
-    """Return the lines of tools that start from bodies and joints."""
+    """Lines of tools that start from bodies and joints."""
     counts = steps if size.is_full else FEW_STEPS
     cases = []
     for method in MUJOCO if size.is_full and not is_stiff else MUJOCO[is_stiff:][:1]:
@@ -129,7 +129,7 @@ def stepped(
     counts: Sequence[int],
     make: Callable[[int, Array], Runs],
 ) -> list[Case]:
-    """Return a line of a tool with steps of one length."""
+    """Line of a tool with steps of one length."""
     return [
         Case(
             tool,
@@ -143,7 +143,7 @@ def stepped(
 
 
 def called(problem: Problem, make: Callable[[Array], Runs]) -> Call:
-    """Return the run of a tool that gives the positions that are judged."""
+    """Run of a tool that gives the positions that are judged."""
     digits = problem.digits()
     run, positions = make(digits.times)
 

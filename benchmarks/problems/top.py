@@ -69,7 +69,7 @@ SEEN = np.eye(3)
 
 
 def matrix(p: Any) -> Any:
-    """Return A(p)."""
+    """A(p)."""
     ca = required("casadi")
     a, b, c, d = (p[k] for k in range(4))
     rows = (
@@ -81,14 +81,14 @@ def matrix(p: Any) -> Any:
 
 
 def turning(p: Any, w: Any) -> Any:
-    """Return ṗ."""
+    """Rate ṗ."""
     ca = required("casadi")
     scalar = -ca.dot(p[1:], w)
     return ca.vertcat(scalar, p[0] * w + ca.cross(p[1:], w)) / 2
 
 
 def by_euler(top: Top) -> Equations:
-    """Return Euler's equations about the fixed point, with Euler parameters."""
+    """Euler's equations about the fixed point, with Euler parameters."""
     ca = required("casadi")
     p, w = ca.SX.sym("p", 4), ca.SX.sym("w", 3)
     a, center = matrix(p), ca.SX(top.center)
@@ -106,7 +106,7 @@ def by_euler(top: Top) -> Equations:
 
 
 def of_the_body(top: Top) -> Equations:
-    """Return the equations of the body, whose fixed point multipliers hold: three rows."""
+    """Equations of the body, whose fixed point multipliers hold: three rows."""
     ca = required("casadi")
     q, v = ca.SX.sym("q", 7), ca.SX.sym("v", 6)
     p, w = q[3:], v[3:]
@@ -129,13 +129,13 @@ def of_the_body(top: Top) -> Equations:
 
 
 def observe(body: str, result: Any) -> Any:
-    """Return the axes of the body: points at 1 m."""
+    """Axes of the body: points at 1 m."""
     p = result.orientation[body]
     return np.hstack([rotated(p, np.tile(axis, (len(p), 1))) for axis in SEEN])
 
 
 def peers(top: Top, problem: Problem, size: Size) -> list[Case]:
-    """Return the cases of all peers."""
+    """Cases of all peers."""
     cases = equation_lines(problem, size, "reduced", "reduced", partial(by_euler, top))
     if top.is_held:
         make = partial(of_the_body, top)
@@ -163,7 +163,7 @@ def peers(top: Top, problem: Problem, size: Size) -> list[Case]:
 def problem_of(
     name: str, title: str, scene: str, body: str, top: Top, end: float, **more: Any
 ) -> Problem:
-    """Return the problem of a top."""
+    """Problem of a top."""
     forms = [partial(by_euler, top), *([partial(of_the_body, top)] if top.is_held else [])]
     return Problem(
         name=name,
@@ -179,7 +179,7 @@ def problem_of(
 
 
 def _turned(parameters: dict[float, tuple[float, ...]]) -> dict[float, tuple[float, ...]]:
-    """Return the axes of published Euler parameters: Jacobi's elliptic functions, Taylor series."""
+    """Axes of published Euler parameters: Jacobi's elliptic functions, Taylor series."""
     return {time: tuple(spinning.axes_of(np.array(p))) for time, p in parameters.items()}
 
 

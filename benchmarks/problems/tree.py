@@ -125,7 +125,7 @@ class Tree:
         return np.array([*self.q, *self.v])
 
     def children(self, parent: int) -> list[int]:
-        """Return the links on a link."""
+        """Links on a link."""
         return [k for k, link in enumerate(self.links) if link.parent == parent]
 
 
@@ -156,7 +156,7 @@ class Kinematics:
             self.omegas.append(omega)
 
     def point(self, point: Point) -> Any:
-        """Return where a point is."""
+        """Position of a point."""
         ca = required("casadi")
         link, place = point
         if link == GROUND:
@@ -164,7 +164,7 @@ class Kinematics:
         return self.origins[link] + ca.mtimes(self.turned[link], ca.SX(place))
 
     def kinetic(self) -> Any:
-        """Return the kinetic energy."""
+        """Kinetic energy."""
         ca = required("casadi")
         total = ca.SX(0)
         for k, link in enumerate(self.tree.links):
@@ -175,19 +175,19 @@ class Kinematics:
         return total
 
     def weight(self) -> Any:
-        """Return the potential energy of gravity."""
+        """Potential energy of gravity."""
         ca = required("casadi")
         gravity = ca.SX(self.tree.gravity)
         places = enumerate(self.tree.links)
         return -sum(link.mass * ca.dot(gravity, self.point((k, link.center))) for k, link in places)
 
     def length(self, spring: Spring) -> Any:
-        """Return the length of a spring."""
+        """Length of a spring."""
         ca = required("casadi")
         return ca.sqrt(ca.sumsqr(self.point(spring.b) - self.point(spring.a)))
 
     def closed(self) -> Any:
-        """Return what loops keep at zero; None without loops."""
+        """Residuals that loops keep at zero; None without loops."""
         ca = required("casadi")
         rows = [
             (self.point(loop.a) - self.point(loop.b))["xyz".index(row)]
@@ -197,13 +197,13 @@ class Kinematics:
         return ca.vertcat(*rows) if rows else None
 
     def observed(self) -> Any:
-        """Return the positions that are judged."""
+        """Positions that are judged."""
         ca = required("casadi")
         places = ["xyz".index(axis) for axis in self.tree.axes]
         return ca.vertcat(*(self.point(point)[places] for point in self.tree.observed))
 
     def damping(self) -> Any:
-        """Return the generalised forces of dampers."""
+        """Generalised forces of dampers."""
         ca = required("casadi")
         total = ca.SX(len(self.tree.links), 1)
         for spring in self.tree.springs:
@@ -213,7 +213,7 @@ class Kinematics:
         return total
 
     def stretched(self) -> Any:
-        """Return the potential energy of springs."""
+        """Potential energy of springs."""
         total = required("casadi").SX(0)
         for spring in self.tree.springs:
             total += spring.stiffness / 2 * (self.length(spring) - spring.free_length) ** 2
@@ -221,7 +221,7 @@ class Kinematics:
 
 
 def rotation(axis: int, angle: Any) -> Any:
-    """Return the matrix of a turn about an axis of the frame."""
+    """Matrix of a turn about an axis of the frame."""
     ca = required("casadi")
     j, k = (axis + 1) % 3, (axis + 2) % 3
     found = ca.SX(3, 3)
@@ -231,7 +231,7 @@ def rotation(axis: int, angle: Any) -> Any:
 
 
 def symbols(tree: Tree) -> Kinematics:
-    """Return the tree over new symbols."""
+    """Tree over new symbols."""
     ca = required("casadi")
     count = len(tree.links)
     return Kinematics(tree, ca.SX.sym("q", count), ca.SX.sym("v", count))
@@ -243,7 +243,7 @@ def is_damped(tree: Tree) -> bool:
 
 
 def equations(tree: Tree) -> Equations:
-    """Return Lagrange's equations in joint coordinates, of index 1 where there are loops."""
+    """Lagrange's equations in joint coordinates, of index 1 where there are loops."""
     made = symbols(tree)
     torques = sum(torque * made.q[k] for k, torque in tree.torques.items())
     found = lagrange(
@@ -260,7 +260,7 @@ def equations(tree: Tree) -> Equations:
 
 
 def frames(tree: Tree, q: Array) -> tuple[Array, Array]:
-    """Return origins (links, 3) and matrices (links, 3, 3) of all frames."""
+    """Origins (links, 3) and matrices (links, 3, 3) of all frames."""
     count = len(tree.links)
     origins, turned = np.zeros((count, 3)), np.zeros((count, 3, 3))
     for k, link in enumerate(tree.links):
@@ -281,7 +281,7 @@ def frames(tree: Tree, q: Array) -> tuple[Array, Array]:
 
 
 def point_at(point: Point, where: tuple[Array, Array]) -> Array:
-    """Return where a point is, by all frames."""
+    """Position of a point, by all frames."""
     link, place = point
     if link == GROUND:
         return np.array(place)
@@ -290,14 +290,14 @@ def point_at(point: Point, where: tuple[Array, Array]) -> Array:
 
 
 def placed(tree: Tree, q: Array) -> Array:
-    """Return the positions that are judged, of joint coordinates."""
+    """Positions that are judged, of joint coordinates."""
     where = frames(tree, q)
     axes = ["xyz".index(axis) for axis in tree.axes]
     return np.concatenate([point_at(point, where)[axes] for point in tree.observed])
 
 
 def slopes(tree: Tree, point: Point, where: tuple[Array, Array]) -> Array:
-    """Return the velocities of a point by unit rates of all joints, (links, 3)."""
+    """Velocities of a point by unit rates of all joints, (links, 3)."""
     found = np.zeros((len(tree.links), 3))
     place, k = point_at(point, where), point[0]
     while k != GROUND:
@@ -309,7 +309,7 @@ def slopes(tree: Tree, point: Point, where: tuple[Array, Array]) -> Array:
 
 
 def pulled(tree: Tree, q: Array, v: Array) -> Array:
-    """Return the generalised forces of springs and dampers."""
+    """Generalised forces of springs and dampers."""
     where, total = frames(tree, q), np.zeros(len(tree.links))
     for spring in tree.springs:
         apart = point_at(spring.b, where) - point_at(spring.a, where)

@@ -55,7 +55,7 @@ LAGRANGE, INLINED = 10, 2
 
 
 def chain_of(count: int) -> Tree:
-    """Return a chain of bars on hinges about y, z, y, …, at rest along x."""
+    """Chain of bars on hinges about y, z, y, …, at rest along x."""
     links = [
         Link("z" if k % 2 else "y", k - 1, (float(k > 0), 0.0, 0.0), 1.0, (0.5, 0.0, 0.0), MOMENTS)
         for k in range(count)
@@ -73,7 +73,7 @@ def chain_of(count: int) -> Tree:
 def peers(
     tree: Tree, problem: Problem, size: Size, *, is_stiff: bool = False, is_long: bool = False
 ) -> list[Case]:
-    """Return the cases of all peers: joint coordinates are what a person reduced it to."""
+    """Cases of all peers: joint coordinates are what a person reduced it to."""
     make = partial(recursive, tree)
     cases = equation_lines(
         problem,
@@ -92,7 +92,7 @@ def peers(
 
 
 def problem_of_chain(count: int) -> Problem:
-    """Return the problem of a chain."""
+    """Problem of a chain."""
     tree = chain_of(count)
     names = [f"bar_{k}" for k in range(count)]
     return Problem(

@@ -4,26 +4,26 @@
 :mod:`~kousoku.codegen.dynamics.analyse` decides what is solved, ``composition`` records it, and
 :mod:`~kousoku.codegen.dynamics.choose` takes of two programs one, where only composing them tells.
 
-Where what is, in that order:
+Where what is, the lowest first; a folder imports those before it only:
 
+``recording``
+    What operations are recorded on: kernels, tasks and one workspace; a program run and counted.
+``operations``
+    What one task computes: of a body, a joint, a force, a block of a factorisation.
+``elements``
+    Forces and kinds of constraints: what is recorded of each, and what analyses ask of it.
 ``assembly``
     Positions and velocities that fit, near those that a scene gives.
 ``simplification``
     Fewer bodies, coordinates and columns than a scene has.
 ``redundancy``
     Degrees of freedom, and which rows of the constraints depend on others.
-``operations``
-    What one task computes: of a body, a joint, a force, a block of a factorisation.
-``elements``
-    Forces, one file each: what is recorded of them, and what analyses ask.
 ``composition``
     The program of a system, segment by segment.
-``recording``
-    What operations are recorded on: kernels, tasks and one workspace.
-``checking``
-    A program run without its source in any precision, and the values that verifying compares with.
 ``emission``
     From a program to the source text of its solver.
+``checking``
+    The values that verifying compares with, and equations from a derivation of their own.
 ``explanation``
     What a scene does not need, counted.
 """

@@ -2,13 +2,13 @@
 
 Each takes a system and tells what it found; what one changes the next one sees:
 
-1. bodies that fixed joints hold together become one, ``simplification/merge.py``;
+1. bodies that fixed joints hold together become one, ``simplification/lump.py``;
 2. the plane in which all bodies stay, if there is one, ``simplification/planar.py``;
-3. masses where drivers move what has none, ``simplification/weights.py``;
+3. masses where drivers move what has none, ``simplification/placeholder_masses.py``;
 4. rows and columns that are not structurally zero, ``simplification/outline.py``;
 5. rows that depend on others, and degrees of freedom, ``redundancy/freedom.py``;
 6. bodies that the coordinates of their joint with the ground describe,
-   ``simplification/reduction.py``.
+   ``simplification/joint_coordinates.py``.
 
 Composing decides nothing of that.
 """
@@ -19,36 +19,43 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.composition.momentum import kept_of
-from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
-from kousoku.codegen.dynamics.redundancy.left_out import by_instance, shares_out, take_over
-from kousoku.codegen.dynamics.redundancy.loops import loops_of
-from kousoku.codegen.dynamics.redundancy.own_rows import repeated_rows, require_own_rows_implied
-from kousoku.codegen.dynamics.redundancy.unevenness import is_uneven
-from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hold
-from kousoku.codegen.dynamics.simplification.merge import merged
-from kousoku.codegen.dynamics.simplification.outline import outline_of
-from kousoku.codegen.dynamics.simplification.planar import plane_of
-from kousoku.codegen.dynamics.simplification.reduction import reductions_of
-from kousoku.codegen.dynamics.simplification.shapes import (
+from kousoku.codegen.dynamics.operations.shapes import (
     require_few_joints,
     require_masses,
     thickened,
 )
-from kousoku.codegen.dynamics.simplification.turned import own_columns, turned, turned_rows
-from kousoku.codegen.dynamics.simplification.weights import weighted
+from kousoku.codegen.dynamics.redundancy.constant_rows import require_constant_rows_hold
+from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
+from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.redundancy.own_rows import repeated_rows, require_own_rows_implied
+from kousoku.codegen.dynamics.redundancy.redundant_rows import by_instance, shares_out, take_over
+from kousoku.codegen.dynamics.redundancy.unevenness import is_uneven
+from kousoku.codegen.dynamics.simplification.axis_permutation import (
+    permuted,
+    permuted_columns,
+    permuted_rows,
+)
+from kousoku.codegen.dynamics.simplification.conserved_momenta import conserved_momenta
+from kousoku.codegen.dynamics.simplification.joint_coordinates import velocity_transformations_of
+from kousoku.codegen.dynamics.simplification.lump import lump
+from kousoku.codegen.dynamics.simplification.outline import outline_of
+from kousoku.codegen.dynamics.simplification.placeholder_masses import with_placeholder_masses
+from kousoku.codegen.dynamics.simplification.planar import plane_of
+from kousoku.model.errors import SceneError
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Kept, Row
+    from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
     from kousoku.codegen.dynamics.simplification.outline import Outline
-    from kousoku.codegen.dynamics.simplification.reduction import Reduction
     from kousoku.model.mechanism import System
 
 #: How many velocities a joint may leave to a body: none where drivers lead it, and any number.
 PRESCRIBED, ANY = 0, 6
+#: Outputs that depend on masses.
+DEPEND = ("reactions", "energies")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +70,7 @@ class Analysed:
         Its plane, and rows and columns that are not structurally zero.
     freedom : Freedom
         Its degrees of freedom, and the rows that are left out.
-    reductions : mapping of int to Reduction
+    transformations : mapping of int to VelocityTransformation
         Bodies that the coordinates of their joint with the ground describe, in the axes of the
         plane; where there are some no row is left out.
     lumped : tuple of str
@@ -77,7 +84,7 @@ class Analysed:
     system: System
     outline: Outline
     freedom: Freedom
-    reductions: Mapping[int, Reduction] = field(default_factory=dict)
+    transformations: Mapping[int, VelocityTransformation] = field(default_factory=dict)
     lumped: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
     thin: tuple[str, ...] = ()
@@ -92,7 +99,7 @@ class Analysed:
     @property
     def held(self) -> list[Row]:
         """Rows that hold by themselves: those of joints that bodies are put onto."""
-        places = {place for one in self.reductions.values() for place in one.instances}
+        places = {place for one in self.transformations.values() for place in one.instances}
         return [row for row in self.outline.rows if row.instance in places]
 
     @property
@@ -124,11 +131,11 @@ class Analysed:
     @property
     def momenta(self) -> tuple[Kept, ...]:
         """Momenta that parts of it keep, in the axes of the plane."""
-        return kept_of(in_xy_plane(self).system, is_planar=self.outline.is_planar)
+        return conserved_momenta(in_xy_plane(self).system, is_planar=self.outline.is_planar)
 
 
 def analyse(system: System, wanted: Collection[str]) -> Analysed:
-    """Return an assembled system with what all analyses found that need no program.
+    """Assembled system with what all analyses found that need no program.
 
     Parameters
     ----------
@@ -142,15 +149,15 @@ def analyse(system: System, wanted: Collection[str]) -> Analysed:
     SceneError, AssemblyError
         Bodies lack masses, rows do not hold or depend on each other as they may not.
     """
-    lumped = merged(system, wanted)
-    shift = plane_of(lumped.system)
-    heavy = weighted(lumped.system, shift)
+    lumps = lump(system, wanted)
+    shift = plane_of(lumps.system)
+    heavy = with_placeholder_masses(lumps.system, shift)
     found = ranked(heavy.system, shift)
-    return replace(found, lumped=lumped.joints, missing=heavy.missing, thin=heavy.thin)
+    return replace(found, lumped=lumps.joints, missing=heavy.missing, thin=heavy.thin)
 
 
 def with_all_rows(system: System, shift: int | None) -> Analysed:
-    """Return a system whose rows are all kept.
+    """System whose rows are all kept.
 
     Parameters
     ----------
@@ -166,19 +173,19 @@ def with_all_rows(system: System, shift: int | None) -> Analysed:
         A body lacks a mass or a moment that its motion needs, or has too many joints.
     """
     require_few_joints(system)
-    require_masses(turned(system, shift or 0), is_planar=shift is not None)
+    require_masses(permuted(system, shift or 0), is_planar=shift is not None)
     outline = outline_of(system, shift)
     return Analysed(system, outline, Freedom.of(outline))
 
 
 def ranked(system: System, shift: int | None) -> Analysed:
-    """Return a system without the rows that depend on others, at positions where the others hold.
+    """System without the rows that depend on others, at positions where the others hold.
 
     Parameters and refusals are those of :func:`with_all_rows`; rows that nothing changes must hold.
     """
     found = with_all_rows(system, shift)
     fixed = fixed_system(system)
-    require_unmoved_rows_hold(fixed, found.outline)
+    require_constant_rows_hold(fixed, found.outline)
     freedom = freedom_of(fixed, found.outline)
     require_own_rows_implied(fixed, freedom, is_planar=found.outline.is_planar)
     freedom = replace(freedom, idle=(*freedom.idle, *repeated_rows(fixed, freedom)))
@@ -189,7 +196,7 @@ def ranked(system: System, shift: int | None) -> Analysed:
 
 
 def with_joint_coordinates(found: Analysed, most_free: int = ANY) -> Analysed:
-    """Return a system in which bodies on joints with the ground have the coordinates of these.
+    """System in which bodies on joints with the ground have the coordinates of these.
 
     Parameters
     ----------
@@ -200,29 +207,63 @@ def with_joint_coordinates(found: Analysed, most_free: int = ANY) -> Analysed:
     """
     there, is_planar = in_xy_plane(found), found.outline.is_planar
     rows = by_instance(there.outline.rows)
-    reductions = {
+    transformations = {
         k: one
-        for k, one in reductions_of(there.system, rows, is_planar=is_planar).items()
+        for k, one in velocity_transformations_of(there.system, rows, is_planar=is_planar).items()
         if len(one.free) <= most_free
     }
     heavy = found.system if is_planar else thickened(found.system)
-    return replace(found, system=heavy, reductions=reductions) if reductions else found
+    return (
+        replace(found, system=heavy, transformations=transformations) if transformations else found
+    )
 
 
 def in_xy_plane(found: Analysed) -> Analysed:
-    """Return a system with its axes in an order in which its plane, if any, is the xy-plane."""
+    """System with its axes in an order in which its plane, if any, is the xy-plane."""
     shift = found.outline.shift
     if not shift:
         return found
 
     def seen(rows: Sequence[Row]) -> tuple[Row, ...]:
-        return turned_rows(rows, found.system, shift)
+        return permuted_rows(rows, found.system, shift)
 
     outline, freedom = found.outline, found.freedom
-    columns = tuple(own_columns(own, -shift) for own in outline.columns)
+    columns = tuple(permuted_columns(own, -shift) for own in outline.columns)
     return replace(
         found,
-        system=turned(found.system, shift),
+        system=permuted(found.system, shift),
         outline=replace(outline, shift=0, columns=columns, rows=seen(outline.rows)),
         freedom=replace(freedom, dropped=seen(freedom.dropped), idle=seen(freedom.idle)),
     )
+
+
+def require_driven(found: Analysed, wanted: Collection[str]) -> None:
+    """Refuse what depends on masses that are missing.
+
+    Raises
+    ------
+    SceneError
+        Drivers leave freedoms, or what is wanted depends on masses; the message names a body that
+        lacks one.
+    """
+    if not found.missing:
+        return
+    key = found.missing[0]
+    lack, give = "is missing", "give it"
+    if key in found.thin:
+        lack = "has a moment of zero, as of a rod without thickness, about an axis of turning"
+        give = "give the body some thickness, as of a cylinder"
+    more = f" (one of {len(found.missing)} such)" if len(found.missing) > 1 else ""
+    if found.freedom.degrees > 0:
+        raise SceneError(
+            f"{lack}, and drivers leave {found.freedom.degrees} of the freedoms, whose motion"
+            f" depends on it{more}; {give}, or drive them",
+            key=key,
+        )
+    for name in DEPEND:
+        if name in wanted:
+            raise SceneError(
+                f"asks for {name}, which depend on {key}, and it {lack}{more}; {give}, or"
+                f" leave {name} out: positions, velocities and accelerations need no mass here",
+                key="outputs",
+            )

@@ -11,13 +11,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.analyse import ANY, ranked, with_joint_coordinates
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.explanation.counts import counts
+from kousoku.codegen.dynamics.operations.shapes import thickened
+from kousoku.codegen.dynamics.recording.counts import counts
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
-from kousoku.codegen.dynamics.simplification.reduction import is_worth
-from kousoku.codegen.dynamics.simplification.shapes import thickened
+from kousoku.codegen.dynamics.simplification.joint_coordinates import is_worth
 from kousoku.model.errors import SceneError
 from kousoku.model.varying import fixed_system
 
@@ -35,7 +35,7 @@ DEPENDENT = 1e-12
 
 
 def program_of(analysed: Analysed, wanted: Sequence[str]) -> Program:
-    """Return the program of an analysed system.
+    """Program of an analysed system.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def program_of(analysed: Analysed, wanted: Sequence[str]) -> Program:
 def cheaper(
     analysed: Analysed, wanted: Sequence[str], program: Program, most_free: int = ANY
 ) -> Program:
-    """Return the program in joint coordinates where it costs less, or else the program without.
+    """Program in joint coordinates where it costs less, or else the program without.
 
     They are not looked for where rows depend on others: there all rows are needed, to watch them
     and to take over. And not in a large scene with few bodies at the ground, unless drivers lead
@@ -74,7 +74,7 @@ def cheaper(
     if analysed.left_out or not is_worth(analysed.system, analysed.outline.rows):
         return program
     found = with_joint_coordinates(analysed, most_free)
-    if not found.reductions:
+    if not found.transformations:
         return program
     other = compose(found, wanted)
     if _cost(other) >= _cost(program):
@@ -93,7 +93,7 @@ def _cost(program: Program) -> int:
 
 
 def with_reactions(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Program]:
-    """Return the program that finds the forces of all joints, and knows which are not unique.
+    """Program that finds the forces of all joints, and knows which are not unique.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def with_reactions(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed,
 
 
 def _in_space(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Program]:
-    """Return the program in space of a scene that moves in a plane; SceneError if there is none."""
+    """Program in space of a scene that moves in a plane; SceneError if there is none."""
     found = ranked(thickened(analysed.system), None)
     program = _named(compose(found, wanted), found.freedom)
     if not _is_regular(program):
@@ -141,7 +141,7 @@ def _in_space(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Prog
 
 
 def _named(program: Program, freedom: Freedom) -> Program:
-    """Return a program with the joints whose reactions are not unique."""
+    """Program with the joints whose reactions are not unique."""
     return replace(
         program,
         not_unique=(*freedom.not_unique, *freedom.unknown),
@@ -150,8 +150,8 @@ def _named(program: Program, freedom: Freedom) -> Program:
 
 
 def _is_regular(program: Program) -> bool:
-    """Return whether the rows that a program keeps are independent at the start."""
-    workspace = Workspace(program)
+    """Whether the rows that a program keeps are independent at the start."""
+    workspace = ProgramInterpreter(program)
     try:
         workspace.run("geometry")
     except ZeroDivisionError:  # a pivot is exactly zero

@@ -19,8 +19,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.analyse import analyse
-from kousoku.codegen.dynamics.assembly.moved import changes_of_assembly
+from kousoku.codegen.dynamics.analyse import analyse, require_driven
+from kousoku.codegen.dynamics.assembly.changes import changes_of_assembly
 from kousoku.codegen.dynamics.checking.reference import solver_references
 from kousoku.codegen.dynamics.choose import program_of
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
@@ -29,7 +29,6 @@ from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
 from kousoku.codegen.dynamics.redundancy.given_rank import notes_of_rank
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.simplification.given_start import given_start, require_held
-from kousoku.codegen.dynamics.simplification.weights import require_driven
 from kousoku.model.about import About
 from kousoku.model.held import require_kept, without_held
 from kousoku.model.manifest import REFERENCE_FILE
@@ -52,7 +51,7 @@ LEDGER = ("checks", "energies")
 def generate_dynamics(
     scene: Scene, outputs: Sequence[str] | None = None, *, references: bool = False
 ) -> dict[str, str]:
-    """Return the folder of the solver of a scene of bodies.
+    """Folder of the solver of a scene of bodies.
 
     Parameters
     ----------
@@ -110,7 +109,7 @@ class Composed:
 
 
 def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
-    """Return what a scene of bodies becomes before it is emitted; all that is wrong is found here.
+    """Scene of bodies before it is emitted; all that is wrong with it is found here.
 
     Parameters
     ----------
@@ -147,7 +146,7 @@ def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
 
 
 def _of_reactions(program: Program) -> Iterator[str]:
-    """Yield notes on what leads out of the plane: not unique, or not computed."""
+    """Notes on what leads out of the plane: not unique, or not computed."""
     joints = program.unique_in_plane
     if joints:
         names = listed([key_of(name) for name in joints])

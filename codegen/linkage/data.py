@@ -11,6 +11,7 @@ from kousoku.runtime.kinematics.rows import METHODS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.linkage.blocks import Block
     from kousoku.codegen.linkage.layout import Layout
     from kousoku.model.assemble import Element, Term
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 FORMAT = 1
 
 
-def linkage_data(layout: Layout) -> dict[str, Any]:
+def linkage_data(program: Program, layout: Layout) -> dict[str, Any]:
     """Return what ``motion.json`` holds: fields of ``kinematics.Mechanism``, and of its ``Run``."""
     system = layout.system
     scene, coordinates = system.scene, system.coordinates
@@ -48,6 +49,9 @@ def linkage_data(layout: Layout) -> dict[str, Any]:
             }
             for block in layout.blocks
         ],
+        "work_size": program.size,
+        "places": {one.name: [one.base, one.size] for one in program.regions},
+        "segments": [one.name for one in program.segments],
         "run": _run(layout),
     }
 

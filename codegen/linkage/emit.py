@@ -5,6 +5,7 @@ from __future__ import annotations
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.context_lines import ascii_of, plain
 from kousoku.codegen.dynamics.emission.emit import MOTION_FILE, filled, package_of
 from kousoku.codegen.dynamics.emission.numpy_view import (
     python_kernels,
@@ -16,8 +17,8 @@ from kousoku.codegen.dynamics.emission.view import enumerators, segment_text
 from kousoku.codegen.emit import along, hashed, promise, template
 from kousoku.codegen.linkage.data import linkage_data
 from kousoku.codegen.linkage.layout import REGIONS
-from kousoku.codegen.view_lines import ascii_of, plain
 from kousoku.model.jsontext import to_text
+from kousoku.runtime.kinematics.rows import RUN
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -80,14 +81,14 @@ def emit_linkage(program: Program, layout: Layout, more: Mapping[str, str]) -> d
         "kernels": list(python_kernels(program)),
         "segments": [python_segment(program, one) for one in program.segments],
     }
-    data, analysis = linkage_data(layout), along(LIBRARY, *SHARED)
+    data, analysis = linkage_data(program, layout), along(LIBRARY, *SHARED)
     inputs = hashed(
         scene=to_text(data),
         composition=repr((view, python)),
         templates="".join(map(template, (*TEMPLATES.values(), *PARTS))),
         runtime=repr(analysis),
     )
-    given = {"view": view, "mechanism": data, "python": python, "listed": listed}
+    given = {"view": view, "mechanism": data, "python": python, "run": RUN, "listed": listed}
     files = {**analysis, MOTION_FILE: to_text(data), **more}
     return filled(promise(package_of(scene.name, title), inputs), TEMPLATES, given, files)
 

@@ -16,6 +16,7 @@ from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.program import Program, Segment, Task
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.linkage.blocks import live_blocks, triangular_blocks
 from kousoku.codegen.linkage.emit import emit_linkage
 from kousoku.codegen.linkage.kernels import block_kernels
@@ -24,7 +25,6 @@ from kousoku.codegen.linkage.link import rows_of
 from kousoku.codegen.linkage.outputs import angle_kernel, node_kernel
 from kousoku.codegen.linkage.reference import reference_values
 from kousoku.codegen.linkage.solution import places
-from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import assemble
 from kousoku.model.manifest import REFERENCE_FILE
 

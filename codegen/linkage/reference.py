@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from kousoku.codegen.error_unit import columns
 from kousoku.codegen.linkage.exact import Exact
 from kousoku.codegen.linkage.layout import SUFFIXES
 from kousoku.codegen.linkage.solution import solution
-from kousoku.codegen.unit import columns
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.dual import DUAL, Dual, variable
 from kousoku.model.jsontext import to_text

@@ -43,7 +43,7 @@ def factor(kernel: Kernel) -> Kernel:
 
 
 def _used_inside_only(kernel: Kernel, live: Sequence[int]) -> dict[int, Op]:
-    """Return the nameless nodes with one use, and the operation that uses them."""
+    """Nameless nodes with one use, and the operation that uses them."""
     users: dict[int, Op] = {}
     uses = Counter(node for result in kernel.results for node in result)
     uses.update(node for node, _ in kernel.names)
@@ -55,7 +55,7 @@ def _used_inside_only(kernel: Kernel, live: Sequence[int]) -> dict[int, Op]:
 
 
 def _terms(kernel: Kernel, root: int, inner: Mapping[int, Op]) -> list[tuple[int, int]]:
-    """Return signs and terms of a sum, from left to right."""
+    """Signs and terms of a sum, from left to right."""
     terms = []
     stack = [(1, root)]
     while stack:
@@ -70,7 +70,7 @@ def _terms(kernel: Kernel, root: int, inner: Mapping[int, Op]) -> list[tuple[int
 
 
 def _factors(kernel: Kernel, term: int, inner: Mapping[int, Op]) -> list[int]:
-    """Return the factors of a product that only its sum uses, from left to right."""
+    """Factors of a product that only its sum uses, from left to right."""
     factors = []
     stack = [term]
     while stack:
@@ -83,7 +83,7 @@ def _factors(kernel: Kernel, term: int, inner: Mapping[int, Op]) -> list[int]:
 
 
 def _commonest_factor(terms: Sequence[Term]) -> int | None:
-    """Return the factor of most products, of equals the one that was computed first."""
+    """Factor of most products, of equals the one that was computed first."""
     counts = Counter(
         node for _, factors in terms if len(factors) > 1 for node in dict.fromkeys(factors)
     )

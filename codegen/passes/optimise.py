@@ -17,5 +17,5 @@ PASSES = (drop_dead, factor)
 
 
 def optimise(kernel: Kernel) -> tuple[Kernel, Trace]:
-    """Return a kernel that computes the same with less, and the trace of how."""
+    """Kernel that computes the same with less, and the trace of how."""
     return run_passes(kernel, PASSES)

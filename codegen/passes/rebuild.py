@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def live_ids(nodes: Sequence[Node], wanted: Iterable[int]) -> list[int]:
-    """Return the ids, in topological order, of all that ``wanted`` needs."""
+    """Ids, in topological order, of all that ``wanted`` needs."""
     is_live = [False] * len(nodes)
     for node in wanted:
         is_live[node] = True
@@ -61,7 +61,7 @@ def substitute(
 
 
 def finish(kernel: Kernel, graph: Graph, new_ids: Mapping[int, int]) -> Kernel:
-    """Return ``kernel`` with the nodes of ``graph``: dead ones dropped, the rest renumbered.
+    """``kernel`` with the nodes of ``graph``: dead ones dropped, the rest renumbered.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def finish(kernel: Kernel, graph: Graph, new_ids: Mapping[int, int]) -> Kernel:
 
 
 def drop_dead(kernel: Kernel) -> Kernel:
-    """Return the kernel without the nodes that no output needs, built through the graph again."""
+    """Kernel without the nodes that no output needs, built through the graph again."""
     graph = Graph()
     new_ids: dict[int, int] = {}
     for node in live_ids(kernel.nodes, (node for result in kernel.results for node in result)):
@@ -97,7 +97,7 @@ def drop_dead(kernel: Kernel) -> Kernel:
 
 
 def with_outputs(kernel: Kernel, names: Sequence[str]) -> Kernel:
-    """Return the kernel of some outputs alone, without the nodes that only others need."""
+    """Kernel of some outputs alone, without the nodes that only others need."""
     found = {quantity.name: k for k, quantity in enumerate(kernel.outputs)}
     outputs = tuple(kernel.outputs[found[name]] for name in names)
     results = tuple(kernel.results[found[name]] for name in names)
@@ -110,7 +110,7 @@ def _carry_names(
     new_ids: Mapping[int, int],
     compact: Mapping[int, int],
 ) -> tuple[tuple[int, str], ...]:
-    """Return the names whose node is still an operation; the first name of a node wins."""
+    """Names whose node is still an operation; the first name of a node wins."""
     names: dict[int, str] = {}
     for old, name in kernel.names:
         new = compact.get(new_ids.get(old, -1))

@@ -67,7 +67,7 @@ def run_passes(
 
 
 def without_sharing(kernel: Kernel) -> int:
-    """Return the count of operations if every use of a value computed it again."""
+    """Count of operations if every use of a value computed it again."""
     sizes: list[int] = []
     for node in kernel.nodes:
         sizes.append(sum(sizes[arg] for arg in node.args) + (1 if node.args else 0))
@@ -75,7 +75,7 @@ def without_sharing(kernel: Kernel) -> int:
 
 
 def most_alive(kernel: Kernel) -> int:
-    """Return the largest number of intermediate results that are alive at once.
+    """Largest number of intermediate results that are alive at once.
 
     A result is alive from where it is computed to its last use; one that is an output goes to
     memory at once. Inputs and constants are in memory.

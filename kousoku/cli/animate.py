@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from kousoku.cli.completing import files
-from kousoku.cli.console import Target
+from kousoku.cli.console import TargetChoice
 from kousoku.cli.moving import (
     Initial,
     Kinds,
@@ -57,7 +57,7 @@ def animate(
     given: Set = None,
     initial: Initial = None,
     kind: Kinds = None,
-    target: Annotated[Target, typer.Option(help="What computes.")] = Target.AUTO,
+    target: Annotated[TargetChoice, typer.Option(help="What computes.")] = TargetChoice.AUTO,
 ) -> None:
     """Show a mechanism that moves: one page that needs nothing beside itself.
 
@@ -99,7 +99,7 @@ def animate(
 def _moved(
     wish: Wish, end: float | None, options: dict[str, Any], shown: dict[str, Any]
 ) -> "tuple[Result, Stop | None]":
-    """Return the motion of a scene as far as it came, and why it stopped if it did."""
+    """Motion of a scene as far as it came, and why it stopped if it did."""
     from kousoku.view.picture import require_showable
 
     mechanism = loaded(wish)

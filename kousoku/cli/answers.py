@@ -50,7 +50,7 @@ class CheckedScene(TypedDict):
     notes: list[Remark]
 
 
-class Check(TypedDict):
+class CheckAnswer(TypedDict):
     """What ``kousoku check`` found."""
 
     format: int
@@ -100,7 +100,7 @@ class ExplainedStep(TypedDict):
     bytes: int
 
 
-class Structure(TypedDict):
+class StructureAnswer(TypedDict):
     """What remains to be solved; dense, schur and fill_in are counts of elements."""
 
     positions: int
@@ -140,7 +140,7 @@ class ClosedRow(TypedDict):
     missed: Number
 
 
-class Freedom(TypedDict):
+class FreedomAnswer(TypedDict):
     """Degrees of freedom, and the rows of constraints that depend on others."""
 
     columns: int
@@ -167,13 +167,13 @@ class ExplainBodies(TypedDict):
     is_planar: bool
     steps: list[ExplainedStep]
     segments: dict[str, int]
-    structure: Structure
-    freedom: Freedom
+    structure: StructureAnswer
+    freedom: FreedomAnswer
     removed: list[str]
     drivers: list[str]
 
 
-class Block(TypedDict):
+class BlockAnswer(TypedDict):
     """Unknowns that are solved together, and the rows that hold them."""
 
     unknowns: int
@@ -186,7 +186,7 @@ class ExplainLinkage(TypedDict):
     format: int
     name: str
     inputs: int
-    blocks: list[Block]
+    blocks: list[BlockAnswer]
     kernels: dict[str, int]
 
 
@@ -228,14 +228,14 @@ class LedgerEntry(TypedDict):
     proof: str
 
 
-class Ledger(TypedDict):
+class LedgerAnswer(TypedDict):
     """What ``kousoku ledger`` proved."""
 
     format: int
     entries: list[LedgerEntry]
 
 
-class Package(TypedDict):
+class PackageAnswer(TypedDict):
     """A generated package; kind is null where it is none."""
 
     name: str
@@ -249,7 +249,7 @@ class Listing(TypedDict):
     """What ``kousoku list`` lists."""
 
     format: int
-    packages: list[Package]
+    packages: list[PackageAnswer]
 
 
 class CatalogEntry(TypedDict):
@@ -278,14 +278,14 @@ class MovedByAssembly(TypedDict):
     angular_velocity: Number
 
 
-class Violation(TypedDict):
+class ViolationAnswer(TypedDict):
     """What is left of a joint's constraints: positions, velocities [1/s], accelerations [1/s²]."""
 
     metres: list[Number]
     radians: list[Number]
 
 
-class Momentum(TypedDict):
+class MomentumAnswer(TypedDict):
     """Largest change of a momentum that nothing should change [kg m/s, kg m²/s]."""
 
     bodies: list[str]
@@ -294,7 +294,7 @@ class Momentum(TypedDict):
     about: str
 
 
-class ErrorEstimate(TypedDict):
+class ErrorEstimateAnswer(TypedDict):
     """How far the rows of a second run by another method are away."""
 
     length: Number
@@ -304,7 +304,7 @@ class ErrorEstimate(TypedDict):
     unknown_from: Number | None
 
 
-class Trust(TypedDict):
+class TrustAnswer(TypedDict):
     """How far a run can be trusted, and what speaks against it."""
 
     is_trusted: bool
@@ -320,12 +320,12 @@ class Trust(TypedDict):
     unresolved: int
     stillness: Number | None
     branch_point_time: Number | None
-    error: ErrorEstimate | None
+    error: ErrorEstimateAnswer | None
     limit: Number
     problems: list[str]
 
 
-class RunLedger(TypedDict):
+class RunLedgerAnswer(TypedDict):
     """What a run cost, and how far it can be trusted; in metres, joules, seconds."""
 
     method: str
@@ -353,8 +353,8 @@ class RunLedger(TypedDict):
     energy: Number | None
     energy_error: Number | None
     works: dict[str, Number]
-    momenta: list[Momentum]
-    violations: dict[str, Violation]
+    momenta: list[MomentumAnswer]
+    violations: dict[str, ViolationAnswer]
     missed: dict[str, list[Number]]
     released: list[str]
     moved: dict[str, MovedByAssembly]
@@ -362,7 +362,7 @@ class RunLedger(TypedDict):
     seconds: dict[str, Number]
 
 
-class Event(TypedDict):
+class EventAnswer(TypedDict):
     """What a run does at an event, how often it was, and when, unless it is only counted."""
 
     action: Literal["record", "count", "stop"]
@@ -380,19 +380,19 @@ class MovedBodies(TypedDict):
     bodies: list[str]
     is_complete: bool
     stopped_by: str
-    events: dict[str, Event]
+    events: dict[str, EventAnswer]
     not_unique: list[str]
     undetermined: dict[str, list[str]]
     reaction_length: Number
     notes: list[str]
-    trust: Trust
-    ledger: RunLedger
+    trust: TrustAnswer
+    ledger: RunLedgerAnswer
     seconds: dict[str, Number]
     errors: dict[str, Number] | None
     plots: list[str]
 
 
-class Iterations(TypedDict):
+class IterationsAnswer(TypedDict):
     """Corrections in a step, and in all of them."""
 
     min: int
@@ -410,7 +410,7 @@ class MovedLinkage(TypedDict):
     method: str
     divisions: int
     rows: int
-    iterations: Iterations
+    iterations: IterationsAnswer
     residual_max: Number
     condition_max: Number
     turn_gaps: dict[str, Number]
@@ -461,11 +461,11 @@ MOVED = MovedBodies | MovedLinkage
 #: What each command prints.
 ANSWERS: dict[str, Any] = {
     "cache": Cache,
-    "check": Check,
+    "check": CheckAnswer,
     "derive": Derive,
     "explain": ExplainBodies | ExplainLinkage,
     "generate": Generate | GenerateCheck,
-    "ledger": Ledger,
+    "ledger": LedgerAnswer,
     "list": Listing | ListedSection,
     "simulate": MOVED,
     "solve": MOVED,
@@ -474,7 +474,7 @@ ANSWERS: dict[str, Any] = {
 
 
 def answer_schema(command: str) -> dict[str, Any]:
-    """Return the JSON schema of what a command prints with ``--json``."""
+    """JSON schema of what a command prints with ``--json``."""
     records = getattr(ANSWERS[command], "__args__", (ANSWERS[command],))
     refs, parts = msgspec.json.schema_components(records, ref_template="#/$defs/{name}")
     for name in {record.__name__ for record in records}:
@@ -482,6 +482,25 @@ def answer_schema(command: str) -> dict[str, Any]:
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": f"kousoku {command} --json",
-        "anyOf": [*refs],
-        "$defs": parts,
+        "anyOf": _with_short_names([*refs]),
+        "$defs": {_short(name): _with_short_names(part) for name, part in parts.items()},
+    }
+
+
+def _short(name: str) -> str:
+    """Name of a record in a schema, where nothing else has it: without ``Answer``."""
+    return name.removesuffix("Answer")
+
+
+def _with_short_names(part: Any) -> Any:
+    """Part of a schema whose references and titles have the short names of records."""
+    if isinstance(part, list):
+        return [_with_short_names(one) for one in part]
+    if not isinstance(part, dict):
+        return part
+    return {
+        key: _short(value)
+        if key in {"$ref", "title"} and isinstance(value, str)
+        else _with_short_names(value)
+        for key, value in part.items()
     }

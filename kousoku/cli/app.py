@@ -35,7 +35,7 @@ def _discard() -> None:
 
 
 def _is_lost() -> bool:
-    """Return whether what is printed cannot be written: not even the end of a line."""
+    """Whether what is printed cannot be written: not even the end of a line."""
     try:
         os.write(sys.stdout.fileno(), b"\n")
     except OSError:

@@ -47,7 +47,7 @@ def cache(
 
 
 def _size(count: int) -> str:
-    """Return bytes as people read them."""
+    """Bytes as people read them."""
     if count >= 1e8:
         return f"{count / 1e9:.2f} GB"
     return f"{count / 1e6:.1f} MB" if count >= 1e5 else f"{count / 1e3:.1f} kB"

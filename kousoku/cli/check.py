@@ -58,7 +58,7 @@ def check(
 
 
 def checked(path: Path, kinds: Mapping[str, "OwnKind"] | None = None) -> dict[str, Any]:
-    """Return what is found of a scene file, ready for JSON.
+    """Findings about a scene file, ready for JSON.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def checked(path: Path, kinds: Mapping[str, "OwnKind"] | None = None) -> dict[st
 
 
 def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
-    """Return what a scene is, and its notes.
+    """Sort of a scene, and its notes.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
 
 
 def _counted(scene: Any, tables: Mapping[str, str]) -> str:
-    """Return how many elements a scene has."""
+    """Number of elements of a scene."""
     counts = {table: len(getattr(scene, table)) for table in tables}
     texts = [f"{n} {table if n != 1 else tables[table]}" for table, n in counts.items() if n]
     return ", ".join(texts)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 
 def files(*suffixes: str) -> Callable[[str], list[str]]:
-    """Return what completes folders and files with such suffixes; a folder alone is looked into."""
+    """Completions of folders and files with such suffixes; a folder alone is looked into."""
 
     def completed(incomplete: str) -> list[str]:
         folder, _, start = incomplete.rpartition("/")

@@ -23,7 +23,7 @@ FORMAT = 1
 DISAGREEMENT, BAD_INPUT, STOPPED, INTERRUPTED, UNREAD = 1, 2, 3, 130, 141
 
 
-class Target(StrEnum):
+class TargetChoice(StrEnum):
     """What computes."""
 
     AUTO = "auto"
@@ -35,27 +35,27 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for a program 
 
 
 def generated_folder() -> Path:
-    """Return the folder of the generated packages that came with kousoku."""
+    """Folder of the generated packages that came with kousoku."""
     import kousoku.generated
 
     return Path(str(kousoku.generated.__file__)).resolve().parent  # past the links of a checkout
 
 
 def checkout() -> Path | None:
-    """Return the root of the checkout that kousoku runs from, None where it is installed."""
+    """Root of the checkout that kousoku runs from, None where it is installed."""
     root = generated_folder().parent
     return root if (root / "pyproject.toml").is_file() else None
 
 
 def generated_packages() -> list[Path]:
-    """Return the folders of all generated packages: the kinds, then the scenes."""
+    """Folders of all generated packages: the kinds, then the scenes."""
     kinds = sorted(path.parent for path in generated_folder().glob("kinds/*/manifest.json"))
     scenes = sorted(path.parent for path in generated_folder().glob("*/manifest.json"))
     return kinds + scenes
 
 
 def find_packages(name: str = "") -> list[Path]:
-    """Return the folders that a name stands for: all of them, a package, a kind, or a folder.
+    """Folders that a name stands for: all of them, a package, a kind, or a folder.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def _finite(data: Any) -> Any:
 
 
 def at_one_glance(rows: int) -> list[int]:
-    """Return the places of at most 13 of so many rows, the last of them too; a file holds all."""
+    """Places of at most 13 of so many rows, the last of them too; a file holds all."""
     step = max(1, -(-(rows - 1) // 12))
     return sorted({*range(0, rows, step), *range(rows)[-1:]})
 
@@ -121,7 +121,7 @@ def print_table(
 
 
 def progress() -> Progress:
-    """Return a progress bar on stderr, which leaves nothing behind and is silent in a pipe."""
+    """Progress bar on stderr, which leaves nothing behind and is silent in a pipe."""
     console = Console(file=sys.stderr)
     return Progress(
         TextColumn("{task.description}"),

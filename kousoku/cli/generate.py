@@ -124,7 +124,7 @@ def generate(
 
 
 def _is_own(folder: Path) -> bool:
-    """Return whether a folder is there for one package: it is new, or a package already."""
+    """Whether a folder is there for one package: it is new, or a package already."""
     from kousoku.runtime.library import MANIFEST
 
     return not folder.exists() or (folder / MANIFEST).is_file()
@@ -157,13 +157,13 @@ def _require_place(out: Path, package: str, target: Emitted) -> None:
 
 
 def _shown(folder: Path) -> Path:
-    """Return a folder as the user would type it here."""
+    """Folder as the user would type it here."""
     here = Path.cwd()
     return folder.relative_to(here) if folder.is_relative_to(here) else folder
 
 
 def _files(order: Order, target: Emitted) -> SourceTree:
-    """Return a package as it is written into its folder, without sources of the other target."""
+    """Package as it is written into its folder, without sources of the other target."""
     from kousoku.codegen.generate import beside_runtime, without
 
     left_out = {Emitted.ALL: (), Emitted.C: (".py",), Emitted.NUMPY: (".c", ".h")}[target]
@@ -175,7 +175,7 @@ def _files(order: Order, target: Emitted) -> SourceTree:
 def _orders(
     name: str, out: Path | None, check: bool, own: Sequence[Path] | None = None
 ) -> list[Order]:
-    """Return the packages that a name stands for."""
+    """Packages that a name stands for."""
     from kousoku.cli.scenes import committed_scenes
     from kousoku.codegen.generate import generate_kind, package_names, package_of
 
@@ -194,10 +194,10 @@ def _orders(
 
 def _scene_order(path: Path, out: Path | None, own: Sequence[Path] | None = None) -> Order:
     from kousoku.cli.scenes import scene_folder
-    from kousoku.loading import Given, generated, naming
+    from kousoku.loading import GivenScene, generated, naming
     from kousoku.own_kinds import own_kinds
 
-    given = Given.of(path, own_kinds(own))
+    given = GivenScene.of(path, own_kinds(own))
     scene = given.read()
     folder = scene_folder(scene.name) if out is None else out / scene.name
 
@@ -209,7 +209,7 @@ def _scene_order(path: Path, out: Path | None, own: Sequence[Path] | None = None
 
 
 def _kinds_folder() -> Path:
-    """Return where the kinds go: a checkout's own folder, never an installed package."""
+    """Folder where the kinds go: a checkout's own one, never an installed package."""
     from kousoku.model.cache import cache_folder
 
     if checkout() is not None:
@@ -218,7 +218,7 @@ def _kinds_folder() -> Path:
 
 
 def _leftovers() -> list[str]:
-    """Return the committed folders that nothing generates any more."""
+    """Committed folders that nothing generates any more."""
     from kousoku.cli.scenes import committed_scenes
     from kousoku.codegen.generate import package_names
 
@@ -232,7 +232,7 @@ def _leftovers() -> list[str]:
 
 
 def _record(orders: Sequence[Order], trees: Sequence[SourceTree]) -> tuple[Path, str]:
-    """Return where it stands of which sources the kinds were derived, and what stands there."""
+    """File that says of which sources the kinds were derived, and its text."""
     from kousoku.codegen.derived import RECORD_FILE, record_of
 
     folder = generated_folder() / "kinds"
@@ -242,7 +242,7 @@ def _record(orders: Sequence[Order], trees: Sequence[SourceTree]) -> tuple[Path,
 
 
 def _record_differs(orders: Sequence[Order], trees: Sequence[SourceTree]) -> list[str]:
-    """Return a line if the kinds were derived of other sources, also where that changed nothing."""
+    """Line if the kinds were derived of other sources, also where that changed nothing."""
     path, text = _record(orders, trees)
     if path.is_file() and path.read_text(encoding="utf-8") == text:
         return []

@@ -16,7 +16,7 @@ from kousoku.cli.completing import files
 from kousoku.cli.console import (
     INTERRUPTED,
     STOPPED,
-    Target,
+    TargetChoice,
     at_one_glance,
     print_json,
     print_table,
@@ -91,7 +91,7 @@ class Wish:
     ----------
     file : Path
         The scene file.
-    target : Target
+    target : TargetChoice
         What computes.
     outputs : list of str, optional
         What to compute; what the scene says unless given.
@@ -108,7 +108,7 @@ class Wish:
     """
 
     file: Path
-    target: Target = Target.AUTO
+    target: TargetChoice = TargetChoice.AUTO
     outputs: Sequence[str] | None = None
     columns: Sequence[str] | None = None
     of: str | None = None
@@ -178,7 +178,7 @@ class Stop(NamedTuple):
 def moved(
     file: Path, mechanism: Mechanism, how: Callable[[Mechanism, Any], Result]
 ) -> tuple[Result, Stop | None]:
-    """Return the motion of a mechanism as far as it came, and why it stopped if it did.
+    """Motion of a mechanism as far as it came, and why it stopped if it did.
 
     Raises
     ------
@@ -268,7 +268,7 @@ def _require_part(mechanism: Mechanism, name: str) -> None:
 
 
 def _columns(result: Result, names: Sequence[str] | None) -> list[str]:
-    """Return the columns that names stand for: themselves, or all of a body, joint or node.
+    """Columns that names stand for: themselves, or all of a body, joint or node.
 
     Raises
     ------
@@ -343,7 +343,7 @@ def shown_progress() -> Iterator[Callable[[float, float], None] | None]:
 
 
 def numbers_of(option: str, given: Sequence[str] | None) -> dict[str, float | str]:
-    """Return the values of options such as ``--set NAME=VALUE``; angles in degrees stay texts.
+    """Values of options such as ``--set NAME=VALUE``; angles in degrees stay texts.
 
     Raises
     ------
@@ -368,7 +368,7 @@ def numbers_of(option: str, given: Sequence[str] | None) -> dict[str, float | st
 
 
 def _number(text: str) -> float | str:
-    """Return what a text stands for: a number, an angle in degrees, the value of a formula.
+    """Value of a text: a number, an angle in degrees, or a formula.
 
     Raises
     ------

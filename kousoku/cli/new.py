@@ -68,7 +68,7 @@ def new(
 
 
 def template(sort: Sort, name: str) -> str:
-    """Return the text of a scene to begin with, under a name."""
+    """Text of a scene to begin with, under a name."""
     from importlib.resources import files
 
     own = sort.value.replace("-", "_")

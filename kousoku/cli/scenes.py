@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def committed_scenes() -> list[Path]:
-    """Return the scene files of a checkout whose solvers are committed."""
+    """Scene files of a checkout whose solvers are committed."""
     root = checkout()
     if root is None:
         return []
@@ -20,7 +20,7 @@ def committed_scenes() -> list[Path]:
 
 
 def scene_folder(name: str) -> Path:
-    """Return where a scene's solver goes by default: where it is committed, or the user's cache."""
+    """Default folder of a scene's solver: where it is committed, or the user's cache."""
     from kousoku.model.cache import cache_folder
 
     committed = generated_folder() / name

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from kousoku.cli.console import AsJson, Target
+from kousoku.cli.console import AsJson, TargetChoice
 from kousoku.cli.moving import (
     Columns,
     Initial,
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 Method = Literal["dopri5", "dop853", "kinematics", OfLinkages]
 
 
-class Output(StrEnum):
+class OutputChoice(StrEnum):
     """What can be computed beside positions and velocities."""
 
     ACCELERATIONS = "accelerations"
@@ -86,14 +86,14 @@ def simulate(
     initial: Initial = None,
     kind: Kinds = None,
     output: Annotated[
-        list[Output] | None,
+        list[OutputChoice] | None,
         typer.Option(help="What to compute, once for each; what the scene says when left out."),
     ] = None,
     column: Columns = None,
     of: Of = None,
     out: Out = None,
     plot: Plot = None,
-    target: Annotated[Target, typer.Option(help="What computes.")] = Target.AUTO,
+    target: Annotated[TargetChoice, typer.Option(help="What computes.")] = TargetChoice.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Move a mechanism in time: bodies are integrated, a linkage follows its inputs.

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from kousoku.cli.console import AsJson, Target
+from kousoku.cli.console import AsJson, TargetChoice
 from kousoku.cli.moving import (
     Columns,
     Kinds,
@@ -47,7 +47,7 @@ def solve(
     of: Of = None,
     out: Out = None,
     plot: Plot = None,
-    target: Annotated[Target, typer.Option(help="What computes.")] = Target.AUTO,
+    target: Annotated[TargetChoice, typer.Option(help="What computes.")] = TargetChoice.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Solve a scene whose inputs are prescribed: positions, velocities and accelerations.
@@ -75,7 +75,7 @@ def solve(
 
 
 def _errors(mechanism: "Mechanism", result: "Result") -> dict[str, float] | None:
-    """Return the largest distances from the closed form, None where there is none."""
+    """Largest distances from the closed form, None where there is none."""
     from kousoku.closed_form import errors_of
 
     return None if mechanism.scene.is_spatial else errors_of(mechanism.scene, result)

@@ -13,7 +13,7 @@ from kousoku.cli.completing import files
 from kousoku.cli.console import (
     DISAGREEMENT,
     AsJson,
-    Target,
+    TargetChoice,
     checkout,
     find_packages,
     print_json,
@@ -40,8 +40,9 @@ def verify(
         ),
     ] = None,
     target: Annotated[
-        Target, typer.Option(help="What to check: all that this machine can run, or one target.")
-    ] = Target.AUTO,
+        TargetChoice,
+        typer.Option(help="What to check: all that this machine can run, or one target."),
+    ] = TargetChoice.AUTO,
     kind: Kinds = None,
     as_json: AsJson = False,
 ) -> None:
@@ -49,7 +50,7 @@ def verify(
     from kousoku.runtime.report import LIMIT
     from kousoku.runtime.toolchain import find_toolchain
 
-    if target is Target.C:
+    if target is TargetChoice.C:
         find_toolchain()  # without one nothing disagrees: there is nothing to check
     with ExitStack() as stack:
         folders = [folder for name in names or [""] for folder in _folders(name, stack, kind)]
@@ -67,18 +68,18 @@ def verify(
 
 
 def _folders(name: str, stack: ExitStack, kinds: Sequence[Path] | None = None) -> list[Path]:
-    """Return the folders that a name stands for; that of a scene file is generated.
+    """Folders that a name stands for; that of a scene file is generated.
 
     Raises
     ------
     LoadError
         There is no such package, scene or folder.
     """
-    from kousoku.loading import Given, solver_folder
+    from kousoku.loading import GivenScene, solver_folder
     from kousoku.own_kinds import own_kinds
 
     if name.endswith(".toml"):
-        given = Given.of(name, own_kinds(kinds))
+        given = GivenScene.of(name, own_kinds(kinds))
         return [stack.enter_context(solver_folder(given, references=True))]
     try:
         return find_packages(name)
@@ -87,7 +88,7 @@ def _folders(name: str, stack: ExitStack, kinds: Sequence[Path] | None = None) -
         scene = None if root is None else root / "scenes" / f"{name}.toml"
         if scene is None or not scene.is_file():
             raise
-        return [stack.enter_context(solver_folder(Given.of(scene), references=True))]
+        return [stack.enter_context(solver_folder(GivenScene.of(scene), references=True))]
 
 
 def verify_all(

@@ -14,7 +14,7 @@ FLAGS = {"parameters": "--set"}
 
 
 def flag(match: re.Match[str]) -> str:
-    """Return the option of an argument that a pattern found."""
+    """Option of an argument that a pattern found."""
     name = match[1]
     return FLAGS.get(name, f"--{name.replace('_', '-')}")
 
@@ -35,7 +35,7 @@ WORDS = (
 
 
 def as_typed(text: str) -> str:
-    """Return a message with options as they are typed: ``--most-steps`` for ``most_steps``."""
+    """Message with options as they are typed: ``--most-steps`` for ``most_steps``."""
     for pattern, words in WORDS:
         text = re.sub(pattern, words, text)
     return text

@@ -33,7 +33,7 @@ def animate(
     end: float | None = None,
     parameters: Mapping[str, float | str] | None = None,
 ) -> Animation:
-    """Return the animation of a run.
+    """Animation of a run.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def animate(
 def still(
     scene: Scene, result: Any = None, parameters: Mapping[str, float | str] | None = None
 ) -> str:
-    """Return a small still as HTML: of the first row of a run, or of the mechanism at rest.
+    """Small still as HTML: of the first row of a run, or of the mechanism at rest.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from kousoku.view.shapes import (
     THIN,
     BodyShape,
     JointMark,
-    Part,
+    MeshPart,
     Shapes,
     Strut,
     box,
@@ -39,7 +39,7 @@ UP = np.array([0.0, 1.0, 0.0])
 
 
 def linkage_at_rest(scene: Scene) -> Picture:
-    """Return the picture of a linkage at the positions of its nodes as they are written."""
+    """Picture of a linkage at the positions of its nodes as they are written."""
     from kousoku.view.picture import Picture
 
     nodes = {name: np.array([node.at], dtype=np.float64) for name, node in scene.nodes.items()}
@@ -62,7 +62,7 @@ def linkage_at_rest(scene: Scene) -> Picture:
 def linkage_motion(
     result: Any, scene: Scene
 ) -> tuple[Shapes, Array, Array, Array, tuple[Array, Array]]:
-    """Return shapes, times, positions, Euler parameters and velocities of a linkage's links.
+    """Shapes, times, positions, Euler parameters and velocities of a linkage's links.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def linkage_motion(
 
 
 def _times_of(result: Any, scene: Scene) -> Array:
-    """Return when the first input has its values: it moves at its rate, or by one in a second."""
+    """Times at which the first input has its values: at its rate, or by one in a second."""
     name, given = next(iter(scene.inputs.items()))
     values = np.asarray(result.inputs[name])
     found: Array = np.abs(values - values[0]) / (abs(given.rate) or 1.0)
@@ -92,7 +92,7 @@ def _times_of(result: Any, scene: Scene) -> Array:
 
 
 def _linkage(scene: Scene, nodes: Mapping[str, Array]) -> tuple[Shapes, Array, Array]:
-    """Return shapes of a linkage, and where its bodies are, row by row."""
+    """Shapes of a linkage, and where its bodies are, row by row."""
     made = _LinkageShapes(scene, nodes)
     made.add_links()
     made.add_sliders()
@@ -176,7 +176,7 @@ class _LinkageShapes:
             heights = self._layers.get(name, [0.0])
             low, high = min(heights) - 1.5 * self._thick, max(heights) + 1.5 * self._thick
             pin = cylinder(s + low * OUT, s + high * OUT, 0.75 * self._wide, METAL, 1e300)
-            self.bodies[owner].parts.append(Part(cylinder_name(1), pin.matrix, METAL))
+            self.bodies[owner].parts.append(MeshPart(cylinder_name(1), pin.matrix, METAL))
             self.marks.append(JointMark(name, owner, owner, s, s))
 
     def add_braces(self) -> None:
@@ -206,7 +206,7 @@ class _LinkageShapes:
         self.turn.append(np.stack([np.cos(angle / 2), zero, zero, np.sin(angle / 2)], axis=1))
 
     def _arm(self, link: str, at: str) -> Array:
-        """Return the direction of a link from one of its nodes where the motion starts."""
+        """Direction of a link from one of its nodes where the motion starts."""
         other = self._scene.links[link].other(at)
         arm: Array = _lifted(self._nodes[other][:1] - self._nodes[at][:1])[0]
         return arm

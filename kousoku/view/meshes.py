@@ -45,7 +45,7 @@ class Mesh:
 
 @cache
 def mesh_of(name: str) -> Mesh:
-    """Return a mesh by its name: ``box 3 1 1``, ``cylinder 4``, ``disc``, ``ball``, ``pedestal``.
+    """Mesh by its name: ``box 3 1 1``, ``cylinder 4``, ``disc``, ``ball``, ``pedestal``.
 
     The numbers say into how many pieces it is cut; a cylinder may have a second one, its sides.
     """
@@ -65,17 +65,17 @@ def mesh_of(name: str) -> Mesh:
 
 
 def box_name(x: int, y: int, z: int) -> str:
-    """Return the name of a box that is cut so often along its three edges."""
+    """Name of a box that is cut so often along its three edges."""
     return f"box {x} {y} {z}"
 
 
 def cylinder_name(pieces: int) -> str:
-    """Return the name of a cylinder along z that is cut so often."""
+    """Name of a cylinder along z that is cut so often."""
     return f"cylinder {pieces}"
 
 
 def coarse(name: str, sides: int) -> str:
-    """Return the name of a cylinder with so many sides and half its pieces, of others their own."""
+    """Name of a cylinder with so many sides and half its pieces, of others their own."""
     kind, *cuts = name.split()
     return f"{kind} {-(-int(cuts[0]) // 2)} {sides}" if sides and kind == "cylinder" else name
 
@@ -172,7 +172,7 @@ def _ball() -> Mesh:
 
 
 def _pedestal() -> Mesh:
-    """Return the sign of the ground: a wedge along z with its tip at the origin, on a plate."""
+    """Sign of the ground: a wedge along z with its tip at the origin, on a plate."""
     draft = _Draft()
     tip, foot = (0.25, 0.0), (0.8, -1.0)
     outline = [(-tip[0], tip[1]), (-foot[0], foot[1]), (foot[0], foot[1]), (tip[0], tip[1])]

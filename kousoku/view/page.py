@@ -53,7 +53,7 @@ METRES = {
 
 
 def page_of(picture: Picture) -> str:
-    """Return the page of a picture: HTML that needs nothing beside itself."""
+    """Page of a picture: HTML that needs nothing beside itself."""
     script = "\n" + (FOLDER / "page.js").read_text(encoding="utf-8")
     style = (FOLDER / "page.css").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
@@ -75,7 +75,7 @@ def page_of(picture: Picture) -> str:
 
 
 def safe_json(data: Any) -> str:
-    """Return JSON that may stand in a script element: no name in it can end that element."""
+    """JSON that may stand in a script element: no name in it can end that element."""
     text = json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     for character in "<>&\u2028\u2029":
         text = text.replace(character, f"\\u{ord(character):04x}")
@@ -83,7 +83,7 @@ def safe_json(data: Any) -> str:
 
 
 def data_of(picture: Picture) -> dict[str, Any]:
-    """Return what the page draws, ready for JSON."""
+    """Data that the page draws, ready for JSON."""
     shapes = picture.shapes
     small = 1e-5 * shapes.size
     names = {part.mesh for body in shapes.bodies for part in body.parts}
@@ -163,7 +163,7 @@ def data_of(picture: Picture) -> dict[str, Any]:
 
 
 def _number(value: float, least: float) -> float | int:
-    """Return a number without the digits below the decimal place of the least that counts."""
+    """Number without the digits below the decimal place of the least that counts."""
     places = max(0, -int(np.floor(np.log10(least)))) if least > 0.0 else 0
     found = round(float(value), places) + 0.0
     return int(found) if found == int(found) else found
@@ -174,7 +174,7 @@ def _rounded(values: Iterable[float], least: float) -> list[float | int]:
 
 
 def _mesh(name: str) -> dict[str, Any]:
-    """Return vertices, faces, and edges and tone of those faces that have some."""
+    """Vertices, faces, and edges and tone of those faces that have some."""
     mesh = mesh_of(name)
     pairs = enumerate(zip(mesh.edges, mesh.tones, strict=True))
     return {
@@ -185,7 +185,7 @@ def _mesh(name: str) -> dict[str, Any]:
 
 
 def _motion(picture: Picture) -> tuple[str, list[float], float]:
-    """Return places and turns of all frames in 16 bits, and what the places are counted from."""
+    """Places and turns of all frames in 16 bits, and what the places are counted from."""
     position = picture.position
     if not position.size:
         return "", [0.0, 0.0, 0.0], 0.0
@@ -198,7 +198,7 @@ def _motion(picture: Picture) -> tuple[str, list[float], float]:
 
 
 def _forces(picture: Picture, joints: list[str]) -> tuple[str, dict[str, Any]]:
-    """Return forces of all frames in 16 bits, and how long and large they are.
+    """Forces of all frames in 16 bits, and how long and large they are.
 
     An arrow as long as a quarter of the mechanism is a force that nineteen of twenty do not exceed.
     """
@@ -274,7 +274,7 @@ class Animation:
         return place
 
     def still(self, time: float | None = None) -> str:
-        """Return a picture of one moment as SVG, made without a browser.
+        """Picture of one moment as SVG, made without a browser.
 
         Parameters
         ----------
@@ -301,7 +301,7 @@ class Animation:
         )
 
     def _repr_html_(self) -> str | None:
-        """Return the page in a frame, for a notebook; nothing where only stills are wanted."""
+        """Page in a frame, for a notebook; nothing where only stills are wanted."""
         if os.environ.get("KOUSOKU_STILLS"):
             return None
         return (
@@ -311,5 +311,5 @@ class Animation:
         )
 
     def _repr_svg_(self) -> str | None:
-        """Return a still, for notebooks whose outputs are kept: ``KOUSOKU_STILLS=1``."""
+        """Still, for notebooks whose outputs are kept: ``KOUSOKU_STILLS=1``."""
         return self.still() if os.environ.get("KOUSOKU_STILLS") else None

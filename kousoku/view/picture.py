@@ -98,7 +98,7 @@ class Picture:
     verdict: str = ""
 
     def directions(self) -> Array:
-        """Return east, north and up in frame O, (3, 3): a planar motion is seen looking north."""
+        """East, north and up in frame O, (3, 3): a planar motion is seen looking north."""
         up = self.shapes.up
         if self.normal is None:
             east = np.cross(up, [1.0, 0.0, 0.0]) if abs(up[0]) > 0.9 else np.array([1.0, 0.0, 0.0])
@@ -116,12 +116,12 @@ class Picture:
         return np.array([np.cross(upward, self.normal), -self.normal, upward])
 
     def view(self) -> tuple[float, float]:
-        """Return azimuth and elevation of the first view [rad]."""
+        """Azimuth and elevation of the first view [rad]."""
         return (0.0, 0.0) if self.normal is not None else (0.55, 0.42)
 
 
 def picture_at_rest(scene: Scene, parameters: Mapping[str, float | str] | None = None) -> Picture:
-    """Return the picture of a scene at the positions as they are written."""
+    """Picture of a scene at the positions as they are written."""
     if not scene.is_spatial:
         from kousoku.view.linkages import linkage_at_rest
 
@@ -156,7 +156,7 @@ def picture_of(
     end: float | None = None,
     parameters: Mapping[str, float | str] | None = None,
 ) -> Picture:
-    """Return the picture of a run, see :func:`kousoku.view.animate`."""
+    """Picture of a run, see :func:`kousoku.view.animate`."""
     from kousoku.model.errors import SolveError
 
     _require_numbers(scene.name, fps=fps, speed=speed, start=start, end=end)
@@ -247,7 +247,7 @@ def _require_numbers(scene: str, **given: float | None) -> None:
 
 
 def _stacked(table: Mapping[str, Array], scene: Scene, rows: int, size: int) -> Array:
-    """Return a table of all bodies, (n, bodies, size); points do not turn."""
+    """Table of all bodies, (n, bodies, size); points do not turn."""
     none = np.zeros(size)
     none[0] = float(size == 4)
     columns = [table.get(name, np.broadcast_to(none, (rows, size))) for name in scene.bodies]
@@ -255,13 +255,13 @@ def _stacked(table: Mapping[str, Array], scene: Scene, rows: int, size: int) -> 
 
 
 def _fastest(omega: Array) -> float:
-    """Return the largest angular velocity of all bodies [rad/s]."""
+    """Largest angular velocity of all bodies [rad/s]."""
     found = float(np.linalg.norm(omega, axis=-1).max(initial=0.0))
     return found if isfinite(found) else 0.0
 
 
 def _speed(duration: float, spin: float) -> float:
-    """Return how fast a motion is shown: in real time, unless that is too short, long or fast."""
+    """Speed at which a motion is shown: real time, unless that is too short, long or fast."""
     if duration <= 0.0:
         return 1.0
     factor = 1.0
@@ -275,7 +275,7 @@ def _speed(duration: float, spin: float) -> float:
 
 
 def _round(value: float) -> float:
-    """Return the nearest of 1, 2, 5 times a power of ten."""
+    """Nearest of 1, 2, 5 times a power of ten."""
     power = 10.0 ** np.floor(log10(value))
     step = min((1, 2, 5, 10), key=lambda known: abs(log10(value / power / known)))
     return float(f"{step * power:.1g}")
@@ -284,7 +284,7 @@ def _round(value: float) -> float:
 def _times(
     first: float, last: float, bodies: int, *, fps: float, speed: float, spin: float
 ) -> Array:
-    """Return equal times at which the motion is kept."""
+    """Times at which the motion is kept, equally apart."""
     duration = last - first
     if duration <= 0.0:
         return np.array([first])
@@ -294,7 +294,7 @@ def _times(
 
 
 def _interpolation(time: Array, times: Array) -> tuple[NDArray[np.intp], Array]:
-    """Return before which row each time is, and which part of the way to the next one."""
+    """Row before which each time is, and which part of the way to the next one."""
     if len(time) == 1:
         return np.zeros(len(times), dtype=np.intp), np.zeros(len(times))
     place = np.clip(np.searchsorted(time, times, side="right") - 1, 0, len(time) - 2)
@@ -312,7 +312,7 @@ def _linear(values: Array, at: tuple[NDArray[np.intp], Array]) -> Array:
 
 
 def _hermite(values: Array, rates: Array, time: Array, at: tuple[NDArray[np.intp], Array]) -> Array:
-    """Return places between rows from those of the rows and the velocities there."""
+    """Places between rows from those of the rows and the velocities there."""
     if len(time) == 1 or not np.isfinite(rates).all():
         return _linear(values, at)
     place, part = at
@@ -329,7 +329,7 @@ def _hermite(values: Array, rates: Array, time: Array, at: tuple[NDArray[np.intp
 
 
 def _slerped(turn: Array, at: tuple[NDArray[np.intp], Array]) -> Array:
-    """Return orientations between rows, of norm one."""
+    """Orientations between rows, of norm one."""
     place, part = at
     before, after = turn[place], turn[np.minimum(place + 1, len(turn) - 1)]
     cosine = (before * after).sum(axis=-1, keepdims=True)
@@ -363,7 +363,7 @@ def _chosen_forces(
 
 
 def _paths(shapes: Shapes, paths_of: Sequence[Any] | None, name: str) -> tuple[Path, ...]:
-    """Return the points whose paths are drawn.
+    """Points whose paths are drawn.
 
     Raises
     ------
@@ -399,7 +399,7 @@ def _paths(shapes: Shapes, paths_of: Sequence[Any] | None, name: str) -> tuple[P
 
 
 def normal_of(shapes: Shapes, position: Array, turn: Array) -> Array | None:
-    """Return the normal of the plane in which all bodies move, if there is one.
+    """Normal of the plane in which all bodies move, if there is one.
 
     All points keep their places along it, and bodies turn about it only. Where nothing moves, axes
     of joints say what is possible.
@@ -420,13 +420,13 @@ def normal_of(shapes: Shapes, position: Array, turn: Array) -> Array | None:
 
 
 def _in_ground(axis: Axis, turn: Array) -> Array:
-    """Return the direction of an axis where the motion starts, in frame O."""
+    """Direction of an axis where the motion starts, in frame O."""
     direction: Array = axis.half / np.linalg.norm(axis.half)
     return direction if axis.body == 0 else rotation(turn[0, axis.body - 1]) @ direction
 
 
 def _allowed(shapes: Shapes, axes: Sequence[Array], normal: Array) -> bool:
-    """Return whether joints let bodies turn about a normal only, and slide across it."""
+    """Whether joints let bodies turn about a normal only, and slide across it."""
     pairs = zip(shapes.axes, axes, strict=True)
     return bool(axes) and all(
         abs(found @ normal) < 1e-6 if axis.slides else abs(found @ normal) > 1 - 1e-6
@@ -435,7 +435,7 @@ def _allowed(shapes: Shapes, axes: Sequence[Array], normal: Array) -> bool:
 
 
 def _right(normal: Array, up: Array) -> float:
-    """Return the largest component of the direction to the right of who sees a plane."""
+    """Largest component of the direction to the right of who sees a plane."""
     upward = up - (up @ normal) * normal
     if np.linalg.norm(upward) < 0.1:
         upward = np.array([0.0, 1.0, 0.0]) if abs(normal[1]) < 0.9 else np.array([0.0, 0.0, 1.0])

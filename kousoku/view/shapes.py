@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from kousoku.joint_shapes import SHAPES, SIGNS, Ball, Box, Cylinder
+from kousoku.joint_shapes import SHAPES, SIGNS, Ball, BoxShape, CylinderShape
 from kousoku.view.meshes import box_name, coarse, cylinder_name, mesh_of
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ BEARINGS = ("planar", "point_on_plane", "parallel_axes", "perpendicular_axes")
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class MeshPart:
     """A mesh in the frame of a body.
 
     Parameters
@@ -79,7 +79,7 @@ class BodyShape:
         Its name.
     color : int
         Place in :data:`LIGHT`.
-    parts : list of Part
+    parts : list of MeshPart
         Its solids, and signs of joints.
     at : (3,) [unit of the scene]
         Where its name stands, in its frame.
@@ -87,7 +87,7 @@ class BodyShape:
 
     name: str
     color: int
-    parts: list[Part] = field(default_factory=list)
+    parts: list[MeshPart] = field(default_factory=list)
     at: Array = field(default_factory=lambda: np.zeros(3))
 
 
@@ -185,7 +185,7 @@ class Shapes:
 
 
 def rotation(p: Array) -> Array:
-    """Return A(p) of Euler parameters of any length, (…, 3, 3) of (…, 4)."""
+    """Matrix A(p) of Euler parameters of any length, (…, 3, 3) of (…, 4)."""
     w, x, y, z = np.moveaxis(p / np.linalg.norm(p, axis=-1, keepdims=True), -1, 0)
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -196,7 +196,7 @@ def rotation(p: Array) -> Array:
 
 
 def across_of(axis: Array) -> Array:
-    """Return a unit vector that is perpendicular to a unit vector."""
+    """Unit vector that is perpendicular to a unit vector."""
     aside = np.eye(3)[int(np.argmin(np.abs(axis)))]
     aside = aside - (aside @ axis) * axis
     found: Array = aside / np.linalg.norm(aside)
@@ -204,7 +204,7 @@ def across_of(axis: Array) -> Array:
 
 
 def spatial_shapes(scene: Scene, poses: tuple[Array, Array] | None = None) -> Shapes:
-    """Return the shapes of a scene of bodies, whose formulas are numbers already.
+    """Shapes of a scene of bodies, whose formulas are numbers already.
 
     Parameters
     ----------
@@ -218,7 +218,7 @@ def spatial_shapes(scene: Scene, poses: tuple[Array, Array] | None = None) -> Sh
 
 
 def with_values(scene: Scene, parameters: Mapping[str, float | str] | None) -> Scene:
-    """Return a scene whose numbers are those that parameters give them; the rest are its own.
+    """Scene whose numbers are those that parameters give them; the rest are its own.
 
     Raises
     ------
@@ -245,7 +245,7 @@ def with_values(scene: Scene, parameters: Mapping[str, float | str] | None) -> S
 
 
 def written_poses(scene: Scene) -> tuple[Array, Array]:
-    """Return positions and Euler parameters of the bodies of a scene as they are written."""
+    """Positions and Euler parameters of the bodies of a scene as they are written."""
     from kousoku.model.quaternions import quaternion
 
     position = np.array([body.position for body in scene.bodies.values()], dtype=np.float64)
@@ -310,7 +310,7 @@ class _SpatialShapes:
         )
 
     def _level(self) -> Array:
-        """Return what is upward without gravity: z, or y where bodies turn about z only."""
+        """Axis that is upward without gravity: z, or y where bodies turn about z only."""
         from kousoku.model.frames import joint_axes
         from kousoku.model.joints import JOINTS, NAMES
 
@@ -325,7 +325,7 @@ class _SpatialShapes:
         return np.array([0.0, 1.0, 0.0] if is_upright else [0.0, 0.0, 1.0])
 
     def _mark(self, name: str, joint: Joint) -> JointMark | None:
-        """Return where a joint is, unless it has no point."""
+        """Place of a joint's sign, unless the joint has no point."""
         from kousoku.model.frames import joint_points
 
         if joint.bodies is None:
@@ -339,7 +339,7 @@ class _SpatialShapes:
         return JointMark(name, i, j, s_i, s_j)
 
     def _own_points(self, joint: Joint) -> tuple[Any, ...]:
-        """Return the first point of each body that a joint of one's own has, if both have one."""
+        """First point of each body that a joint of one's own has, if both have one."""
         kind = self._scene.kinds.get(joint.type)
         names = [] if kind is None else [kind.point_of(end) for end in "ij"]
         return tuple(map(joint.vector, names)) if all(names) else ()
@@ -351,7 +351,7 @@ class _SpatialShapes:
         return placed
 
     def _measured(self) -> float:
-        """Return the diagonal of all that has a size where the motion starts."""
+        """Diagonal of all that has a size where the motion starts."""
         points = [self._placed(m.i, m.s_i[None]) for m in self._marks]
         points += [self._placed(m.j, m.s_j[None]) for m in self._marks]
         for name, body in self._scene.bodies.items():
@@ -370,7 +370,7 @@ class _SpatialShapes:
         return max(sizes, default=1.0)
 
     def _anchors(self, place: int) -> list[Array]:
-        """Return the points of a body where joints and springs hold it, each once."""
+        """Points of a body where joints and springs hold it, each once."""
         ends = [end for m in self._marks for end in ((m.i, m.s_i), (m.j, m.s_j))]
         ends += [end for s in self._struts for end in ((s.i, s.a), (s.j, s.b))]
         found: list[Array] = []
@@ -381,7 +381,7 @@ class _SpatialShapes:
         return found
 
     def _lengths(self, place: int) -> Iterator[float]:
-        """Yield how far the points are from each other where others hold a body."""
+        """Distances of the points from each other where others hold a body."""
         for a, b in combinations(self._anchors(place), 2):
             yield float(np.linalg.norm(a - b))
 
@@ -443,7 +443,7 @@ class _SpatialShapes:
             )
 
     def _unit_of(self, mark: JointMark) -> float:
-        """Return how long 1 of a joint's sign is, by the thickness of what meets there."""
+        """Length of 1 of a joint's sign, by the thickness of what meets there."""
         radius = self._thin
         for body, point in ((mark.i, mark.s_i), (mark.j, mark.s_j)):
             for part in self._bodies[body].parts:
@@ -477,7 +477,7 @@ def _is_at(a: Array, b: Array) -> bool:
 
 
 def _joined(points: Sequence[Array]) -> list[tuple[Array, Array]]:
-    """Return sticks between points: from the first to the second, or around all of them."""
+    """Sticks between points: from the first to the second, or around all of them."""
     if len(points) < 2:
         return []
     if len(points) == 2:
@@ -491,30 +491,30 @@ def _joined(points: Sequence[Array]) -> list[tuple[Array, Array]]:
     return list(zip(ring, ring[1:] + ring[:1], strict=True))
 
 
-def _nearest(parts: Sequence[Part], point: Array) -> Array:
-    """Return the middle of the part that is nearest to a point."""
+def _nearest(parts: Sequence[MeshPart], point: Array) -> Array:
+    """Middle of the part that is nearest to a point."""
     middles = [part.matrix[:, 3] for part in parts]
     return min(middles, key=lambda middle: float(np.linalg.norm(middle - point)))
 
 
-def _is_inside(part: Part, point: Array) -> bool:
-    """Return whether a point is in the box around a part, or nearly so."""
+def _is_inside(part: MeshPart, point: Array) -> bool:
+    """Whether a point is in the box around a part, or nearly so."""
     local, *_ = np.linalg.lstsq(part.matrix[:, :3], point - part.matrix[:, 3], rcond=None)
     return bool(np.abs(local).max() < 1.15)
 
 
-def _corners(part: Part) -> Array:
+def _corners(part: MeshPart) -> Array:
     signs = np.array([[x, y, z, 1.0] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     found: Array = signs @ part.matrix.T
     return found
 
 
-def vertices_of(part: Part, sides: int = 0) -> Array:
-    """Return the vertices of a part in the frame of its body, (n, 3).
+def vertices_of(part: MeshPart, sides: int = 0) -> Array:
+    """Vertices of a part in the frame of its body, (n, 3).
 
     Parameters
     ----------
-    part : Part
+    part : MeshPart
         The part.
     sides : int
         Faces around a cylinder; its own unless given.
@@ -525,45 +525,45 @@ def vertices_of(part: Part, sides: int = 0) -> Array:
 
 
 def _cuts(length: float, size: float) -> int:
-    """Return into how many pieces a solid is cut: 1, 2, 4 or 8, so that there are few meshes."""
+    """Number of pieces that a solid is cut into: 1, 2, 4 or 8, so that there are few meshes."""
     return int(2 ** min(ceil(log2(max(1.0, PIECES * length / size))), 3))
 
 
-def cylinder(a: Array, b: Array, radius: float, color: int, size: float) -> Part:
-    """Return a cylinder between the middles of its faces."""
+def cylinder(a: Array, b: Array, radius: float, color: int, size: float) -> MeshPart:
+    """Cylinder between the middles of its faces."""
     length = float(np.linalg.norm(b - a))
     axis = (b - a) / length
     first = across_of(axis)
     columns = np.column_stack([radius * first, radius * np.cross(axis, first), (b - a) / 2])
     is_disc = radius > length
     name = "disc" if is_disc else cylinder_name(_cuts(length, size))
-    return Part(name, _moved(columns, (a + b) / 2), color)
+    return MeshPart(name, _moved(columns, (a + b) / 2), color)
 
 
-def ball(at: Array, radius: float, color: int) -> Part:
-    """Return a ball."""
-    return Part("ball", _moved(radius * np.eye(3), at), color)
+def ball(at: Array, radius: float, color: int) -> MeshPart:
+    """Ball."""
+    return MeshPart("ball", _moved(radius * np.eye(3), at), color)
 
 
-def box(middle: Array, columns: Array, color: int, size: float) -> Part:
-    """Return a box; the columns are half its edges."""
+def box(middle: Array, columns: Array, color: int, size: float) -> MeshPart:
+    """Mesh of a box; the columns are half its edges."""
     cuts = [_cuts(2 * float(np.linalg.norm(edge)), size) for edge in columns.T]
-    return Part(box_name(*cuts), _moved(columns, middle), color)
+    return MeshPart(box_name(*cuts), _moved(columns, middle), color)
 
 
-def pedestal(at: Array, axis: Array | None, up: Array, unit: float) -> Part:
-    """Return the sign of the ground below a point, across an axis where there is one."""
+def pedestal(at: Array, axis: Array | None, up: Array, unit: float) -> MeshPart:
+    """Sign of the ground below a point, across an axis where there is one."""
     across = across_of(up) if axis is None else np.cross(up, axis)
     if float(np.linalg.norm(across)) < 0.3:  # the axis stands upright
         across = across_of(up)
     across = across / np.linalg.norm(across)
     along = np.cross(across, up)
     columns = 1.5 * unit * np.column_stack([across, up, 0.55 * along])
-    return Part("pedestal", _moved(columns, at), GROUND)
+    return MeshPart("pedestal", _moved(columns, at), GROUND)
 
 
-def _solids(body: Body, size: float, thin: float, color: int) -> Iterator[Part]:
-    """Yield the solids of a body in its frame."""
+def _solids(body: Body, size: float, thin: float, color: int) -> Iterator[MeshPart]:
+    """Solids of a body in its frame."""
     from kousoku.model.quaternions import quaternion
 
     for given in body.boxes:
@@ -583,8 +583,8 @@ def _solids(body: Body, size: float, thin: float, color: int) -> Iterator[Part]:
         yield ball(_numbers(sphere.at), float(sphere.radius), color)
 
 
-def _like_its_inertia(body: Body, color: int, size: float) -> tuple[Array, Part | None]:
-    """Return the centre of mass, and the uniform box or cylinder that has the body's moments.
+def _like_its_inertia(body: Body, color: int, size: float) -> tuple[Array, MeshPart | None]:
+    """Centre of mass, and the uniform box or cylinder that has the body's moments.
 
     A body without solids whose moments are those of no box, or of one that is much larger than the
     mechanism, has none.
@@ -617,7 +617,7 @@ def _like_its_inertia(body: Body, color: int, size: float) -> tuple[Array, Part 
 def _joint_basis(
     vectors: Mapping[str, Array], line: Sequence[float], at: Array, unit: float
 ) -> Array:
-    """Return what takes the picture of a joint to the joint frame of a body, (3, 4)."""
+    """Transformation of the picture of a joint to the joint frame of a body, (3, 4)."""
     k = int(np.argmax(line))
     columns = np.empty((3, 3))
     for step, name in enumerate(("axis", "across", "third")):
@@ -625,16 +625,16 @@ def _joint_basis(
     return _moved(unit * columns, at)
 
 
-def _sign_part(solid: Solid, basis: Array) -> Part:
-    """Return a solid of a joint's sign in the frame of a body."""
+def _sign_part(solid: Solid, basis: Array) -> MeshPart:
+    """Solid of a joint's sign in the frame of a body."""
     match solid:
-        case Box(_, low, high):
+        case BoxShape(_, low, high):
             half = np.subtract(high, low) / 2
-            part = Part(box_name(1, 1, 1), _moved(np.diag(half), np.add(low, high) / 2), METAL)
-        case Cylinder(_, start, end, radius):
+            part = MeshPart(box_name(1, 1, 1), _moved(np.diag(half), np.add(low, high) / 2), METAL)
+        case CylinderShape(_, start, end, radius):
             part = cylinder(np.array(start), np.array(end), radius, METAL, 100.0)
         case Ball(_, at, radius):
             part = ball(np.array(at), radius, METAL)
     matrix = basis @ np.vstack([part.matrix, [0.0, 0.0, 0.0, 1.0]])
     name = cylinder_name(1) if part.mesh == "disc" else part.mesh
-    return Part(name, matrix, METAL)
+    return MeshPart(name, matrix, METAL)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kousoku.view.picture import Picture
-    from kousoku.view.shapes import Part
+    from kousoku.view.shapes import MeshPart
 
     Array = NDArray[np.float64]
 
@@ -142,7 +142,7 @@ class Camera:
         self._center = (least + most) / 2
 
     def seen(self, points: Array) -> tuple[Array, Array]:
-        """Return where points of frame O are in the picture, and how near they are."""
+        """Places of points of frame O in the picture, and how near they are."""
         x, y, z = np.moveaxis((points - self.middle) @ self.axes.T, -1, 0)
         nearer = self._nearer(z)
         flat = np.stack([nearer * x, nearer * y], axis=-1) - self._center
@@ -161,7 +161,7 @@ class Camera:
 
 
 def _reached(picture: Picture) -> Array:
-    """Return the corners of what bodies reach, over the whole motion, (n, 3) in frame O."""
+    """Corners of what bodies reach, over the whole motion, (n, 3) in frame O."""
     found = []
     rows = np.unique(np.linspace(0, len(picture.time) - 1, 60).round().astype(int))
     for k, shape in enumerate(picture.shapes.bodies):
@@ -181,7 +181,7 @@ def _reached(picture: Picture) -> Array:
 
 
 def placed(picture: Picture, row: int, body: int, points: Array) -> Array:
-    """Return points of a body in frame O, at a row of the motion."""
+    """Points of a body in frame O, at a row of the motion."""
     if body == 0:
         return points
     turn = rotation(picture.turn[row, body - 1])
@@ -190,7 +190,7 @@ def placed(picture: Picture, row: int, body: int, points: Array) -> Array:
 
 
 def drawn(picture: Picture, row: int, camera: Camera, sides: int = 0) -> list[Face | Stroke]:
-    """Return what is seen at a row of the motion, the furthest first.
+    """Shapes that are seen at a row of the motion, the furthest first.
 
     Parameters
     ----------
@@ -212,8 +212,8 @@ def drawn(picture: Picture, row: int, camera: Camera, sides: int = 0) -> list[Fa
     return sorted(items, key=lambda item: item.depth)
 
 
-def _faces(part: Part, points: Array, camera: Camera, sides: int) -> Iterator[Face]:
-    """Yield the faces of a part that are seen; its vertices are in frame O."""
+def _faces(part: MeshPart, points: Array, camera: Camera, sides: int) -> Iterator[Face]:
+    """Faces of a part that are seen; its vertices are in frame O."""
     mesh = mesh_of(coarse(part.mesh, sides))
     flat, near = camera.seen(points)
     for corners, edges, tone in zip(mesh.faces, mesh.edges, mesh.tones, strict=True):
@@ -269,7 +269,7 @@ def _zigzag(ends: Array, toward: Array, wide: float) -> Array:
 
 
 def paths_seen(picture: Picture, camera: Camera) -> list[Stroke]:
-    """Return the paths of the chosen points."""
+    """Paths of the chosen points."""
     rows, found = range(min(len(picture.time), LONGEST_PATH)), []
     for path in picture.paths:
         points = np.array([placed(picture, row, path.body, path.s) for row in rows])
@@ -280,7 +280,7 @@ def paths_seen(picture: Picture, camera: Camera) -> list[Stroke]:
 
 
 def curve(points: Array) -> Array:
-    """Return the curve through three points or more, of as many pieces as its corners ask for."""
+    """Curve through three points or more, of as many pieces as its corners ask for."""
     way = np.diff(points, axis=0)
     length = np.linalg.norm(way, axis=1)
     cosine = (way[1:] * way[:-1]).sum(axis=1)
@@ -308,7 +308,7 @@ def curve(points: Array) -> Array:
 
 
 def grid_seen(picture: Picture, camera: Camera) -> tuple[list[Stroke], float]:
-    """Return the floor, or the plane behind a planar mechanism, and the distance of its lines."""
+    """Floor, or the plane behind a planar mechanism, and the distance of its lines."""
     east, north, up = picture.directions()
     is_flat = picture.normal is not None
     normal, along = (-north, up) if is_flat else (up, north)
@@ -328,7 +328,7 @@ def grid_seen(picture: Picture, camera: Camera) -> tuple[list[Stroke], float]:
 
 
 def color_of(color: int, shade: int) -> str:
-    """Return a shade of a colour as ``#rrggbb``."""
+    """Shade of a colour as ``#rrggbb``."""
     light = 0.52 + 0.6 * shade / (SHADES - 1)
     channels = [int(LIGHT[color][k : k + 2], 16) for k in (1, 3, 5)]
     mixed = [x * light if light <= 1 else 255 - (255 - x) * (2 - light) for x in channels]
@@ -341,7 +341,7 @@ def color_of(color: int, shade: int) -> str:
 def still_svg(
     picture: Picture, time: float | None = None, size: tuple[int, int] = (640, 420)
 ) -> str:
-    """Return one moment of a picture as SVG.
+    """Moment of a picture as SVG.
 
     Parameters
     ----------
@@ -358,7 +358,7 @@ def still_svg(
 
 
 def moving_svg(picture: Picture, size: tuple[int, int] = (640, 420), largest: int = LARGEST) -> str:
-    """Return a picture that moves by itself, and again from the start, as SVG.
+    """Picture that moves by itself, and again from the start, as SVG.
 
     Parameters
     ----------
@@ -394,7 +394,7 @@ def moving_svg(picture: Picture, size: tuple[int, int] = (640, 420), largest: in
 
 
 def _camera(picture: Picture, size: tuple[int, int]) -> Camera:
-    """Return a camera whose picture has ten units in a pixel: whole numbers place all well."""
+    """Camera whose picture has ten units in a pixel: whole numbers place all well."""
     return Camera(picture, (10.0 * size[0], 10.0 * size[1]), 340.0)
 
 
@@ -429,7 +429,7 @@ def _document(
 
 
 def _directions(camera: Camera, size: tuple[int, int]) -> str:
-    """Return the directions of frame O, at the lower left."""
+    """Directions of frame O, at the lower left."""
     x, y = 400.0, 10.0 * size[1] - 380.0
     found = []
     for k, ink in enumerate(("#d0453b", "#3d9a50", "#4a7fe0")):
@@ -448,7 +448,7 @@ def _class(color: int, shade: int) -> str:
 
 
 def _frame(items: Sequence[Face | Stroke]) -> tuple[str, set[tuple[int, int]]]:
-    """Return what is drawn as paths, and which shades are in it; neighbours alike are one path."""
+    """Paths that are drawn, and the shades in them; neighbours alike are one path."""
     runs: list[tuple[str, list[str]]] = []
     used = set()
 
@@ -475,7 +475,7 @@ def _frame(items: Sequence[Face | Stroke]) -> tuple[str, set[tuple[int, int]]]:
 
 
 def _edges(face: Face) -> str:
-    """Return the sides of a face that are drawn."""
+    """Sides of a face that are drawn."""
     count = len(face.points)
     found = []
     for k in range(count):
@@ -485,7 +485,7 @@ def _edges(face: Face) -> str:
 
 
 def _line(points: Array) -> str:
-    """Return a line of a path, in whole numbers from point to point."""
+    """Line of a path, in whole numbers from point to point."""
     whole = np.rint(points).astype(int)
     steps = np.diff(whole, axis=0).tolist()
     x, y = whole[0].tolist()

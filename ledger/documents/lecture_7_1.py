@@ -36,7 +36,7 @@ OMEGA_B = Quantity("omega_b", (3,), "rad/s", "angular velocity, frame B")
 @NAMES.words
 @cache
 def words() -> Vocabulary:
-    """Return what the lecture's symbols mean; δA, δs, δr and δθ are differentiated, not stated."""
+    """Vocabulary of the lecture; δA, δs, δr and δθ are differentiated, not stated."""
     delta, rate = along((R, DR), (P, DTHETA_B)), along((P, OMEGA_B))
     arm = turned(P, elements(S_B))
     a = Orientation(symbol(P))
@@ -71,7 +71,7 @@ def words() -> Vocabulary:
 
 
 def derived(function: str, output: str) -> Any:
-    """Return what the code's derivation of the rotation says an output is."""
+    """Output of the code's derivation of the rotation."""
     functions = {f.name: f for f in derive("rotation").functions}
     found = {o.quantity.name: o.expression for o in functions[function].outputs}
     return found[output]
@@ -104,7 +104,7 @@ def in_steps(key: str, formula: str | Side) -> str:
 
 
 def missing_number() -> str:
-    """Return the number that is free where 7.1.9 stands.
+    """Number that is free where 7.1.9 stands.
 
     Raises
     ------
@@ -155,7 +155,7 @@ def rotations_do_not_commute() -> str:
 
 
 def _moving() -> Vocabulary:
-    """Return the words with ω′ in place of δθ′."""
+    """Words with ω′ in place of δθ′."""
     swap = dict(zip(elements(DTHETA_B), elements(OMEGA_B), strict=True))
     known = words()
     given = {name: [x.xreplace(swap) for x in cells] for name, cells in known.given.items()}

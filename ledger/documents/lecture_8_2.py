@@ -27,18 +27,17 @@ from kousoku.symbolic.bodies import COLUMNS, COMPONENTS, SYMBOLS, A, unit_flows
 from kousoku.symbolic.components import cross, dot, plus, rotate, rotate_back, subtract
 from kousoku.symbolic.matrices import add, mul, neg, skew, transpose
 from kousoku.symbolic.pairs import D
+from kousoku.symbolic.sympy_types import as_value
 from kousoku.symbolic.variation import coefficient
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.ledger.proof import Side
-    from kousoku.ledger.vocabulary import Value
     from kousoku.symbolic.derivation import Output
+    from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix, Value
 
 NAMES = Names(lecture_8_2_words.NAMES)
-
-Scalar = Any
 
 
 @NAMES.proof("side {side} with primes put back in every possible way")
@@ -74,18 +73,18 @@ def offset_in_code(formula: str | Side) -> str:
 
 @cache
 def outputs(package: str) -> dict[str, Output]:
-    """Return what the code derives of a constraint: ``C`` and ``C_q``, on both levels."""
+    """Outputs that the code derives of a constraint: ``C`` and ``C_q``, on both levels."""
     return {o.quantity.name: o for o in derive(package).functions[0].outputs}
 
 
 def derived(package: str, output: str) -> Value:
-    """Return ``C`` or ``C_q`` as the code derives it, on the matrix level."""
-    return outputs(package)[output].expression
+    """``C`` or ``C_q`` as the code derives it, on the matrix level."""
+    return as_value(outputs(package)[output].expression)
 
 
 def selection(axis: str) -> Value:
-    """Return S, which keeps the two rows that hold the component of an axis."""
-    return ImmutableDenseMatrix([[int(k == row) for k in range(3)] for row in ROWS[axis]])
+    """Selection S, which keeps the two rows that hold the component of an axis."""
+    return as_value(ImmutableDenseMatrix([[int(k == row) for k in range(3)] for row in ROWS[axis]]))
 
 
 @NAMES.proof("the code's {package} has C = this")
@@ -122,18 +121,18 @@ def varied_rows_in_code(package: str, formula: str) -> str:
 
 
 def _last(latex: str) -> Value:
-    """Return the last side of a chain before its zero."""
+    """Last side of a chain before its zero."""
     return value_of(latex, words(), -2)
 
 
-def _turned(axis: str, x: Value) -> Value:
-    """Return S A_iᵀ x, term by term."""
+def _turned(axis: str, x: Scalar | SymbolicMatrix) -> Value:
+    """Product S A_iᵀ x, term by term."""
     terms = x.args if isinstance(x, MatAdd) else (x,)
-    return add(*(mul(selection(axis), transpose(A["i"]), term) for term in terms))
+    return as_value(add(*(mul(selection(axis), transpose(A["i"]), term) for term in terms)))
 
 
 def _jacobian_of(package: str, latex: str) -> Value:
-    """Return the coefficients of δr^i, δθ′^i, δr^j, δθ′^j side by side."""
+    """Coefficients of δr^i, δθ′^i, δr^j, δθ′^j side by side."""
     kind, _, axis = package.partition("_")
     blocks = []
     for column in COLUMNS:
@@ -144,7 +143,7 @@ def _jacobian_of(package: str, latex: str) -> Value:
             turned_c = mul(transpose(A["i"]), words().meanings[f"C^({kind})"])
             block = add(block, mul(selection(axis), skew(turned_c)))
         blocks.append(block)
-    return BlockMatrix([blocks])
+    return as_value(BlockMatrix([blocks]))
 
 
 # -- states --------------------------------------------------------------------------------------
@@ -153,7 +152,7 @@ _AXES = {"i": (Rational(1, 2), S(3), S(-2)), "j": (S(1), Rational(-5, 3), S(4))}
 
 
 def _state(**changes: Sequence[Scalar]) -> dict[Scalar, Scalar]:
-    """Return rational values of all inputs, with Euler parameters of norm one."""
+    """Rational values of all inputs, with Euler parameters of norm one."""
     values: dict[str, Sequence[Scalar]] = {
         "p_i": [Rational(n, 9) for n in (2, 4, 5, 6)],
         "p_j": [Rational(n, 11) for n in (1, 2, -4, 10)],
@@ -177,7 +176,7 @@ def _of(state: Mapping[Scalar, Scalar], name: str) -> list[Scalar]:
 
 
 def satisfied(kind: str, factor: int = 3) -> dict[Scalar, Scalar]:
-    """Return a state where p1 or p2 holds: the second vector is ``factor`` times a of body i."""
+    """State where p1 or p2 holds: the second vector is ``factor`` times a of body i."""
     state = _state()
     along = [factor * x for x in rotate(_of(state, "p_i"), _of(state, "a_i_b"))]
     if kind == "p1":
@@ -189,7 +188,7 @@ def satisfied(kind: str, factor: int = 3) -> dict[Scalar, Scalar]:
 
 @cache
 def _equations(kind: str, frame: str) -> tuple[Scalar, ...]:
-    """Return all three equations of p1 or p2, rows in frame O or in the frame of i."""
+    """Equations of p1 or p2, all three, rows in frame O or in the frame of i."""
     x = COMPONENTS
     a, points = [], []
     for b in "ij":
@@ -210,7 +209,7 @@ def _jacobian(kind: str, frame: str) -> Any:
 def rank(
     kind: str, frame: str, state: Mapping[Scalar, Scalar], rows: Sequence[int] = (0, 1, 2)
 ) -> int:
-    """Return the rank of rows of C_q at a rational state."""
+    """Rank of rows of C_q at a rational state."""
     return int(_jacobian(kind, frame).extract(list(rows), list(range(12))).xreplace(state).rank())
 
 
@@ -233,14 +232,14 @@ def counted(kind: str, count: int) -> str:
 
 
 def _code_rank(package: str, kind: str) -> int:
-    """Return the rank of the code's C_q, from its component level, where the constraint holds."""
+    """Rank of the code's C_q, from its component level, where the constraint holds."""
     output = outputs(package)["C_q"]
     jacobian = output.components.reshape(output.quantity.shape[0], 12)
     return int(jacobian.xreplace(_holding(kind)).rank())
 
 
 def _holding(kind: str) -> dict[Scalar, Scalar]:
-    """Return a state where a constraint holds; n1 and n2 are turned about a."""
+    """State where a constraint holds; n1 and n2 are turned about a."""
     if kind.startswith("p"):
         return satisfied(kind)
     state = _state()
@@ -285,7 +284,7 @@ def _skew(v: Sequence[Scalar]) -> Any:
 
 
 def _minors(rows: Any) -> list[Scalar]:
-    """Return the 2×2 minors of two rows, that without column x first."""
+    """Minors 2×2 of two rows, that without column x first."""
     return [
         sympy.expand(rows.extract([0, 1], [k for k in range(3) if k != n]).det()) for n in range(3)
     ]
@@ -367,7 +366,7 @@ def largest_in_space_changes() -> str:
     axis = (S(1), S(0), S(0))
     seen = []
     for p in ([S(1), S(0), S(0), S(0)], _ABOUT_DIAGONAL):
-        sizes = [abs(x) for x in rotate(p, axis)]
+        sizes: list[Any] = [abs(x) for x in rotate(p, axis)]
         seen.append("xyz"[sizes.index(max(sizes))])
     _require("the largest component", seen, ["x", "y"])
     return "x, then y; a′ is constant, so that in the frame of i the choice is made once"
@@ -398,7 +397,7 @@ def size_at_zero_offset() -> str:
 
 
 def _axis_as_row() -> Value:
-    return mul(transpose(SYMBOLS["a_i_b"]), transpose(A["i"]))
+    return as_value(mul(transpose(SYMBOLS["a_i_b"]), transpose(A["i"])))
 
 
 @NAMES.proof(
@@ -416,11 +415,11 @@ def block_of_translation(package: str) -> str:
     return _is_block(package, 0, neg(transpose(A["i"])))
 
 
-def _is_block(package: str, place: int, right: Value) -> str:
+def _is_block(package: str, place: int, right: Scalar | SymbolicMatrix) -> str:
     _, _, axis = package.partition("_")
     wanted = mul(selection(axis), skew(SYMBOLS["a_i_b"]), right)
     return equality(offset(), _block(package, place), wanted)
 
 
 def _block(package: str, place: int) -> Value:
-    return derived(package, "C_q").blocks[0, place]
+    return as_value(derived(package, "C_q").blocks[0, place])

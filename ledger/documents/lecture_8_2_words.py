@@ -8,21 +8,25 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING
 
 from sympy import Integer, S
 from sympy.matrices.expressions import Identity, MatrixSymbol, ZeroMatrix
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
-from kousoku.ledger.formula import Name
+from kousoku.ledger.formula import SymbolName
 from kousoku.ledger.names import Names
 from kousoku.ledger.proof import GENERAL
 from kousoku.ledger.turning import along, flat, orientation, spatial, turned
-from kousoku.ledger.vocabulary import Value, Vocabulary
+from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.bodies import BODIES, CONFIGURATION, SYMBOLS, A
 from kousoku.symbolic.components import cross, dot, plus, subtract
 from kousoku.symbolic.matrices import Orientation, elements, mul, symbol, transpose
+from kousoku.symbolic.sympy_types import Value, as_value
+
+if TYPE_CHECKING:
+    from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix
 
 NAMES = Names(GENERAL)
 
@@ -33,16 +37,14 @@ DTHETA_B = {b: Quantity(f"δθ_{b}_b", (3,), "rad", f"virtual rotation of {b}") 
 #: How the frames at the points B_i and B_j are turned against those of their bodies.
 TURNED = {b: Quantity(f"p_B{b}", (4,), "-", f"frame B_{b} against frame {b}") for b in BODIES}
 
-Scalar = Any
-
 
 def _in_frame_o(letter: str, body: str) -> list[Scalar]:
-    """Return the elements of a vector that is fixed in a body."""
+    """Elements of a vector that is fixed in a body."""
     return turned(QUANTITIES[f"p_{body}"], elements(QUANTITIES[f"{letter}_{body}_b"]))
 
 
 def _varying() -> dict[str, list[Scalar]]:
-    """Return what varies, frame O, on the component level."""
+    """Derivatives of all that varies, frame O, on the component level."""
     r = {b: elements(QUANTITIES[f"r_{b}"]) for b in BODIES}
     a, arm = ({b: _in_frame_o(letter, b) for b in BODIES} for letter in "as")
     d = subtract(plus(r["j"], arm["j"]), plus(r["i"], arm["i"]))
@@ -59,13 +61,13 @@ def _varying() -> dict[str, list[Scalar]]:
 
 
 def _array(name: str, size: int) -> Value:
-    return MatrixSymbol(name, *((3, 3) if size == 9 else (size, 1)))
+    return as_value(MatrixSymbol(name, *((3, 3) if size == 9 else (size, 1))))
 
 
 @NAMES.words
 @cache
 def words() -> Vocabulary:
-    """Return what the symbols of the lecture's equations mean."""
+    """Meanings of the symbols of the lecture's equations."""
     varying = _varying()
     delta = along(
         *((QUANTITIES[f"r_{b}"], DR[b]) for b in BODIES),
@@ -77,7 +79,7 @@ def words() -> Vocabulary:
         **{f"δθ_{b}": spatial(QUANTITIES[f"p_{b}"], DTHETA_B[b]) for b in BODIES},
     }
     known = {name: _array(name, len(value)) for name, value in given.items()}
-    meanings: dict[str, Value] = {
+    meanings: dict[str, Scalar | SymbolicMatrix] = {
         "d^ij": known["d"],
         "δd^ij": known["δd"],
         "vec d^ij": known["d"],
@@ -91,8 +93,8 @@ def words() -> Vocabulary:
     return Vocabulary(quantities, meanings, given)
 
 
-def _of_body(b: str, known: dict[str, Value]) -> dict[str, Value]:
-    """Return the meanings of one body's symbols; its virtual rotation has two names."""
+def _of_body(b: str, known: dict[str, Value]) -> dict[str, Scalar | SymbolicMatrix]:
+    """Meanings of one body's symbols; its virtual rotation has two names."""
     return {
         f"r^{b}": SYMBOLS[f"r_{b}"],
         f"vec r^{b}": SYMBOLS[f"r_{b}"],
@@ -117,7 +119,7 @@ def _of_body(b: str, known: dict[str, Value]) -> dict[str, Value]:
 @NAMES.words
 @cache
 def offset() -> Vocabulary:
-    """Return the same words with d and δd as quantities in place of r^j and δr^j.
+    """Vocabulary with d and δd as quantities in place of r^j and δr^j.
 
     r^j = d + r^i + s_i − s_j takes every value as d does, and δr^j as δd does: what holds
     identically for one holds for the other, and is shorter here.
@@ -143,7 +145,7 @@ def offset() -> Vocabulary:
 @NAMES.words
 @cache
 def together() -> Vocabulary:
-    """Return the words with both points in one place: r^j = r^i + s_i − s_j, and d = 0."""
+    """Words with both points in one place: r^j = r^i + s_i − s_j, and d = 0."""
     known = offset()
     d = elements(next(q for q in known.quantities if q.name == "d"))
     zero = dict.fromkeys(d, S.Zero)
@@ -154,10 +156,10 @@ def together() -> Vocabulary:
 @NAMES.words
 @cache
 def frames() -> Vocabulary:
-    """Return what the base vectors mean: their components in frame O, and rows of them."""
+    """Meanings of the base vectors: their components in frame O, and rows of them."""
     known = words()
     given: dict[str, list[Scalar]] = {}
-    meanings: dict[str, Value] = {"e^(O)": Identity(3)}
+    meanings: dict[str, Scalar | SymbolicMatrix] = {"e^(O)": Identity(3)}
     unit = {x: [Integer(k == n) for k in range(3)] for n, x in enumerate("xyz")}
     for x, e in unit.items():
         meanings[f"vec e_{x}^(O)"] = ImmutableDenseMatrix(3, 1, e)
@@ -177,12 +179,12 @@ def frames() -> Vocabulary:
     )
 
 
-def primed(name: Name) -> tuple[Name, ...]:
-    """Return the ways to read a printed symbol: without a prime, and with one if that is known.
+def primed(name: SymbolName) -> tuple[SymbolName, ...]:
+    """Readings of a printed symbol: without a prime, and with one if that is known.
 
     A capital I in front of the superscript is a prime that was misread.
     """
-    bare = Name(name.letter, "", name.sub, name.sup.removeprefix("I"))
-    ways = (bare, Name(name.letter, "'", name.sub, bare.sup))
+    bare = SymbolName(name.letter, "", name.sub, name.sup.removeprefix("I"))
+    ways = (bare, SymbolName(name.letter, "'", name.sub, bare.sup))
     known = words().meanings
     return tuple(way for way in ways if str(way) in known) or (name,)

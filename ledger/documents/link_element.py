@@ -24,12 +24,14 @@ from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.link_element import LENGTH, OFFSET, X
 from kousoku.symbolic.matrices import elements
+from kousoku.symbolic.sympy_types import as_scalar
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.ledger.proof import Side
     from kousoku.symbolic.derivation import Derivation
+    from kousoku.symbolic.sympy_types import Scalar
 
 NAMES = Names(link_mechanisms.NAMES)
 
@@ -43,70 +45,68 @@ NUMBERS = dict(zip(elements(PLACE), (0, 0, 3, 4), strict=True))
 COORDINATES = ("x_i1", "y_i1", "β_i1", "x_i2", "y_i2", "β_i2")
 DISPLACEMENTS = ("u_i1", "v_i1", "ψ_i1", "u_i2", "v_i2", "ψ_i2")
 
-Scalar = Any
-
 
 def column(cells: Sequence[Scalar]) -> ImmutableDenseMatrix:
-    """Return numbers as a vector."""
+    """Numbers as a vector."""
     return ImmutableDenseMatrix([[cell] for cell in cells])
 
 
 def span(x: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
-    """Return the components of the vector from end 1 to end 2."""
+    """Components of the vector from end 1 to end 2."""
     return x[3] - x[0], x[4] - x[1]
 
 
 def length(x: Sequence[Scalar]) -> Scalar:
-    """Return the distance of the ends."""
+    """Distance of the ends."""
     dx, dy = span(x)
-    return sympy.sqrt(dx**2 + dy**2)
+    return as_scalar(sympy.sqrt(dx**2 + dy**2))
 
 
 def angle(x: Sequence[Scalar]) -> Scalar:
-    """Return the angle of the link from the x axis."""
+    """Angle of the link from the x axis."""
     dx, dy = span(x)
-    return sympy.atan2(dy, dx)
+    return as_scalar(sympy.atan2(dy, dx))
 
 
 def reference() -> list[Scalar]:
-    """Return x1 y1 β1 x2 y2 β2 where no end is turned against the link."""
+    """Coordinates x1 y1 β1 x2 y2 β2 where no end is turned against the link."""
     x1, y1, x2, y2 = elements(PLACE)
     beta = angle([x1, y1, S.Zero, x2, y2, S.Zero])
     return [x1, y1, beta, x2, y2, beta]
 
 
 def displaced(u: Sequence[Scalar]) -> list[Scalar]:
-    """Return x1 y1 β1 x2 y2 β2 after a displacement."""
+    """Coordinates x1 y1 β1 x2 y2 β2 after a displacement."""
     return [a + b for a, b in zip(reference(), u, strict=True)]
 
 
 def turned(theta: Scalar) -> list[Scalar]:
-    """Return the displacement of a rigid link that turns about its end 1."""
+    """Displacement of a rigid link that turns about its end 1."""
     dx, dy = span(reference())
     c, s = sympy.cos(theta), sympy.sin(theta)
     return [S.Zero, S.Zero, theta, c * dx - s * dy - dx, s * dx + c * dy - dy, theta]
 
 
 def at(x: Sequence[Scalar]) -> dict[str, Sequence[Scalar]]:
-    """Return what the arrays of the code's link are at a position: no end is offset."""
+    """Arrays of the code's link at a position: no end is offset."""
     return {"x": x, "offset": [S.Zero, S.Zero]}
 
 
 @cache
 def code() -> Derivation:
-    """Return the code's derivation of the link."""
+    """Derivation of the link by the code."""
     return derive("link")
 
 
 def derived(left: str) -> Any:
-    """Return what the last step of the code's derivation that is about ``left`` says it is."""
+    """Last step of the code's derivation that is about ``left``: its right side."""
     symbols = {Symbol("length"): length(reference()), Symbol("beta"): angle(elements_of_x())}
     found = {str(step.left): step.right for step in code().steps}
     return found[left].xreplace(symbols)
 
 
 def elements_of_x() -> list[Scalar]:
-    """Return the elements of the position of the ends in the code's derivation."""
+    """Elements of the position of the ends in the code's derivation."""
     x = sympy.MatrixSymbol("x", 6, 1)
     return [x[k, 0] for k in range(6)]
 
@@ -114,7 +114,7 @@ def elements_of_x() -> list[Scalar]:
 @NAMES.words
 @cache
 def words() -> Vocabulary:
-    """Return what the symbols of (1) to (13) mean: ε as the code derives it."""
+    """Vocabulary of (1) to (13): ε as the code derives it."""
     u = elements(U)
     x0, x = reference(), displaced(u)
     epsilon = [derived(f"epsilon_{k}") for k in (1, 2, 3)]
@@ -137,24 +137,24 @@ def words() -> Vocabulary:
 
 @cache
 def epsilon() -> tuple[Scalar, ...]:
-    """Return (5) to (7) as functions of the displacement, from which all else is differentiated."""
+    """Deformations (5)–(7) as functions of the displacement: all else is differentiated."""
     return tuple(value_of(find(key).printed, words()) for key in "567")
 
 
 def matrix() -> ImmutableDenseMatrix:
-    """Return (15) as printed."""
+    """Matrix (15) as printed."""
     return value_of(find("15").printed, words())
 
 
 def still(x: Scalar) -> Scalar:
-    """Return a function of the displacement where there is none."""
-    return x.xreplace(dict.fromkeys(elements(U), S.Zero))
+    """Function of the displacement where there is none."""
+    return as_scalar(x.xreplace(dict.fromkeys(elements(U), S.Zero)))
 
 
 @NAMES.words
 @cache
 def expanded() -> Vocabulary:
-    """Return the words of (14): ε is its own first-order term, by differentiating (5) to (7)."""
+    """Words of (14): ε is its own first-order term, by differentiating (5) to (7)."""
     size = Symbol("size")
     along = {u: size * u for u in elements(U)}
     terms = [sympy.diff(e.xreplace(along), size).xreplace({size: S.Zero}) for e in epsilon()]
@@ -164,7 +164,7 @@ def expanded() -> Vocabulary:
 @NAMES.words
 @cache
 def differentiated() -> Vocabulary:
-    """Return the words of (15): the derivatives of (5) to (7) where u = 0."""
+    """Words of (15): the derivatives of (5) to (7) where u = 0."""
     rows = [[still(sympy.diff(e, u)) for u in elements(U)] for e in epsilon()]
     return words().knowing({"D_i^0": ImmutableDenseMatrix(rows)})
 
@@ -172,7 +172,7 @@ def differentiated() -> Vocabulary:
 @NAMES.words
 @cache
 def rigid() -> Vocabulary:
-    """Return the words of (16): u is any infinitesimal motion of a rigid link."""
+    """Words of (16): u is any infinitesimal motion of a rigid link."""
     a, b, theta = elements(TURN)
     dx, dy = span(reference())
     u = column([a, b, theta, a - theta * dy, b + theta * dx, theta])
@@ -186,7 +186,7 @@ def rigid() -> Vocabulary:
 @NAMES.proof()
 def components_of_u() -> dict[str, bool]:
     """Move a link along x and y and turn it: four components depend on where it goes."""
-    u = rigid().meanings["u_i"]
+    u = rigid().meaning("u_i")
     a, b, theta = elements(TURN)
     moved = [k for k in range(6) if u[k, 0].free_symbols & {a, b}]
     return {
@@ -229,7 +229,7 @@ def second_order() -> dict[str, bool]:
     seen = {}
     for k, e in enumerate(path, 1):
         value, first, second = (sympy.diff(e, size, n).subs(size, 0) for n in range(3))
-        linear = sympy.expand((expanded().meanings["ε_i"][k - 1, 0]).xreplace(along))
+        linear = sympy.expand(expanded().meaning("ε_i")[k - 1, 0].xreplace(along))
         slope = sympy.diff(linear, size).xreplace(NUMBERS)
         seen[f"ε{k} = 0 + {first} u_i2 + {second / 2} u_i2² + … for l0 = 5 along (3, 4)"] = bool(
             value == 0 and first == slope and second != 0
@@ -327,7 +327,7 @@ def is_variation() -> str:
     """Compare the code's δε at the reference, with δx = u, with (15) times u."""
     given = {**at(reference()), "δx": elements(U)}
     rows = [derived(f"δε_{k}") for k in (1, 2, 3)]
-    linear = expanded().meanings["ε_i"]
+    linear = expanded().meaning("ε_i")
     words_of_code = replace(words(), given=given)
     seen = [equality(words_of_code, row, linear[k : k + 1, :]) for k, row in enumerate(rows)]
     return "; ".join(f"δε{k}: {text}" for k, text in enumerate(seen, 1))

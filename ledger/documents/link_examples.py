@@ -13,7 +13,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy
 from sympy import S, Symbol
@@ -23,19 +23,20 @@ from kousoku.ledger import find
 from kousoku.ledger.documents import link_mechanisms, link_method
 from kousoku.ledger.documents.link_element import column
 from kousoku.ledger.documents.link_iteration import DIVISIONS, MP, RESIDUAL, run
-from kousoku.ledger.documents.link_mechanisms import LEVER_CRANK, PISTON_CRANK, Mechanism
-from kousoku.ledger.formula import Array, Name, Node, Number, Product
+from kousoku.ledger.documents.link_mechanisms import LEVER_CRANK, PISTON_CRANK, ExampleMechanism
+from kousoku.ledger.formula import Array, Node, Numeral, Product, SymbolName
 from kousoku.ledger.names import Names
 from kousoku.ledger.parser import parse
 from kousoku.ledger.proof import equality, value_of
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import FormulaError, LedgerError
 from kousoku.model.quantity import Quantity
+from kousoku.symbolic.sympy_types import as_scalar, as_value
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.ledger.vocabulary import Value
+    from kousoku.symbolic.sympy_types import Scalar, Value
 
 NAMES = Names(link_mechanisms.NAMES)
 
@@ -47,8 +48,7 @@ ANGLE = Quantity("α", (), "rad", "the crank's angle")
 #: By how much the right sides of (34) are larger.
 SPARE = tuple(Quantity(f"d_{k}", (), "m", f"spare length of inequality {k}") for k in (1, 2, 3))
 
-Scalar = Any
-ZERO = Number("0")
+ZERO = Numeral("0")
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,30 +57,30 @@ class Assembled(Vocabulary):
 
     Parameters
     ----------
-    mechanism : Mechanism
+    mechanism : ExampleMechanism
         Which links there are, where they meet, and what is known.
     """
 
-    mechanism: Mechanism = PISTON_CRANK
+    mechanism: ExampleMechanism = PISTON_CRANK
 
     def value(self, node: Node) -> Value:
-        """Return a system's left side, all products carried out, or what its zeros stand for."""
+        """Left side of the system, all products carried out, or what its zeros stand for."""
         match node:
             case Product() if all(isinstance(factor, Array) for factor in node.factors):
                 rows, cells = parts(node)
                 u = [self._displacement(cell) for cell in cells]
                 if len(rows[0]) != len(u):
                     raise FormulaError(f"{len(rows[0])} columns for {len(u)} displacements")
-                return self.matrix(rows) * column(u)
+                return as_value(self.matrix(rows) * column(u))
             case Array() if all(row == (ZERO,) for row in node.rows):
                 matrix = assembled(self)
                 if len(node.rows) != matrix.rows:
                     raise FormulaError(f"{len(node.rows)} zeros for {matrix.rows} equations")
-                return matrix * column([Symbol(name) for name in self.mechanism.names])
+                return as_value(matrix * column([Symbol(name) for name in self.mechanism.names]))
         return Vocabulary.value(self, node)
 
     def matrix(self, rows: Sequence[Sequence[Node]]) -> ImmutableDenseMatrix:
-        """Return cells as a matrix."""
+        """Cells as a matrix."""
         return ImmutableDenseMatrix([[self.value(cell) for cell in row] for row in rows])
 
     def _displacement(self, cell: Node) -> Scalar:
@@ -90,23 +90,23 @@ class Assembled(Vocabulary):
         known = self.mechanism.known.get(name, "")
         if value != known:
             raise FormulaError(f"{name} is {known or 'not known'}, not {value or 'unknown'}")
-        return Symbol(name)
+        return as_scalar(Symbol(name))
 
 
 def displacement(cell: Node) -> tuple[str, str]:
-    """Return the name of a displacement and its value, empty where it is not known."""
+    """Name of a displacement and its value, empty where it is not known."""
     match cell:
-        case Name():
+        case SymbolName():
             return str(cell), ""
-        case Product((Name() as name, Number() as number)):
+        case Product((SymbolName() as name, Numeral() as number)):
             return str(name), number.text
-        case Product((Name() as name, Name() as value)):
+        case Product((SymbolName() as name, SymbolName() as value)):
             return str(name), str(value)
     raise FormulaError("a displacement is a symbol, with a value in parentheses where it is known")
 
 
 def parts(node: Node) -> tuple[list[tuple[Node, ...]], list[Node]]:
-    """Return the rows of the matrix, its parts joined side by side, and the displacements."""
+    """Rows of the matrix, its parts joined side by side, and the displacements."""
     if not isinstance(node, Product):
         raise FormulaError("a system is a matrix times its displacements")
     *blocks, vector = (factor.rows for factor in node.factors if isinstance(factor, Array))
@@ -117,7 +117,7 @@ def parts(node: Node) -> tuple[list[tuple[Node, ...]], list[Node]]:
 
 
 def assembled(words: Assembled) -> ImmutableDenseMatrix:
-    """Return (15) of each link in its three rows, in the columns of the nodes at which it ends."""
+    """Matrix (15) of each link in its three rows, in the columns of the nodes at which it ends."""
 
     def element(link: int) -> list[list[Scalar]]:
         of_link = {
@@ -130,7 +130,7 @@ def assembled(words: Assembled) -> ImmutableDenseMatrix:
     return ImmutableDenseMatrix(words.mechanism.assembled(element))
 
 
-def _words(mechanism: Mechanism) -> Assembled:
+def _words(mechanism: ExampleMechanism) -> Assembled:
     links = range(1, len(mechanism.links) + 1)
     names = [f"{letter}_{link}^0" for link in links for letter in "βl"]
     quantities = tuple(Quantity(name, (), "", "") for name in (*mechanism.names, *names))
@@ -140,14 +140,14 @@ def _words(mechanism: Mechanism) -> Assembled:
 @NAMES.words
 @cache
 def piston() -> Assembled:
-    """Return the words of (29)."""
+    """Words of (29)."""
     return _words(PISTON_CRANK)
 
 
 @NAMES.words
 @cache
 def lever() -> Assembled:
-    """Return the words of (33)."""
+    """Words of (33)."""
     return _words(LEVER_CRANK)
 
 
@@ -155,7 +155,7 @@ def lever() -> Assembled:
 
 
 def faults_of(latex: str, words: Assembled) -> list[str]:
-    """Return all that makes a printed system another one than that of the mechanism."""
+    """Faults that make a printed system another one than that of the mechanism."""
     (statement,) = parse(latex)
     left, right = statement.sides
     rows, cells = parts(left)
@@ -165,7 +165,8 @@ def faults_of(latex: str, words: Assembled) -> list[str]:
     if len(rows[0]) != len(names):
         found.append(f"{len(rows[0])} columns for {len(names)} displacements")
     for number, row in enumerate(rows[: wanted.rows]):
-        values = [words.value(cell) for cell in row] + [0] * (len(names) - len(row))
+        values: list[Scalar] = [words.value(cell) for cell in row]
+        values += [S.Zero] * (len(names) - len(row))
         found += _wrong_cells(number + 1, values, list(wanted.row(number)), names)
     if len(rows) > wanted.rows:
         found.append(f"rows {wanted.rows + 1} to {len(rows)} are of no link of this mechanism")
@@ -174,7 +175,7 @@ def faults_of(latex: str, words: Assembled) -> list[str]:
     return found
 
 
-def _wrong_names(cells: Sequence[tuple[str, str]], mechanism: Mechanism) -> list[str]:
+def _wrong_names(cells: Sequence[tuple[str, str]], mechanism: ExampleMechanism) -> list[str]:
     found = []
     if [name for name, _ in cells] != mechanism.names:
         found.append("other displacements, or in another order")
@@ -224,13 +225,13 @@ def rows_are_those_of(other: str, first: int, formula: str) -> str:
 
 
 def _closure(x: Scalar) -> Scalar:
-    """Return by how much the rod's length squared is missed."""
+    """Residual of the rod's length squared."""
     c, s = sympy.cos(ALPHA), sympy.sin(ALPHA)
-    return (x - L1 * c) ** 2 + (L1 * s) ** 2 - L2**2
+    return as_scalar((x - L1 * c) ** 2 + (L1 * s) ** 2 - L2**2)
 
 
 def slider() -> tuple[Scalar, Scalar, Scalar]:
-    """Return place, velocity and acceleration of the slider for dα/dt = 1, d²α/dt² = 0."""
+    """Place, velocity and acceleration of the slider for dα/dt = 1, d²α/dt² = 0."""
     missed = sympy.Poly(sympy.expand(_closure(X)), X)
     square, linear, constant = missed.all_coeffs()
     half = -linear / (2 * square)
@@ -245,7 +246,7 @@ def slider() -> tuple[Scalar, Scalar, Scalar]:
 @NAMES.words
 @cache
 def words() -> Vocabulary:
-    """Return the words of (30) to (32)."""
+    """Words of (30) to (32)."""
     names = ("x座標", "x座標方向の速度", "x座標方向の加速度")
     meanings = dict(zip(names, slider(), strict=True))
     meanings |= {"l_1": L1, "l_2": L2, "α": ALPHA}
@@ -273,7 +274,7 @@ def steps_end_small(mechanism: str) -> dict[str, bool]:
 
 
 def counted_in(sentence: str) -> tuple[int, int]:
-    """Return the numbers of iterations that a sentence states: ``6回~7回``, or ``10回``."""
+    """Numbers of iterations that a sentence states: ``6回~7回``, or ``10回``."""
     numbers = [int(number) for number in re.findall(r"(\d+)回", sentence)]
     return numbers[0], numbers[-1]
 
@@ -336,7 +337,7 @@ def rates_are_slopes() -> str:
 @NAMES.words
 @cache
 def turning() -> Vocabulary:
-    """Return the words of (34): lengths by how much shorter the left sides are, none negative."""
+    """Words of (34): lengths by how much shorter the left sides are, none negative."""
     first, second, third = (Symbol(q.name) for q in SPARE)
     meanings = {
         "l_1": L1,
@@ -348,7 +349,7 @@ def turning() -> Vocabulary:
 
 
 def _spare() -> list[Scalar]:
-    """Return the right sides of (34) less the left ones, for any lengths."""
+    """Right sides of (34) less the left ones, for any lengths."""
     meanings = {"l_1": L1, "l_2": L2, "l_3": L3, "l_4": L4}
     known = Vocabulary(LENGTHS, meanings)
     return [

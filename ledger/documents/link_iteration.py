@@ -9,16 +9,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mpmath
 
 from kousoku.ledger.documents.link_mechanisms import LEVER_CRANK, PISTON_CRANK
+from kousoku.model.real import Real
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.ledger.documents.link_mechanisms import Mechanism
+    from kousoku.ledger.documents.link_mechanisms import ExampleMechanism
 
 #: mpmath with 30 digits, apart from the context that other code may set.
 MP = mpmath.mp.clone()
@@ -26,12 +27,11 @@ MP.dps = 30
 DIVISIONS = 60
 RESIDUAL = "1e-13"
 
-Number = Any  # mpmath is untyped
-Vector = list[Number]
+Vector = list[Real]
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class CrankTurn:
     """A full turn of the crank.
 
     Parameters
@@ -55,7 +55,7 @@ class Run:
 
 
 @cache
-def run(name: str, *, renews: bool = False) -> Run:
+def run(name: str, *, renews: bool = False) -> CrankTurn:
     """Turn the crank once.
 
     Parameters
@@ -75,16 +75,16 @@ def run(name: str, *, renews: bool = False) -> Run:
         counts.append(count)
         left = max(left, residual)
         states.append((x, *_transfer(mechanism, x, inverse)))
-    return Run(tuple(counts), float(left), tuple(states))
+    return CrankTurn(tuple(counts), float(left), tuple(states))
 
 
 def _step(
-    mechanism: Mechanism,
+    mechanism: ExampleMechanism,
     state: tuple[Vector, Vector, Vector],
     inverse: Sequence[Vector],
     *,
     renews: bool,
-) -> tuple[Vector, int, Number]:
+) -> tuple[Vector, int, Real]:
     """Go on by one division; return the position, how many corrections, and the residual."""
     x, first, second = state
     first = list(first)
@@ -103,8 +103,10 @@ def _step(
         count += 1
 
 
-def _transfer(mechanism: Mechanism, x: Vector, inverse: Sequence[Vector]) -> tuple[Vector, Vector]:
-    """Return x′ and x″ by (22) and (23)."""
+def _transfer(
+    mechanism: ExampleMechanism, x: Vector, inverse: Sequence[Vector]
+) -> tuple[Vector, Vector]:
+    """Transfer functions x′ and x″ by (22) and (23)."""
     crank = mechanism.names.index("ψ_11")
     first = [MP.mpf(0)] * len(x)
     first[crank] = MP.mpf(1)
@@ -114,7 +116,9 @@ def _transfer(mechanism: Mechanism, x: Vector, inverse: Sequence[Vector]) -> tup
     return first, _second(mechanism, x, first, inverse)
 
 
-def _second(mechanism: Mechanism, x: Vector, first: Vector, inverse: Sequence[Vector]) -> Vector:
+def _second(
+    mechanism: ExampleMechanism, x: Vector, first: Vector, inverse: Sequence[Vector]
+) -> Vector:
     second = [MP.mpf(0)] * len(x)
     changes = _times(inverse, _changes(mechanism, x, first))
     for k, value in zip(mechanism.unknown, changes, strict=True):
@@ -122,12 +126,12 @@ def _second(mechanism: Mechanism, x: Vector, first: Vector, inverse: Sequence[Ve
     return second
 
 
-def _times(matrix: Sequence[Vector], vector: Sequence[Number]) -> Vector:
+def _times(matrix: Sequence[Vector], vector: Sequence[Real]) -> Vector:
     return [MP.fsum(a * b for a, b in zip(row, vector, strict=True) if a) for row in matrix]
 
 
-def _inverse(mechanism: Mechanism, x: Vector) -> list[Vector]:
-    """Return the inverse of the columns of the unknowns; most of them is zero, and is passed by."""
+def _inverse(mechanism: ExampleMechanism, x: Vector) -> list[Vector]:
+    """Inverse of the columns of the unknowns; most of them is zero, and is passed by."""
     size = len(mechanism.unknown)
     rows = [
         [MP.mpf(row[column]) for column in mechanism.unknown]
@@ -150,16 +154,16 @@ def _inverse(mechanism: Mechanism, x: Vector) -> list[Vector]:
 # -- the link element ----------------------------------------------------------------------------
 
 
-def _along(mechanism: Mechanism, link: int, x: Vector) -> tuple[Vector, Number, Number, Number]:
-    """Return x1 y1 β1 x2 y2 β2 of a link, the cosine and sine of its angle, and its length."""
+def _along(mechanism: ExampleMechanism, link: int, x: Vector) -> tuple[Vector, Real, Real, Real]:
+    """Coordinates x1 y1 β1 x2 y2 β2 of a link, the cosine and sine of its angle, and its length."""
     ends = [x[k] for k in mechanism.ends(link)]
     dx, dy = ends[3] - ends[0], ends[4] - ends[1]
     length = MP.hypot(dx, dy)
     return ends, dx / length, dy / length, length
 
 
-def _deformations(mechanism: Mechanism, x: Vector) -> Vector:
-    """Return (5) to (7) of all links, angles within half a turn."""
+def _deformations(mechanism: ExampleMechanism, x: Vector) -> Vector:
+    """Deformations (5) to (7) of all links, angles within half a turn."""
     result = []
     for link, design in enumerate(mechanism.lengths, 1):
         ends, c, s, length = _along(mechanism, link, x)
@@ -170,8 +174,8 @@ def _deformations(mechanism: Mechanism, x: Vector) -> Vector:
     return result
 
 
-def _matrix(mechanism: Mechanism, x: Vector) -> list[Vector]:
-    """Return (15) of all links, assembled."""
+def _matrix(mechanism: ExampleMechanism, x: Vector) -> list[Vector]:
+    """Matrix (15) of all links, assembled."""
 
     def element(link: int) -> list[Vector]:
         _, c, s, _ = _along(mechanism, link, x)
@@ -181,8 +185,8 @@ def _matrix(mechanism: Mechanism, x: Vector) -> list[Vector]:
     return mechanism.assembled(element)
 
 
-def _changes(mechanism: Mechanism, x: Vector, slope: Vector) -> Vector:
-    """Return D′ x′ of all links: D turns with the link, and its lower rows are over its length."""
+def _changes(mechanism: ExampleMechanism, x: Vector, slope: Vector) -> Vector:
+    """Product D′ x′ of all links: D turns with the link, and its lower rows are over its length."""
     result = []
     for link, design in enumerate(mechanism.lengths, 1):
         _, c, s, length = _along(mechanism, link, x)
@@ -197,8 +201,8 @@ def _changes(mechanism: Mechanism, x: Vector, slope: Vector) -> Vector:
 # -- where it starts -----------------------------------------------------------------------------
 
 
-def _start(mechanism: Mechanism) -> Vector:
-    """Return the position with the crank along the x axis."""
+def _start(mechanism: ExampleMechanism) -> Vector:
+    """Position with the crank along the x axis."""
     lengths = [MP.mpf(length) for length in mechanism.lengths]
     nodes = [(MP.mpf(0), MP.mpf(0)), (lengths[0], MP.mpf(0))]
     if mechanism is PISTON_CRANK:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import sympy
 from sympy.polys.matrices import DomainMatrix
@@ -12,17 +12,22 @@ from sympy.polys.matrices import DomainMatrix
 from kousoku.ledger.names import Names
 from kousoku.ledger.proof import GENERAL
 from kousoku.model.errors import LedgerError
+from kousoku.symbolic.sympy_types import as_scalar
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from kousoku.symbolic.sympy_types import Scalar
+
 NAMES = Names(GENERAL)
 
-Scalar = Any
+
+#: What a matrix is made of: formulas, or numbers.
+Cell = TypeVar("Cell")
 
 
 @dataclass(frozen=True, slots=True)
-class Mechanism:
+class ExampleMechanism:
     """Links between nodes, joined by hinges.
 
     Parameters
@@ -60,17 +65,17 @@ class Mechanism:
         return [k for k, name in enumerate(self.names) if name in self.known]
 
     def ends(self, link: int) -> list[int]:
-        """Return where u1 v1 ψ1 u2 v2 ψ2 of a link stand among the names."""
+        """Places of u1 v1 ψ1 u2 v2 ψ2 of a link among the names."""
         first, second = self.links[link - 1]
         turn = 2 * (self.nodes + link - 1)
         return [2 * first - 2, 2 * first - 1, turn, 2 * second - 2, 2 * second - 1, turn + 1]
 
-    def assembled(self, element: Callable[[int], Sequence[Sequence[Scalar]]]) -> list[list[Scalar]]:
-        """Return the rows of all links, (17), from the three rows of each, (16)."""
+    def assembled(self, element: Callable[[int], Sequence[Sequence[Cell]]]) -> list[list[Cell]]:
+        """Rows of all links, (17), from the three rows of each, (16)."""
         rows = []
         for link in range(1, len(self.links) + 1):
             for row in element(link):
-                whole: list[Scalar] = [0] * len(self.names)
+                whole: list[Any] = [0] * len(self.names)
                 for place, cell in zip(self.ends(link), row, strict=True):
                     whole[place] += cell
                 rows.append(whole)
@@ -78,14 +83,14 @@ class Mechanism:
 
 
 #: Crank and connecting rod; node 3 slides on the x axis, so that v3 is known.
-PISTON_CRANK = Mechanism(
+PISTON_CRANK = ExampleMechanism(
     3,
     ((1, 2), (2, 3)),
     (1, 2),
     MappingProxyType({"u_1": "0", "v_1": "0", "v_3": "0", "ψ_11": "Δα"}),
 )
 #: A closed loop; the fourth link is the frame, which does not turn at node 1.
-LEVER_CRANK = Mechanism(
+LEVER_CRANK = ExampleMechanism(
     4,
     ((1, 2), (2, 3), (3, 4), (4, 1)),
     (30, 60, 80, 100),
@@ -96,8 +101,8 @@ LEVER_CRANK = Mechanism(
 # -- one degree of freedom -----------------------------------------------------------------------
 
 
-def determinant(mechanism: Mechanism) -> Scalar:
-    """Return the determinant of the columns of the unknowns, with sines and cosines as letters."""
+def determinant(mechanism: ExampleMechanism) -> Scalar:
+    """Determinant of the columns of the unknowns, with sines and cosines as letters."""
     letters = {k: sympy.symbols(f"c{k} s{k} l{k}") for k in range(1, len(mechanism.links) + 1)}
 
     def element(link: int) -> list[list[Scalar]]:
@@ -109,7 +114,7 @@ def determinant(mechanism: Mechanism) -> Scalar:
     if square.rows != square.cols:
         raise LedgerError(f"{square.rows} equations for {square.cols} unknowns")
     matrix = DomainMatrix.from_Matrix(square).to_field()
-    return matrix.domain.to_sympy(matrix.det())
+    return as_scalar(matrix.domain.to_sympy(matrix.det()))
 
 
 @NAMES.proof()
@@ -142,5 +147,5 @@ def levers_freedom() -> dict[str, bool]:
     }
 
 
-def _moved(mechanism: Mechanism) -> list[str]:
+def _moved(mechanism: ExampleMechanism) -> list[str]:
     return [name for name, value in mechanism.known.items() if value != "0"]

@@ -8,7 +8,7 @@ transfer functions are found by differentiating these along α, never by an equa
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy
 from sympy import S, Symbol
@@ -25,11 +25,12 @@ from kousoku.model.errors import LedgerError
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import Flow
 from kousoku.symbolic.matrices import elements
+from kousoku.symbolic.sympy_types import as_scalar, as_value
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kousoku.ledger.vocabulary import Value
+    from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix, Value
 
 NAMES = Names(GENERAL)
 
@@ -52,16 +53,14 @@ QUANTITIES = tuple(
 #: A correction of the unknown coordinates, of any size.
 CORRECTION = Quantity("correction", (6,), "m, rad", "of the unknown coordinates")
 
-Scalar = Any
-
 
 def sine(half: Scalar) -> Scalar:
-    """Return the sine of an angle from the tangent of its half."""
+    """Sine of an angle from the tangent of its half."""
     return 2 * half / (1 + half**2)
 
 
 def cosine(half: Scalar) -> Scalar:
-    """Return the cosine of an angle from the tangent of its half."""
+    """Cosine of an angle from the tangent of its half."""
     return (1 - half**2) / (1 + half**2)
 
 
@@ -91,7 +90,7 @@ def _derivative(direction: dict[Scalar, Scalar]) -> Callable[[Value], Value]:
     @cache
     def derivative(value: Value) -> Value:
         is_matrix = getattr(value, "is_Matrix", False)
-        return explicit(value).applyfunc(cell) if is_matrix else cell(value)
+        return as_value(explicit(value).applyfunc(cell) if is_matrix else cell(value))
 
     return derivative
 
@@ -102,13 +101,13 @@ BY_ALPHA, BY_TIME = _derivative(_ALONG), _derivative(_IN_TIME)
 
 @cache
 def motion(order: int) -> ImmutableDenseMatrix:
-    """Return the position, or its first, second, third derivative by α."""
+    """Position, or its first, second, third derivative by α."""
     return BY_ALPHA(motion(order - 1)) if order else column(POSITION)
 
 
 @cache
 def reference_matrix() -> ImmutableDenseMatrix:
-    """Return D at the reference, assembled from (15) for both links."""
+    """Matrix D at the reference, assembled from (15) for both links."""
     angles = {1: (2 * sympy.atan(T), L1), 2: (-2 * sympy.atan(SLOPE), L2)}
 
     def element(link: int) -> list[list[Scalar]]:
@@ -121,32 +120,32 @@ def reference_matrix() -> ImmutableDenseMatrix:
 
 
 def picking(places: Sequence[int], size: int) -> ImmutableDenseMatrix:
-    """Return the matrix that puts numbers at places of a vector."""
+    """Matrix that puts numbers at places of a vector."""
     return ImmutableDenseMatrix([[int(place == row) for place in places] for row in range(size)])
 
 
 def part(x: Value, places: Sequence[int]) -> Value:
-    """Return the numbers at places of a vector."""
-    return column([x[k, 0] for k in places])
+    """Numbers at places of a vector."""
+    return as_value(column([x[k, 0] for k in places]))
 
 
 UNKNOWN, KNOWN = PISTON_CRANK.unknown, PISTON_CRANK.prescribed
 
 
-def _parts(name: str, value: Value) -> dict[str, Value]:
+def _parts(name: str, value: Value) -> dict[str, Scalar | SymbolicMatrix]:
     return {name: value, f"{name}^1": part(value, UNKNOWN), f"{name}^2": part(value, KNOWN)}
 
 
 @NAMES.words
 @cache
 def words() -> Vocabulary:
-    """Return what the symbols mean on the way of the piston crank; u is x′ Δα."""
+    """Vocabulary of the way of the piston crank; u is x′ Δα."""
     x, first, second = (motion(order) for order in range(3))
     velocity, matrix = BY_TIME(x), reference_matrix()
     pick = picking(UNKNOWN, len(POSITION))
     correction = column(elements(CORRECTION))
     predicted = x + STEP * first + STEP**2 / 2 * second
-    meanings: dict[str, Value] = {
+    meanings: dict[str, Scalar | SymbolicMatrix] = {
         "D^0": matrix,
         "L^1": pick,
         "L^2": picking(KNOWN, len(POSITION)),
@@ -179,9 +178,9 @@ def words() -> Vocabulary:
 @NAMES.words
 @cache
 def definitions() -> Vocabulary:
-    """Return the words of x′ = dx/dα and x″ = d²x/dα²: α alone changes, and evenly."""
-    known = words().meanings
-    x, dx = known["x"], RATE * DT * BY_ALPHA(known["x"])
+    """Words of x′ = dx/dα and x″ = d²x/dα²: α alone changes, and evenly."""
+    x = words().meaning("x")
+    dx = RATE * DT * BY_ALPHA(x)
     twice = RATE * DT * BY_ALPHA(dx)
     return words().knowing({"dx": dx, "d^2 x": twice, "x": x})
 
@@ -189,7 +188,7 @@ def definitions() -> Vocabulary:
 @NAMES.words
 @cache
 def parted() -> Vocabulary:
-    """Return the words of (18) and (19): any displacement of the rod, and of the whole."""
+    """Words of (18) and (19): any displacement of the rod, and of the whole."""
     whole = Quantity("u", (10,), "m, rad", "displacement of the mechanism")
     ends = PISTON_CRANK.ends(2)
     known = [k for k, place in enumerate(ends) if place in KNOWN]
@@ -220,12 +219,12 @@ NUMBERS = {L1: S(3), T: S(2) / 3, SLOPE: S(1) / 3}
 
 
 def _sized(x: Value) -> Value:
-    return x.xreplace(SIZES)
+    return as_value(x.xreplace(SIZES))
 
 
 @cache
 def symbols() -> Vocabulary:
-    """Return the symbols of the code's steps on assembled systems, by the paper's names."""
+    """Symbols of the code's steps on assembled systems, by the paper's names."""
     m, n, k = 6, 10, 4
     shapes = {
         **{"D^0": ("D", m, n), "L^1": ("L_1", n, m), "L^2": ("L_2", n, k)},
@@ -234,7 +233,9 @@ def symbols() -> Vocabulary:
         **{"x''": ("x″", n, 1), "x_ref.": ("x_ref", n, 1)},
         **{"ζ": ("zeta", m, 1), "u^*": ("u^*", m, 1)},
     }
-    meanings: dict[str, Value] = {name: MatrixSymbol(*args) for name, args in shapes.items()}
+    meanings: dict[str, Scalar | SymbolicMatrix] = {
+        name: MatrixSymbol(*args) for name, args in shapes.items()
+    }
     meanings |= {
         "d/dt α": Symbol("alpha_dot"),
         "d²/dt² α": Symbol("alpha_ddot"),
@@ -282,7 +283,7 @@ def rod_keeps_its_length() -> str:
 @NAMES.proof()
 def parts_are_complementary() -> dict[str, bool]:
     """Look at L1 and L2 of the piston crank."""
-    first, second = (words().meanings[name] for name in ("L^1", "L^2"))
+    first, second = (words().meaning(name) for name in ("L^1", "L^2"))
     whole = first * first.T + second * second.T
     return {
         "L1 L1ᵀ + L2 L2ᵀ = I": whole == sympy.eye(10),
@@ -346,11 +347,11 @@ def slope_changes() -> dict[str, bool]:
 
 
 def _crank_residual(x: Scalar, y: Scalar, psi: Scalar, terms: int) -> list[Scalar]:
-    """Return the series of ε of a crank of length 1 that is turned by h, its far end at (x, y)."""
+    """Series of ε of a crank of length 1 that is turned by h, its far end at (x, y)."""
     h = Symbol("h")
 
     def short(value: Scalar) -> Scalar:
-        return sympy.series(value, h, 0, terms).removeO()
+        return as_scalar(sympy.series(value, h, 0, terms).removeO())
 
     beta = short(sympy.atan(short(y / x)))
     stretched = short(sympy.sqrt(sympy.expand(x**2 + y**2)))
@@ -359,7 +360,7 @@ def _crank_residual(x: Scalar, y: Scalar, psi: Scalar, terms: int) -> list[Scala
 
 @cache
 def crank_orders(corrections: int) -> tuple[int, ...]:
-    """Return the order of ε of the crank at (26), and after each correction by (27) and (28)."""
+    """Order of ε of the crank at (26), and after each correction by (27) and (28)."""
     h = Symbol("h")
     x, y, psi = 1 - h**2 / 2, h, h
     orders = []

@@ -27,17 +27,18 @@ from kousoku.symbolic import derive
 from kousoku.symbolic.components import Flow, cross, dot, plus, subtract
 from kousoku.symbolic.mass import FORCE, I_A_B, MASS, OMEGA_B, R_AG_B, TORQUE_B, P
 from kousoku.symbolic.matrices import Orientation, Skew, elements, mul, neg, symbol
+from kousoku.symbolic.sympy_types import Scalar, as_value
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.ledger.names import Words
     from kousoku.ledger.proof import Side
-    from kousoku.ledger.vocabulary import Value
+    from kousoku.symbolic.sympy_types import SymbolicMatrix, Value
 
 NAMES = Names(GENERAL)
 
-Vector = list[Any]
+Vector = list[Scalar]
 
 R = Quantity("r", (3,), "m", "position of frame A's origin, frame O")
 V = Quantity("v", (3,), "m/s", "its velocity, frame O")
@@ -56,21 +57,21 @@ INNER = Quantity("f_12", (3,), "N", "force on point 1 from point 2, in any direc
 @NAMES.words
 @cache
 def words() -> Vocabulary:
-    """Return what the symbols mean for points 1, 2 and 3, anywhere in frame A."""
+    """Vocabulary of points 1, 2 and 3, anywhere in frame A."""
     return carried("123", _rows(), (*MOTION, M, S_B, K))
 
 
 @NAMES.words
 @cache
 def one_point() -> Vocabulary:
-    """Return what they mean for any point i; j and k are the two others."""
+    """Vocabulary of any point i; j and k are the two others."""
     return carried("ijk", _rows(), (*MOTION, M, S_B, K))
 
 
 @NAMES.words
 @cache
 def centred() -> Vocabulary:
-    """Return what they mean where the origin of frame A is the centre of mass."""
+    """Vocabulary where the origin of frame A is the centre of mass."""
     first, second = (Quantity(f"s_{k}_b", (3,), "m", f"point {k}, frame A") for k in (1, 2))
     m_1, m_2, m_3 = elements(M)
     places = [list(elements(first)), list(elements(second))]
@@ -81,7 +82,7 @@ def centred() -> Vocabulary:
 @NAMES.words
 @cache
 def body() -> Vocabulary:
-    """Return what they mean for any rigid body, given by mass, centre and inertia."""
+    """Vocabulary of any rigid body, given by mass, centre and inertia."""
     meanings = {
         "C_OA": Orientation(symbol(P)),
         "E": Identity(3),
@@ -98,14 +99,14 @@ def body() -> Vocabulary:
 @NAMES.words
 @cache
 def any_vectors() -> Vocabulary:
-    """Return a and b, any two vectors."""
+    """Vocabulary of any two vectors a and b."""
     return free({name: Quantity(name, (3,), "-", "any vector") for name in "ab"})
 
 
 @NAMES.words
 @cache
 def opposite() -> Vocabulary:
-    """Return two points and internal forces that are opposite, and no more than that."""
+    """Vocabulary of two points and internal forces that are opposite, and no more than that."""
     words = free({"vec r_A1": ARMS[0], "vec r_A2": ARMS[1], "vec f_12": INNER})
     return words.knowing({"vec f_21": neg(symbol(INNER))})
 
@@ -113,7 +114,7 @@ def opposite() -> Vocabulary:
 @NAMES.words
 @cache
 def newton() -> Vocabulary:
-    """Return one point with its mass m, its acceleration a, and f, the change of m v."""
+    """Vocabulary of a point with its mass m, its acceleration a, and f, the change of m v."""
     known, change = one_point(), rate()
     momentum = scaled(elements(M)[0], known.given["v_Oi^O"])
     given = {**known.given, "f": change(momentum)}
@@ -124,7 +125,7 @@ def newton() -> Vocabulary:
 @NAMES.words
 @cache
 def on_one_line() -> Vocabulary:
-    """Return what the symbols mean for points on a line: through point 0, in direction t."""
+    """Vocabulary of points on a line: through point 0, in direction t."""
     start, line = Quantity("s_0", (3,), "m", "point 0"), Quantity("t", (3,), "-", "direction")
     along_line = Quantity("x", (3,), "-", "where on the line each point is")
     places = [plus(elements(start), scaled(x, elements(line))) for x in elements(along_line)]
@@ -135,7 +136,7 @@ def on_one_line() -> Vocabulary:
 @NAMES.words
 @cache
 def in_a_plane() -> Vocabulary:
-    """Return what the symbols mean for points in the plane of the motion: z = 0, ω along z."""
+    """Vocabulary of points in the plane of the motion: z = 0, ω along z."""
     x, y = (Quantity(f"{axis}_b", (3,), "m", f"{axis} of each point, frame A") for axis in "xy")
     places = [[*place, S.Zero] for place in zip(elements(x), elements(y), strict=True)]
     return _about_z(carried("123", places, (*MOTION, M, x, y, K)))
@@ -144,7 +145,7 @@ def in_a_plane() -> Vocabulary:
 @NAMES.words
 @cache
 def off_the_plane() -> Vocabulary:
-    """Return what they mean for points anywhere, and ω along z."""
+    """Vocabulary of points anywhere, and ω along z."""
     return _about_z(words())
 
 
@@ -160,13 +161,13 @@ def _rows() -> list[Vector]:
 
 
 def rate() -> Callable[[Sequence[Any]], Vector]:
-    """Return d/dt of the components of a vector, along the motion of frame A."""
+    """Time derivative of the components of a vector, along the motion of frame A."""
     flow = along((R, V), (V, V_DOT), (P, OMEGA_B), (OMEGA_B, OMEGA_DOT))
     return lambda vector: [flow(x) for x in vector]
 
 
 def carried(labels: str, places: Sequence[Vector], quantities: tuple[Quantity, ...]) -> Vocabulary:
-    """Return what the symbols mean for three points that frame A carries.
+    """Vocabulary of three points that frame A carries.
 
     Parameters
     ----------
@@ -202,7 +203,7 @@ def carried(labels: str, places: Sequence[Vector], quantities: tuple[Quantity, .
 
 
 def _internal(arms: Sequence[Vector]) -> dict[tuple[int, int], Vector]:
-    """Return the force on each point from each other: along the line between them, opposite."""
+    """Force on each point from each other: along the line between them, opposite."""
     forces: dict[tuple[int, int], Vector] = {}
     for strength, (i, j) in zip(elements(K), combinations(range(3), 2), strict=True):
         forces[i, j] = scaled(strength, subtract(arms[i], arms[j]))
@@ -213,7 +214,7 @@ def _internal(arms: Sequence[Vector]) -> dict[tuple[int, int], Vector]:
 def _sums(
     places: Sequence[Vector], arms: Sequence[Vector], external: Sequence[Vector]
 ) -> dict[str, Vector]:
-    """Return the centre, its motion, and the resultants of the external forces."""
+    """Centre, its motion, and the resultants of the external forces."""
     masses, change = elements(M), rate()
     total = sum(masses, S.Zero)
     weighed = [
@@ -232,7 +233,7 @@ def _sums(
 
 
 def _matrices(places: Sequence[Vector]) -> dict[str, Vector]:
-    """Return dC/dt, and the inertia Σ m (s·s E − s sᵀ), row-major."""
+    """Matrices dC/dt, and the inertia Σ m (s·s E − s sᵀ), row-major."""
     inertia = [
         sum(
             (
@@ -247,8 +248,8 @@ def _matrices(places: Sequence[Vector]) -> dict[str, Vector]:
     return {"I_A^A": inertia, "d/dt C_OA": rate()(flat(orientation(P)))}
 
 
-def _common() -> dict[str, Value]:
-    """Return what is not of single points."""
+def _common() -> dict[str, Scalar | SymbolicMatrix]:
+    """Meanings that are not of single points."""
     return {
         "C_OA": Orientation(symbol(P)),
         "d/dt C_OA": MatrixSymbol("d/dt C_OA", 3, 3),
@@ -264,17 +265,17 @@ def _common() -> dict[str, Value]:
 
 
 def added(vectors: Sequence[Vector]) -> Vector:
-    """Return the sum of vectors."""
+    """Sum of vectors."""
     return reduce(plus, vectors)
 
 
 def scaled(number: Any, vector: Sequence[Any]) -> Vector:
-    """Return a number times a vector."""
+    """Number times a vector."""
     return [number * x for x in vector]
 
 
 def free(vectors: Mapping[str, Quantity]) -> Vocabulary:
-    """Return a vocabulary of vectors that nothing binds."""
+    """Vocabulary of vectors that nothing binds."""
     quantities = tuple(vectors.values())
     return Vocabulary(quantities, {name: symbol(q) for name, q in vectors.items()})
 
@@ -283,10 +284,10 @@ def free(vectors: Mapping[str, Quantity]) -> Vocabulary:
 
 
 def derived(package: str, function: str, output: str) -> Value:
-    """Return what the code's derivation says an output is."""
+    """Output of the code's derivation."""
     functions = {f.name: f for f in derive(package).functions}
     found = {o.quantity.name: o.expression for o in functions[function].outputs}
-    return found[output]
+    return as_value(found[output])
 
 
 @NAMES.proof("the code's {package}.{function} gives this as {output}")
@@ -371,5 +372,5 @@ def fails_with_printed_torque(formula: str | Side) -> str:
 def transpose_is_negative() -> str:
     """Transpose the elements of a skew matrix one by one: it is minus itself."""
     known = any_vectors()
-    transposed = Transpose(Skew(known.meanings["a"]))
+    transposed = Transpose(Skew(known.meaning("a")))
     return equality(known, transposed, value_of("-cross(a)", known))

@@ -41,7 +41,7 @@ class Along(ForceKind):
         require_one(force.force, f"{key}.force", f", that increases {force.coordinate}")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Yield the force."""
+        """Element of the force."""
         assert force.coordinate is not None
         assert not isinstance(force.force, tuple)
         place = given.coordinates.place(force.coordinate)
@@ -52,7 +52,7 @@ class Along(ForceKind):
 
 
 def known_coordinate(scene: Scene, force: Force, key: str) -> str:
-    """Return the coordinate that a force names.
+    """Coordinate that a force names.
 
     Raises
     ------
@@ -65,5 +65,5 @@ def known_coordinate(scene: Scene, force: Force, key: str) -> str:
 
 
 def is_length(given: Lowering, place: int) -> bool:
-    """Return whether a coordinate is a length, not an angle."""
+    """Whether a coordinate is a length, not an angle."""
     return given.coordinates.unit_of(place)[0] == "m"

@@ -65,8 +65,8 @@ class Bushing(ForceKind):
                 raise SceneError("are parallel; wanted two directions", key=f"{key}.axes")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Yield springs along three directions of body i, and about them by sines of the turns."""
-        from kousoku.model.coordinates import Measure
+        """Springs along three directions of body i, and about them by sines of the turns."""
+        from kousoku.model.coordinates import PreciseMeasure
 
         assert force.bodies is not None
         i, j = (given.frames[body] for body in force.bodies)
@@ -74,10 +74,11 @@ class Bushing(ForceKind):
         directions = _directions(force)
         a_i = [i.from_ground(one) for one in directions]
         a_j = [j.from_ground(one) for one in directions]
-        along = [Measure("n2", (i, j), (("a_i_b", one),), points) for one in a_i]
+        along = [PreciseMeasure("n2", (i, j), (("a_i_b", one),), points) for one in a_i]
         # Of a turn of j about the axis k the sine is the cosine between k + 2 of i and k + 1 of j.
         about = [
-            Measure("n1", (i, j), (("a_i_b", a_i[k - 1]), ("a_j_b", a_j[k - 2]))) for k in range(3)
+            PreciseMeasure("n1", (i, j), (("a_i_b", a_i[k - 1]), ("a_j_b", a_j[k - 2])))
+            for k in range(3)
         ]
         names = (*LETTERS, *(f"about_{letter}" for letter in LETTERS))
         springs = zip(
@@ -94,7 +95,7 @@ def _six(values: object) -> Sequence[Value]:
 
 
 def _middle(force: Force, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, Triple]:
-    """Return the middle of a bushing in the frames of both bodies."""
+    """Middle of a bushing in the frames of both bodies."""
     from kousoku.model import precise
 
     if force.points is not None:
@@ -107,7 +108,7 @@ def _middle(force: Force, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, Tr
 
 
 def _directions(force: Force) -> tuple[Triple, Triple, Triple]:
-    """Return the three directions of a bushing in frame O, at the positions as they are written."""
+    """Three directions of a bushing in frame O, at the positions as they are written."""
     from kousoku.model import precise
 
     first, near = force.axes or ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))

@@ -22,10 +22,10 @@ class ConstantVelocity(JointKind):
     """A point in common, and shafts that turn equally fast whatever the bend."""
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Return x_i·y_j − y_i·x_j, where x, y and the shaft are the frame of each body."""
+        """Combination x_i·y_j − y_i·x_j, where x, y and the shaft are the frame of each body."""
         from kousoku.model import precise
         from kousoku.model.combinations import combination
-        from kousoku.model.coordinates import Measure
+        from kousoku.model.coordinates import PreciseMeasure
         from kousoku.model.digits import CONTEXT
         from kousoku.model.frames import joint_vectors
 
@@ -39,7 +39,7 @@ class ConstantVelocity(JointKind):
             )
         xy = (("a_i_b", i["across"]), ("a_j_b", j["third"]))
         yx = (("a_i_b", i["third"]), ("a_j_b", j["across"]))
-        first = coordinates.add(f"{name}.xy", Measure("n1", ends, xy))
-        second = coordinates.add(f"{name}.yx", Measure("n1", ends, yx))
+        first = coordinates.add(f"{name}.xy", PreciseMeasure("n1", ends, xy))
+        second = coordinates.add(f"{name}.yx", PreciseMeasure("n1", ends, yx))
         one = CONTEXT.mpf(1)
         return combination(name, [(first, one), (second, -one)], CONTEXT.mpf(0), coordinates)

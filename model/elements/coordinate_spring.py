@@ -40,7 +40,7 @@ def linear_spring(
     given: Lowering,
     free: Value | High = 0.0,
 ) -> CoordinateSpring:
-    """Return a linear spring against a coordinate.
+    """Linear spring against a coordinate.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def linear_spring(
 def spring_against(
     name: str, place: int, numbers: Mapping[str, tuple[Any, High]], given: Lowering, law: str = ""
 ) -> CoordinateSpring:
-    """Return a spring of these numbers, each with its unit, and perhaps a law of its own."""
+    """Spring of these numbers, each with its unit, and perhaps a law of its own."""
     one = given.coordinates.record(place)
     constants, formulas = scalars(numbers)
     return CoordinateSpring(name, one.i, one.j, constants, law, formulas, place)

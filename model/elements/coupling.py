@@ -66,5 +66,5 @@ class Coupling:
         """
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Return its row, which is zero at the positions as they are written."""
+        """Combination of the coupling, zero at the positions as they are written."""
         raise NotImplementedError(f"no row of {joint.type}")

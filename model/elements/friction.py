@@ -37,7 +37,7 @@ class Friction(ForceKind):
         require_one(force.damping, f"{key}.damping")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Yield a damper against each coordinate that the joint leaves free."""
+        """Damper against each coordinate that the joint leaves free."""
         assert force.joint is not None
         assert not isinstance(force.damping, tuple)
         leaves = leaves_of(given.scene.joints[force.joint].type)

@@ -26,7 +26,7 @@ class Gear(Coupling):
     aliases = ("gears",)
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Return the second angle − ratio · the first."""
+        """Combination second angle − ratio · the first."""
         from kousoku.model import precise
         from kousoku.model.combinations import as_written
 

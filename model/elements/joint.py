@@ -9,10 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.model.coordinates import CoordinateList, Measure
+    from kousoku.model.coordinates import CoordinateList, PreciseMeasure
     from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.frames import BodyFrame
     from kousoku.model.mechanism import Instance
@@ -25,27 +27,15 @@ DISPLACEMENT, SECOND_DISPLACEMENT = "displacement", "second_displacement"
 ANGLES, DISPLACEMENTS = (ANGLE, SECOND_ANGLE), (DISPLACEMENT, SECOND_DISPLACEMENT)
 """Those of them that are in rad, and those that are lengths."""
 
-ROWS_OF = {
-    "point": 3,
-    "distance": 1,
-    "n1": 1,
-    "n2": 1,
-    "p1": 2,
-    "p2": 2,
-    "linear_combination": 1,
-}
-"""Equations of each kind that joints are made of."""
-
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class JointPart:
     """One kind in a joint.
 
     Parameters
     ----------
     kind : str
-        ``point``, ``distance``, ``n1``, ``n2``, ``p1``, ``p2``, or ``linear_combination`` of
-        coordinates.
+        One of :data:`~kousoku.model.elements.constraints.CONSTRAINTS`.
     i, j : {"axis", "across", "third"}
         Which vectors of the joint frames are a_i and a_j, where the kind has them.
     """
@@ -63,7 +53,7 @@ class JointKind:
     ----------
     title : str
         What the joint allows, in one line.
-    parts : tuple of Part
+    parts : tuple of JointPart
         What it is composed of, in the order of its rows.
     axes : int
         Axes that a scene gives: none, 1 that is the same in both bodies, or 2.
@@ -82,7 +72,7 @@ class JointKind:
     """
 
     title: str
-    parts: tuple[Part, ...]
+    parts: tuple[JointPart, ...]
     axes: int
     has_point: bool = True
     aliases: tuple[str, ...] = ()
@@ -118,7 +108,7 @@ class JointKind:
         """
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Return the row of a joint that combines coordinates.
+        """Row of a joint that combines coordinates.
 
         Raises
         ------
@@ -127,35 +117,34 @@ class JointKind:
         """
         raise NotImplementedError(f"no row of coordinates of {joint.type}")
 
-    def measure(self, joint: Joint, sort: str, ends: tuple[BodyFrame, BodyFrame]) -> Measure:
-        """Return what it leaves free: an angle or a displacement.
+    def measure(self, joint: Joint, sort: str, ends: tuple[BodyFrame, BodyFrame]) -> PreciseMeasure:
+        """Measure that it leaves free: an angle or a displacement.
 
         The angle is that of the zero direction of body j, counted from the zero direction of body i
         counter-clockwise about the axis of body i. The displacement is that of the point of j, from
         the point of i along the axis of i; in a plane it is along the zero direction of i, and the
         second one along axis × zero direction.
         """
-        from kousoku.model.coordinates import Measure
+        from kousoku.model.coordinates import PreciseMeasure
         from kousoku.model.frames import joint_points, joint_vectors
 
         i, j = joint_vectors(ends, joint)
         if sort == ANGLE:
             vectors = (("a_i_b", i["across"]), ("b_i_b", i["third"]), ("a_j_b", j["across"]))
-            return Measure("angle", ends, vectors)
+            return PreciseMeasure("angle", ends, vectors)
         along = i["axis"]
         if self.counts_along_zero:
             along = i["across"] if sort == DISPLACEMENT else i["third"]
-        return Measure("n2", ends, (("a_i_b", along),), joint_points(joint, ends))
+        return PreciseMeasure("n2", ends, (("a_i_b", along),), joint_points(joint, ends))
 
     @property
     def rows(self) -> int:
         """Count of equations, the freedoms that the joint takes away."""
-        return sum(ROWS_OF[part.kind] for part in self.parts)
+        return sum(CONSTRAINTS[part.kind].rows for part in self.parts)
 
     def turns(self, body: int) -> bool:
-        """Return whether it needs the orientation of body i (0) or j (1), which a point lacks."""
-        both, first = ("n1", "p1", "linear_combination"), ("n2", "p2")
-        return any(part.kind in (both if body else both + first) for part in self.parts)
+        """Whether it needs the orientation of body i (0) or j (1), which a point lacks."""
+        return any(CONSTRAINTS[part.kind].turns(body) for part in self.parts)
 
     @property
     def keeps_zero(self) -> bool:
@@ -174,6 +163,11 @@ class JointKind:
         return across or ANGLE in self.leaves or (self.axes == 2 and COMBINED in self.parts)
 
 
-POINT, PARALLEL, ON_LINE, ON_PLANE = Part("point"), Part("p1"), Part("p2"), Part("n2")
-COMBINED = Part("linear_combination")
-NO_TURN = Part("n1", "across", "third")
+POINT, PARALLEL, ON_LINE, ON_PLANE = (
+    JointPart("point"),
+    JointPart("p1"),
+    JointPart("p2"),
+    JointPart("n2"),
+)
+COMBINED = JointPart(COMBINATION)
+NO_TURN = JointPart("n1", "across", "third")

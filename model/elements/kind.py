@@ -91,18 +91,18 @@ class ForceKind(ABC):
         """
 
     def unused(self, force: Force) -> Iterable[tuple[str, str]]:
-        """Yield keys that change nothing, and why."""
+        """Keys that change nothing, and why."""
         return ()
 
     @abstractmethod
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Yield what a checked force is made of: SI units, principal frames, rounded once.
+        """Elements that a checked force is made of: SI units, principal frames, rounded once.
 
         It imports what computes in 50 digits itself: scenes are read and checked without.
         """
 
     def line(self, force: Force) -> tuple[tuple[str, str], Points] | None:
-        """Return two bodies and the points between which pictures show a spring, if any."""
+        """Bodies and the points between which pictures show a spring, if any."""
         return None
 
 
@@ -132,7 +132,7 @@ def require_only_point(name: str, point: tuple[float, float, float] | None, key:
 
 
 def scalars(given: Mapping[str, tuple[Value | High | None, High]]) -> tuple[Constants, Formulas]:
-    """Return numbers in SI units; of a formula its unit, and the text.
+    """Numbers in SI units; of a formula its unit, and the text.
 
     Parameters
     ----------

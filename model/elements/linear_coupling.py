@@ -56,7 +56,7 @@ class LinearCoupling(Coupling):
                 )
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Return Σ factor · coordinate, of angles in rad, else in the unit of the scene."""
+        """Combination Σ factor · coordinate, of angles in rad, else in the unit of the scene."""
         from kousoku.model import precise
         from kousoku.model.combinations import as_written, length_of
         from kousoku.model.traced import at_scene
@@ -79,7 +79,7 @@ class LinearCoupling(Coupling):
 
 
 def _scale_of(factors: Sequence[float]) -> float:
-    """Return what factors are multiplied by, so that their row has the size of other rows.
+    """Scale of factors, so that their row has the size of other rows.
 
     A row that is far smaller would count as one that depends on others, and nothing would keep it.
     """

@@ -95,13 +95,13 @@ class OnBody(ForceKind):
         raise NotImplementedError
 
     def kind_of(self, force: Force) -> str:
-        """Return the kind of its element."""
+        """Kind of its element."""
         return self.name if getattr(force, self.name) is not None else f"{self.name}_b"
 
     def vectors(
         self, force: Force, kind: str, frame: BodyFrame, unit: High
     ) -> tuple[Constants, Formulas]:
-        """Return the vectors that it is the sum of, and the formulas of some of them.
+        """Vectors that it is the sum of, and the formulas of some of them.
 
         Components that are numbers make one vector. Each that is a formula stands beside the
         direction that it belongs to, in frame O or in the principal frame.
@@ -141,7 +141,7 @@ class ForceOnBody(OnBody):
         require_only_point(force.body or "", force.point, f"{key}.point")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Yield the force."""
+        """Element of the force."""
         from kousoku.model import precise
 
         frame = given.frames[force.body or ""]
@@ -163,7 +163,7 @@ class TorqueOnBody(OnBody):
         raise SceneError("a point does not turn; wanted a body", key=f"{key}.body")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Yield the torque."""
+        """Element of the torque."""
         frame = given.frames[force.body or ""]
         kind = self.kind_of(force)
         vectors, formulas = self.vectors(force, kind, frame, given.unit * given.unit)

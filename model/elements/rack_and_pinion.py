@@ -26,7 +26,7 @@ class RackAndPinion(Coupling):
     aliases = ("rack", "rackpin")
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Return the displacement of the rack − radius · the angle of the pinion."""
+        """Combination displacement of the rack − radius · the angle of the pinion."""
         from kousoku.model import precise
         from kousoku.model.combinations import as_written
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Rod(JointKind):
+class RodJoint(JointKind):
     """All that keeps the distance of two points, ``length``, or that of their positions."""
 
     @property

@@ -46,7 +46,7 @@ class RotationalSpringDamper(ForceKind):
         check_law(force, "moment", key)
 
     def unused(self, force: Force) -> Iterator[tuple[str, str]]:
-        """Yield a free angle that does not count, and a lost ``of``."""
+        """Free angle that does not count, and a lost ``of``."""
         yield from unused_free(force, "free_angle", "moment")
         if force.coordinate is not None and force.of is not None:
             yield (
@@ -55,7 +55,7 @@ class RotationalSpringDamper(ForceKind):
             )
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Yield a spring against the coordinate."""
+        """Spring against the coordinate."""
         from kousoku.model import precise
 
         assert not isinstance(force.stiffness, tuple)

@@ -32,7 +32,7 @@ class Screw(JointKind):
             )
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Return displacement − pitch / 2π · angle."""
+        """Combination displacement − pitch / 2π · angle."""
         from kousoku.model import precise
         from kousoku.model.combinations import as_written
         from kousoku.model.digits import CONTEXT

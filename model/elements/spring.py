@@ -37,7 +37,7 @@ def check_law(force: Force, name: str, key: str) -> None:
 
 
 def unused_free(force: Force, free: str, law: str) -> Iterator[tuple[str, str]]:
-    """Yield the key of a free length or angle where no force depends on the elongation, and why."""
+    """Key of a free length or angle where no force depends on the elongation, and why."""
     formula = getattr(force, law)
     counts = force.stiffness is not None if formula is None else bool(used_names(formula, "x"))
     if getattr(force, free) is not None and not counts:

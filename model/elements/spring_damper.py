@@ -59,11 +59,11 @@ class SpringDamper(ForceKind):
             )
 
     def unused(self, force: Force) -> Iterator[tuple[str, str]]:
-        """Yield a free length that does not count."""
+        """Free length that does not count."""
         yield from unused_free(force, "free_length", "tension")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Yield the spring."""
+        """Element of the spring."""
         from kousoku.model import precise
 
         assert force.bodies is not None
@@ -92,6 +92,6 @@ class SpringDamper(ForceKind):
         yield PointSpring(name, i, j, constants, force.tension or "", formulas)
 
     def line(self, force: Force) -> tuple[tuple[str, str], Points] | None:
-        """Return its bodies and its ends."""
+        """Bodies and ends of the spring."""
         both = force.bodies, force.points
         return None if both[0] is None or both[1] is None else (both[0], both[1])

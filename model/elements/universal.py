@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.elements.joint import ANGLE, JointKind
 
 if TYPE_CHECKING:
-    from kousoku.model.coordinates import Measure
+    from kousoku.model.coordinates import PreciseMeasure
     from kousoku.model.frames import BodyFrame
     from kousoku.model.spatial import Joint
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 class Universal(JointKind):
     """Turns about the two arms of a cross, each fixed in one of the bodies."""
 
-    def measure(self, joint: Joint, sort: str, ends: tuple[BodyFrame, BodyFrame]) -> Measure:
-        """Return a turn of the cross about one of its arms.
+    def measure(self, joint: Joint, sort: str, ends: tuple[BodyFrame, BodyFrame]) -> PreciseMeasure:
+        """Turn of the cross about one of its arms.
 
         The angle is that of the arm of j, seen from body i, about the arm of i. The second is that
         of body j about its own arm: against it the arm of i turns the other way.
         """
         from kousoku.model import precise
-        from kousoku.model.coordinates import Measure
+        from kousoku.model.coordinates import PreciseMeasure
         from kousoku.model.digits import CONTEXT
         from kousoku.model.frames import joint_vectors
         from kousoku.model.precise import NOISE
@@ -43,4 +43,4 @@ class Universal(JointKind):
         third = precise.cross(own, across)
         if sort != ANGLE:
             third = precise.scale(CONTEXT.mpf(-1), third)
-        return Measure("angle", ends, (("a_i_b", across), ("b_i_b", third), ("a_j_b", arm)))
+        return PreciseMeasure("angle", ends, (("a_i_b", across), ("b_i_b", third), ("a_j_b", arm)))

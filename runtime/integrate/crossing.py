@@ -261,7 +261,7 @@ def look_into(
 
 
 def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
-    """Return by how much second derivatives are further from their mean than those of parabolas.
+    """By how much second derivatives are further from their mean than those of parabolas.
 
     Values and rates at both ends of h tell. What reads a coordinate are numbers as large as its
     size, however small it is.
@@ -680,7 +680,7 @@ def are_narrow_told(start: float, end: float, look: Look) -> bool:
 
 
 def is_at_pole(first: float, last: float, look: Look, *, in_between: bool) -> bool:
-    """Return whether at both times a function is near to zero, or in between, for a pole.
+    """Whether at both times a function is near to zero, or in between, for a pole.
 
     A force may be infinite there: no bound tells how it varies, and of what is narrow the energy
     does.

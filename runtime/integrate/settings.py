@@ -108,3 +108,22 @@ class Doubt(IntFlag):
     ROW_DRIFT = 64
     BRANCH_POINTS = 128
     NARROW = 256
+
+
+#: Why a run did not start, or does not go on.
+MESSAGES: dict[int, str] = {
+    Status.PAUSED: "most_steps are made",
+    Status.STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is"
+    " too fast, or the tolerance is too tight for doubles",
+    Status.NOT_PROJECTED: "the constraints cannot be met inside of a step, as where their rows are"
+    " dependent; steps of other lengths may pass such a place",
+    Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not"
+    " determine the motion there, or a formula of a force has no finite value there, which"
+    " kousoku check names",
+    Status.BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
+    Status.NOT_CLOSED: "joints come open: constraints that were left out, because they depend on"
+    " others where they were looked at, do not depend on them here",
+    Status.DEPENDENT: "rows of joints depend on each other nearly, that do not with the parameters"
+    " of the scene",
+    Status.WRONG_STATE: "the state belongs to another solver, or was damaged",
+}

@@ -325,7 +325,7 @@ def trust_of(
 
 
 def untold(single: Mapping[str, float], advice: str) -> str:
-    """Return over which steps no bounds tell how formulas vary, and what to do."""
+    """Steps over which no bounds tell how formulas vary, and what to do."""
     count = single["unresolved"]
     return (
         f"narrow forces may be passed over in {count:.0f} step{'s' * (count > 1)}, the last from"

@@ -12,6 +12,6 @@ Python NumPy, and imports nothing of kousoku but itself.
 ``newton``        full and modified Newton method
 ``assembly``      the first position
 ``continuation``  predictor and corrector along the inputs
-``solve``         the whole analysis
+``solve``         the whole analysis, and what a folder has of it
 ``trajectory``    results by name
 """

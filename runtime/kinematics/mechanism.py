@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from .equations import segments_of
-
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from typing import Any, TypeAlias
@@ -128,8 +126,8 @@ class Mechanism:
     regions : mapping of str to (int, int)
         First slot and size of each named part of it.
     segments : mapping of str to callable
-        What is computed on it: ``position_k``, ``velocity_k`` and ``acceleration_k`` belong to
-        block k, counted from 1; ``nodes`` and ``angles`` give the results.
+        What is computed on it in Python: ``position_k``, ``velocity_k`` and ``acceleration_k``
+        belong to block k, counted from 1; ``nodes`` and ``angles`` give the results.
     """
 
     unit: str
@@ -145,16 +143,8 @@ class Mechanism:
     segments: Mapping[str, Segment]
 
     @classmethod
-    def from_data(cls, data: Mapping[str, Any], module: Any) -> Mechanism:
-        """Return what ``motion.json`` says, with the segments of ``solver.py``.
-
-        Parameters
-        ----------
-        data : mapping
-            The content of the one.
-        module : module
-            The other.
-        """
+    def from_data(cls, data: Mapping[str, Any], segments: Mapping[str, Segment]) -> Mechanism:
+        """Return what ``motion.json`` says, with the segments of ``solver.py``."""
         blocks, first = [], 0
         for block in data["blocks"]:
             own = slice(first, first + len(block["unknowns"]))
@@ -170,9 +160,9 @@ class Mechanism:
             inputs=tuple(Input(*given) for given in data["inputs"]),
             unknowns=tuple(Unknown(*unknown) for unknown in data["unknowns"]),
             blocks=tuple(blocks),
-            work_size=module.WORK_SIZE,
-            regions=module.REGIONS,
-            segments=segments_of(module.KERNELS, module.TASKS),
+            work_size=data["work_size"],
+            regions={name: (base, size) for name, (base, size) in data["places"].items()},
+            segments=segments,
         )
 
     @property

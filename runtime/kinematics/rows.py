@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -24,9 +24,77 @@ OF_NODES = ("position", "velocity", "acceleration")
 OF_LINKS = ("angle", "angle_dot", "angle_ddot")
 
 
+class Field(NamedTuple):
+    """A field of the record ``run`` of ``solver.h``.
+
+    Parameters
+    ----------
+    type, name : str
+        As C declares it; a pointer ends in an asterisk.
+    meaning : str
+        What it is.
+    is_by_input : bool
+        Whether it has a number for each input.
+    is_length : bool
+        Whether it is in the unit of the mechanism.
+    """
+
+    type: str
+    name: str
+    meaning: str
+    is_by_input: bool = False
+    is_length: bool = False
+
+    @property
+    def is_pointer(self) -> bool:
+        """Whether it points at rows, or at nothing."""
+        return self.type.endswith("*")
+
+    def declared(self, inputs: int) -> str:
+        """Return its declaration, given how many inputs there are."""
+        room = f"[{inputs}]" if self.is_by_input else ""
+        return f"{self.type}{' ' * (not self.is_pointer)}{self.name}{room}"
+
+
+#: The record ``run``, which the header states and the compiled solver is called with: what is
+#: asked, the fields of :class:`Run`; then where it goes, and what happened, those of :class:`Rows`.
+RUN = (
+    Field("int", "method", "0 full Newton, 1 the iteration of the paper"),
+    Field("int", "max_iterations", "in one step"),
+    Field("double", "limit", "largest residual", is_length=True),
+    Field("long long", "divisions", "of the way of the inputs, or of their turns"),
+    Field("long long", "start", "the walk begins where the turn of this division does"),
+    Field("long long", "first", "division of the first row"),
+    Field("size_t", "rows", "how many are wanted"),
+    Field("double", "origin", "inputs at division 0", is_by_input=True),
+    Field("double", "span", "what is added over all divisions", is_by_input=True),
+    Field("long long", "turns", "whole turns over all divisions, or 0", is_by_input=True),
+    Field("double", "rate", "time derivatives of the inputs, at t = 0", is_by_input=True),
+    Field("double", "rate_dot", "second ones, constant", is_by_input=True),
+    Field("const double *", "times", "(rows) [s], ascending from 0; NULL for divisions"),
+    Field("double *", "alpha", "(rows, inputs), counting on over the turns"),
+    Field("double *", "position", "(rows, nodes, 2); as all results NULL where it is not wanted"),
+    Field("double *", "velocity", "(rows, nodes, 2)"),
+    Field("double *", "acceleration", "(rows, nodes, 2)"),
+    Field("double *", "angle", "(rows, links)"),
+    Field("double *", "angle_dot", "(rows, links)"),
+    Field("double *", "angle_ddot", "(rows, links)"),
+    Field("int *", "iterations", "(rows) corrections in the step that led here"),
+    Field("double *", "residual", "(rows)", is_length=True),
+    Field(
+        "double *",
+        "condition",
+        "(rows) most that residuals of 1 move nodes: large near a dead centre",
+    ),
+    Field("size_t", "done", "good rows; after a failure the next one is where it stopped"),
+    Field("size_t", "block", "the block that failed"),
+    Field("double", "reached", "inputs at the last good position, counting on", is_by_input=True),
+)
+
+
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What is asked. The fields and the inputs of a division are those of ``solver.h``.
+    """What is asked. The inputs of a division are those of ``solver.h``.
 
     Parameters
     ----------

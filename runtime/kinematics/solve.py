@@ -13,13 +13,46 @@ import numpy as np
 
 from .assembly import assemble
 from .continuation import Continuation
-from .equations import Coordinates
-from .rows import OF_LINKS, OF_NODES, Rows, empty_rows
+from .equations import Coordinates, segments_of
+from .mechanism import Mechanism
+from .rows import OF_LINKS, OF_NODES, Rows, Run, empty_rows
 from .status import Status, StopError
 
 if TYPE_CHECKING:
-    from .mechanism import Array, Mechanism
-    from .rows import Run
+    from collections.abc import Mapping, Sequence
+    from typing import Any
+
+    from ..integrate.tasks import Function
+    from .mechanism import Array
+
+
+class Solver:
+    """What a folder computes with: its segments, and the analysis beside them.
+
+    Parameters
+    ----------
+    kernels, tasks
+        As of :func:`kinematics.equations.segments_of`; none where a compiled library computes.
+    """
+
+    def __init__(
+        self,
+        kernels: Sequence[tuple[Function, int, str, str]] = (),
+        tasks: Mapping[str, str] | None = None,
+    ) -> None:
+        self.segments = segments_of(kernels, tasks or {})
+
+    def mechanism(self, data: Mapping[str, Any]) -> Mechanism:
+        """Return what ``motion.json`` says of the mechanism."""
+        return Mechanism.from_data(data, self.segments)
+
+    def scene(self, data: Mapping[str, Any]) -> Run:
+        """Return what it says of the run that the scene asks for."""
+        return Run(**data["run"])
+
+    def solve(self, mechanism: Mechanism, run: Run) -> Rows:
+        """Return what is asked, as far as the mechanism moves."""
+        return solve(mechanism, run)
 
 
 def solve(mechanism: Mechanism, run: Run) -> Rows:

@@ -29,7 +29,7 @@ class Result(NamedTuple):
 
 @cache
 def validator_of(command: str) -> Draft202012Validator:
-    """Return what checks the JSON of a command; keys that its schema has not are refused."""
+    """Validator of the JSON of a command; keys that its schema has not are refused."""
     schema = answer_schema(command)
     for part in schema["$defs"].values():
         part["additionalProperties"] = False
@@ -58,7 +58,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Callable[..., Result]:
 
 @pytest.fixture
 def loaded_by() -> Callable[..., set[str]]:
-    """Return the modules that a command loads in a fresh process without a compiler."""
+    """Modules that a command loads in a fresh process without a compiler."""
     code = (
         "import sys, json\nfrom kousoku.cli import main\n"
         "try: main(sys.argv[1:])\n"

@@ -10,7 +10,7 @@ from kousoku.model.quantity import Quantity
 
 
 def body_vector(graph: Graph, p: Sequence[int], a_b: Sequence[int]) -> list[int]:
-    """Return A(p) a' with A(p) = (e0² − e·e) I + 2 e eᵀ + 2 e0 ẽ."""
+    """A(p) a' with A(p) = (e0² − e·e) I + 2 e eᵀ + 2 e0 ẽ."""
     e0, *e = p
     two = graph.const(2)
     half = graph.sub(graph.mul(e0, e0), graph.sum(graph.mul(x, x) for x in e))

@@ -20,7 +20,7 @@ from kousoku.codegen.derived import (
     source_key,
 )
 from kousoku.codegen.generate import write_tree
-from kousoku.codegen.store import GRAPH_FILE, dump
+from kousoku.codegen.kernel_json import GRAPH_FILE, dump
 from kousoku.model.kernel import Package
 from kousoku.model.manifest import REFERENCE_FILE
 

@@ -18,7 +18,15 @@ from kousoku.model.quantity import Quantity
 from kousoku.symbolic import KINDS, derive
 from kousoku.symbolic.derivation import Function, Output
 from kousoku.symbolic.fractions import Fraction
-from kousoku.symbolic.matrices import Named, Orientation, elements, mul, skew, transpose, vector
+from kousoku.symbolic.matrices import (
+    NamedMatrix,
+    Orientation,
+    elements,
+    mul,
+    skew,
+    transpose,
+    vector,
+)
 from kousoku.symbolic.ring import Ring
 
 if TYPE_CHECKING:
@@ -185,4 +193,4 @@ def test_symbols_that_are_no_inputs_are_named() -> None:
 
 def test_output_of_another_size_is_refused() -> None:
     with pytest.raises(FreezeError, match=r"output x has shape \(2,\), but its expression has 3"):
-        freeze(function_of(Named("n", vector("a_b")), (2,), A_B))
+        freeze(function_of(NamedMatrix("n", vector("a_b")), (2,), A_B))

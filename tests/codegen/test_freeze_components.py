@@ -6,7 +6,7 @@ from sympy import atan2, cos, sin, sqrt
 
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.points import curved_inputs, degrees, infinite_points
-from kousoku.codegen.stream import Stream
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.digits import CONTEXT
 from kousoku.model.dual import evaluate_dual
 from kousoku.model.errors import FreezeError
@@ -73,7 +73,7 @@ def test_only_arrays_under_roots_quotients_and_angles_are_curved() -> None:
 
 def test_a_quotient_or_an_angle_has_limits_at_infinity() -> None:
     def count(formula: sympy.Expr) -> int:
-        return len(infinite_points(frozen(formula), Stream("s")))
+        return len(infinite_points(frozen(formula), Sha256Random("s")))
 
     assert count(1 / x0) == count(atan2(x0, x1)) == 1  # NaN, and neither infinity
     assert count(sqrt(x0) * sin(y)) == 3

@@ -18,7 +18,7 @@ from kousoku.codegen.generate import (
     package_names,
     write_tree,
 )
-from kousoku.codegen.store import parse
+from kousoku.codegen.kernel_json import parse
 from kousoku.model.errors import DerivationError
 from kousoku.model.manifest import Manifest
 from kousoku.model.read import scene_from_toml

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.generate import package_names
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.known import known_errors
-from kousoku.codegen.store import load_frozen
 from kousoku.model.compressed import content
 from kousoku.model.interpret import ARRAY, evaluate
 from kousoku.model.kernel import Kernel

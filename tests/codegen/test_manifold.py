@@ -7,7 +7,7 @@ import sympy
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.manifold import solve_constraint
 from kousoku.codegen.points import ordinary
-from kousoku.codegen.stream import Stream
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.dual import evaluate_dual
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
@@ -18,7 +18,7 @@ from kousoku.symbolic.matrices import elements
 def test_newton_finds_the_manifold() -> None:
     function = derive("n2").functions[0]
     components = freeze_components(function)
-    start = ordinary(function.inputs, Stream("s"))
+    start = ordinary(function.inputs, Sha256Random("s"))
     solution = solve_constraint(components, "C", start)
     assert solution is not None
     assert abs(evaluate_dual(components, start)["C"][0].value) > 1e-3

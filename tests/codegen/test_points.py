@@ -7,7 +7,7 @@ from sympy import ImmutableDenseMatrix, S
 
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.points import finite_points, infinite_points, ordinary
-from kousoku.codegen.stream import Stream
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.dual import evaluate_dual
 from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
@@ -22,13 +22,13 @@ def components() -> Kernel:
 
 
 def test_a_seed_fixes_the_numbers() -> None:
-    stream = Stream("seed")
+    stream = Sha256Random("seed")
     assert [stream.integer(8) for _ in range(4)] == [162, 124, 30, 224]
     assert stream.magnitude() == 1.8858182134191406
 
 
 def test_magnitudes_lie_between_a_half_and_two() -> None:
-    stream = Stream("magnitudes")
+    stream = Sha256Random("magnitudes")
     numbers = [stream.magnitude() for _ in range(200)]
     assert 0.5 <= min(numbers) < 0.6
     assert 1.8 < max(numbers) < 2
@@ -40,13 +40,13 @@ def test_ordinary_euler_parameters_are_of_unit_norm_and_lengths_positive() -> No
         Quantity("length", (), "m", ""),
         Quantity("masses", (3,), "kg", ""),
     )
-    numbers = ordinary(inputs, Stream("s"))
+    numbers = ordinary(inputs, Sha256Random("s"))
     assert math.isclose(math.hypot(*numbers["p_i"]), 1, rel_tol=1e-15)
     assert min(numbers["length"] + numbers["masses"]) > 0
 
 
 def test_each_sort_of_point_is_there(components: Kernel) -> None:
-    labels = [point.label for point in finite_points(components, Stream("s"), 0)]
+    labels = [point.label for point in finite_points(components, Sha256Random("s"), 0)]
     assert labels == [
         "ordinary",
         "badly scaled arrays",
@@ -62,14 +62,14 @@ def test_each_sort_of_point_is_there(components: Kernel) -> None:
 
 def test_all_turns_stay_inside_the_doubles(components: Kernel) -> None:
     for turn in range(4):
-        for point in finite_points(components, Stream("s"), turn):
+        for point in finite_points(components, Sha256Random("s"), turn):
             for duals in evaluate_dual(components, point.inputs).values():
                 assert all(abs(dual.value) < 1e300 for dual in duals), point.label
 
 
 def test_badly_scaled_points_are_badly_scaled(components: Kernel) -> None:
     for turn in range(4):
-        points = finite_points(components, Stream("s"), turn)
+        points = finite_points(components, Sha256Random("s"), turn)
         for point in points[1:3]:
             numbers = [abs(x) for xs in point.inputs.values() for x in xs]
             assert max(numbers) / min(numbers) > 1e30
@@ -78,13 +78,13 @@ def test_badly_scaled_points_are_badly_scaled(components: Kernel) -> None:
 def test_subnormal_points_hold_subnormals_only_where_products_stay_exact(
     components: Kernel,
 ) -> None:
-    point = finite_points(components, Stream("s"), 0)[-1]
+    point = finite_points(components, Sha256Random("s"), 0)[-1]
     assert 0 < max(map(abs, point.inputs["r_i"])) < 1e-316
     assert all(x == int(x) for x in point.inputs["p_i"])
 
 
 def test_points_that_are_not_finite_hold_one_bad_number_each(components: Kernel) -> None:
-    points = infinite_points(components, Stream("s"))
+    points = infinite_points(components, Sha256Random("s"))
     bad = [[x for xs in p.inputs.values() for x in xs if not math.isfinite(x)] for p in points]
     assert [str(x) for (x,) in bad] == ["nan", "inf", "-inf"]
 
@@ -101,7 +101,7 @@ def test_body_j_comes_close_to_body_i_but_its_directions_keep_apart() -> None:
     output = Output(Quantity("f", (), "m", ""), S.Zero, ImmutableDenseMatrix([sum(x, S.Zero)]))
     components = freeze_components(Function("f", "", "", "", inputs, (output,)))
     (point,) = (
-        p for p in finite_points(components, Stream("s"), 0) if p.label == "nearly coincident"
+        p for p in finite_points(components, Sha256Random("s"), 0) if p.label == "nearly coincident"
     )
 
     def is_close(one: str, two: str) -> bool:

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import pytest
 
+from kousoku.codegen.error_unit import columns
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.generate import package_of
 from kousoku.codegen.points import ordinary
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.codegen.states import coincident_points, motion_points
-from kousoku.codegen.stream import Stream
-from kousoku.codegen.unit import columns
 from kousoku.model.digits import CONTEXT
 from kousoku.model.dual import evaluate_dual
 from kousoku.runtime import load
@@ -196,7 +196,7 @@ def test_where_points_coincide_comes_out_what_is_documented(
     function = function_of(derived(kind), output)
     kernel = emitted(kind, function.name, target)
     for k in range(30):
-        for point in coincident_points(function.inputs, Stream(f"{output} {k}")):
+        for point in coincident_points(function.inputs, Sha256Random(f"{output} {k}")):
             inputs = [np.reshape(point.inputs[q.name], q.shape) for q in kernel.manifest.inputs]
             got = kernel(*inputs, outputs=(output,))
             assert not np.any(got), point.label
@@ -219,7 +219,9 @@ def test_points_that_pass_through_each_other_have_no_finite_rate_of_their_rate(
 def test_states_are_what_their_labels_say(derived: Derived) -> None:
     function = function_of(derived("length"), "gamma")
     for turn in range(3):
-        points = {p.label: p.inputs for p in motion_points(function.inputs, Stream("s"), turn)}
+        points = {
+            p.label: p.inputs for p in motion_points(function.inputs, Sha256Random("s"), turn)
+        }
         assert list(points) == [
             *("bodies turn together", "fast common turning"),
             *("points move along their line", "line near an axis"),
@@ -241,6 +243,6 @@ def test_states_are_what_their_labels_say(derived: Derived) -> None:
 
 def test_functions_of_one_body_have_no_such_states(derived: Derived) -> None:
     function = derived("norm").functions[0]
-    assert motion_points(function.inputs, Stream("s"), 0) == []
-    assert coincident_points(function.inputs, Stream("s")) == []
-    assert ordinary(function.inputs, Stream("s"))
+    assert motion_points(function.inputs, Sha256Random("s"), 0) == []
+    assert coincident_points(function.inputs, Sha256Random("s")) == []
+    assert ordinary(function.inputs, Sha256Random("s"))

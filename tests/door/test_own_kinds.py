@@ -18,7 +18,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 import kousoku as ks
 from kousoku import loading
-from kousoku.codegen import store
+from kousoku.codegen import kernel_json
 from kousoku.codegen.dynamics.generate import composed
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.own_kinds import own_kind_of
@@ -224,11 +224,11 @@ def test_what_follows_of_a_kind_is_checked_by_its_value_alone(slant: Derivation)
 
 def frozen_own(kind: Derivation) -> Package:
     """Return the kernels of a kind as they were derived."""
-    return store.load_frozen(own_kinds([kind])[kind.name].kernels)
+    return kernel_json.load_frozen(own_kinds([kind])[kind.name].kernels)
 
 
 def test_a_kind_that_is_stated_by_hand_may_hold_quotients_and_angles() -> None:
-    kind = own_kind_of(replace(store.load_frozen("angle"), name="turn"))
+    kind = own_kind_of(replace(kernel_json.load_frozen("angle"), name="turn"))
     text = TOP.replace("slant", "turn").replace("[0, 0, 30]", "[1, 2, 3]")
     text += "a_i_b = [1, 0, 0]\nb_i_b = [0, 1, 0]\na_j_b = [1, 0.1, 0]\n"
     scene = scene_from_toml(text, kinds={"turn": kind})
@@ -347,8 +347,8 @@ def test_the_folder_of_a_kind_is_enough(written: Library, tmp_path: Path) -> Non
         check=False,
     )
     assert "2 degrees of freedom" in found.stdout, found.stderr
-    (folder / store.GRAPH_FILE).unlink()
-    with pytest.raises(LoadError, match=store.GRAPH_FILE):
+    (folder / kernel_json.GRAPH_FILE).unlink()
+    with pytest.raises(LoadError, match=kernel_json.GRAPH_FILE):
         ks.load(TOP + TILT, kinds=[folder], target="numpy")
 
 
@@ -365,13 +365,13 @@ def test_a_scene_goes_on_without_its_kinds(
     twin = pickle.loads(pickle.dumps(first))
     assert twin.scene.kinds == first.scene.kinds
     assert ks.load(twin.text, target="numpy").text == first.text
-    monkeypatch.setattr(store, "_OWN", {})  # as in another process
-    store.load_frozen.cache_clear()
+    monkeypatch.setattr(kernel_json, "_OWN", {})  # as in another process
+    kernel_json.load_frozen.cache_clear()
     frozen.cache_clear()
     assert "2 degrees of freedom" in str(ks.explain(twin))
-    store.load_frozen.cache_clear()
+    kernel_json.load_frozen.cache_clear()
     frozen.cache_clear()
-    monkeypatch.setattr(store, "_OWN", {})
+    monkeypatch.setattr(kernel_json, "_OWN", {})
     monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path / "empty"))
     with pytest.raises(LoadError, match=r"load the scene with them: kousoku.load\(scene, kinds=\["):
         ks.explain(twin)

@@ -7,21 +7,22 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.facets import ForceFacets
 from kousoku.codegen.dynamics.operations.forces import accelerations, at_point, column_of
+from kousoku.codegen.dynamics.operations.heights import is_level
 from kousoku.codegen.dynamics.operations.mechanics import share
 from kousoku.codegen.dynamics.recording.recorder import column
-from kousoku.codegen.dynamics.simplification.heights import is_level
 from tests.elements.quadratic_drag import Drag
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.jets import High, Jet
     from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
-    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
+    from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.recorder import Block
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.mechanism import System
+    from kousoku.model.real import Real
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +51,7 @@ class DragFacets(ForceFacets[Drag]):
 
     is_carried = True
 
-    def effect(self, tasks: ForceTasks) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
         """Record M⁻¹f of body j, and F·v_P."""
         j, constants = tasks.body(self.force.j), tasks.constants(self.force)
         blocks = (j.p, j.orientation, j.v_r, j.omega_b, j.inverse_mass, *constants)
@@ -66,9 +67,9 @@ class DragFacets(ForceFacets[Drag]):
         equations: BodyEquations,
         at: Mapping[int, Course],
         names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[High]],
+        given: Mapping[str, Sequence[Real]],
         found: Found,
-    ) -> tuple[High, High]:
+    ) -> tuple[Real, Real]:
         """Add −c |ṙ_P| ṙ_P at its point; return its power, and no energy."""
         (coefficient,), course = given["coefficient"], at[self.force.j]
         rate = [x.d for x in course.point(given["s_j_b"])]

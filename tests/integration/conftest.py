@@ -29,7 +29,7 @@ SCENES = Path(__file__).parents[2] / "scenes"
 
 @pytest.fixture(scope="session")
 def folder_of(shared_tree: Callable[..., Path]) -> Callable[[Scene], Path]:
-    """Return the folder of a linkage's solver, without what ``verify`` compares it with."""
+    """Folder of a linkage's solver, without what ``verify`` compares it with."""
     return lambda scene: shared_tree(
         scene.name, ("linkage", astuple(scene)), lambda: generate_scene(scene)
     )
@@ -37,7 +37,7 @@ def folder_of(shared_tree: Callable[..., Path]) -> Callable[[Scene], Path]:
 
 @pytest.fixture
 def solver_in(folder_of: Callable[[Scene], Path]) -> Callable[..., LinkageSolver]:
-    """Return a linkage's solver, by its file in ``scenes/`` or by its text, for a target."""
+    """Linkage's solver, by its file in ``scenes/`` or by its text, for a target."""
 
     def load(text: str, target: Any) -> LinkageSolver:
         if text in {path.stem for path in SCENES.glob("*.toml")}:
@@ -53,20 +53,20 @@ def solver_in(folder_of: Callable[[Scene], Path]) -> Callable[..., LinkageSolver
 def solver(
     solver_in: Callable[..., LinkageSolver], compiler: Toolchain
 ) -> Callable[[str], LinkageSolver]:
-    """Return a linkage's solver in C: ``test_linkage_targets.py`` has that NumPy does the same."""
+    """Linkage's solver in C: ``test_linkage_targets.py`` has that NumPy does the same."""
     return lambda text: solver_in(text, "c")
 
 
 @pytest.fixture(scope="session")
 def adams_samples() -> dict[str, Any]:
-    """Return what ADAMS prints of its cases, by case and time."""
+    """Samples that ADAMS prints of its cases, by case and time."""
     samples: dict[str, Any] = json.loads((FOLDER / "adams_samples.json").read_text("utf-8"))
     return samples
 
 
 @pytest.fixture(scope="session")
 def mover(bodies_folder: Callable[..., Path], compiler: Toolchain) -> Mover:
-    """Return the solver of a scene of bodies, by its file in ``scenes/`` or as it is, in C."""
+    """Solver of a scene of bodies, by its file in ``scenes/`` or as it is, in C."""
     known: dict[tuple[str, tuple[str, ...]], DynamicsSolver] = {}
 
     def load(scene: str | Scene, outputs: tuple[str, ...] = ()) -> DynamicsSolver:
@@ -92,11 +92,11 @@ class Plane:
     step = mp.mpf(10) ** -10
 
     def turned(self, center: Point, length: Any, angle: Any) -> Point:
-        """Return the end of a link that starts at ``center``."""
+        """End of a link that starts at ``center``."""
         return center[0] + length * self.mp.cos(angle), center[1] + length * self.mp.sin(angle)
 
     def meet(self, a: Point, ra: Any, b: Point, rb: Any, side: int) -> Point:
-        """Return where two circles meet, left (1) or right (-1) of the way from a to b."""
+        """Point where two circles meet, left (1) or right (-1) of the way from a to b."""
         ra, rb = self.mp.mpf(ra), self.mp.mpf(rb)
         dx, dy = b[0] - a[0], b[1] - a[1]
         square = dx * dx + dy * dy
@@ -105,7 +105,7 @@ class Plane:
         return a[0] + along * dx - across * dy, a[1] + along * dy + across * dx
 
     def motion(self, place: Callable[[Any], Point], time: Any) -> tuple[Point, Point, Point]:
-        """Return position, velocity and acceleration of a point at a time."""
+        """Position, velocity and acceleration of a point at a time."""
         values = [place(time + k * self.step) for k in range(-2, 3)]
 
         def weighted(weights: tuple[int, ...], order: int) -> Point:
@@ -119,12 +119,12 @@ class Plane:
         return values[2], weighted((1, -8, 0, 8, -1), 1), weighted((-1, 16, -30, 16, -1), 2)
 
     def error(self, got: Any, wanted: Point) -> float:
-        """Return the distance of a computed point from the exact one."""
+        """Distance of a computed point from the exact one."""
         x, y = (self.mp.mpf(float(a)) - b for a, b in zip(got, wanted, strict=True))
         return float(self.mp.hypot(x, y))
 
 
 @pytest.fixture(scope="session")
 def plane() -> Plane:
-    """Return exact planar geometry."""
+    """Exact planar geometry."""
     return Plane()

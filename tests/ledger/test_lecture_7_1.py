@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -42,7 +42,8 @@ def test_a_step_that_says_something_else_is_refused(
     rotation = derive("rotation")
 
     def wrong(step: Step) -> Step:
-        return replace(step, **{side: neg(getattr(step, side))})
+        change: dict[str, Any] = {side: neg(getattr(step, side))}
+        return replace(step, **change)
 
     changed = tuple(wrong(s) if k == place else s for k, s in enumerate(rotation.steps))
     monkeypatch.setattr(lecture_7_1, "derive", lambda _: replace(rotation, steps=changed))

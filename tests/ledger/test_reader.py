@@ -8,7 +8,7 @@ import pytest
 from sympy import Symbol
 from sympy.matrices.expressions import MatrixSymbol
 
-from kousoku.ledger.formula import Cross, Derivative, Name, Power, Product, Tilde, Transposed
+from kousoku.ledger.formula import Cross, Derivative, Power, Product, SymbolName, Tilde, Transposed
 from kousoku.ledger.parser import parse
 from kousoku.ledger.proof import proved, refuted
 from kousoku.ledger.tokens import differ_in_notation_only
@@ -47,26 +47,28 @@ def test_a_symbol_keeps_its_marks_primes_and_scripts(latex: str, name: str) -> N
 
 def test_a_T_at_the_end_of_a_superscript_transposes() -> None:
     ((side,),) = (statement.sides for statement in parse(r"\mathbf{d}^{ijT}"))
-    assert side == Transposed(Name("d", sup="ij"))
+    assert side == Transposed(SymbolName("d", sup="ij"))
 
 
 def test_tilde_cross_and_times_are_told_apart() -> None:
     ((side,),) = (s.sides for s in parse(r"\tilde{\mathbf{a}}^i \left( b c \right) \sim"))
-    assert side == Product((Tilde(Name("a", sup="i")), Tilde(Product((Name("b"), Name("c"))))))
+    assert side == Product(
+        (Tilde(SymbolName("a", sup="i")), Tilde(Product((SymbolName("b"), SymbolName("c")))))
+    )
     ((side,),) = (s.sides for s in parse(r"cross(\omega_{A}^A)"))
-    assert side == Tilde(Name("ω", sub="A", sup="A"))
+    assert side == Tilde(SymbolName("ω", sub="A", sup="A"))
     ((side,),) = (s.sides for s in parse(r"\vec a \times \vec b"))
-    assert side == Cross(Name("vec a"), Name("vec b"))
+    assert side == Cross(SymbolName("vec a"), SymbolName("vec b"))
 
 
 def test_minus_one_above_is_the_inverse() -> None:
     ((side,),) = (s.sides for s in parse(r"([D^0][L^1])^{-1}"))
-    assert side == Power(Product((Name("D", sup="0"), Name("L", sup="1"))), -1)
+    assert side == Power(Product((SymbolName("D", sup="0"), SymbolName("L", sup="1"))), -1)
 
 
 def test_d_by_dt_differentiates_what_follows() -> None:
     ((side,),) = (s.sides for s in parse(r"((d/d\alpha)[D^0])_{ref.} b"))
-    assert side == Product((Derivative("α", Name("D", sup="0")), Name("b")))
+    assert side == Product((Derivative("α", SymbolName("D", sup="0")), SymbolName("b")))
     words = replace(WORDS, derivatives={"t": lambda x: 2 * x})
     assert proved(r"(d/dt)(k + k) = 4k", words)
     with pytest.raises(FormulaError, match="nothing is differentiated by s"):

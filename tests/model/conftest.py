@@ -9,7 +9,7 @@ import pytest
 
 @pytest.fixture
 def lever() -> dict[str, Any]:
-    """Return the tables of a lever crank, new for each test."""
+    """Tables of a lever crank, new for each test."""
     return {
         "name": "lever",
         "unit": "cm",
@@ -30,7 +30,7 @@ def lever() -> dict[str, Any]:
 
 @pytest.fixture
 def piston() -> dict[str, Any]:
-    """Return the tables of a piston crank, new for each test."""
+    """Tables of a piston crank, new for each test."""
     return {
         "name": "piston",
         "unit": "cm",

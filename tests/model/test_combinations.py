@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from math import cos, pi, sin
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.arithmetic import FLOAT
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import COMBINATION, Instance, System
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
+
+if TYPE_CHECKING:
+    from kousoku.model.mechanism import Instance, System
 
 Tree = dict[str, Any]
 ZERO, X, Z = [0, 0, 0], [1, 0, 0], [0, 0, 1]

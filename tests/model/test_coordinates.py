@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.elements.joint import SECOND_ANGLE
 from kousoku.model.errors import SceneError

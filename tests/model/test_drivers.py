@@ -10,9 +10,9 @@ import pytest
 
 from kousoku.model import precise
 from kousoku.model.drivers import drivers_of, text_of, time_of, times_of
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import parse_expression
-from kousoku.model.mechanism import COMBINATION
 from kousoku.model.planar import Input
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of

@@ -8,23 +8,16 @@ from typing import Any
 import msgspec
 import pytest
 
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model import precise
 from kousoku.model.arithmetic import FLOAT
-from kousoku.model.elements.joint import ROWS_OF
+from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import parse_expression
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.interpret import evaluate
 from kousoku.model.joints import JOINTS, NAMES
-from kousoku.model.mechanism import (
-    COMBINATION,
-    GROUND_INDEX,
-    Coordinate,
-    Instance,
-    System,
-    Term,
-)
+from kousoku.model.mechanism import GROUND_INDEX, Coordinate, Instance, System, Term
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of
 from kousoku.model.values import value_of
@@ -122,7 +115,11 @@ def test_a_joint_is_composed_as_the_table_says(kind: str) -> None:
         for instance in system.constraints
     ]
     assert kinds == [part.kind for part in JOINTS[kind].parts]
-    assert sum(ROWS_OF[name] for name in kinds) == JOINTS[kind].rows == len(violations(system))
+    assert (
+        sum(CONSTRAINTS[name].rows for name in kinds)
+        == JOINTS[kind].rows
+        == len(violations(system))
+    )
     kept = [instance for instance in system.constraints if instance.kind != COMBINATION]
     found: list[Instance | Coordinate] = [*kept, *system.coordinates]
     for instance in found:

@@ -54,7 +54,7 @@ def sha256(data: bytes) -> str:
 
 
 def reference() -> dict[str, Any]:
-    """Return reference values in exact arithmetic."""
+    """Reference values in exact arithmetic."""
     points = []
     for label, numbers in POINTS.items():
         r, length = numbers[:3], numbers[3]
@@ -70,7 +70,7 @@ def reference() -> dict[str, Any]:
 def _expected(
     numbers: list[float], terms: list[tuple[int, tuple[int, ...]]]
 ) -> tuple[float | None, float, float]:
-    """Return high, low and unit of a sum of (factor, places of the numbers multiplied)."""
+    """High, low and unit of a sum of (factor, places of the numbers multiplied)."""
     if not all(math.isfinite(numbers[place]) for _, places in terms for place in places):
         return None, 0.0, 5e-324
     values = []
@@ -121,7 +121,7 @@ def write_tiny(
 
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return an empty cache folder; only the library of the package is built into it."""
+    """Empty cache folder; only the library of the package is built into it."""
     folder = tmp_path / "cache"
     monkeypatch.setattr(plan, "plan_type", lambda _: None)
     monkeypatch.setenv("KOUSOKU_CACHE", str(folder))
@@ -130,13 +130,13 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def tiny(tmp_path: Path) -> Path:
-    """Return the folder of the small package."""
+    """Folder of the small package."""
     return write_tiny(tmp_path / "tiny")
 
 
 @pytest.fixture(scope="session")
 def warm_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a cache folder that all tests of this run share."""
+    """Cache folder that all tests of this run share."""
     return tmp_path_factory.mktemp("cache")
 
 
@@ -151,7 +151,7 @@ def warm_cache(
 
 @pytest.fixture
 def wrapper(tmp_path: Path, compiler: Toolchain) -> Callable[[str], str]:
-    """Return a function that writes a compiler: shell code, then the real compiler."""
+    """Function that writes a compiler: shell code, then the real compiler."""
 
     def write(code: str, name: str = "wrapped-cc") -> str:
         real = " ".join(compiler.command)
@@ -180,7 +180,7 @@ def forgotten(request: pytest.FixtureRequest) -> None:
     ]
 )
 def library(request: pytest.FixtureRequest, warm_package: Path) -> Library:
-    """Return the small package, called in each of the three ways there are."""
+    """Small package, called in each of the three ways there are."""
     request.getfixturevalue("warm_cache")
     if request.param == "numpy":
         return load(warm_package, target="numpy")
@@ -196,7 +196,7 @@ def library(request: pytest.FixtureRequest, warm_package: Path) -> Library:
 
 @pytest.fixture(scope="session")
 def warm_package(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of the small package, for tests that do not change it."""
+    """Folder of the small package, for tests that do not change it."""
     return write_tiny(tmp_path_factory.mktemp("package") / "tiny")
 
 

@@ -21,11 +21,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kousoku.model.scene import Scene, Unit
+    from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.toolchain import Toolchain
+
+    Load = Callable[..., DynamicsSolver]
 
 SCENES = Path(__file__).parents[2] / "scenes"
 ALL = ("accelerations", "reactions", "energies")
-Load = Any
 
 
 @pytest.fixture

@@ -21,13 +21,13 @@ import pytest
 
 import kousoku
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.emission.view_numbers import inverse_masses
 from kousoku.codegen.dynamics.generate import LEDGER, generate_dynamics
 from kousoku.codegen.dynamics.recording.inline import inline
-from kousoku.codegen.dynamics.redundancy import left_out
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
+from kousoku.codegen.dynamics.redundancy import redundant_rows
 from kousoku.codegen.generate import write_tree
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.model.system import system_of
@@ -42,12 +42,15 @@ from tests.random_scenes import random_scene
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from numpy.typing import NDArray
+
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.mechanism import System
     from kousoku.model.scene import Scene
 
+    Array = NDArray[np.float64]
+
 SCENES = Path(__file__).parents[2] / "scenes"
-Array = Any
 OUTPUTS = ("accelerations", "reactions", "energies")
 START, RATE, END = 1.0, 1.5, 1.0
 COUNT, APART = 3, 0.2
@@ -129,7 +132,7 @@ def folders(
 
 def dense(program: Program, system: System, row: Array, phase: float = 0.0) -> tuple[Array, float]:
     """Return accelerations, and the multiplier of the driver, by least squares with all rows."""
-    work, n = Workspace(program), len(program.rows)
+    work, n = ProgramInterpreter(program), len(program.rows)
     work["parameters"] = [RATE, phase]
     parts = np.split(row, np.cumsum([1, len(work["q"]), len(work["v"])]))
     for name, values in zip(("t", "q", "v"), parts, strict=False):
@@ -308,7 +311,7 @@ def test_loops_share_out_forces_as_the_code_of_a_scene_does(
     scene = read_scene(SCENES / f"{name}.toml")
     found = {}
     for how, most in (("in_code", 2000), ("in_loops", 0)):
-        monkeypatch.setattr(left_out, "MOST_UNROLLED", most)
+        monkeypatch.setattr(redundant_rows, "MOST_UNROLLED", most)
         tree = generate_dynamics(scene, ("reactions", "accelerations"))
         assert ("#define SHARES_OUT 1" in tree["solver.c"]) == (not most)
         assert ("static void reaction(" in tree["solver.c"]) == bool(most)
@@ -324,9 +327,9 @@ def test_loops_share_out_forces_as_the_code_of_a_scene_does(
 
 
 def test_code_shares_out_what_is_little_and_loops_what_is_much() -> None:
-    assert not left_out.shares_out(29, 1)
-    assert left_out.shares_out(150, 39)
-    assert not left_out.shares_out(190, 39), "loops are over 200 rows at most"
+    assert not redundant_rows.shares_out(29, 1)
+    assert redundant_rows.shares_out(150, 39)
+    assert not redundant_rows.shares_out(190, 39), "loops are over 200 rows at most"
 
 
 @pytest.mark.compiles

@@ -18,10 +18,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from kousoku.model.scene import Scene
+    from numpy.typing import NDArray
 
-Load = Any
-Array = Any
+    from kousoku.model.scene import Scene
+    from kousoku.runtime.dynamics import DynamicsSolver
+
+    Load = Callable[..., DynamicsSolver]
+    Array = NDArray[np.float64]
+
 TORQUE = '\n[forces]\nm = { type = "torque", body = "crank", torque = [0, 0, 40] }\n'
 
 
@@ -63,6 +67,7 @@ def test_branches_that_no_step_tells_apart_are_told(load: Load, method: Any) -> 
     trust = motion.ledger.trust
     assert not trust.is_trusted
     assert "may be that of another branch" in trust.why
+    assert motion.ledger.branch_point_time is not None
     assert 0.55 < motion.ledger.branch_point_time < 1.0
     assert "may be that of another branch" in str(motion.ledger)
 

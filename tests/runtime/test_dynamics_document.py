@@ -54,8 +54,8 @@ def test_table_of_the_ledger_has_every_field_of_it() -> None:
 
 
 def test_return_values_are_those_of_the_header(compiler: Toolchain) -> None:
-    from kousoku.runtime import run
+    from kousoku.runtime.integrate.settings import MESSAGES
 
     table = TEXT.partition("A call of `…_run` returns")[2]
     listed = {int(x.replace("−", "-")) for x in re.findall(r"−?\d+(?=[,; ])", table)}
-    assert set(run.MESSAGES) | {0, 1, 2} <= listed
+    assert set(MESSAGES) | {0, 1, 2} <= listed

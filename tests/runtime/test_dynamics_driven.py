@@ -22,10 +22,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from kousoku.model.scene import Scene
+    from numpy.typing import NDArray
 
-Load = Any
-Array = Any
+    from kousoku.model.scene import Scene
+    from kousoku.runtime.dynamics import DynamicsSolver
+
+    Load = Callable[..., DynamicsSolver]
+    Array = NDArray[np.float64]
+
 OUTPUTS = ("accelerations", "reactions", "energies")
 CRANK, COUPLER, ROCKER, GROUND = 1.0, 3.0, 2.5, 3.0
 RATE = 6.0
@@ -39,7 +43,8 @@ def pin(crank: Array, rocker: float) -> Array:
     along = (COUPLER**2 - rocker**2 + length**2) / (2 * length)
     across = np.sqrt(COUPLER**2 - along**2)
     normal = np.stack([-way[..., 1], way[..., 0]], axis=-1)
-    return start + (along / length)[..., None] * way + (across / length)[..., None] * normal
+    end: Array = start + (along / length)[..., None] * way + (across / length)[..., None] * normal
+    return end
 
 
 def four_bar(rocker: float = ROCKER, joint: str = "a", law: str = "rate*t") -> Scene:
@@ -84,7 +89,8 @@ def end_of(motion: Motion, body: str, length: float) -> Array:
     """Return where the end of a bar is."""
     e0, e3 = motion.orientation[body][:, 0], motion.orientation[body][:, 3]
     turned = np.stack([e0**2 - e3**2, 2 * e0 * e3], axis=1)
-    return motion.position[body][:, :2] + length * turned
+    end: Array = motion.position[body][:, :2] + length * turned
+    return end
 
 
 @pytest.mark.parametrize("samples", [5, 61])
@@ -138,6 +144,7 @@ def test_runge_kutta_gives_the_same_motion(load: Load) -> None:
             np.testing.assert_allclose(
                 values, wanted[name], rtol=0, atol=1e-10 * scale, err_msg=name
             )
+    assert motion.ledger.energy_error is not None
     assert motion.ledger.energy_error < 1e-6
 
 
@@ -225,6 +232,7 @@ def test_no_other_branch_is_followed_without_a_word(load: Load, gap: float, meth
     assert gap < 1e-6 or ledger.branch_points == 0
     if ledger.branch_points:
         time = ledger.branch_point_time
+        assert time is not None
         assert -0.01 < time - (math.pi - 1.0) / RATE < 0.2
         assert f"branch not known beyond t = {shortly(time, 6)} s" in str(ledger.trust)
         assert "may be that of another branch" in str(ledger)

@@ -18,7 +18,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-Load = Any
+    from kousoku.runtime.dynamics import DynamicsSolver
+
+    Load = Callable[..., DynamicsSolver]
+
 ARM = """
 name = "arm"
 unit = "m"

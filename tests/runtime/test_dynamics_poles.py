@@ -16,6 +16,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from kousoku.runtime.motion import Motion
+
+    Move = Callable[..., Motion]
+
+
 CART = """
 name = "cart"
 unit = "m"
@@ -52,14 +57,13 @@ HEALTHY = [
         "tan(1.5*sin(x))",
     ),
 ]
-Run = Any
 
 
 @pytest.fixture
-def run(backend: str, bodies_folder: Callable[..., Path]) -> Run:
+def run(backend: str, bodies_folder: Callable[..., Path]) -> Move:
     """Return what moves a cart by a force."""
 
-    def move(force: str, more: str = "", **options: Any) -> Any:
+    def move(force: str, more: str = "", **options: Any) -> Motion:
         scene = scene_from_toml(CART.format(force=force) + more)
         solver = load_dynamics(bodies_folder(scene, ()), target=cast("Any", backend))
         return solver.simulate(10.0, samples=11, **options)
@@ -69,21 +73,23 @@ def run(backend: str, bodies_folder: Callable[..., Path]) -> Run:
 
 @pytest.mark.parametrize("force", POLES)
 @pytest.mark.parametrize("method", ["dopri5", "dop853"])
-def test_a_run_ends_where_a_force_is_infinite(run: Run, force: str, method: str) -> None:
+def test_a_run_ends_where_a_force_is_infinite(run: Move, force: str, method: str) -> None:
     with pytest.raises(MotionError, match=r"forces\.f is infinite right behind") as caught:
         run(force, method=method)
     wanted = 2 if "tan" in force else 5  # it is infinite at x = 1.86
     assert caught.value.result.time.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0][:wanted]
 
 
-def test_a_driver_does_not_lead_through_such_a_place(run: Run) -> None:
+def test_a_driver_does_not_lead_through_such_a_place(run: Move) -> None:
     with pytest.raises(MotionError, match=r"forces\.f is infinite right behind"):
         run("1e-9/(x - 5.03)", LED, method="kinematics")
 
 
 @pytest.mark.parametrize("force", HEALTHY)
 @pytest.mark.parametrize("method", ["dopri5", "dop853"])
-def test_what_has_a_value_or_a_finite_integral_is_passed(run: Run, force: str, method: str) -> None:
+def test_what_has_a_value_or_a_finite_integral_is_passed(
+    run: Move, force: str, method: str
+) -> None:
     assert run(force, method=method).ledger.trust.is_trusted
 
 

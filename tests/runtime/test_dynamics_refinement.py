@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.choose import cheaper
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.generate import LEDGER
 from kousoku.codegen.dynamics.recording.inline import inline
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.digits import HIGH
 from kousoku.model.errors import MotionError
 from kousoku.model.families import chain, n_four_bar
@@ -85,7 +85,7 @@ def in_fifty_digits(q: Any, v: Any, scene: Scene = SCENE) -> dict[str, Any]:
     system, wanted = assemble(system_of(scene, OUTPUTS)), (*LEDGER, *OUTPUTS)
     found = independent(system)
     program = cheaper(found, wanted, compose(found, wanted))
-    work = Workspace(program, HIGH)
+    work = ProgramInterpreter(program, HIGH)
     for name, values in (("q", q), ("v", v)):
         work[name] = [HIGH.number(Fraction(x)) for x in values.tolist()]
     work.run("geometry", "acceleration", "reaction")
@@ -304,7 +304,7 @@ def test_power_of_a_driver_is_refined_with_the_accelerations(
     system, wanted = assemble(system_of(scene, OUTPUTS)), (*LEDGER, *OUTPUTS)
     found = independent(system)
     program = cheaper(found, wanted, compose(found, wanted))
-    work = Workspace(inline(program))
+    work = ProgramInterpreter(inline(program))
     y, f = (run.solver.state[name].view(run.state) for name in ("y", "f"))
     count = len(work["q"])
     rates = f[:count]

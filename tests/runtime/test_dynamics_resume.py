@@ -27,9 +27,10 @@ if TYPE_CHECKING:
     from kousoku.runtime.run import Run
     from kousoku.runtime.saved import SavedRun
 
+    Load = Callable[..., DynamicsSolver]
+
 ALL = ("accelerations", "reactions", "energies")
 TIMES = np.sort(np.append(np.linspace(0.0, 0.6, 25), [0.0, 0.31, 0.3100001]))
-Load = Any
 SPRING = """
 name = "spring"
 unit = "m"

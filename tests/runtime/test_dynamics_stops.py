@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -21,9 +21,11 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kousoku.model.scene import Scene
+    from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.toolchain import Toolchain
 
-Load = Any
+    Load = Callable[..., DynamicsSolver]
+
 #: A start from which a stage of a step falls near a position where the rank drops.
 ANGLE = 2 * math.pi / 10 + 0.1
 

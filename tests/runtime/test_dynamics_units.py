@@ -149,3 +149,10 @@ def test_a_body_that_nothing_moves_needs_few_steps() -> None:
     ledger = moved(scene, 1000.0).ledger
     assert ledger.steps < 200
     assert ledger.trust.is_trusted
+
+
+def test_a_point_alone_may_have_a_parameter_for_its_mass() -> None:
+    point = {"point": True, "position": [1, 2, 3], "mass": "k"}
+    scene = {"name": "alone", "unit": "m", "bodies": {"b": point}, "parameters": {"k": 2.0}}
+    run = moved({**scene, "gravity": [0, 0, -2]}, 3.0, parameters={"k": 5.0})
+    np.testing.assert_allclose(run.position["b"][-1], [1, 2, 3 - 9], rtol=0, atol=1e-14)

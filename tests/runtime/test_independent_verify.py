@@ -23,10 +23,10 @@ from kousoku.codegen.dynamics.checking import reference
 from kousoku.codegen.dynamics.composition import (
     combinations,
     compose,
-    coordinate_tasks,
     energies,
-    force_tasks,
     momentum,
+    record_coordinates,
+    record_forces,
 )
 from kousoku.codegen.dynamics.elements import along as elements_along
 from kousoku.codegen.dynamics.elements import coordinate_spring, load, spring_damper
@@ -37,8 +37,8 @@ from kousoku.codegen.dynamics.operations import (
     elimination,
     forces,
     mechanics,
-    reduced_operations,
 )
+from kousoku.codegen.dynamics.operations import joint_coordinates as joint_operations
 from kousoku.codegen.dynamics.recording import recorder
 from kousoku.codegen.emit import along
 from kousoku.codegen.generate import write_tree
@@ -155,7 +155,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
         *("(*v, *omega), strict=True", "v, strict=False"),
     ),
     "sign of potential energy": (
-        *("rich", force_tasks.ForceTasks, "weight"),
+        *("rich", record_forces.ForceRecorder, "weight"),
         *("[-mass *", "[mass *"),
     ),
     "rates of Euler parameters": (
@@ -222,11 +222,11 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     # coordinates
     "second derivative of a coordinate": (
-        *("rich", coordinate_tasks.CoordinateTasks, "show"),
+        *("rich", record_coordinates.CoordinateRecorder, "show"),
         *("self.gamma(place), into", "None, into"),
     ),
     "curvature of a coordinate": (
-        *("rich", coordinates.Curvature, "__call__"),
+        *("rich", coordinates.CoordinateGamma, "__call__"),
         *('(found["gamma"][0],)', '(trace.graph.neg(found["gamma"][0]),)'),
     ),
     # joints
@@ -247,20 +247,20 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
         *("graph.sub(total", "graph.add(total"),
     ),
     "reaction of a joint with the ground": (
-        *("rich", reduced_operations.Wrench, "__call__"),
+        *("rich", joint_operations.JointWrench, "__call__"),
         *(".T - others", ".T + others"),
     ),
     "arm of a joint with the ground": (
-        *("rich", reduced_operations.Drift, "__call__"),
+        *("rich", joint_operations.BiasAcceleration, "__call__"),
         *("point.cross(omega)", "omega.cross(point)"),
     ),
     "body of a reaction": (
-        *("rich", compose._Composer, "_by_body"),
+        *("rich", compose._ProgramComposer, "_by_body"),
         *("region.part(blocks.v, len(blocks.columns))", "region.part(0, len(blocks.columns))"),
     ),
     # drivers
     "effort of a driver": (
-        *("rich", reduced_operations.Driven, "__call__"),
+        *("rich", joint_operations.DriverPower, "__call__"),
         *("(second - free)", "(second + free)"),
     ),
     "acceleration of a driver": (
@@ -273,11 +273,11 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     # momenta
     "linear momentum": (
-        *("free", momentum.Share, "__call__"),
+        *("free", momentum.BodyMomentum, "__call__"),
         *("momentum, arm = v @ mass", "momentum, arm = (v + v) @ mass"),
     ),
     "spin in the angular momentum": (
-        *("free", momentum.Share, "__call__"),
+        *("free", momentum.BodyMomentum, "__call__"),
         *("orientation @ own", "own"),
     ),
 }

@@ -18,21 +18,21 @@ from unittest.mock import patch
 import numpy as np
 
 from kousoku.codegen.emit import emit
+from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.codegen.freeze import freeze
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.generate import package_of, write_tree
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.points import (
-    Point,
+    EvaluationPoint,
     finite_points,
     infinite_points,
     is_euler_parameters,
     ordinary,
 )
 from kousoku.codegen.reference import WORKING_DIGITS, values_at
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.codegen.states import coincident_points, motion_points
-from kousoku.codegen.store import load_frozen
-from kousoku.codegen.stream import Stream
-from kousoku.codegen.unit import SMALLEST_SUBNORMAL
 from kousoku.model.digits import CONTEXT
 from kousoku.model.errors import NoCompilerError
 from kousoku.runtime import load
@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from kousoku.model import kernel as frozen
     from kousoku.runtime.kernel import Kernel
     from kousoku.symbolic.derivation import Function
-    from kousoku.symbolic.matrices import Matrix
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 #: Points of a climb that go on, and steps that each tries at a time.
 CLIMBERS, TRIES = 12, 16
@@ -183,7 +183,9 @@ def subjects(kind: str) -> tuple[Subject, ...]:
     return tuple(found)
 
 
-def check(outcome: Outcome, kind: str, subject: Subject, points: Sequence[Point], sort: str) -> Any:
+def check(
+    outcome: Outcome, kind: str, subject: Subject, points: Sequence[EvaluationPoint], sort: str
+) -> Any:
     """Measure a kernel at points as ``verify`` does: every way of calling, every output.
 
     Returns
@@ -241,7 +243,7 @@ def rounded_up(units: float) -> str:
 def of_all_sorts(outcome: Outcome, kind: str, name: str, turn: int) -> None:
     """Ask at points like those of ``verify``, with other numbers: also not finite, and poles."""
     for subject in subjects(kind):
-        inputs, stream = subject.function.inputs, Stream(f"{name} {subject.function.name}")
+        inputs, stream = subject.function.inputs, Sha256Random(f"{name} {subject.function.name}")
         points = finite_points(subject.components, stream, turn)
         points += infinite_points(subject.components, stream)
         points += motion_points(inputs, stream, turn)
@@ -288,14 +290,14 @@ def check_worst(
     rows = rows[is_finite]
     every = [x for x in subject.errors(rows).values() if not np.isnan(x).all()]
     worst = {int(np.nanargmax(errors)) for errors in every}
-    points = [Point(sort, subject.inputs(rows[k])) for k in sorted(worst)]
+    points = [EvaluationPoint(sort, subject.inputs(rows[k])) for k in sorted(worst)]
     return dict(check(outcome, kind, subject, points, sort))
 
 
 def starts(subject: Subject, name: str, number: int) -> Any:
     """Return ordinary points, and states that machines are in, as rows."""
     inputs, rows = subject.function.inputs, list[list[float]]()
-    stream = Stream(name)
+    stream = Sha256Random(name)
     for turn in range(number):
         states = motion_points(inputs, stream, turn)[: number - len(rows)]
         rows += [subject.row(state.inputs) for state in states]
@@ -323,7 +325,7 @@ def climb(outcome: Outcome, kind: str, name: str, rounds: int) -> None:
                 rows = np.where(is_worse[:, None], steps, rows)
                 errors = np.maximum(errors, found.max(axis=1))
             outcome.count("points looked at", CLIMBERS * TRIES * (rounds + 1))
-            point = Point("climbing", subject.inputs(rows[int(np.argmax(errors))]))
+            point = EvaluationPoint("climbing", subject.inputs(rows[int(np.argmax(errors))]))
             check(outcome, kind, subject, [point], CLIMBING)
 
 
@@ -386,7 +388,7 @@ def run(case: str) -> Outcome:
 def cancelling() -> Iterator[None]:
     """Emit γ of ``length`` as the difference of what d·ḋ and its rate hold of what is along d."""
 
-    def plain(by_points: Matrix) -> Matrix:
+    def plain(by_points: SymbolicMatrix) -> SymbolicMatrix:
         whole = add(mul(transpose(D), RELATIVE["v"]), by_points)
         along = mul(1 / Divisor(L), whole)
         rest = add(mul(along, along), neg(half_square_curvature()))

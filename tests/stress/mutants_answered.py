@@ -39,11 +39,15 @@ ANSWERS = {
             "for processors with two lanes"
         ),
     },
-    "generated/lever_crank/solver.py": {
-        "'61' -> '(2 * 61)' in 'rows=61,'": "counted anew where a run is asked for",
-        "'1.0' -> '(2 * 1.0)' in 'Unknown(": (
+    "generated/lever_crank/solver.c": {
+        "'61' -> '(2 * 61)' in '.rows = 61,'": "counted anew where a run is asked for",
+        "'1.0' -> '(2 * 1.0)' in '{": (
             "a size that residuals are compared with: the same rows, another margin"
         ),
+        "'80.0' -> '(2 * 80.0)' in '{.row = 1,": (
+            "a length that bounds of a step are told with: the same rows, another margin"
+        ),
+        "'45.0' -> '(2 * 45.0)' in '{45.0,": "the same position is found from there",
     },
     "generated/pendulum/solver.c": {
         "'37' -> '(2 * 37)' in 'W_SCRATCH = 33,": "a workspace that is larger than it must be",

@@ -10,7 +10,7 @@ from sympy.matrices.expressions import Identity, MatrixSymbol
 
 from kousoku.model.errors import DerivationError
 from kousoku.symbolic.bodies import SYMBOLS, A
-from kousoku.symbolic.matrices import Dot, Named, NamedScalar, add, mul, neg, skew, transpose
+from kousoku.symbolic.matrices import Dot, NamedMatrix, NamedScalar, add, mul, neg, skew, transpose
 from kousoku.symbolic.notation import in_lines, in_text
 from kousoku.symbolic.printing import print_steps, show
 
@@ -90,7 +90,7 @@ def test_every_name_in_a_constraint_means_one_thing_and_is_written_out(
     lines = derived(package).steps
     values: dict[str, Any] = {}
     for step in lines:
-        for x in step.right.atoms(Named):
+        for x in step.right.atoms(NamedMatrix):
             assert values.setdefault(x.name, x.value) == x.value
     defined = [step.left.name for step in lines]
     assert values

@@ -12,7 +12,7 @@ from kousoku.symbolic.bodies import COLUMNS, DELTA, RATE, SYMBOLS, A
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
-    Named,
+    NamedMatrix,
     Orientation,
     add,
     mul,
@@ -101,8 +101,8 @@ def test_orthogonality_holds_for_any_norm() -> None:
 
 
 def test_abbreviation_replaces_products_and_sums() -> None:
-    product = Named("w", mul(A_I, S_I))
-    total = Named("d", add(R, S_I))
+    product = NamedMatrix("w", mul(A_I, S_I))
+    total = NamedMatrix("d", add(R, S_I))
     assert abbreviate(mul(2, skew(R), A_I, S_I), product) == mul(2, skew(R), product)
     assert abbreviate(mul(skew(R), add(R, S_I)), total) == mul(skew(R), total)
 

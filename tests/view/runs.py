@@ -21,7 +21,7 @@ RATE = 2.0
 
 
 def arm() -> Scene:
-    """Return a bar of half a metre on a hinge about z, with a radius that is a parameter."""
+    """Bar of half a metre on a hinge about z, with a radius that is a parameter."""
     bar = {"mass": 1, "radius": "thick", "ends": [[0, 0, 0], [0.5, 0, 0]]}
     return scene_from_dict(
         {
@@ -44,7 +44,7 @@ def arm() -> Scene:
 
 
 def turning(rows: int = 41, end: float = 2.0, **also: Any) -> Any:
-    """Return a motion of that arm: it turns evenly, and its hinge bears it."""
+    """Motion of that arm: it turns evenly, and its hinge bears it."""
     time = np.linspace(0.0, end, rows)
     angle = RATE * time
     zero = np.zeros(rows)
@@ -61,7 +61,7 @@ def turning(rows: int = 41, end: float = 2.0, **also: Any) -> Any:
 
 
 def lever_crank() -> tuple[Trajectory, Scene]:
-    """Return the motion of the linkage that is committed, and its scene."""
+    """Motion of the linkage that is committed, and its scene."""
     folder = Path(generated.__path__[0]) / "lever_crank"
     scene = Path(__file__).parents[2] / "scenes" / "lever_crank.toml"
     return load_scene(folder, target="numpy").solve(), read_scene(scene)

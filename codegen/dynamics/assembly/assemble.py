@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.excess import excess_of_drivers
-from kousoku.codegen.dynamics.assembly.least import THINNEST, Metric, Solver
+from kousoku.codegen.dynamics.assembly.minimum_norm import THINNEST, Metric, MinimumNormSolver
 from kousoku.codegen.dynamics.assembly.near_origin import brought_near
-from kousoku.codegen.dynamics.assembly.nearest import CLOSED, ROUNDING, nearest
+from kousoku.codegen.dynamics.assembly.newton_mp import CLOSED, ROUNDING, nearest_pose
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.assembly.turns import on_turns_of_drivers, with_turns_counted
+from kousoku.codegen.dynamics.assembly.unwrap import unwrapped, wound_as_driven
 from kousoku.codegen.dynamics.assembly.violations import key_of, sizes_of, worst_first
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.model import precise
@@ -42,7 +42,7 @@ NOISE = 1e-20
 
 
 def assemble(system: System, left_out: Collection[tuple[int, int]] = ()) -> System:
-    """Return a system at the nearest positions and velocities that joints and drivers allow.
+    """System at the nearest positions and velocities that joints and drivers allow.
 
     What fits to rounding stays as it is, and so does what is held. Angles count from the values
     that they have there, on the turn on which their drivers start.
@@ -67,17 +67,17 @@ def assemble(system: System, left_out: Collection[tuple[int, int]] = ()) -> Syst
 
 
 def _nearest(system: System, left_out: Collection[tuple[int, int]], metric: Metric) -> Pose:
-    """Return the nearest positions at which all rows hold, searched for near the origin.
+    """Nearest positions at which all rows hold, searched for near the origin.
 
     Far from it doubles do not tell positions well enough for a search to settle.
     """
     there, offset = brought_near(system, metric.size)
     rows = Residuals.of(there, there.constraints + there.held, left_out)
-    return nearest(there, rows, metric).shifted(offset)
+    return nearest_pose(there, rows, metric).shifted(offset)
 
 
 def _with_places(system: System, placed: System) -> System:
-    """Return a system whose numbers depend on parameters, where its bodies were placed."""
+    """System whose numbers depend on parameters, where its bodies were placed."""
     bodies = tuple(
         replace(body, r=at.r, p=at.p, v=at.v, omega_b=at.omega_b)
         for body, at in zip(system.bodies, placed.bodies, strict=True)
@@ -90,15 +90,15 @@ def _with_places(system: System, placed: System) -> System:
 
 
 def _assembled(system: System, left_out: Collection[tuple[int, int]]) -> System:
-    """Return a system whose numbers are those of the scene, assembled."""
-    system = on_turns_of_drivers(system)
+    """System whose numbers are those of the scene, assembled."""
+    system = wound_as_driven(system)
     positions = Residuals.of(system, system.constraints + system.held, left_out)
     speeds = Residuals.of(system, system.constraints + system.held_rates, left_out)
     metric = Metric(system)
     fits = _fits(system, positions, metric)
     moves = _moves(system, speeds, metric)
     if fits and moves:
-        return with_turns_counted(system)
+        return unwrapped(system)
     if max(positions.rows, speeds.rows) > MOST_ROWS:
         raise AssemblyError(
             f"{system.name}: the positions and velocities of the scene do not fit, and it has "
@@ -117,11 +117,11 @@ def _assembled(system: System, left_out: Collection[tuple[int, int]]) -> System:
         replace(one, near=float(near))
         for one, near in zip(system.coordinates, pose.near, strict=True)
     )
-    return with_turns_counted(replace(system, bodies=bodies, coordinates=coordinates))
+    return unwrapped(replace(system, bodies=bodies, coordinates=coordinates))
 
 
 def _fits(system: System, rows: Residuals, metric: Metric) -> bool:
-    """Return whether all rows hold to rounding."""
+    """Whether all rows hold to rounding."""
     c, _ = rows.fast(system.bodies)
     far = max((max(map(abs, body.r)) for body in system.bodies), default=0.0)
     limits = ROUNDING * (np.where(rows.in_metres, metric.size + far, 1.0) + rows.sizes)
@@ -129,7 +129,7 @@ def _fits(system: System, rows: Residuals, metric: Metric) -> bool:
 
 
 def _moves(system: System, rows: Residuals, metric: Metric) -> bool:
-    """Return whether velocities keep all joints closed to rounding."""
+    """Whether velocities keep all joints closed to rounding."""
     _, rates = rows.fast(system.bodies)
     kept = rows.first[len(system.constraints)]
     fastest = max((max(map(abs, body.omega_b)) for body in system.bodies), default=0.0)
@@ -139,7 +139,7 @@ def _moves(system: System, rows: Residuals, metric: Metric) -> bool:
 
 
 def _speed(v: Sequence[High], k: int, size: float) -> High:
-    """Return the largest velocity of a point of body k near its centre."""
+    """Largest velocity of a point of body k near its centre."""
     turning = v[COLUMNS * k + 3 : COLUMNS * k + COLUMNS]
     return precise.length(turning) * size + precise.length(v[COLUMNS * k : COLUMNS * k + 3])
 
@@ -153,7 +153,7 @@ def _placed(
     *,
     is_moved: bool,
 ) -> MovingBody:
-    """Return a body where assembly put it; sizes are the system's length and largest velocity."""
+    """Body where assembly put it; sizes are the system's length and largest velocity."""
     size, fastest = sizes
     vx, vy, vz = v[COLUMNS * k : COLUMNS * k + 3]
     turning = v[COLUMNS * k + 3 : COLUMNS * k + COLUMNS]
@@ -169,7 +169,7 @@ def _placed(
 
 
 def _velocities(system: System, rows: Residuals, metric: Metric, pose: Pose) -> list[High]:
-    """Return the velocities nearest to those of the scene at which all joints stay closed."""
+    """Velocities nearest to those of the scene at which all joints stay closed."""
     given = [
         x
         for body, p in zip(system.bodies, pose.p, strict=False)
@@ -180,7 +180,7 @@ def _velocities(system: System, rows: Residuals, metric: Metric, pose: Pose) -> 
     rates = [x - y for x, y in zip(jacobian.times(given), rows.nu, strict=True)]
     wanted = [-x if row < kept else precise.ZERO[0] for row, x in enumerate(rates)]
     lengths = metric.lengths(rows)
-    change = Solver(jacobian, metric, rows).displacement(wanted)
+    change = MinimumNormSolver(jacobian, metric, rows).displacement(wanted)
     v = [x + y for x, y in zip(given, change, strict=True)]
     torn = [x - y for x, y in zip(jacobian.times(change), wanted, strict=True)]
     prescribed = max((abs(x * y) for x, y in zip(rows.nu, lengths, strict=True)), default=0)
@@ -190,7 +190,7 @@ def _velocities(system: System, rows: Residuals, metric: Metric, pose: Pose) -> 
 
 
 def _given_velocities(body: MovingBody, p: Quadruple) -> tuple[Triple, Triple]:
-    """Return what the scene gives for a body that assembly turned to p: v and omega_b.
+    """Velocities v and omega_b that the scene gives for a body that assembly turned to p.
 
     The velocity of its origin stays, and of its angular velocity the components that are given.
     """

@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.codegen.dynamics.composition.ordering import minimum_degree
+from kousoku.codegen.dynamics.operations.elimination_order import minimum_degree
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.assembly.jacobian import Places
+    from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.codegen.dynamics.redundancy.rank import Array
 
 #: Rows are independent where no pivot is below this part of the largest element.
 REGULAR = 1e-9
@@ -107,7 +106,7 @@ class BlockFactors:
         return self._smallest > REGULAR * self._largest
 
     def solve(self, right: Array) -> Array:
-        """Return x with (A Aᵀ + damping) x = right."""
+        """Solution x of (A Aᵀ + damping) x = right."""
         first = self._pattern.first
         parts = [right[a:b].copy() for a, b in pairwise(first)]
         for pivot in self._pattern.order:
@@ -131,7 +130,7 @@ class BlockFactors:
 def _products(
     pattern: Pattern, elements: tuple[Places, Places, Array]
 ) -> tuple[list[Array], dict[tuple[int, int], Array]]:
-    """Return the blocks of A Aᵀ on the diagonal, and those below it by (later, earlier)."""
+    """Blocks of A Aᵀ on the diagonal, and those below it by (later, earlier)."""
     rows, columns, values = elements
     place = {pivot.joint: k for k, pivot in enumerate(pattern.order)}
     index = {

@@ -50,7 +50,7 @@ class LawStart:
 
 
 def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) -> LawStart:
-    """Return what the formula of a driver prescribes at t = 0; zeros where there is none.
+    """Values of the formula of a driver at t = 0; zeros where there is none.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) ->
 
 @cache
 def _kernels(law: str, names: tuple[str, ...]) -> tuple[Kernel, ...]:
-    """Return a formula and its derivatives by the time, each as a kernel of its names."""
+    """Formula and its derivatives by the time, each as a kernel of its names."""
     formula = parse_expression(law, names)
     levels = [rate_of(formula, TIME, order) for order in range(len(LEVELS))]
     kernels = []
@@ -102,7 +102,7 @@ def _kernels(law: str, names: tuple[str, ...]) -> tuple[Kernel, ...]:
 
 
 def fixed_law(one: Instance, parameters: Sequence[str]) -> float:
-    """Return the value of a law that never changes, 0 where there is none, else infinity."""
+    """Value of a law that never changes, 0 where there is none, else infinity."""
     if not one.is_driver:
         return 0.0
     graph, names = Graph(), (TIME, *parameters)

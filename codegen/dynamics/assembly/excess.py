@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.codegen.dynamics.assembly.least import Metric
+from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
+from kousoku.codegen.dynamics.assembly.newton_double import DoublePose, GaussNewton
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.assembly.rough import Place, RoughSearch
 from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.runtime.integrate.result import listed
@@ -28,7 +28,7 @@ DEPENDENT = 1e-6
 
 
 def excess_of_drivers(system: System, pose: Pose) -> str:
-    """Return the beginning of a message on drivers that are too many; empty if they are not.
+    """Message on drivers that are too many, its beginning; empty if they are not.
 
     The freedoms are those of the joints alone, put together near the positions that are given.
 
@@ -44,8 +44,8 @@ def excess_of_drivers(system: System, pose: Pose) -> str:
     if not drivers or rows.rows > MOST_ROWS:
         return ""
     metric = Metric(system)
-    search = RoughSearch(rows, metric)
-    place = search.restored(Place.of(pose))
+    search = GaussNewton(rows, metric)
+    place = search.solve(DoublePose.of(pose))
     missing = search.missing(place)
     if float(missing @ missing) ** 0.5 > CLOSED * metric.size:
         return ""

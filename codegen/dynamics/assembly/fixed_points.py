@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.redundancy.rank import Array
+    from kousoku.codegen.dynamics.assembly.jacobian import Array
 
 #: How many steps are remembered.
 DEPTH = 6
@@ -32,7 +32,7 @@ class Accelerated:
         self._changes: list[Any] = []
 
     def next(self, x: Sequence[Any] | Array, value: Sequence[Any] | Array) -> Any:
-        """Return where g shall be evaluated next, an array of the numbers that it was given.
+        """Point where g shall be evaluated next, an array of the numbers that it was given.
 
         Parameters
         ----------
@@ -57,6 +57,6 @@ class Accelerated:
         return here
 
     def _weighed(self, x: Any) -> Array:
-        """Return numbers as doubles, weighed, of any size."""
+        """Numbers as doubles, weighed, of any size."""
         weighed: Array = np.array([float(component) for component in x]) * self._weights
         return weighed

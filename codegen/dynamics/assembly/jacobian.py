@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     Places = np.ndarray[Any, np.dtype[np.int64]]
 
 
-class Jacobian:
+class PreciseJacobian:
     """C_q of a system in 50 digits, by its elements that are not zero.
 
     Parameters
@@ -35,13 +35,13 @@ class Jacobian:
         self._shape = shape
 
     def elements(self) -> tuple[Places, Places, Array]:
-        """Return rows, columns and values of the elements in doubles; those of one place add up."""
+        """Rows, columns and values of the elements in doubles; those of one place add up."""
         rows = np.array([row for row, _, _ in self._elements], int)
         columns = np.array([column for _, column, _ in self._elements], int)
         return rows, columns, np.array([float(value) for _, _, value in self._elements])
 
-    def of_displacement(self, d: Sequence[High]) -> Jacobian:
-        """Return the derivative by a displacement d so far, whose turns are rotation vectors."""
+    def of_displacement(self, d: Sequence[High]) -> PreciseJacobian:
+        """Derivative by a displacement d so far, whose turns are rotation vectors."""
         turns = range(3, len(d), COLUMNS)
         rates = {k: rates_of_turn((d[k], d[k + 1], d[k + 2])) for k in turns}
         elements: list[tuple[int, int, High]] = []
@@ -53,24 +53,24 @@ class Jacobian:
             first = column - place
             parts = enumerate(rates[first][place])
             elements += ((row, first + k, value * rate) for k, rate in parts)
-        return Jacobian(elements, self._shape)
+        return PreciseJacobian(elements, self._shape)
 
     def dense(self) -> Array:
-        """Return the matrix in doubles."""
+        """Matrix in doubles."""
         matrix = np.zeros(self._shape)
         rows, columns, values = self.elements()
         np.add.at(matrix, (rows, columns), values)
         return matrix
 
     def times(self, v: Sequence[High]) -> list[High]:
-        """Return C_q v."""
+        """C_q v."""
         product = [precise.ZERO[0]] * self._shape[0]
         for row, column, value in self._elements:
             product[row] += value * v[column]
         return product
 
     def transposed_times(self, lam: Sequence[High]) -> list[High]:
-        """Return C_qᵀ λ."""
+        """Forces C_qᵀ λ."""
         product = [precise.ZERO[0]] * self._shape[1]
         for row, column, value in self._elements:
             product[column] += value * lam[row]

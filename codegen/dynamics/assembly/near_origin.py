@@ -8,7 +8,7 @@ from itertools import chain
 from statistics import median
 from typing import TYPE_CHECKING, TypeVar
 
-from kousoku.codegen.dynamics.composition.length import is_ground_point
+from kousoku.codegen.dynamics.operations.characteristic_length import is_ground_point
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -22,7 +22,7 @@ NEAR = 1024.0
 
 
 def brought_near(system: System, size: float) -> tuple[System, Vector]:
-    """Return a system moved as a whole to the origin, and by which vector it is to be moved back.
+    """System moved as a whole to the origin, and by which vector it is to be moved back.
 
     It moves along the axes on which all of its positions keep all of their digits, the ground's
     points too: what is spread from the origin to far away stays.

@@ -40,14 +40,14 @@ class Pose:
 
     @classmethod
     def of(cls, bodies: Sequence[MovingBody], coordinates: Sequence[Coordinate] = ()) -> Pose:
-        """Return the positions at the start."""
+        """Positions at the start."""
         r = [precise.triple(body.r) for body in bodies]
         p = [normalised(body.p) for body in bodies]
         near = tuple(precise.number(coordinate.near) for coordinate in coordinates)
         return cls((*r, ZERO), (*p, IDENTITY), near)
 
     def moved(self, step: Sequence[High]) -> Pose:
-        """Return the positions after a displacement (δr, δθ′) of each body, finite rotations."""
+        """Positions after a displacement (δr, δθ′) of each body, finite rotations."""
         r, p = [], []
         for k, (dr, turn) in enumerate(_by_body(step)):
             r.append(precise.add(self.r[k], dr))
@@ -55,12 +55,12 @@ class Pose:
         return Pose((*r, ZERO), (*p, IDENTITY), self.near)
 
     def shifted(self, offset: Sequence[float]) -> Pose:
-        """Return the positions of all bodies but the ground, moved by the same vector [m]."""
+        """Positions of all bodies but the ground, moved by the same vector [m]."""
         by = precise.triple(offset)
         return Pose((*(precise.add(r, by) for r in self.r[:-1]), ZERO), self.p, self.near)
 
     def since(self, start: Pose) -> list[High]:
-        """Return the displacement (δr, δθ′) of each body from ``start`` to here."""
+        """Displacement (δr, δθ′) of each body from ``start`` to here."""
         step: list[High] = []
         for k in range(len(self.r) - 1):
             step += precise.subtract(self.r[k], start.r[k])
@@ -75,14 +75,14 @@ def _by_body(step: Sequence[High]) -> Iterator[tuple[Triple, Triple]]:
 
 
 def normalised(values: Sequence[float]) -> Quadruple:
-    """Return Euler parameters of norm one."""
+    """Euler parameters of norm one."""
     w, x, y, z = (precise.number(value) for value in values)
     size = precise.length((w, x, y, z))
     return w / size, x / size, y / size, z / size
 
 
 def _from_turn(turn: Triple) -> Quadruple:
-    """Return the Euler parameters of a rotation vector."""
+    """Euler parameters of a rotation vector."""
     angle = precise.length(turn)
     if angle == 0:
         return IDENTITY
@@ -91,7 +91,7 @@ def _from_turn(turn: Triple) -> Quadruple:
 
 
 def rates_of_turn(turn: Triple) -> tuple[Triple, Triple, Triple]:
-    """Return the matrix T with δθ′ = T dw of a rotation vector w that changes by dw.
+    """Matrix T with δθ′ = T dw of a rotation vector w that changes by dw.
 
     T = 1 − (1 − cos|w|)/|w|² w̃ + (|w| − sin|w|)/|w|³ w̃².
     """
@@ -110,7 +110,7 @@ def rates_of_turn(turn: Triple) -> tuple[Triple, Triple, Triple]:
 
 
 def _to_turn(p: Quadruple) -> Triple:
-    """Return the rotation vector of Euler parameters, at most half a turn."""
+    """Rotation vector of Euler parameters, at most half a turn."""
     e = (p[1], p[2], p[3])
     sine = precise.length(e)
     if sine == 0:

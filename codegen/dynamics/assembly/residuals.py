@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.driver_laws import law_at_start
-from kousoku.codegen.dynamics.assembly.jacobian import Jacobian
+from kousoku.codegen.dynamics.assembly.jacobian import PreciseJacobian
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
 from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import ARRAY, evaluate
-from kousoku.model.mechanism import COMBINATION
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -112,12 +112,12 @@ class Residuals:
         constraints: Sequence[Instance],
         left_out: Collection[tuple[int, int]] = (),
     ) -> Residuals:
-        """Return the rows of constraints between the bodies of a system, some left out."""
+        """Rows of constraints between the bodies of a system, some left out."""
         given = (constraints, system.bodies, system.coordinates, system.parameters)
         return cls(*given, left_out=left_out)
 
     def count(self, instance: Instance) -> int:
-        """Return how many rows an instance has."""
+        """Number of rows of an instance."""
         return _size(instance)
 
     def _listed(self) -> Iterator[_Piece]:
@@ -147,8 +147,8 @@ class Residuals:
             if piece.coordinate >= 0:
                 self.sizes[piece.first] += abs(piece.factor * self.near[piece.coordinate])
 
-    def at(self, pose: Pose) -> tuple[list[High], Jacobian]:
-        """Return C and C_q in 50 digits; angles are counted from those of the pose."""
+    def at(self, pose: Pose) -> tuple[list[High], PreciseJacobian]:
+        """C and C_q in 50 digits; angles are counted from those of the pose."""
         values = list(self._offsets)
         elements: list[tuple[int, int, High]] = []
         for piece in self._pieces:
@@ -164,10 +164,10 @@ class Residuals:
                     elements.append((piece.first + row, column, factor * value))
         for row in np.flatnonzero(self.is_left_out).tolist():
             values[row] = precise.ZERO[0]
-        return values, Jacobian(elements, (self.rows, self.columns))
+        return values, PreciseJacobian(elements, (self.rows, self.columns))
 
     def counted(self, pose: Pose) -> Pose:
-        """Return the pose with the angles that it has, counted on from those that it had."""
+        """Pose with the angles that it has, counted on from those that it had."""
         near = list(pose.near)
         for place, coordinate in enumerate(self.coordinates):
             if coordinate.counts_turns:
@@ -177,21 +177,21 @@ class Residuals:
         return replace(pose, near=tuple(near))
 
     def _counted(self, value: High, coordinate: int, near: Sequence[High]) -> High:
-        """Return an angle with the turns that bring it next to the one of its coordinate."""
+        """Angle with the turns that bring it next to the one of its coordinate."""
         if coordinate < 0 or not self.coordinates[coordinate].counts_turns:
             return value
         turn = 2 * CONTEXT.pi
         return value + turn * CONTEXT.nint((near[coordinate] - value) / turn)
 
     def _column(self, source: Instance | Coordinate, column: int) -> int:
-        """Return the column of the system for one of an instance, −1 where there is none."""
+        """Column of the system for one of an instance, −1 where there is none."""
         body = source.i if column < COLUMNS else source.j
         own = column % COLUMNS
         has_none = body < 0 or (self._is_point[body] and own >= COLUMNS // 2)
         return -1 if has_none else COLUMNS * body + own
 
     def fast(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
-        """Return C and C_q v − ν at the start in doubles, all instances of a kind at once."""
+        """C and C_q v − ν at the start in doubles, all instances of a kind at once."""
         still, none = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
         r = np.array([*(body.r for body in bodies), still])
         p = np.array([*(body.p for body in bodies), none])
@@ -202,7 +202,7 @@ class Residuals:
         return c, rates
 
     def doubles(self, r: Array, p: Array, near: Array | None = None) -> tuple[Array, Array]:
-        """Return C and C_q, dense, in doubles; arguments as :meth:`elements` takes them."""
+        """C and C_q, dense, in doubles; arguments as :meth:`elements` takes them."""
         c, rows, columns, values = self.elements(r, p, near)
         matrix = np.zeros((self.rows, self.columns))
         np.add.at(matrix, (rows, columns), values)
@@ -211,7 +211,7 @@ class Residuals:
     def elements(
         self, r: Array, p: Array, near: Array | None = None
     ) -> tuple[Array, Places, Places, Array]:
-        """Return C, and of the elements of C_q that are not zero rows, columns and values.
+        """Residuals C, and of the elements of C_q that are not zero rows, columns and values.
 
         Parameters
         ----------
@@ -246,12 +246,12 @@ class Residuals:
         return c, np.concatenate(rows), np.concatenate(columns), np.concatenate(found)
 
     def residuals(self, r: Array, p: Array, near: Array | None = None) -> Array:
-        """Return C alone, in doubles; arguments as :meth:`elements` takes them."""
+        """C alone, in doubles; arguments as :meth:`elements` takes them."""
         stacks = ((stack.residual, stack.inputs(r, p)) for stack in self._stacks)
         return self._summed([evaluate(*stack, ARRAY)["C"] for stack in stacks], near)
 
     def _summed(self, results: Sequence[Sequence[Array]], near: Array | None) -> Array:
-        """Return C from what the kernels of all stacks give."""
+        """C from what the kernels of all stacks give."""
         c = self._offsets_in_doubles.copy()
         for stack, result in zip(self._stacks, results, strict=True):
             for row, value in enumerate(result):
@@ -261,7 +261,7 @@ class Residuals:
         return c
 
     def angles(self, r: Array, p: Array, near: Array) -> Array:
-        """Return all coordinates that count turns, counted on from those that they had."""
+        """Coordinates that count turns, counted on from the values that they had."""
         found = near.copy()
         for stack in self._stacks:
             if stack.is_angle:
@@ -318,14 +318,14 @@ class _Stack:
     columns: Places
 
     def inputs(self, r: Array, p: Array) -> dict[str, Any]:
-        """Return the inputs of the kernel."""
+        """Inputs of the kernel."""
         inputs: dict[str, Any] = dict(self.constants)
         for end, bodies in self.bodies.items():
             inputs |= {f"r_{end}": r[bodies].T, f"p_{end}": p[bodies].T}
         return inputs
 
     def counted(self, value: Array, near: Array) -> Array:
-        """Return angles with the turns that bring them next to those of their coordinates."""
+        """Angles with the turns that bring them next to those of their coordinates."""
         if not self.is_angle:
             return value
         turns: Array = np.round((near[self.coordinates] - value) / math.tau)
@@ -334,7 +334,7 @@ class _Stack:
 
 @cache
 def _residual_of(kind: str) -> Kernel:
-    """Return what C alone, the first output, takes of the constraint of a kind."""
+    """Residual of a kind alone: the kernel of C, the first output of its constraint."""
     kernel = frozen(kind, "constraint")
     return with_outputs(kernel, [kernel.outputs[0].name])
 
@@ -346,12 +346,12 @@ def _size(instance: Instance) -> int:
 
 
 def unit_of(instance: Instance) -> str:
-    """Return the unit of the rows of a constraint: ``m``, or what is no length."""
+    """Unit of the rows of a constraint: ``m``, or what is no length."""
     return instance.unit or frozen(instance.kind, "constraint").outputs[0].unit
 
 
 def _by_kind(pieces: Sequence[_Piece]) -> list[list[_Piece]]:
-    """Return the pieces of each kind; an angle that a joint is made of counts no turns."""
+    """Pieces of each kind; an angle that a joint is made of counts no turns."""
     groups: dict[tuple[str, bool], list[_Piece]] = {}
     for piece in pieces:
         groups.setdefault((piece.source.kind, piece.coordinate >= 0), []).append(piece)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.elements.constraints import Seen, facets_of_kind
 from kousoku.model import precise
-from kousoku.model.digits import CONTEXT
-from kousoku.model.mechanism import COMBINATION
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.own_kind import is_own
 from kousoku.model.precise import ZERO
 from kousoku.runtime.integrate.result import listed
@@ -27,7 +27,7 @@ WORTH_NAMING = 1e-6
 def violations(
     rows: Residuals, pose: Pose, at_least: float, length: float
 ) -> dict[str, tuple[float, float]]:
-    """Return by key the largest violation in metres and in radians, the worst first.
+    """Violations in metres and in radians, the largest by each key, the worst first.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def violations(
 
 
 def key_of(instance: Instance) -> str:
-    """Return the dotted key of what an instance comes from: ``joints.a``, ``drivers.motor``."""
+    """Dotted key of what an instance comes from: ``joints.a``, ``drivers.motor``."""
     if "." in instance.joint:
         return instance.joint
     return f"{'drivers' if instance.is_driver else 'joints'}.{instance.joint}"
@@ -64,7 +64,7 @@ def key_of(instance: Instance) -> str:
 def worst_first(
     sizes: Mapping[str, Sequence[float]], at_least: float, length: float
 ) -> dict[str, tuple[float, float]]:
-    """Return the joints whose larger size is above a limit and worth naming, the worst first.
+    """Joints whose larger size is above a limit and worth naming, the worst first.
 
     Metres are compared with radians by a length, so that it is no matter how large a mechanism is.
     """
@@ -75,7 +75,7 @@ def worst_first(
 
 
 def _size(instance: Instance, pose: Pose) -> tuple[High, int]:
-    """Return how far an instance is from holding, and 0 for metres or 1 for radians."""
+    """Violation of an instance, and 0 for metres or 1 for radians."""
     constants = dict(instance.constants)
     ends = tuple(zip("ij", (instance.i, instance.j), strict=True))
 
@@ -86,23 +86,13 @@ def _size(instance: Instance, pose: Pose) -> tuple[High, int]:
     axis, other = (seen("a", body, index) for body, index in ends)
     start, end = (precise.add(pose.r[index], seen("s", body, index)) for body, index in ends)
     d = precise.subtract(end, start)
-    match instance.kind.partition("_")[0]:
-        case "point":
-            return precise.length(d), 0
-        case "distance":
-            return abs(precise.length(d) - precise.number(constants["length"][0])), 0
-        case "n2":
-            return abs(precise.dot(axis, d)), 0
-        case "p2":
-            return precise.length(precise.cross(axis, d)), 0
-    sine, cosine = precise.length(precise.cross(axis, other)), abs(precise.dot(axis, other))
-    if instance.kind == "n1":
-        sine, cosine = cosine, sine
-    return CONTEXT.atan2(sine, cosine), 1
+    length = constants.get("length")
+    now = Seen((axis, other), d, None if length is None else precise.number(length[0]))
+    return facets_of_kind(instance.kind).gap(now)
 
 
 def sizes_of(open_joints: dict[str, tuple[float, float]], units: tuple[str, str]) -> str:
-    """Return text such as ``joints.a by 0.25 m and 0.1 rad, joints.b by 0.2 m``."""
+    """Text such as ``joints.a by 0.25 m and 0.1 rad, joints.b by 0.2 m``."""
     texts = []
     worst = max(map(max, open_joints.values()))
     for key, sizes in open_joints.items():

@@ -1,4 +1,4 @@
-"""A program run without its source in any precision, and the values that verifying compares with.
+"""Values that verifying compares with, and their errors; equations from another derivation.
 
-``run``, ``reference``, ``rounding``.
+``reference``, ``rounding``, ``start``, ``independent``, ``newton_euler``.
 """

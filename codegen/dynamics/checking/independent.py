@@ -14,12 +14,13 @@ import numpy as np
 
 from kousoku.codegen.dynamics.checking.newton_euler import (
     BodyEquations,
-    Pose,
+    BodyState,
+    ConstraintRow,
     composed,
     turned,
     turned_back,
 )
-from kousoku.codegen.stream import Stream
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.digits import HIGH
 from kousoku.model.mechanism import GROUND_INDEX
@@ -29,10 +30,10 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from kousoku.codegen.dynamics.checking.jets import High
-    from kousoku.codegen.dynamics.checking.newton_euler import Found, Line
+    from kousoku.codegen.dynamics.checking.newton_euler import Found
     from kousoku.model.arithmetic import FormulaArithmetic
     from kousoku.model.mechanism import System
+    from kousoku.model.real import Real
     from kousoku.runtime.integrate.body_tables import BodyPlaces
     from kousoku.runtime.integrate.motion import Layout
 
@@ -65,7 +66,7 @@ class _UnsuitableError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Given:
+class GivenSolver:
     """What is known of a solver.
 
     Parameters
@@ -94,12 +95,12 @@ class Given:
     is_weighed: bool
 
 
-def independent_points(given: Given) -> list[dict[str, object]]:
-    """Return states of a scene, and what a solver must compute there.
+def independent_points(given: GivenSolver) -> list[dict[str, object]]:
+    """States of a scene, and what a solver must compute there.
 
     Parameters
     ----------
-    given : Given
+    given : GivenSolver
         The scene, and the solver's coordinates.
 
     Returns
@@ -125,7 +126,7 @@ def independent_points(given: Given) -> list[dict[str, object]]:
 class _States:
     """States of a solver that are on all joints and drivers of the scene."""
 
-    def __init__(self, given: Given) -> None:
+    def __init__(self, given: GivenSolver) -> None:
         self.given = given
         self.bodies = given.layout.bodies
         self.equations = BodyEquations(given.system, FLOAT)
@@ -134,10 +135,10 @@ class _States:
         self.sizes = np.array([self.length if k in shifts else 1.0 for k in range(len(given.v))])
 
     def states(self) -> Iterator[tuple[str, float, Array, Array]]:
-        """Yield the start, then states that move."""
+        """States: the start, then some that move."""
         given = self.given
         yield "start", 0.0, given.q, given.v
-        stream = Stream(f"independent states of {given.system.name}")
+        stream = Sha256Random(f"independent states of {given.system.name}")
         for size, time in TRIALS:
             for _ in range(2 * STATES):
                 numbers = [stream.sign() * stream.magnitude() for _ in range(2 * len(given.v))]
@@ -149,7 +150,7 @@ class _States:
                 yield "beside the start, moving", time, self._counted(q, v), v
 
     def _counted(self, q: Array, v: Array) -> Array:
-        """Return q with the angles that it has there."""
+        """Coordinates q with the angles that they have there."""
         found, poses, equations = q.copy(), self.poses(q, v, FLOAT), self.equations
         rates = equations.rates(poses)
         at = equations.courses(range(len(poses)), poses, rates, np.zeros(equations.count).tolist())
@@ -159,7 +160,7 @@ class _States:
         return found
 
     def moved(self, q: Array, change: Array) -> Array:
-        """Return q after small shifts and turns, in the columns of v."""
+        """Coordinates q after small shifts and turns, in the columns of v."""
         found = q.copy()
         done: set[int] = set()
         for body in self.bodies:
@@ -179,13 +180,13 @@ class _States:
                 done |= set(own)
         return found
 
-    def poses(self, q: Array, v: Array, digits: FormulaArithmetic[Any]) -> list[Pose]:
-        """Return where the bodies of the scene are, from coordinates of the solver."""
+    def poses(self, q: Array, v: Array, digits: FormulaArithmetic[Any]) -> list[BodyState]:
+        """Poses of the bodies of the scene, from coordinates of the solver."""
         pairs = zip(self.bodies, self.given.system.bodies, strict=True)
         return [_pose(place, body, q, v, digits) for place, body in pairs]
 
     def velocities(self, q: Array) -> Array:
-        """Return the velocities of all bodies for each velocity of the solver, (n, nv)."""
+        """Velocities of all bodies for each velocity of the solver, (n, nv)."""
         found = np.zeros((self.equations.count, len(self.given.v)))
         columns = [
             dict.fromkeys(k for k in (*one.v, *one.omega_b) if isinstance(k, int))
@@ -201,7 +202,7 @@ class _States:
         return found
 
     def _onto(self, time: float, q: Array, v: Array) -> tuple[Array, Array]:
-        """Return a state that is on all joints and drivers."""
+        """State that is on all joints and drivers."""
         for _ in range(MOST_STEPS):
             lines = self.equations.lines(self.poses(q, v, FLOAT), time)
             if not lines:
@@ -222,15 +223,17 @@ def _taken(places: Sequence[int | float], values: Array) -> list[float]:
     return [float(values[k]) if isinstance(k, int) else float(k) for k in places]
 
 
-def _pose(place: BodyPlaces, body: Any, q: Array, v: Array, digits: FormulaArithmetic[Any]) -> Pose:
-    """Return where a body of the scene is, from what carries it in a solver."""
+def _pose(
+    place: BodyPlaces, body: Any, q: Array, v: Array, digits: FormulaArithmetic[Any]
+) -> BodyState:
+    """Pose of a body of the scene, from that of its carrier in a solver."""
 
-    def numbers(values: Sequence[float]) -> list[High]:
+    def numbers(values: Sequence[float]) -> list[Real]:
         return [digits.number(x) for x in values]
 
     r, drift = numbers(_taken(place.r, q)), numbers(_taken(place.v, v))
     if body.is_point:
-        return Pose(r, numbers((1, 0, 0, 0)), drift, numbers((0, 0, 0)))
+        return BodyState(r, numbers((1, 0, 0, 0)), drift, numbers((0, 0, 0)))
     p, omega = numbers(_taken(place.p, q)), numbers(_taken(place.omega_b, v))
     size = digits.sqrt(sum(x * x for x in p))
     p = [x / size for x in p]
@@ -244,7 +247,7 @@ def _pose(place: BodyPlaces, body: Any, q: Array, v: Array, digits: FormulaArith
         omega[2] * arm[0] - omega[0] * arm[2],
         omega[0] * arm[1] - omega[1] * arm[0],
     )
-    return Pose(
+    return BodyState(
         [a + b for a, b in zip(r, turned(p, arm), strict=True)],
         composed(p, change),
         [a + b for a, b in zip(drift, turned(p, turn), strict=True)],
@@ -252,8 +255,8 @@ def _pose(place: BodyPlaces, body: Any, q: Array, v: Array, digits: FormulaArith
     )
 
 
-def dense(lines: Sequence[Line], count: int) -> Array:
-    """Return C_q in doubles."""
+def dense(lines: Sequence[ConstraintRow], count: int) -> Array:
+    """C_q in doubles."""
     found = np.zeros((len(lines), count))
     for k, line in enumerate(lines):
         for column, x in line.slopes.items():
@@ -265,7 +268,12 @@ class _Solved:
     """v̇ and λ at a state, and along which directions they are not unique."""
 
     def __init__(
-        self, equations: BodyEquations, lines: Sequence[Line], found: Found, *, is_weighed: bool
+        self,
+        equations: BodyEquations,
+        lines: Sequence[ConstraintRow],
+        found: Found,
+        *,
+        is_weighed: bool,
     ) -> None:
         self.lines, count = lines, equations.count
         inertia = equations.inertia() if is_weighed else [equations.digits.number(1)] * count
@@ -313,7 +321,7 @@ class _Solved:
 
 
 def _condition(scaled: Array) -> float:
-    """Return the ratio of the largest singular value to the smallest one that is not zero."""
+    """Ratio of the largest singular value to the smallest one that is not zero."""
     if not scaled.size:
         return 1.0
     values = np.linalg.svd(scaled, compute_uv=False)
@@ -324,9 +332,9 @@ def _condition(scaled: Array) -> float:
 
 
 def _point(
-    given: Given, finder: _States, state: tuple[str, float, Array, Array]
+    given: GivenSolver, finder: _States, state: tuple[str, float, Array, Array]
 ) -> dict[str, object]:
-    """Return a state, and what a solver must compute there."""
+    """State, and what a solver must compute there."""
     label, time, q, v = state
     equations = BodyEquations(given.system, HIGH)
     poses = finder.poses(q, v, HIGH)
@@ -349,9 +357,9 @@ class _Values:
 
     def __init__(
         self,
-        given: Given,
+        given: GivenSolver,
         equations: BodyEquations,
-        poses: Sequence[Pose],
+        poses: Sequence[BodyState],
         found: Found,
         solved: _Solved,
     ) -> None:
@@ -379,7 +387,7 @@ class _Values:
         return max(found)
 
     def all(self) -> dict[str, dict[str, object]]:
-        """Return all that is compared."""
+        """Comparisons of all outputs."""
         made = dict([*self._accelerations(), *self._coordinates()])
         sizes = {"q_moved": self.reach, "dv": self.speed, "dq": self.reach}
         sizes |= {"C": self.reach, "C_dot": self.speed, "C_ddot": self.acceleration}
@@ -393,18 +401,18 @@ class _Values:
         return made
 
     def _made(
-        self, names: Sequence[str], numbers: Sequence[High | None], size: float
+        self, names: Sequence[str], numbers: Sequence[Real | None], size: float
     ) -> dict[str, object]:
         unit = self.error * size
 
-        def written(x: High) -> float:
+        def written(x: Real) -> float:
             return float(x) if abs(x) > NOTHING * unit else 0.0
 
         high = [None if x is None else written(x) for x in numbers]
         return {"names": list(names), "high": high, "unit": float(f"{unit:.3e}")}
 
     def _accelerations(self) -> Iterator[tuple[str, dict[str, object]]]:
-        """Yield r̈ of origins and ω̇′; what is not determined is left out."""
+        """Accelerations r̈ of origins and ω̇′; what is not determined is left out."""
         own = [*self.equations.origins(self.at, self.solved.v_dot)]
         loose = self._loose(own)
         names = [body.name for body in self.equations.bodies]
@@ -421,7 +429,7 @@ class _Values:
             yield what, self._made(labels, kept, max(size, self.acceleration if n == 0 else size))
 
     def _loose(self, own: Sequence[Any]) -> list[list[list[bool]]]:
-        """Return which accelerations change along directions that no equation determines."""
+        """Accelerations that change along directions which no equation determines."""
         found = [[[False] * len(part) for part in row] for row in own]
         count = self.equations.count
         for free in self.solved.free:
@@ -438,7 +446,7 @@ class _Values:
         return found
 
     def _coordinates(self) -> Iterator[tuple[str, dict[str, object]]]:
-        """Yield value, rate and second derivative of coordinates that are shown."""
+        """Value, rate and second derivative of coordinates that are shown."""
         system = self.given.system
         shown = [
             (system.coordinates[k].name, self.equations.coordinate(k, self.at))
@@ -476,7 +484,7 @@ class _Values:
         yield "momenta", self._made(names, numbers, size)
 
     def _forces(self) -> Iterator[tuple[str, dict[str, object]]]:
-        """Yield forces and moments about the origin of frame O, and powers."""
+        """Forces and moments about the origin of frame O, and powers."""
         shares = self._shares()
         forces = [abs(float(x)) for x in self.found.force]
         heaviest = max((body.mass for body in self.equations.bodies), default=0.0)
@@ -496,7 +504,7 @@ class _Values:
                     numbers.append(self._unique(one, free))
             yield what, self._made(names, numbers, size)
         powers = dict(self.found.powers)
-        drivers: dict[str, list[tuple[int, High]]] = {}
+        drivers: dict[str, list[tuple[int, Real]]] = {}
         for k, line in enumerate(self.solved.lines):
             if line.instance.is_driver:
                 drivers.setdefault(line.instance.joint, []).append((k, -line.nu))
@@ -511,8 +519,8 @@ class _Values:
             ),
         )
 
-    def _unique(self, one: Sequence[tuple[int, High]], free: Array) -> High | None:
-        """Return Σ a λ, None where it is not unique."""
+    def _unique(self, one: Sequence[tuple[int, Real]], free: Array) -> Real | None:
+        """Sum Σ a λ, None where it is not unique."""
         factors = np.zeros(free.shape[1])
         for k, x in one:
             factors[k] += float(x)
@@ -520,15 +528,16 @@ class _Values:
             limit = UNIQUE * np.abs(factors).max(initial=0.0) * np.abs(direction).max(initial=0.0)
             if abs(factors @ direction) > limit:
                 return None
-        return sum((x * self.solved.lam[k] for k, x in one), HIGH.number(0))
+        found: Real = sum((x * self.solved.lam[k] for k, x in one), HIGH.number(0))
+        return found
 
-    def _shares(self) -> dict[str, list[list[tuple[int, High]]]]:
-        """Return by joint what its multipliers give: force in frame O, moment about its origin.
+    def _shares(self) -> dict[str, list[list[tuple[int, Real]]]]:
+        """Shares by joint of its multipliers: force in frame O, moment about its origin.
 
         It is on body j, as −C_qᵀλ says; where that is the ground it is the opposite of that on i.
         Where a joint has more bodies each has its own.
         """
-        found: dict[str, list[list[tuple[int, High]]]] = {}
+        found: dict[str, list[list[tuple[int, Real]]]] = {}
         joined: dict[str, dict[int, None]] = {}
         for line in self.solved.lines:
             joined.setdefault(line.instance.joint, {}).update(dict.fromkeys(line.instance.bodies))
@@ -547,8 +556,8 @@ class _Values:
                     own.append((k, sign * x))
         return found
 
-    def _wrench(self, line: Line, body: int) -> list[High]:
-        """Return the row of C_q of a body as force in frame O and moment about its origin."""
+    def _wrench(self, line: ConstraintRow, body: int) -> list[Real]:
+        """Row of C_q of a body as force in frame O and moment about its origin."""
         pose, own = self.poses[body], self.equations.own(body)
         slopes = [line.slopes.get(k, 0) for k in own]
         force, turning = slopes[:3], slopes[3:] or [0, 0, 0]

@@ -14,39 +14,36 @@ from dataclasses import dataclass, field
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.dynamics.checking.jets import (
+from kousoku.codegen.dynamics.elements.constraints import facets_of_kind
+from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.operations.jets import (
     Jet,
     arithmetic_of,
-    atan2,
     cross,
-    dot,
     formula,
-    sqrt,
 )
-from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.passes.rebuild import with_outputs
-from kousoku.codegen.store import load_frozen
 from kousoku.model.digits import HIGH
+from kousoku.model.elements.constraints import COMBINATION, is_length
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.own_kind import PREFIX, is_own
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.jets import High, Vector
+    from kousoku.codegen.dynamics.operations.jets import Vector
     from kousoku.model.arithmetic import FormulaArithmetic
     from kousoku.model.mechanism import ForceElement, Instance, MovingBody, System
+    from kousoku.model.real import Real
     from kousoku.model.terms import Expression
-
-#: Kinds of coordinates that are lengths.
-LENGTHS = ("n2", "length")
 
 
 @dataclass(frozen=True, slots=True)
-class Pose:
+class BodyState:
     """Where a body is, and how it moves.
 
     Parameters
@@ -57,14 +54,14 @@ class Pose:
         Euler parameters of the principal frame, of norm one, and the angular velocity there.
     """
 
-    r: Sequence[High]
-    p: Sequence[High]
-    v: Sequence[High]
-    omega_b: Sequence[High]
+    r: Sequence[Real]
+    p: Sequence[Real]
+    v: Sequence[Real]
+    omega_b: Sequence[Real]
 
 
 def composed(p: Sequence[Any], q: Sequence[Any]) -> tuple[Any, ...]:
-    """Return p ∘ q, of jets or numbers."""
+    """Product p ∘ q of Euler parameters, of jets or numbers."""
     x, y, z = cross(p[1:], q[1:])
     return (
         p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
@@ -75,7 +72,7 @@ def composed(p: Sequence[Any], q: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def turned(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
-    """Return A(p) a for p of norm one, of jets or numbers: a + 2 e₀ (e × a) + 2 e × (e × a)."""
+    """Matrix A(p) a for p of norm one, of jets or numbers: a + 2 e₀ (e × a) + 2 e × (e × a)."""
     t = cross(p[1:], a)
     u = cross(p[1:], t)
     x, y, z = (a[k] + (p[0] * t[k] + u[k]) + (p[0] * t[k] + u[k]) for k in range(3))
@@ -83,7 +80,7 @@ def turned(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
 
 
 def turned_back(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
-    """Return A(p)ᵀ a."""
+    """A(p)ᵀ a."""
     return turned((p[0], -p[1], -p[2], -p[3]), a)
 
 
@@ -100,8 +97,8 @@ class Course:
         self.r, self.p = r, p
 
     @classmethod
-    def of(cls, pose: Pose, rates: Sequence[High], second: Sequence[High]) -> Course:
-        """Return the way of a body with v, ω′ and v̇, ω̇′; ṗ = ½ p ∘ (0, ω′)."""
+    def of(cls, pose: BodyState, rates: Sequence[Real], second: Sequence[Real]) -> Course:
+        """Course of a body with v, ω′ and v̇, ω̇′; ṗ = ½ p ∘ (0, ω′)."""
         r = [Jet(x, rates[k], second[k]) for k, x in enumerate(pose.r)]
         omega, alpha = (0, *rates[3:]), (0, *second[3:])
         first = [x / 2 for x in composed(pose.p, omega)]
@@ -110,17 +107,17 @@ class Course:
             r, [Jet(x, d, (a + b) / 2) for x, d, (a, b) in zip(pose.p, first, halves, strict=True)]
         )
 
-    def with_rates(self, rates: Sequence[High]) -> Course:
-        """Return the way from the same place with other rates, which do not change."""
-        here = Pose([x.x for x in self.r], [x.x for x in self.p], (), ())
+    def with_rates(self, rates: Sequence[Real]) -> Course:
+        """Course from the same place with other rates, which do not change."""
+        here = BodyState([x.x for x in self.r], [x.x for x in self.p], (), ())
         return Course.of(here, rates, [0] * 6)
 
-    def vector(self, a: Sequence[High]) -> Vector:
-        """Return a body-fixed vector in frame O."""
+    def vector(self, a: Sequence[Real]) -> Vector:
+        """Body-fixed vector in frame O."""
         return turned(self.p, [Jet(x) for x in a])
 
-    def point(self, s: Sequence[High]) -> Vector:
-        """Return the place of a body-fixed point in frame O."""
+    def point(self, s: Sequence[Real]) -> Vector:
+        """Place of a body-fixed point in frame O."""
         x, y, z = (a + b for a, b in zip(self.r, self.vector(s), strict=True))
         return x, y, z
 
@@ -141,15 +138,15 @@ class Found:
         The parts that the energies are added up from.
     """
 
-    force: list[High]
-    potential: High = 0
-    kinetic: High = 0
-    powers: dict[str, High] = field(default_factory=dict)
-    sizes: list[High] = field(default_factory=list)
+    force: list[Real]
+    potential: Real = 0
+    kinetic: Real = 0
+    powers: dict[str, Real] = field(default_factory=dict)
+    sizes: list[Real] = field(default_factory=list)
 
 
 @dataclass(slots=True)
-class Line:
+class ConstraintRow:
     """One row of the constraints.
 
     Parameters
@@ -163,10 +160,10 @@ class Line:
     """
 
     instance: Instance
-    value: High
-    nu: High
-    gamma: High
-    slopes: dict[int, High]
+    value: Real
+    nu: Real
+    gamma: Real
+    slopes: dict[int, Real]
 
 
 class BodyEquations:
@@ -192,27 +189,27 @@ class BodyEquations:
     def _jet(self, x: float) -> Jet:
         return Jet(self.digits.number(x))
 
-    def _numbers(self, values: Sequence[float]) -> list[High]:
+    def _numbers(self, values: Sequence[float]) -> list[Real]:
         return [self.digits.number(x) for x in values]
 
     def own(self, body: int) -> range:
-        """Return the columns of a body."""
+        """Columns of a body."""
         return range(self.starts[body], self.starts[body + 1])
 
-    def inertia(self) -> list[High]:
-        """Return the diagonal of M."""
+    def inertia(self) -> list[Real]:
+        """Diagonal of M."""
         parts = ([b.mass] * 3 + ([] if b.is_point else list(b.inertia)) for b in self.bodies)
         return self._numbers([x for part in parts for x in part])
 
-    def rates(self, poses: Sequence[Pose]) -> list[High]:
-        """Return v of all bodies."""
+    def rates(self, poses: Sequence[BodyState]) -> list[Real]:
+        """Velocities v of all bodies, (δr, δθ′) of each."""
         pairs = zip(self.bodies, poses, strict=True)
         return [x for body, one in pairs for x in (*one.v, *(() if body.is_point else one.omega_b))]
 
     def course(
-        self, body: int, pose: Pose, rates: Sequence[High], second: Sequence[High]
+        self, body: int, pose: BodyState, rates: Sequence[Real], second: Sequence[Real]
     ) -> Course:
-        """Return the way of a body, given the rates of all."""
+        """Course of a body, given the rates of all."""
         own = self.own(body)
         parts = [[values[k] for k in own] + [0] * (6 - len(own)) for values in (rates, second)]
         return Course.of(pose, *parts)
@@ -220,11 +217,11 @@ class BodyEquations:
     def courses(
         self,
         bodies: Sequence[int],
-        poses: Sequence[Pose],
-        rates: Sequence[High],
-        second: Sequence[High],
+        poses: Sequence[BodyState],
+        rates: Sequence[Real],
+        second: Sequence[Real],
     ) -> dict[int, Course]:
-        """Return the ways of some bodies, of the ground too."""
+        """Courses of some bodies, of the ground too."""
         moving = [k for k in bodies if k != GROUND_INDEX]
         found = {k: self.course(k, poses[k], rates, second) for k in moving}
         return {GROUND_INDEX: self._ground, **found}
@@ -232,26 +229,19 @@ class BodyEquations:
     # What is measured.
 
     def coordinate(self, place: int, at: Mapping[int, Course]) -> Jet:
-        """Return a coordinate: an angle with its turns, a displacement, a distance, a cosine."""
+        """Value of a coordinate: an angle with its turns, a displacement, a distance, a cosine."""
         one = self.system.coordinates[place]
         own = {name: self._numbers(values) for name, values in one.constants}
         i, j = at[one.i], at[one.j]
-        if one.kind == "n1":
-            return dot(i.vector(own["a_i_b"]), j.vector(own["a_j_b"]))
-        if one.kind == "angle":
-            a_j = j.vector(own["a_j_b"])
-            sine, cosine = (dot(i.vector(own[name]), a_j) for name in ("b_i_b", "a_i_b"))
-            angle = atan2(sine, cosine, self.digits)
-            turn = 8 * self.digits.atan(self.digits.number(1))
-            count = round(float((self.digits.number(one.near) - angle.x) / turn))
-            return angle + Jet(turn * count)
-        across = _difference(j.point(own["s_j_b"]), i.point(own["s_i_b"]))
-        if one.kind == "n2":
-            return dot(i.vector(own["a_i_b"]), across)
-        return sqrt(dot(across, across), self.digits)
+        (value,) = facets_of_kind(one.kind).residuals(i, j, own, self.digits)
+        if not one.counts_turns:
+            return value
+        turn = 8 * self.digits.atan(self.digits.number(1))
+        count = round(float((self.digits.number(one.near) - value.x) / turn))
+        return value + Jet(turn * count)
 
-    def _residuals(self, one: Instance, at: Mapping[int, Course], time: High) -> Sequence[Jet]:
-        """Return what is zero where a joint or driver holds."""
+    def _residuals(self, one: Instance, at: Mapping[int, Course], time: Real) -> Sequence[Jet]:
+        """Residuals, zero where a joint or driver holds."""
         own = {name: self._numbers(values) for name, values in one.constants}
         if one.kind == COMBINATION:
             total = self._jet(one.offset)
@@ -264,26 +254,11 @@ class BodyEquations:
             return (total,)
         if is_own(one.kind):
             return self._own(one, at)
-        i, j = at[one.i], at[one.j]
-        kind = one.kind.partition("_")[0]
-        if kind == "n1":
-            return (dot(i.vector(own["a_i_b"]), j.vector(own["a_j_b"])),)
-        if kind == "p1":
-            return cross(i.vector(own["a_i_b"]), j.vector(own["a_j_b"]))
-        across = _difference(j.point(own["s_j_b"]), i.point(own["s_i_b"]))
-        if kind == "point":
-            return across
-        if kind == "p2":
-            return cross(i.vector(own["a_i_b"]), across)
-        if kind == "n2":
-            return (dot(i.vector(own["a_i_b"]), across),)
-        if kind == "distance":
-            (length,) = own["length"]
-            return (sqrt(dot(across, across), self.digits) - Jet(length),)
-        raise ValueError(f"{one.joint}: no definition of the kind {one.kind}")
+        kind = facets_of_kind(one.kind)
+        return kind.residuals(at[one.i], at[one.j], own, self.digits)
 
     def _own(self, one: Instance, at: Mapping[int, Course]) -> Sequence[Jet]:
-        """Return C of a kind of one's own: its definition is that of its kernels.
+        """C of a kind of one's own: its definition is that of its kernels.
 
         It is taken in the frames that it is stated in. What follows of it, C_q, ν and γ, is found
         here anew.
@@ -298,7 +273,7 @@ class BodyEquations:
         return evaluate(with_outputs(kernel, ["C"]), inputs, arithmetic_of(self.digits))["C"]
 
     def value(self, text: str, names: Mapping[str, Jet]) -> Jet:
-        """Return the value of a formula of these names and the parameters."""
+        """Value of a formula of these names and the parameters."""
         known = {name: self._jet(x) for name, x in self.system.parameters} | dict(names)
         key = text, tuple(known)
         if key not in self._read:
@@ -307,17 +282,19 @@ class BodyEquations:
 
     # The constraints.
 
-    def lines(self, poses: Sequence[Pose], time: High) -> list[Line]:
-        """Return all rows of joints and drivers, those too that depend on others."""
+    def lines(self, poses: Sequence[BodyState], time: Real) -> list[ConstraintRow]:
+        """Rows of all joints and drivers, those too that depend on others."""
         rates, rest = self.rates(poses), [self.digits.number(0)] * self.count
-        found: list[Line] = []
+        found: list[ConstraintRow] = []
         for one in self.system.constraints:
             bodies = [body for body in one.bodies if body != GROUND_INDEX]
             at = self.courses(bodies, poses, rates, rest)
             along = self._residuals(one, at, time)
             at_rest = self.courses(bodies, poses, rest, rest)
             still = self._residuals(one, at_rest, time)
-            own = [Line(one, c.x, -s.d, -c.dd, {}) for c, s in zip(along, still, strict=True)]
+            own = [
+                ConstraintRow(one, c.x, -s.d, -c.dd, {}) for c, s in zip(along, still, strict=True)
+            ]
             for column, ahead_at in self.each_column(at_rest):
                 ahead = self._residuals(one, ahead_at, time)
                 for line, a, s in zip(own, ahead, still, strict=True):
@@ -326,7 +303,7 @@ class BodyEquations:
         return found
 
     def each_column(self, at: Mapping[int, Course]) -> Iterator[tuple[int, dict[int, Course]]]:
-        """Yield each column of bodies, and their ways where that velocity alone is one."""
+        """Columns of bodies one by one, with the courses where that velocity alone is one."""
         zeros = [self.digits.number(0)] * 6
         at_rest = {body: course.with_rates(zeros) for body, course in at.items()}
         for body, course in at_rest.items():
@@ -336,8 +313,8 @@ class BodyEquations:
 
     # The forces.
 
-    def loads(self, poses: Sequence[Pose], time: High) -> Found:
-        """Return applied less velocity forces, and the energies."""
+    def loads(self, poses: Sequence[BodyState], time: Real) -> Found:
+        """Forces, applied less velocity forces, and the energies."""
         rates, rest = self.rates(poses), [self.digits.number(0)] * self.count
         found = Found([*rest])
         at = self.courses(range(len(poses)), poses, rates, rest)
@@ -348,8 +325,8 @@ class BodyEquations:
             self._act(force, at, time, found)
         return found
 
-    def _fall(self) -> list[High]:
-        """Return the acceleration of free fall."""
+    def _fall(self) -> list[Real]:
+        """Acceleration of free fall."""
         unit = self.digits.number(self.system.unit)
         pairs = zip(self.system.gravity, self.system.gravity_law, strict=True)
         return [
@@ -357,7 +334,7 @@ class BodyEquations:
         ]
 
     def _weigh(
-        self, body: MovingBody, pose: Pose, fall: Sequence[High], own: range, found: Found
+        self, body: MovingBody, pose: BodyState, fall: Sequence[Real], own: range, found: Found
     ) -> None:
         """Add weight, −ω̃′ I′ ω′ and the energies of a body: ½ m v·v + ½ ω′·I′ω′ and −m g·r."""
         mass = self.digits.number(body.mass)
@@ -380,7 +357,7 @@ class BodyEquations:
         self,
         force: ForceElement,
         at: Mapping[int, Course],
-        time: High,
+        time: Real,
         found: Found,
     ) -> None:
         """Add a force, its power, and its potential energy."""
@@ -400,18 +377,18 @@ class BodyEquations:
             found.potential += energy
             found.sizes.append(energy)
 
-    def _names(self, at: Mapping[int, Course], time: High) -> dict[str, Jet]:
-        """Return what formulas may name, in the unit of the scene."""
+    def _names(self, at: Mapping[int, Course], time: Real) -> dict[str, Jet]:
+        """Values of the names that formulas may use, in the unit of the scene."""
         names = {TIME: Jet(time, self.digits.number(1))}
         for place, one in enumerate(self.system.coordinates):
             value = self.coordinate(place, at)
-            if one.kind in LENGTHS:
+            if is_length(one.kind):
                 value = value.times(1 / self.digits.number(self.system.unit))
             names |= {one.name: value, f"{one.name}{RATE}": Jet(value.d)}
         return names
 
     def push(
-        self, body: int, at: Course, arm: Sequence[High], force: Sequence[High], found: Found
+        self, body: int, at: Course, arm: Sequence[Real], force: Sequence[Real], found: Found
     ) -> None:
         """Add a force in frame O that acts on a point of a body: F, and s′ × Aᵀ F."""
         if body == GROUND_INDEX:
@@ -421,7 +398,7 @@ class BodyEquations:
         for k, x in zip(own, (*force, *torque), strict=False):
             found.force[k] += x
 
-    def turn(self, body: int, at: Course, torque: Sequence[High], found: Found) -> High:
+    def turn(self, body: int, at: Course, torque: Sequence[Real], found: Found) -> Real:
         """Add a torque in frame O that acts on a body; return its power."""
         p = [x.x for x in at.p]
         own = self.own(body)[3:] if body != GROUND_INDEX else range(0)
@@ -429,14 +406,15 @@ class BodyEquations:
         first = composed((p[0], -p[1], -p[2], -p[3]), [x.d for x in at.p])
         for k, x in zip(own, turning, strict=False):
             found.force[k] += x
-        return 2 * sum(a * b for a, b in zip(turning, first[1:], strict=True))
+        energy: Real = 2 * sum(a * b for a, b in zip(turning, first[1:], strict=True))
+        return energy
 
     # What bodies do.
 
     def origins(
-        self, at: Mapping[int, Course], second: Sequence[High]
-    ) -> Iterator[tuple[list[High], tuple[High, ...]]]:
-        """Yield r̈ of the origin of each body's own frame, frame O, and dω′/dt in that frame."""
+        self, at: Mapping[int, Course], second: Sequence[Real]
+    ) -> Iterator[tuple[list[Real], tuple[Real, ...]]]:
+        """Accelerations r̈ of the origins of the bodies' own frames, frame O, and dω′/dt."""
         for k, body in enumerate(self.bodies):
             place = at[k].point(self._numbers(body.origin_b))
             alpha = [second[column] for column in self.own(k)[3:]]
@@ -444,9 +422,9 @@ class BodyEquations:
             yield [x.dd for x in place], turning
 
     def momentum(
-        self, bodies: Sequence[int], poses: Sequence[Pose], about: Sequence[float] | None
-    ) -> tuple[list[High], list[High]]:
-        """Return Σ m v, and Σ (r − o) × m v + A I′ω′ about a point o, or the centre of mass."""
+        self, bodies: Sequence[int], poses: Sequence[BodyState], about: Sequence[float] | None
+    ) -> tuple[list[Real], list[Real]]:
+        """Momentum Σ m v, and Σ (r − o) × m v + A I′ω′ about a point o, or the centre of mass."""
         masses = {k: self.digits.number(self.bodies[k].mass) for k in bodies}
         mass = sum(masses.values())
         linear = [sum(masses[k] * poses[k].v[n] for k in bodies) for n in range(3)]
@@ -459,13 +437,9 @@ class BodyEquations:
             one, body = poses[k], self.bodies[k]
             arm = [a - b for a, b in zip(one.r, center, strict=True)]
             part = cross(arm, [masses[k] * (a - b) for a, b in zip(one.v, drift, strict=True)])
-            spin: Sequence[High] = (0, 0, 0)
+            spin: Sequence[Real] = (0, 0, 0)
             if not body.is_point:
                 moments = self._numbers(body.inertia)
                 spin = turned(one.p, [a * b for a, b in zip(moments, one.omega_b, strict=True)])
             total = [a + b + c for a, b, c in zip(total, part, spin, strict=True)]
         return linear, total
-
-
-def _difference(a: Vector, b: Vector) -> Vector:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]

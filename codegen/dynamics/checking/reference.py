@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.codegen.dynamics.checking.independent import Given, independent_points
+from kousoku.codegen.dynamics.checking.independent import GivenSolver, independent_points
 from kousoku.codegen.dynamics.checking.rounding import run_and_keep, units
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS
-from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.motion_data import GIVEN, motion_data
 from kousoku.codegen.dynamics.emission.view_numbers import shift_slots
-from kousoku.codegen.dynamics.explanation.counts import operations
-from kousoku.codegen.stream import Stream
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
+from kousoku.codegen.dynamics.recording.counts import operations
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.digits import HIGH
 from kousoku.model.graph import EXACT_OPS, Op
 from kousoku.model.jsontext import to_text
@@ -49,7 +49,7 @@ KINKS = frozenset({Op.ABS, Op.MAX})
 
 
 @dataclass(frozen=True, slots=True)
-class State:
+class ReferenceState:
     """Where a program is run.
 
     Parameters
@@ -72,7 +72,7 @@ class State:
 
 
 def solver_references(program: Program, system: System, written: System) -> str:
-    """Return the text of the reference values of a scene of bodies.
+    """Text of the reference values of a scene of bodies.
 
     Parameters
     ----------
@@ -114,21 +114,21 @@ def solver_references(program: Program, system: System, written: System) -> str:
 
 
 def _uses(program: Program, allowed: frozenset[Op]) -> bool:
-    """Return whether a program has no other operations."""
+    """Whether a program has no other operations."""
     return all(node.op in allowed for kernel in program.kernels for node in kernel.nodes)
 
 
-def _known(program: Program, system: System, written: System) -> Given:
-    """Return what is known of a solver beside what it computes: where it has its bodies."""
+def _known(program: Program, system: System, written: System) -> GivenSolver:
+    """Solver as the checker sees it, beside what it computes: where it has its bodies."""
     data = motion_data(program, system)
-    numbers = Workspace(program)["design"] if program.design else []
+    numbers = ProgramInterpreter(program)["design"] if program.design else []
     names = [
         [one.name for one in system.carried if one.carrier in part.bodies]
         if system.carried
         else [system.bodies[k].name for k in part.bodies]
         for part in program.kept
     ]
-    return Given(
+    return GivenSolver(
         system=fixed_system(written),
         layout=Layout.from_data(data).at(np.array(numbers, dtype=float)),
         q=np.array(data["q"], dtype=float),
@@ -146,10 +146,10 @@ def _known(program: Program, system: System, written: System) -> Given:
     )
 
 
-def _states(program: Program, system: System) -> list[State]:
-    """Return the start, a state near it that moves, and one that no assembly would leave."""
-    work = Workspace(program)
-    stream = Stream(f"states of {system.name}")
+def _states(program: Program, system: System) -> list[ReferenceState]:
+    """States: the start, one near it that moves, and one that no assembly would leave."""
+    work = ProgramInterpreter(program)
+    stream = Sha256Random(f"states of {system.name}")
     q, v = [float(x) for x in work["q"]], [float(x) for x in work["v"]]
     lengths = {slot for pair in shift_slots(program) for slot in pair}
     length = characteristic_length(system)
@@ -169,19 +169,21 @@ def _states(program: Program, system: System) -> list[State]:
     given = [value for _, value in system.parameters]
     near = moved(q, "q", 2.0**-10), moved(v, "v", 1.0)
     states = [
-        State("start", 0.0, q, v, given),
-        State("near the start, moving", 0.75, *near, given),
-        State("not assembled, fast", 1.5, moved(q, "q", 2.0**-4), moved(v, "v", 4.0), given),
+        ReferenceState("start", 0.0, q, v, given),
+        ReferenceState("near the start, moving", 0.75, *near, given),
+        ReferenceState(
+            "not assembled, fast", 1.5, moved(q, "q", 2.0**-4), moved(v, "v", 4.0), given
+        ),
     ]
     if program.design:
         other = [other_value(value, place) for place, value in enumerate(given)]
-        states.append(State("near the start, other parameters", 0.75, *near, other))
+        states.append(ReferenceState("near the start, other parameters", 0.75, *near, other))
     return states
 
 
-def _point(program: Program, system: System, state: State) -> dict[str, object] | None:
-    """Return the results at a state, None where they are not finite or not determined."""
-    work = Workspace(program, HIGH)
+def _point(program: Program, system: System, state: ReferenceState) -> dict[str, object] | None:
+    """Results at a state, None where they are not finite or not determined."""
+    work = ProgramInterpreter(program, HIGH)
     given = {"t": [state.time], "q": state.q, "v": state.v}
     if system.parameters:
         given["parameters"] = state.parameters
@@ -214,7 +216,7 @@ def _point(program: Program, system: System, state: State) -> dict[str, object] 
 
 
 def _columns(values: Sequence[Any], sizes: Sequence[float]) -> dict[str, list[float]]:
-    """Return high, low and unit of the numbers of a region; it is exactly zero where units are."""
+    """High, low and unit of the numbers of a region; it is exactly zero where units are."""
     least = SECOND_ORDER * max(sizes)
     rounded = [float(f"{max(size, least):.2e}") for size in sizes]
     high = [float(value) for value in values]

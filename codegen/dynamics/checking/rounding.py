@@ -23,7 +23,7 @@ from kousoku.model.slopes import SLOPES
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.checking.run import Workspace
+    from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
     from kousoku.codegen.dynamics.recording.program import Task
     from kousoku.model.graph import Node
     from kousoku.model.kernel import Kernel
@@ -41,7 +41,7 @@ EXACT = frozenset({Op.NEG, Op.ABS, Op.MAX, Op.INPUT})
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class ExecutedTask:
     """A task that was run.
 
     Parameters
@@ -56,8 +56,8 @@ class Step:
     values: list[float]
 
 
-def run_and_keep(workspace: Workspace, segments: Sequence[str]) -> list[Step]:
-    """Run segments as :meth:`Workspace.run` does, and keep the values of all nodes."""
+def run_and_keep(workspace: ProgramInterpreter, segments: Sequence[str]) -> list[ExecutedTask]:
+    """Run segments as :meth:`ProgramInterpreter.run` does, and keep the values of all nodes."""
     program, steps = workspace.program, []
     for name in segments:
         for task in program.segment(name).tasks:
@@ -69,18 +69,20 @@ def run_and_keep(workspace: Workspace, segments: Sequence[str]) -> list[Step]:
             values = node_values(kernel, inputs, workspace.arithmetic)
             for base, result in zip(task.outputs, kernel.results, strict=True):
                 workspace.values[base : base + len(result)] = [values[node] for node in result]
-            steps.append(Step(task, [float(value) for value in values]))
+            steps.append(ExecutedTask(task, [float(value) for value in values]))
     return steps
 
 
-def units(workspace: Workspace, steps: Sequence[Step], slots: Sequence[int]) -> list[float]:
-    """Return the units of error of some slots.
+def units(
+    workspace: ProgramInterpreter, steps: Sequence[ExecutedTask], slots: Sequence[int]
+) -> list[float]:
+    """Units of error of some slots.
 
     Parameters
     ----------
-    workspace : Workspace
+    workspace : ProgramInterpreter
         Where the steps were run, as they left it. No slot was written twice.
-    steps : sequence of Step
+    steps : sequence of ExecutedTask
         As :func:`run_and_keep` returned them.
     slots : sequence of int
         The results.
@@ -91,7 +93,9 @@ def units(workspace: Workspace, steps: Sequence[Step], slots: Sequence[int]) -> 
     return found
 
 
-def _units(workspace: Workspace, steps: Sequence[Step], slots: Sequence[int]) -> list[float]:
+def _units(
+    workspace: ProgramInterpreter, steps: Sequence[ExecutedTask], slots: Sequence[int]
+) -> list[float]:
     slopes: dict[int, Array] = {}
     for k, slot in enumerate(slots):
         slopes.setdefault(slot, np.zeros(len(slots)))[k] = 1.0
@@ -103,7 +107,7 @@ def _units(workspace: Workspace, steps: Sequence[Step], slots: Sequence[int]) ->
     return [float(x) for x in ROUNDING * total]
 
 
-def _go_back(kernel: Kernel, step: Step, slopes: dict[int, Array], total: Array) -> None:
+def _go_back(kernel: Kernel, step: ExecutedTask, slopes: dict[int, Array], total: Array) -> None:
     """Bring derivatives by what a task writes to what it reads, and count its roundings."""
     own: dict[int, Array] = {}
     for base, result in zip(step.task.outputs, kernel.results, strict=True):
@@ -132,7 +136,7 @@ def _add(table: dict[int, Array], place: int, slope: Array) -> None:
 
 
 def _roundings(node: Node) -> int:
-    """Return how many roundings a node costs."""
+    """Number of roundings that a node costs."""
     if node.op is Op.CONST:
         return int(node.value is not None and float(node.value) != node.value)
     if node.op in EXACT:
@@ -141,7 +145,7 @@ def _roundings(node: Node) -> int:
 
 
 def _slopes(node: Node, value: float, values: Sequence[float]) -> tuple[float, ...]:
-    """Return the derivatives of a node by its arguments."""
+    """Derivatives of a node by its arguments."""
     if not node.args:
         return ()
     return SLOPES[node.op.value](value, [values[arg] for arg in node.args], FLOAT)

@@ -6,8 +6,8 @@ from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.equations import system_equations
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
 from kousoku.model.switching import seen_of
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def forces_without_value(system: System) -> list[str]:
-    """Return the names of forces whose formulas have no finite value at the start.
+    """Names of forces whose formulas have no finite value at the start.
 
     Parameters
     ----------
@@ -40,8 +40,8 @@ def forces_without_value(system: System) -> list[str]:
 
 
 def _have_values(system: System, forces: Sequence[ForceElement]) -> bool:
-    """Return whether some forces have finite values at the start."""
-    work = Workspace(system_equations(replace(system, forces=tuple(forces))).program)
+    """Whether some forces have finite values at the start."""
+    work = ProgramInterpreter(system_equations(replace(system, forces=tuple(forces))).program)
     try:
         work.run("masses", "geometry")
     except (ArithmeticError, ValueError):
@@ -50,7 +50,7 @@ def _have_values(system: System, forces: Sequence[ForceElement]) -> bool:
 
 
 def events_without_value(program: Program, system: System) -> list[tuple[str, str]]:
-    """Return name and formula of the events that have no finite value at the start.
+    """Name and formula of the events that have no finite value at the start.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def events_without_value(program: Program, system: System) -> list[tuple[str, st
     """
     if not system.events:
         return []
-    work = Workspace(program)
+    work = ProgramInterpreter(program)
     try:
         work.run("measure")
     except (ArithmeticError, ValueError):  # of a spring without length: its force says so

@@ -35,7 +35,7 @@ WORK = "work"
 
 
 def entries_of(system: System) -> tuple[Auxiliary, ...]:
-    """Return the entries that a system needs, in their order."""
+    """Entries that a system needs, in their order."""
     turns = (one for one in system.coordinates if one.counts_turns)
     working = dict.fromkeys(force.name for force in system.forces if force.works)
     working |= dict.fromkeys(drivers_of(system))
@@ -46,7 +46,7 @@ def entries_of(system: System) -> tuple[Auxiliary, ...]:
 
 
 def drivers_of(system: System) -> tuple[str, ...]:
-    """Return the names of the drivers."""
+    """Names of the drivers."""
     return tuple(dict.fromkeys(one.joint for one in system.constraints if one.is_driver))
 
 
@@ -67,16 +67,16 @@ class Auxiliaries:
         self._places = {(one.kind, one.name): first + k for k, one in enumerate(self.entries)}
 
     def of(self, region: Block, kind: str, name: str) -> Block:
-        """Return an entry of a region that is ordered as q."""
+        """Entry of a region that is ordered as q."""
         return region.part(self._places[kind, name], 1)
 
     def kept(self, region: Block) -> list[Block]:
-        """Return the entries of a region that no positions tell."""
+        """Entries of a region that no positions tell."""
         kinds = ((one.kind, one.name) for one in self.entries)
         return [self.of(region, kind, name) for kind, name in kinds if kind != TURNS]
 
     def placed(self, q: Block) -> tuple[Auxiliary, ...]:
-        """Return the entries with their slots, for those who run the program."""
+        """Entries with their slots, for those who run the program."""
         return tuple(
             replace(one, place=replace(one.place, slot=slot_of(q.entries[self.first + k])))
             for k, one in enumerate(self.entries)
@@ -90,5 +90,5 @@ class Copy:
     title: str = "copy"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return it."""
+        """The value as it is."""
         return blocks

@@ -18,21 +18,21 @@ from kousoku.model.formulas import TIME
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
-    from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
+    from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
     from kousoku.model.mechanism import Instance
 
 
 @dataclass(frozen=True, slots=True)
-class Weighted:
+class WeightedRows:
     """Add weighted rows. Blocks: what is added to, then factor and row in turn."""
 
     title: str = "linear combination"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the sum."""
+        """Sum."""
         total, *pairs = blocks
         for factor, row in zip(pairs[::2], pairs[1::2], strict=True):
             total = factor @ row + total
@@ -63,7 +63,7 @@ class Law:
         return f"driver, derivative {self.order}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return unit · law (1,)."""
+        """Unit · law (1,)."""
         unit, time, parameters = (block.flat for block in blocks)
         names = (TIME, *self.parameters)
         expression = rate_of(parse_expression(self.law, names), TIME, self.order)
@@ -80,7 +80,7 @@ class Combinations:
     ----------
     recorder : Recorder
         Where they are recorded.
-    coordinates : CoordinateTasks
+    coordinates : CoordinateRecorder
         What is combined.
     time, parameters : Block
         What laws depend on.
@@ -89,7 +89,7 @@ class Combinations:
     """
 
     recorder: Recorder
-    coordinates: CoordinateTasks
+    coordinates: CoordinateRecorder
     time: Block
     parameters: Block
     names: tuple[str, ...]
@@ -99,7 +99,7 @@ class Combinations:
         total = self.recorder.constant((one.offset,))
         if one.is_driver:
             law = self.law(one, 0)
-            (total,) = self.recorder.call(Weighted(), total, column((-1,)), law)
+            (total,) = self.recorder.call(WeightedRows(), total, column((-1,)), law)
         values = [self.coordinates.value(term.coordinate) for term in one.terms]
         return self._weighted(one, total, values)
 
@@ -130,4 +130,4 @@ class Combinations:
             if row is not None
             for block in (self.recorder.constant((term.factor,)), row)
         ]
-        return self.recorder.call(Weighted(), total, *pairs)[0]
+        return self.recorder.call(WeightedRows(), total, *pairs)[0]

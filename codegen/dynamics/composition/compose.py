@@ -18,40 +18,46 @@ from kousoku.codegen.dynamics.composition.auxiliary import (
     drivers_of,
     entries_of,
 )
-from kousoku.codegen.dynamics.composition.bodies import (
+from kousoku.codegen.dynamics.composition.combinations import Combinations
+from kousoku.codegen.dynamics.composition.energies import record_energies
+from kousoku.codegen.dynamics.composition.formula_names import FormulaNames
+from kousoku.codegen.dynamics.composition.joint_coordinates import JointCoordinates
+from kousoku.codegen.dynamics.composition.joints import (
+    JointBlocks,
+    joints_of,
+    place_numbers,
+    rows_of,
+)
+from kousoku.codegen.dynamics.composition.least_norm import Scale, Shared
+from kousoku.codegen.dynamics.composition.momentum import record_momenta
+from kousoku.codegen.dynamics.composition.reactions import record_reactions, record_wrenches
+from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
+from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
+from kousoku.codegen.dynamics.composition.record_joints import JointRecorder
+from kousoku.codegen.dynamics.composition.schur import Schur
+from kousoku.codegen.dynamics.composition.setup import record_setup
+from kousoku.codegen.dynamics.composition.switching import record_switching
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
+from kousoku.codegen.dynamics.operations.joint_ends import points_of
+from kousoku.codegen.dynamics.operations.mechanics import (
+    BodyOrientation,
+    FreeAcceleration,
+    Move,
+    PoseRate,
+)
+from kousoku.codegen.dynamics.operations.shapes import sizes
+from kousoku.codegen.dynamics.operations.sums import summed
+from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Kept, Program
+from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
+from kousoku.codegen.dynamics.redundancy.redundant_rows import by_instance
+from kousoku.codegen.dynamics.simplification.axis_permutation import permuted_back
+from kousoku.codegen.dynamics.simplification.bodies import (
     GROUND,
     BodyBlocks,
     body_blocks,
     coordinates,
     gyroscopic_ratios,
 )
-from kousoku.codegen.dynamics.composition.combinations import Combinations
-from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
-from kousoku.codegen.dynamics.composition.energies import record_energies
-from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
-from kousoku.codegen.dynamics.composition.joint_tasks import JointTasks
-from kousoku.codegen.dynamics.composition.joints import JointBlocks, joints_of, place_numbers
-from kousoku.codegen.dynamics.composition.least_norm import Scale, Shared, points_of
-from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.dynamics.composition.momentum import record_momenta
-from kousoku.codegen.dynamics.composition.reactions import record_reactions, record_wrenches
-from kousoku.codegen.dynamics.composition.reduced import Reduced
-from kousoku.codegen.dynamics.composition.schur import Schur
-from kousoku.codegen.dynamics.composition.setup import record_setup
-from kousoku.codegen.dynamics.composition.switching import record_switching
-from kousoku.codegen.dynamics.operations.formulas import Names
-from kousoku.codegen.dynamics.operations.mechanics import (
-    FreeAcceleration,
-    Motion,
-    Move,
-    Orientation,
-)
-from kousoku.codegen.dynamics.operations.sums import summed
-from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Kept, Program
-from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
-from kousoku.codegen.dynamics.redundancy.left_out import by_instance, rows_of
-from kousoku.codegen.dynamics.simplification.shapes import sizes
-from kousoku.codegen.dynamics.simplification.turned import named_back
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -66,7 +72,7 @@ SHORT = 16
 
 
 def compose(analysed: Analysed, wanted: Collection[str] = ()) -> Program:
-    """Return the program of a system: its segments are those of ``SEGMENTS``.
+    """Program of a system: its segments are those of ``SEGMENTS``.
 
     Parameters
     ----------
@@ -89,11 +95,11 @@ def compose(analysed: Analysed, wanted: Collection[str] = ()) -> Program:
         Too many rows depend on each other for their reactions.
     """
     there = in_xy_plane(analysed)
-    program = _Composer(there, wanted).program()
-    return named_back(program, there.system, analysed.outline.shift or 0)
+    program = _ProgramComposer(there, wanted).program()
+    return permuted_back(program, there.system, analysed.outline.shift or 0)
 
 
-class _Composer:
+class _ProgramComposer:
     """A program while it is composed."""
 
     def __init__(self, analysed: Analysed, wanted: Collection[str]) -> None:
@@ -114,15 +120,17 @@ class _Composer:
         self.dv = region("dv", velocities)
         self.q_dot, self.v_dot = region("q_dot", positions), region("v_dot", velocities)
         self.bodies = body_blocks(system, self.recorder, self.q, self.v, is_planar=is_planar)
-        self.coordinates = CoordinateTasks(system, self.recorder, self.body, self.auxiliary, self.q)
+        self.coordinates = CoordinateRecorder(
+            system, self.recorder, self.body, self.auxiliary, self.q
+        )
         rates, fixed = self._by_body(self.v), (self.time, self.parameters)
-        names = Names(system, self.recorder, self.coordinates, fixed, rates)
-        self.forces = ForceTasks(self.recorder, self.body, self.coordinates, names, rates)
+        names = FormulaNames(system, self.recorder, self.coordinates, fixed, rates)
+        self.forces = ForceRecorder(self.recorder, self.body, self.coordinates, names, rates)
         given = tuple(name for name, _ in system.parameters)
         combinations = Combinations(self.recorder, self.coordinates, *fixed, given)
         told = system, self.recorder, self.body, combinations
-        self.tasks = JointTasks(*told)
-        self.reduced = Reduced(analysed.reductions, *told)
+        self.tasks = JointRecorder(*told)
+        self.reduced = JointCoordinates(analysed.transformations, *told)
         places = (*self.reduced.instances, *range(len(system.constraints)))
         place_numbers(system, self.recorder, places)
         self.joints, self.held, self.left_out = (
@@ -137,7 +145,7 @@ class _Composer:
         self.schur = Schur(self.recorder, region("pivots", self.rows), at_once=at_once)
 
     def body(self, index: int) -> BodyBlocks:
-        """Return the blocks of a body, or of the ground."""
+        """Blocks of a body, or of the ground."""
         return GROUND if index == GROUND_INDEX else self.bodies[index]
 
     def _of_body(self, index: int) -> AbstractContextManager[None]:
@@ -166,7 +174,7 @@ class _Composer:
         return self._program(kept)
 
     def _program(self, kept: tuple[Kept, ...]) -> Program:
-        """Return what was recorded."""
+        """Program of all that was recorded."""
         pairs = zip(self.system.bodies, self.bodies, strict=True)
         places = tuple(coordinates(body, blocks) for body, blocks in pairs)
         design = record_setup(self.recorder, self.system, self.parameters, places)
@@ -196,7 +204,7 @@ class _Composer:
         self.recorder.begin("geometry")
         for k, blocks in enumerate(self.bodies):
             with self._of_body(k):
-                (orientation,) = self.recorder.call(Orientation(), blocks.p)
+                (orientation,) = self.recorder.call(BodyOrientation(), blocks.p)
             self.bodies[k] = replace(blocks, orientation=orientation)
         self.reduced.geometry(self.bodies)
         for joint in self.joints:
@@ -225,7 +233,9 @@ class _Composer:
             for index, scaled in joint.scaled.items():
                 if index != GROUND_INDEX:
                     terms[index].append((scaled.T, block))
-        totals = list(free or (zeros(blocks.weights.width, 1) for blocks in self.bodies))
+        totals = list(
+            free or (zeros(blocks.effective_inverse_mass.width, 1) for blocks in self.bodies)
+        )
         self.reduced.spread(self.schur, totals, terms, beyond)
         for k, (total, products) in enumerate(zip(totals, terms, strict=True)):
             blocks = self.bodies[k]
@@ -239,7 +249,7 @@ class _Composer:
             change = blocks.spread(self.dq.part(blocks.v, len(blocks.columns)).entries)
             target = self.q_moved.part(blocks.q, len(blocks.coordinates))
             if k in self.reduced.tasks:
-                laws |= self.reduced.tasks[k].put(*change, target)
+                laws |= self.reduced.tasks[k].project_position(*change, target)
             else:
                 at = (blocks.r, blocks.p)
                 with self._of_body(k):
@@ -257,7 +267,7 @@ class _Composer:
         joints: Sequence[JointBlocks] | None = None,
         beyond: Mapping[int, Block] | None = None,
     ) -> list[Block]:
-        """Return C_q x minus ν or γ, joint by joint; ``region`` says where to put it."""
+        """C_q x minus ν or γ, joint by joint; ``region`` says where to put it."""
         found = []
         for joint in self.joints if joints is None else joints:
             into = self._rows_of(region, joint) if region else None
@@ -267,12 +277,12 @@ class _Composer:
     def _velocity(self) -> None:
         self.recorder.begin("velocity")
         by_body = self._by_body(self.v)
-        lacks, beyond = self.reduced.fit(by_body)
+        lacks, beyond = self.reduced.project_velocity(by_body)
         rates = self._rates("nu", by_body, beyond=beyond)
         self._pull(self.schur.solve(rates), None, self.dv, lacks)
 
     def _by_body(self, region: Block) -> list[Block]:
-        """Return the parts of a region in the order of v."""
+        """Parts of a region in the order of v."""
         return [region.part(blocks.v, len(blocks.columns)) for blocks in self.bodies]
 
     def _acceleration(self) -> None:
@@ -282,7 +292,7 @@ class _Composer:
         for k, blocks in enumerate(self.bodies):
             with self._of_body(k):
                 self.recorder.call(
-                    Motion(blocks.coordinates),
+                    PoseRate(blocks.coordinates),
                     blocks.p,
                     blocks.v_r,
                     blocks.omega_b,
@@ -299,7 +309,7 @@ class _Composer:
             self._keep_rate(name, power)
         if lam:
             self.reduced.keep(free)
-        drift = self.reduced.condense(free)
+        drift = self.reduced.reduce_forces(free)
         targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
         multipliers = self.schur.solve(self._rates("gamma", free, beyond=drift), targets)
         self._pull(multipliers, free, self.v_dot, drift)

@@ -12,14 +12,14 @@ from kousoku.codegen.dynamics.recording.design import number
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
-    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
     from kousoku.model.mechanism import System
 
 
 def record_energies(
-    recorder: Recorder, system: System, bodies: Sequence[BodyBlocks], forces: ForceTasks
+    recorder: Recorder, system: System, bodies: Sequence[BodyBlocks], forces: ForceRecorder
 ) -> None:
     """Record the energies of bodies, and of forces that have a potential.
 
@@ -31,7 +31,7 @@ def record_energies(
         The scene.
     bodies : sequence of BodyBlocks
         Where its bodies are.
-    forces : ForceTasks
+    forces : ForceRecorder
         What records its forces.
     """
     target = recorder.region("energies", 2)

@@ -9,27 +9,26 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.auxiliary import Auxiliaries, Copy, entries_of
-from kousoku.codegen.dynamics.composition.bodies import GROUND, body_blocks, coordinates
 from kousoku.codegen.dynamics.composition.combinations import Combinations
-from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
-from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
-from kousoku.codegen.dynamics.composition.joint_tasks import JointTasks
-from kousoku.codegen.dynamics.composition.joints import joints_of, place_numbers
+from kousoku.codegen.dynamics.composition.formula_names import FormulaNames
+from kousoku.codegen.dynamics.composition.joints import joints_of, place_numbers, rows_of
+from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
+from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
+from kousoku.codegen.dynamics.composition.record_joints import JointRecorder
 from kousoku.codegen.dynamics.composition.setup import record_setup
-from kousoku.codegen.dynamics.operations.formulas import Names
-from kousoku.codegen.dynamics.operations.mechanics import Orientation
+from kousoku.codegen.dynamics.operations.mechanics import BodyOrientation
+from kousoku.codegen.dynamics.operations.shapes import sizes
 from kousoku.codegen.dynamics.recording.design import number
 from kousoku.codegen.dynamics.recording.program import Program
 from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
-from kousoku.codegen.dynamics.redundancy.left_out import rows_of
+from kousoku.codegen.dynamics.simplification.bodies import GROUND, body_blocks, coordinates
 from kousoku.codegen.dynamics.simplification.outline import live_rows
-from kousoku.codegen.dynamics.simplification.shapes import sizes
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
     from kousoku.model.mechanism import System
 
 #: Numbers of a body in the region ``masses``: mass, moments, origin and axes of the user's frame.
@@ -56,7 +55,7 @@ class SystemEquations:
 
 
 def system_equations(system: System) -> SystemEquations:
-    """Return the program of all equations of a system in space.
+    """Program of all equations of a system in space.
 
     Parameters
     ----------
@@ -86,16 +85,16 @@ class _Equations:
             replace(blocks, inverse_mass=column((1,) * len(blocks.columns)).T) for blocks in found
         ]
         self.parameters = fixed[1]
-        tasks = CoordinateTasks(system, self.recorder, self.body, self.auxiliary, self.q)
+        tasks = CoordinateRecorder(system, self.recorder, self.body, self.auxiliary, self.q)
         by_body = [self.v.part(one.v, len(one.columns)) for one in self.bodies]
-        names = Names(system, self.recorder, tasks, fixed, by_body)
-        self.forces = ForceTasks(self.recorder, self.body, tasks, names, by_body)
+        names = FormulaNames(system, self.recorder, tasks, fixed, by_body)
+        self.forces = ForceRecorder(self.recorder, self.body, tasks, names, by_body)
         given = tuple(name for name, _ in system.parameters)
         combinations = Combinations(self.recorder, tasks, *fixed, given)
-        self.tasks = JointTasks(system, self.recorder, self.body, combinations)
+        self.tasks = JointRecorder(system, self.recorder, self.body, combinations)
 
     def body(self, index: int) -> BodyBlocks:
-        """Return the blocks of a body, or of the ground."""
+        """Blocks of a body, or of the ground."""
         return GROUND if index == GROUND_INDEX else self.bodies[index]
 
     def recorded(self) -> SystemEquations:
@@ -110,7 +109,7 @@ class _Equations:
         self._keep("masses", [self._numbers(k) for k in range(len(self.bodies))])
         self.recorder.begin("geometry")
         for k, blocks in enumerate(self.bodies):
-            (orientation,) = self.recorder.call(Orientation(), blocks.p)
+            (orientation,) = self.recorder.call(BodyOrientation(), blocks.p)
             self.bodies[k] = replace(blocks, orientation=orientation)
         still = [zeros(len(blocks.columns), 1) for blocks in self.bodies]
         slopes: list[Block] = []

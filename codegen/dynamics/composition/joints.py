@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.mechanics import Part, inputs_of
+from kousoku.codegen.dynamics.operations.mechanics import InstanceRows, inputs_of
+from kousoku.codegen.dynamics.recording.program import Row
 from kousoku.codegen.dynamics.recording.recorder import Block, column
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ class JointBlocks:
         Those that it connects: i, j, and the others of combinations.
     instances : tuple of int
         Places in the system.
-    parts : tuple of Part
+    parts : tuple of InstanceRows
         The rows of each instance.
     constants : tuple of tuple of Block
         What each part needs; nothing of a combination.
@@ -45,7 +46,7 @@ class JointBlocks:
     name: str
     bodies: tuple[int, ...]
     instances: tuple[int, ...]
-    parts: tuple[Part, ...]
+    parts: tuple[InstanceRows, ...]
     constants: tuple[tuple[Block, ...], ...]
     first: int
     count: int
@@ -87,7 +88,7 @@ def place_numbers(system: System, recorder: Recorder, instances: Iterable[int]) 
 def joints_of(
     system: System, recorder: Recorder, rows: Mapping[int, Sequence[int]]
 ) -> list[JointBlocks]:
-    """Return the joints that have rows.
+    """Joints that have rows.
 
     Parameters
     ----------
@@ -108,7 +109,7 @@ def joints_of(
             if chosen:
                 names = tuple(name for name, _ in inputs_of(instance))
                 blocks = tuple(recorder.constant(values) for _, values in inputs_of(instance))
-                kept.append((place, Part(instance.kind, chosen, names), blocks))
+                kept.append((place, InstanceRows(instance.kind, chosen, names), blocks))
                 bodies += instance.others
         count = sum(len(part.rows) for _, part, _ in kept)
         if count:
@@ -125,3 +126,13 @@ def joints_of(
             )
         first += count
     return found
+
+
+def rows_of(joints: Iterable[JointBlocks]) -> tuple[Row, ...]:
+    """Rows of joints in their order."""
+    return tuple(
+        Row(joint.name, instance, row)
+        for joint in joints
+        for instance, part in zip(joint.instances, joint.parts, strict=True)
+        for row in part.rows
+    )

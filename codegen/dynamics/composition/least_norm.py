@@ -26,12 +26,12 @@ from kousoku.model.mechanism import GROUND_INDEX
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
     from kousoku.codegen.dynamics.composition.reactions import Reaction
     from kousoku.codegen.dynamics.recording.recorder import Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System, Vector
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.model.mechanism import Vector
 
 ORIGIN = (0.0, 0.0, 0.0)
 #: Rows of a set that are shared out at most: what it takes grows with their cube.
@@ -81,31 +81,8 @@ class Scale:
     shared: Shared = Shared()
 
 
-def points_of(system: System) -> dict[str, Vector]:
-    """Return the point of each joint in the principal frame of body j, or in frame O.
-
-    Joints without a point have their torque at the origin of that frame.
-    """
-    found: dict[str, Vector] = {}
-    for one in system.constraints:
-        measures = (system.coordinates[term.coordinate] for term in one.terms)
-        constants = [
-            *one.constants,
-            *(x for own in measures if own.j == one.j for x in own.constants),
-        ]
-        for name, values in constants:
-            if name == "s_j_b":
-                found[one.joint] = _vector(values)
-    return found
-
-
-def _vector(values: Sequence[float]) -> Vector:
-    x, y, z = values
-    return x, y, z
-
-
 def merged(groups: Iterable[Sequence[str]]) -> list[frozenset[str]]:
-    """Return groups of joints such that no joint is in two of them, in the order of the first."""
+    """Groups of joints such that no joint is in two of them, in the order of the first."""
     found: list[frozenset[str]] = []
     for group in groups:
         total = frozenset(group)
@@ -119,7 +96,7 @@ def merged(groups: Iterable[Sequence[str]]) -> list[frozenset[str]]:
 
 
 @dataclass(frozen=True, slots=True)
-class Wrench:
+class MultiplierWrench:
     """Force and torque / ℓ of a joint at its point for each of its multipliers, in frame O.
 
     Blocks: C_q of the body that they act on, its A, and the way from the joint's point to its
@@ -135,7 +112,7 @@ class Wrench:
     title: str = "force and torque"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return them row by row, (n, 6); (n, 3) in the plane."""
+        """Force and torque / ℓ row by row, (n, 6); (n, 3) in the plane."""
         jacobian, orientation, r, orientation_j, s, weight = blocks
         graph = trace.graph
         arm = r - orientation_j @ s
@@ -225,7 +202,7 @@ class LeastNorm:
                 one.multipliers.append((one.left_out, least[place]))
 
     def _idle(self, left_out: Sequence[JointBlocks]) -> Iterator[tuple[list[Block], Block]]:
-        """Yield B of the multipliers of rows that nothing changes, and w: zero is the least."""
+        """B of the multipliers of rows that nothing changes, and w: zero is the least."""
         for k, rows in enumerate(left_out):
             own = [
                 (instance, row)
@@ -240,14 +217,14 @@ class LeastNorm:
                     yield shares, zeros(1, 1)
 
     def _products(self, pairs: Sequence[tuple[Block, Block]]) -> Block:
-        """Return Σ aᵀ b."""
+        """Sum of products Σ aᵀ b."""
         total = zeros(pairs[0][0].width, pairs[0][1].width)
         for a, b in pairs:
             (total,) = self.recorder.call(Couple(), total, a.T, b.T)
         return total
 
     def _ways(self, left_out: JointBlocks) -> dict[int, Block]:
-        """Return Xᵀ of the rows of a joint, by joints that are kept: by their first rows."""
+        """Matrix Xᵀ of the rows of a joint, by joints that are kept: by their first rows."""
         rights = []
         for joint in self.joints:
             right = zeros(joint.count, left_out.count)
@@ -273,7 +250,7 @@ class LeastNorm:
     def _of_joint(
         self, one: Reaction, left_out: Sequence[JointBlocks], ways: Sequence[Mapping[int, Block]]
     ) -> tuple[list[Block], Block]:
-        """Return B of the rows of each joint that are left out, and w."""
+        """B of the rows of each joint that are left out, and w."""
         call = self.recorder.call
         units = {id(rows): self._units(one, rows) for rows in one.parts}
         height = self.height(one)
@@ -288,7 +265,7 @@ class LeastNorm:
         return shares, self._sum(one, units)
 
     def idle_rows(self, one: Reaction) -> list[tuple[JointBlocks, int, int]]:
-        """Return first and count of the rows of constraints of a joint that have idle ones."""
+        """First and count of the rows of constraints of a joint that have idle ones."""
         found = []
         for rows in one.parts:
             first = 0
@@ -308,11 +285,13 @@ class LeastNorm:
         self._sum(one, {id(rows): self._units(one, rows) for rows in one.parts}, into)
 
     def height(self, one: Reaction) -> int:
-        """Return how many components these have."""
-        return len(IN_PLANE) if Wrench(self.body(one.end).columns).is_in_plane else COLUMNS
+        """Number of components of force and torque."""
+        return (
+            len(IN_PLANE) if MultiplierWrench(self.body(one.end).columns).is_in_plane else COLUMNS
+        )
 
     def _sum(self, one: Reaction, units: Mapping[int, Block], into: Block | None = None) -> Block:
-        """Return force and torque / ℓ from those of each row with the multiplier one."""
+        """Force and torque / ℓ from those of each row with the multiplier one."""
         total = zeros(self.height(one), 1)
         for k, (rows, x) in enumerate(one.multipliers, 1):
             target = into if k == len(one.multipliers) else None
@@ -320,16 +299,16 @@ class LeastNorm:
         return total
 
     def _units(self, one: Reaction, rows: JointBlocks) -> Block:
-        """Return force and torque for each multiplier of some rows of a joint."""
+        """Force and torque for each multiplier of some rows of a joint."""
         end, j = self.body(one.end), self.body(one.j)
         start = end.r if one.j == GROUND_INDEX else zeros(3, 1)
         point = self.recorder.constant(self.scale.points.get(one.name, ORIGIN))
         weight = self.recorder.constant([1 / Fraction(self.scale.length)])
         blocks = (rows.jacobian[one.end], end.orientation, start, j.orientation, point, weight)
-        (found,) = self.recorder.call(Wrench(end.columns), *blocks)
+        (found,) = self.recorder.call(MultiplierWrench(end.columns), *blocks)
         return found
 
 
 def negative(block: Block) -> Block:
-    """Return −block."""
+    """Negative block."""
     return Block(tuple(-x for x in block.entries), block.height, block.width)

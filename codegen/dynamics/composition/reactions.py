@@ -7,17 +7,18 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.least_norm import LeastNorm, merged
+from kousoku.codegen.dynamics.operations.joint_ends import ends_of
 from kousoku.codegen.dynamics.recording.recorder import zeros
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
     from kousoku.codegen.dynamics.composition.least_norm import Scale
     from kousoku.codegen.dynamics.composition.schur import Schur
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
 
 
 @dataclass(slots=True)
@@ -31,7 +32,8 @@ class Reaction:
     end, j : int
         The body that force and torque act on: body j, or i where j is the ground; and body j.
     ends : tuple of int
-        The bodies whose force and torque are given, see :func:`ends_of`.
+        The bodies whose force and torque are given, see
+        :mod:`~kousoku.codegen.dynamics.operations.joint_ends`.
     kept, left_out : JointBlocks or None
         With their Jacobians; one of them is there, unless it is known what the joint does.
     known : JointBlocks or None
@@ -55,23 +57,12 @@ class Reaction:
         return [rows for rows in (self.kept, self.left_out, self.known) if rows]
 
 
-def ends_of(bodies: Sequence[int]) -> tuple[int, ...]:
-    """Return the bodies on which force and torque of a joint are given.
-
-    Of two bodies it is j, or i where j is the ground; of more, as a gear has them, all that move.
-    """
-    i, j, *others = bodies
-    if others:
-        return tuple(body for body in bodies if body != GROUND_INDEX)
-    return (i if j == GROUND_INDEX else j,)
-
-
 def reactions_of(
     kept: Sequence[JointBlocks],
     left_out: Sequence[JointBlocks],
     known: Sequence[JointBlocks] = (),
 ) -> list[Reaction]:
-    """Return all joints in the order of the system."""
+    """Reactions of all joints in the order of the system."""
     found: dict[tuple[str, int, int], Reaction] = {}
     for joint in (*kept, *left_out, *known):
         ends = ends_of(joint.bodies)

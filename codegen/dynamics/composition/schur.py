@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.composition.ordering import Pivot, minimum_degree
 from kousoku.codegen.dynamics.operations.elimination import (
     Backward,
     Couple,
@@ -15,6 +14,7 @@ from kousoku.codegen.dynamics.operations.elimination import (
     Panel,
     Update,
 )
+from kousoku.codegen.dynamics.operations.elimination_order import Pivot, minimum_degree
 from kousoku.codegen.dynamics.recording.recorder import zeros
 from kousoku.model.mechanism import GROUND_INDEX
 
@@ -97,7 +97,7 @@ class Schur:
         return self.recorder.of(self._names[joint] if self._names else "")
 
     def _assemble(self, joints: Sequence[JointBlocks]) -> dict[tuple[int, int], Block]:
-        """Return the blocks of pairs of joints, the later joint first."""
+        """Blocks of pairs of joints, the later joint first."""
         blocks = {(k, k): joint.own for k, joint in enumerate(joints)}
         by_body: dict[int, list[int]] = {}
         for k, joint in enumerate(joints):

@@ -24,7 +24,7 @@ TOGETHER = 128
 
 
 @dataclass(frozen=True, eq=False)
-class Derived:
+class ParameterFormulas:
     """Formulas of parameters. Block: all parameters.
 
     Parameters
@@ -40,7 +40,7 @@ class Derived:
     title: str = "numbers of the design"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return their values, one column."""
+        """Values of the formulas, one column."""
         leaves = dict(zip(self.names, blocks[0].flat, strict=True))
         nodes = (to_graph(one, trace.graph, leaves) for one in self.expressions)
         return (Matrix(trace.graph, tuple((node,) for node in nodes), 1),)
@@ -72,7 +72,7 @@ def record_setup(
     for first in range(0, len(expressions), TOGETHER):
         own = expressions[first : first + TOGETHER]
         target = recorder.design_part(first, len(own))
-        recorder.call(Derived(own, names), parameters, into=(target,))
+        recorder.call(ParameterFormulas(own, names), parameters, into=(target,))
     found = {name for one in expressions for name in names_of(one)}
     used = [name for name in names if name in found]
     places_of = {key: place for key, (place, _) in recorder.design.items()}

@@ -19,7 +19,7 @@ from kousoku.model.terms import Name, add, mul
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.mechanism import System
@@ -55,7 +55,7 @@ class Enclosed:
     title: str = "bounds between two times"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return four numbers of each, one column."""
+        """Numbers of each formula, four, in one column."""
         ranges, parameters = (block.flat for block in blocks)
         varying = [TIME]
         for one in self.measures:
@@ -68,7 +68,7 @@ class Enclosed:
         return (Matrix(trace.graph, tuple((node,) for node in nodes), 1),)
 
     def _bounds(self, formula: Expression, spans: Mapping[str, Bounds]) -> Iterator[Expression]:
-        """Yield least and most of a formula, and those of its rate."""
+        """Least and most of a formula, and those of its rate."""
         same, quotients = without_quotients(formula, spans)
         spans = dict(spans)
         for k, one in enumerate(quotients):
@@ -78,7 +78,7 @@ class Enclosed:
         yield from enclosure(without_overflow(self._rate(same, quotients)), spans)
 
     def _rate(self, formula: Expression, quotients: Sequence[Quotient] = ()) -> Expression:
-        """Return the derivative by time."""
+        """Derivative by time."""
         rate = derivative(formula, TIME)
         for each in quotients:
             rate = add(rate, mul(derivative(formula, each.name), Name(each.rate)))
@@ -90,7 +90,7 @@ class Enclosed:
 
 
 def record_switching(
-    recorder: Recorder, system: System, parameters: Block, forces: ForceTasks
+    recorder: Recorder, system: System, parameters: Block, forces: ForceRecorder
 ) -> None:
     """Record the segments, if some formula switches or varies, or there are events.
 
@@ -102,7 +102,7 @@ def record_switching(
         The scene.
     parameters : Block
         Where its parameters are.
-    forces : ForceTasks
+    forces : ForceRecorder
         What records its forces.
     """
     seen, names = seen_of(system), tuple(name for name, _ in system.parameters)

@@ -6,20 +6,21 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.facets import Applied, E, ForceFacets
-from kousoku.codegen.dynamics.simplification.heights import coordinate_leaves
+from kousoku.codegen.dynamics.operations.heights import coordinate_leaves
 from kousoku.model.elements.along import CoordinateForce
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.jets import High, Jet
     from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
-    from kousoku.codegen.dynamics.composition.contacts import Source
-    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
+    from kousoku.codegen.dynamics.elements.facets import Source
+    from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.recorder import Block
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.mechanism import System
+    from kousoku.model.real import Real
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +33,7 @@ class AlongEffect:
     title: str = "force along a coordinate"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return what it adds to the acceleration of each coordinate of i and j; τ u̇."""
+        """Accelerations M⁻¹Jᵀτ of the coordinates of i and j; power τ u̇ [W]."""
         left, weights_i, right, weights_j, rate, tau = blocks
         return left.scaled(weights_i).T @ tau, right.scaled(weights_j).T @ tau, rate @ tau
 
@@ -42,8 +43,8 @@ class OnCoordinate(ForceFacets[E]):
 
     is_carried = True
 
-    def slopes(self, tasks: ForceTasks) -> list[Block]:
-        """Return J and the diagonal of M⁻¹ of body i, then those of body j."""
+    def slopes(self, tasks: ForceRecorder) -> list[Block]:
+        """Jacobian J and the diagonal of M⁻¹ of body i, then those of body j."""
         slopes = tasks.coordinates.slopes(self.force.coordinate)
         return [
             block
@@ -51,25 +52,25 @@ class OnCoordinate(ForceFacets[E]):
             for block in (slopes[index], tasks.body(index).inverse_mass)
         ]
 
-    def rate(self, tasks: ForceTasks) -> Block:
-        """Return u̇."""
+    def rate(self, tasks: ForceRecorder) -> Block:
+        """Rate u̇."""
         return tasks.coordinates.rate(self.force.coordinate, tasks.by_body)
 
     def leaves_plane(self, system: System, normal: int) -> bool:
-        """Return whether J leads out of the plane."""
+        """Whether J leads out of the plane."""
         one = system.coordinates[self.force.coordinate]
         return coordinate_leaves(system, one, normal) is not False
 
     def applied(self) -> Applied:
-        """Return nothing: what it does to one body it does to the other."""
+        """Nothing applied: what it does to one body it does to the other."""
         return Applied()
 
     def source(self, system: System) -> Source:
-        """Return the coordinate, in whose directions the ground pushes."""
+        """Coordinate, in whose directions the ground pushes."""
         return system.coordinates[self.force.coordinate]
 
     def add(
-        self, equations: BodyEquations, at: Mapping[int, Course], tau: High, found: Found
+        self, equations: BodyEquations, at: Mapping[int, Course], tau: Real, found: Found
     ) -> None:
         """Add Jᵀτ: of each velocity what u̇ is where that alone is one."""
         ends = {body: at[body] for body in (self.force.i, self.force.j)}
@@ -80,7 +81,7 @@ class OnCoordinate(ForceFacets[E]):
 class AlongFacets(OnCoordinate[CoordinateForce]):
     """A force along a coordinate."""
 
-    def effect(self, tasks: ForceTasks) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
         """Record M⁻¹Jᵀτ of both bodies, and τ u̇."""
         constants = tasks.constants(self.force)
         ends = self.slopes(tasks)
@@ -91,9 +92,9 @@ class AlongFacets(OnCoordinate[CoordinateForce]):
         equations: BodyEquations,
         at: Mapping[int, Course],
         names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[High]],
+        given: Mapping[str, Sequence[Real]],
         found: Found,
-    ) -> tuple[High, High]:
+    ) -> tuple[Real, Real]:
         """Add Jᵀτ; return τ u̇, and no energy."""
         (tau,) = given["force"]
         self.add(equations, at, tau, found)

@@ -8,23 +8,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.checking.jets import Jet
 from kousoku.codegen.dynamics.elements.along import OnCoordinate
 from kousoku.codegen.dynamics.operations.forces import ELONGATION, column_of
 from kousoku.codegen.dynamics.operations.formulas import formula_node
-from kousoku.codegen.dynamics.simplification.heights import FLAT, at_start, coordinate_leaves
+from kousoku.codegen.dynamics.operations.heights import FLAT, at_start, coordinate_leaves
+from kousoku.codegen.dynamics.operations.jets import Jet
 from kousoku.model.elements.coordinate_spring import CoordinateSpring
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.jets import High
     from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
-    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.recorder import Block
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.mechanism import System
+    from kousoku.model.real import Real
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ class CoordinateSpringEffect:
     title: str = "spring against a coordinate"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return what it adds to the acceleration of each coordinate of i and j; its power."""
+        """Accelerations M⁻¹Jᵀτ of the coordinates of i and j; its power [W]."""
         left, weights_i, right, weights_j, value, rate, *given = blocks
         if self.law:
             unit, free, *rest = given
@@ -74,7 +74,7 @@ class CoordinateSpringEnergy:
     title: str = "energy of a spring against a coordinate"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return (0, ½ k (u − u⁰)²)."""
+        """Energies (0, ½ k (u − u⁰)²) [J]."""
         value, stiffness, _, free = blocks
         graph = trace.graph
         (energy,) = (stiffness @ (value - free) @ (value - free)).flat
@@ -84,7 +84,7 @@ class CoordinateSpringEnergy:
 class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
     """A spring and damper against a coordinate."""
 
-    def effect(self, tasks: ForceTasks) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
         """Record M⁻¹Jᵀτ of both bodies, and the power of what is no potential energy."""
         constants = tasks.constants(self.force)
         ends = self.slopes(tasks)
@@ -94,20 +94,20 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         value = tasks.coordinates.value(self.force.coordinate)
         return tasks.recorder.call(operation, *ends, value, rate, *constants, *given)
 
-    def energy(self, tasks: ForceTasks) -> Block:
+    def energy(self, tasks: ForceRecorder) -> Block:
         """Record ½ k (u − u⁰)²."""
         constants = tasks.constants(self.force)
         value = tasks.coordinates.value(self.force.coordinate)
         return tasks.recorder.call(CoordinateSpringEnergy(), value, *constants)[0]
 
-    def elongation(self, tasks: ForceTasks) -> tuple[Block, Block, Block, Block]:
+    def elongation(self, tasks: ForceRecorder) -> tuple[Block, Block, Block, Block]:
         """Record u and u̇; u⁰ and 1, since both are in rad or m."""
         _, free = tasks.constants(self.force)
         value = tasks.coordinates.value(self.force.coordinate)
         return value, self.rate(tasks), free, tasks.recorder.constant((1,))
 
     def leaves_plane(self, system: System, normal: int) -> bool:
-        """Return whether it leads out of the plane.
+        """Whether it leads out of the plane.
 
         Across the plane, motions in the plane do not change a coordinate: a spring that has no
         force at the start then has none for good.
@@ -127,9 +127,9 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         equations: BodyEquations,
         at: Mapping[int, Course],
         names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[High]],
+        given: Mapping[str, Sequence[Real]],
         found: Found,
-    ) -> tuple[High, High]:
+    ) -> tuple[Real, Real]:
         """Add Jᵀτ; return the power of what is no potential energy, and ½ k (u − u⁰)²."""
         force, energy = self.force, 0
         value = equations.coordinate(force.coordinate, at)

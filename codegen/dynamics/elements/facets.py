@@ -6,20 +6,23 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
 
-from kousoku.codegen.dynamics.simplification.composite import seen_from_carriers
+from kousoku.codegen.dynamics.operations.placement import seen_from_carriers
 from kousoku.model import precise
 from kousoku.model.mechanism import ForceElement
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.jets import High, Jet
     from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
-    from kousoku.codegen.dynamics.composition.contacts import Source
-    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
+    from kousoku.codegen.dynamics.operations.jets import Jet
+    from kousoku.codegen.dynamics.operations.placement import Placement
     from kousoku.codegen.dynamics.recording.recorder import Block
-    from kousoku.codegen.dynamics.simplification.composite import Seat
-    from kousoku.model.mechanism import System, Vector
+    from kousoku.model.mechanism import Coordinate, Instance, System, Vector
+    from kousoku.model.real import Real
+
+    #: What tells by its kind and constants what the ground does through it.
+    Source = Instance | Coordinate
 
 E = TypeVar("E", bound=ForceElement)
 
@@ -64,7 +67,7 @@ class ForceFacets(ABC, Generic[E]):
     # In a program.
 
     @abstractmethod
-    def effect(self, tasks: ForceTasks) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
         """Record what it adds to the accelerations of body i and of body j, then its power.
 
         The power is that of what is no potential energy; it may be missing where nothing
@@ -72,18 +75,18 @@ class ForceFacets(ABC, Generic[E]):
         looked at.
         """
 
-    def energy(self, tasks: ForceTasks) -> Block:
+    def energy(self, tasks: ForceRecorder) -> Block:
         """Record (0, V), of a force that has a potential energy."""
         raise NotImplementedError(f"no energy of a force of kind {self.force.kind}")
 
-    def elongation(self, tasks: ForceTasks) -> tuple[Block, Block, Block, Block]:
+    def elongation(self, tasks: ForceRecorder) -> tuple[Block, Block, Block, Block]:
         """Record what its law is of: a value, its rate, where it is free, and the unit of both."""
         raise NotImplementedError(f"no elongation of a force of kind {self.force.kind}")
 
     # In analyses.
 
     def leaves_plane(self, system: System, normal: int) -> bool:
-        """Return whether it leads a system that starts in a coordinate plane out of it.
+        """Whether it leads a system that starts in a coordinate plane out of it.
 
         Parameters
         ----------
@@ -94,24 +97,25 @@ class ForceFacets(ABC, Generic[E]):
         """
         return True
 
-    def seen_from(self, i: Seat, j: Seat) -> E:
-        """Return the force between the bodies that carry its own.
+    def seen_from(self, i: Placement, j: Placement) -> E:
+        """Force between the bodies that carry its own.
 
         ``s_i_b`` and ``s_j_b`` are points, what else ends in ``_i_b`` and ``_j_b`` vectors.
         """
         constants = seen_from_carriers(self.force.constants, i, j)
         return replace(self.force, i=i.carrier, j=j.carrier, constants=constants)
 
-    def resting_energy(self, i: Seat, j: Seat) -> High:
-        """Return its potential energy [J] where both bodies are carried by one."""
-        return precise.number(0.0)
+    def resting_energy(self, i: Placement, j: Placement) -> Real:
+        """Potential energy [J] where both bodies are carried by one."""
+        energy: Real = precise.number(0.0)
+        return energy
 
     def applied(self) -> Applied:
-        """Return what it does from outside to the part that its bodies belong to."""
+        """Forces and torques that it applies from outside to the part that its bodies belong to."""
         return Applied(None, None)
 
     def source(self, system: System) -> Source | None:
-        """Return what tells what the ground does through it, where that is not :meth:`applied`."""
+        """Source of what the ground does through it, where that is not :meth:`applied`."""
         return None
 
     # In the check beside the program.
@@ -122,9 +126,9 @@ class ForceFacets(ABC, Generic[E]):
         equations: BodyEquations,
         at: Mapping[int, Course],
         names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[High]],
+        given: Mapping[str, Sequence[Real]],
         found: Found,
-    ) -> tuple[High, High]:
+    ) -> tuple[Real, Real]:
         """Add it to the equations of each body; return the power and the potential energy.
 
         What it does is stated again, from its geometric definition: no kernel, no operation and

@@ -27,5 +27,5 @@ FACETS: dict[type[ForceElement], type[ForceFacets[Any]]] = {
 
 
 def facets_of(force: ForceElement) -> ForceFacets[Any]:
-    """Return the facets of a force of a system."""
+    """Facets of a force of a system."""
     return FACETS[type(force)](force)

@@ -7,24 +7,25 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.facets import Applied, ForceFacets
 from kousoku.codegen.dynamics.operations.forces import accelerations, at_point, column_of
+from kousoku.codegen.dynamics.operations.heights import is_level
 from kousoku.codegen.dynamics.operations.mechanics import frozen, share
+from kousoku.codegen.dynamics.operations.placement import seen_from_carriers
 from kousoku.codegen.dynamics.recording.recorder import column
-from kousoku.codegen.dynamics.simplification.composite import seen_from_carriers
-from kousoku.codegen.dynamics.simplification.heights import is_level
 from kousoku.model import precise
 from kousoku.model.elements.load import Load
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.jets import High, Jet
     from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
-    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
+    from kousoku.codegen.dynamics.operations.jets import Jet
+    from kousoku.codegen.dynamics.operations.placement import Placement
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.recorder import Block
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.codegen.dynamics.simplification.composite import Seat
     from kousoku.model.mechanism import System
+    from kousoku.model.real import Real
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +55,7 @@ class LoadEffect:
         return f"{self.kind} on a body"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return what it adds to the acceleration of each coordinate; F·v + N′·ω′ if wanted."""
+        """Accelerations of the coordinates; power F·v + N′·ω′ [W] if wanted."""
         p, orientation, v, omega, weights, *constants = blocks
         share(trace, p, orientation)
         point = constants.pop(0) if self.kind in ("force", "force_b") else None
@@ -85,7 +86,7 @@ class LoadEnergy:
     title: str = "energy of force"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return (0, V): V = −F·(r + A s′)."""
+        """Energies (0, V) [J]: V = −F·(r + A s′)."""
         graph = trace.graph
         r, p, point, force = blocks
         inputs = {"r": r.flat, "p": p.flat, "s_b": point.flat}
@@ -99,7 +100,7 @@ class LoadFacets(ForceFacets[Load]):
 
     is_carried = True
 
-    def effect(self, tasks: ForceTasks) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
         """Record M⁻¹f of body j, and the power."""
         j = tasks.body(self.force.j)
         blocks = (j.p, j.orientation, j.v_r, j.omega_b, j.inverse_mass)
@@ -107,13 +108,13 @@ class LoadFacets(ForceFacets[Load]):
         constants = tasks.constants(self.force)
         return (column(()), *tasks.recorder.call(operation, *blocks, *constants))
 
-    def energy(self, tasks: ForceTasks) -> Block:
+    def energy(self, tasks: ForceRecorder) -> Block:
         """Record −F·r of its point."""
         constants, j = tasks.constants(self.force), tasks.body(self.force.j)
         return tasks.recorder.call(LoadEnergy(), j.r, j.p, *constants)[0]
 
     def leaves_plane(self, system: System, normal: int) -> bool:
-        """Return whether a torque is not about the normal, or a force not in the plane."""
+        """Whether a torque is not about the normal, or a force not in the plane."""
         given = dict(self.force.constants)
         if self.force.is_torque:
             return any(x for values in given.values() for k, x in enumerate(values) if k != normal)
@@ -121,19 +122,20 @@ class LoadFacets(ForceFacets[Load]):
             return True
         return not is_level([given["s_j_b"][normal]], list(given.values()))
 
-    def seen_from(self, i: Seat, j: Seat) -> Load:
-        """Return it on the body that carries its own; what turns with a body is a vector of it."""
+    def seen_from(self, i: Placement, j: Placement) -> Load:
+        """Force on the body that carries its own; what turns with a body is a vector of it."""
         constants = seen_from_carriers(self.force.constants, i, j, turning=self.force.turns)
         return replace(self.force, i=i.carrier, j=j.carrier, constants=constants)
 
-    def resting_energy(self, i: Seat, j: Seat) -> High:
-        """Return −F·r of a force on the ground."""
+    def resting_energy(self, i: Placement, j: Placement) -> Real:
+        """Energy −F·r of a force on the ground [J]."""
         given = dict(self.force.constants)
         end = precise.triple(j.point(given["s_j_b"]))
-        return -precise.dot(precise.triple(given["force"]), end)
+        energy: Real = -precise.dot(precise.triple(given["force"]), end)
+        return energy
 
     def applied(self) -> Applied:
-        """Return the directions of its parts, any where it turns with the body."""
+        """Directions of its parts, any where it turns with the body."""
         vectors = None if self.force.turns else self.force.vectors
         return Applied(torques=vectors) if self.force.is_torque else Applied(forces=vectors)
 
@@ -142,9 +144,9 @@ class LoadFacets(ForceFacets[Load]):
         equations: BodyEquations,
         at: Mapping[int, Course],
         names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[High]],
+        given: Mapping[str, Sequence[Real]],
         found: Found,
-    ) -> tuple[High, High]:
+    ) -> tuple[Real, Real]:
         """Add F at its point, or N; return F·ṙ or N·ω, and −F·r of its point."""
         force = self.force
         vectors = [values for name, values in given.items() if name != "s_j_b"]

@@ -5,27 +5,28 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.checking.jets import Jet, dot, sqrt
 from kousoku.codegen.dynamics.elements.facets import Applied, ForceFacets
 from kousoku.codegen.dynamics.operations.forces import ELONGATION, accelerations, column_of
 from kousoku.codegen.dynamics.operations.formulas import formula_node
+from kousoku.codegen.dynamics.operations.heights import ends_of, is_level
+from kousoku.codegen.dynamics.operations.jets import Jet, dot, sqrt
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, share
-from kousoku.codegen.dynamics.simplification.heights import ends_of, is_level
 from kousoku.model import precise
 from kousoku.model.elements.spring_damper import PointSpring
+from kousoku.model.mechanism import Coordinate
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.jets import High
     from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
-    from kousoku.codegen.dynamics.composition.contacts import Source
-    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
+    from kousoku.codegen.dynamics.elements.facets import Source
+    from kousoku.codegen.dynamics.operations.placement import Placement
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.recorder import Block
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.codegen.dynamics.simplification.composite import Seat
     from kousoku.model.mechanism import System
+    from kousoku.model.real import Real
 
 #: Names of the constants of a spring, in their order.
 ENDS, LAW = ("s_i_b", "s_j_b"), ("stiffness", "damping", "free_length")
@@ -59,7 +60,7 @@ class SpringEffect:
     title: str = "spring and damper"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return what it adds to the acceleration of each coordinate of i and j; its power."""
+        """Accelerations of the coordinates of i and j; its power [W]."""
         r_i, p_i, a_i, v_i, omega_i, weights_i = blocks[:6]
         r_j, p_j, a_j, v_j, omega_j, weights_j = blocks[6:12]
         share(trace, p_i, a_i)
@@ -84,7 +85,7 @@ class SpringEffect:
         return *added, -(damped @ found["l_dot"])
 
     def _tension(self, trace: Trace, found: dict[str, Matrix], *given: Matrix) -> Matrix:
-        """Return the tension [N] by the formula."""
+        """Tension [N] by the formula."""
         unit, free, *rest = given
         elongation = found["l"] - free
         own = [elongation, unit, found["l_dot"], unit, *rest]
@@ -99,7 +100,7 @@ class SpringLength:
     title: str = "length of a spring"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return l and its derivative by time."""
+        """Length l and its derivative by time."""
         ends = (f"{name}_{body}" for body in "ij" for name in ("r", "p", "v", "omega"))
         names = (name + "_b" if "omega" in name else name for name in (*ends, *ENDS))
         found = _inline(trace, "length", dict(zip(names, blocks, strict=True)))
@@ -113,7 +114,7 @@ class SpringEnergy:
     title: str = "energy of spring_damper"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return (0, V): V = ½ k (l − l⁰)²."""
+        """Energies (0, V) [J]: V = ½ k (l − l⁰)²."""
         zero = trace.graph.const(0)
         places = dict(zip(("r_i", "p_i", "r_j", "p_j", *ENDS), blocks[:6], strict=True))
         still = column_of(trace, zero, zero, zero)
@@ -129,7 +130,7 @@ class SpringFacets(ForceFacets[PointSpring]):
 
     is_carried = True
 
-    def effect(self, tasks: ForceTasks) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
         """Record M⁻¹f of both bodies, and the power of what is no potential energy."""
         constants = tasks.constants(self.force)
         i, j = tasks.body(self.force.i), tasks.body(self.force.j)
@@ -145,13 +146,13 @@ class SpringFacets(ForceFacets[PointSpring]):
         operation = SpringEffect(i.columns, j.columns, self.force.law, names, self.force.works)
         return tasks.recorder.call(operation, *ends, *constants, *given)
 
-    def energy(self, tasks: ForceTasks) -> Block:
+    def energy(self, tasks: ForceRecorder) -> Block:
         """Record ½ k (l − l⁰)²."""
         constants = tasks.constants(self.force)
         i, j = tasks.body(self.force.i), tasks.body(self.force.j)
         return tasks.recorder.call(SpringEnergy(), i.r, i.p, j.r, j.p, *constants)[0]
 
-    def elongation(self, tasks: ForceTasks) -> tuple[Block, Block, Block, Block]:
+    def elongation(self, tasks: ForceRecorder) -> tuple[Block, Block, Block, Block]:
         """Record l and its rate; l⁰ and the unit of the scene."""
         start, end, unit, free = tasks.constants(self.force)
         bodies = (tasks.body(self.force.i), tasks.body(self.force.j))
@@ -160,35 +161,37 @@ class SpringFacets(ForceFacets[PointSpring]):
         return length, rate, free, unit
 
     def leaves_plane(self, system: System, normal: int) -> bool:
-        """Return whether its ends are not level with the bodies and each other."""
+        """Whether its ends are not level with the bodies and each other."""
         heights = ends_of(system, self.force, normal)
         return not is_level(heights, [values for _, values in self.force.constants])
 
-    def resting_energy(self, i: Seat, j: Seat) -> High:
-        """Return ½ k (l − l⁰)² in one body."""
+    def resting_energy(self, i: Placement, j: Placement) -> Real:
+        """Energy ½ k (l − l⁰)² in one body [J]."""
         given = dict(self.force.constants)
         end = precise.triple(j.point(given["s_j_b"]))
         start = precise.triple(i.point(given["s_i_b"]))
         length = precise.length(precise.subtract(end, start))
         (stiffness,), (free,) = given["stiffness"], given["free_length"]
-        return precise.number(stiffness) * (length - precise.number(free)) ** 2 / 2
+        energy: Real = precise.number(stiffness) * (length - precise.number(free)) ** 2 / 2
+        return energy
 
     def applied(self) -> Applied:
-        """Return nothing: what it does to one body it does to the other."""
+        """Nothing applied: what it does to one body it does to the other."""
         return Applied()
 
     def source(self, system: System) -> Source:
-        """Return the spring, which pulls at its points."""
-        return self.force
+        """Distance of its ends, along which it pulls."""
+        ends = self.force.constants[: len(ENDS)]
+        return Coordinate(self.force.name, "length", self.force.i, self.force.j, ends)
 
     def by_definition(
         self,
         equations: BodyEquations,
         at: Mapping[int, Course],
         names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[High]],
+        given: Mapping[str, Sequence[Real]],
         found: Found,
-    ) -> tuple[High, High]:
+    ) -> tuple[Real, Real]:
         """Add the tension along the line; return the power of its damper, and ½ k (l − l⁰)²."""
         force = self.force
         start, end = at[force.i].point(given["s_i_b"]), at[force.j].point(given["s_j_b"])
@@ -196,7 +199,7 @@ class SpringFacets(ForceFacets[PointSpring]):
         length = sqrt(dot(across, across), equations.digits)
         (free,) = given["free_length"]
         beyond = length - Jet(free)
-        energy: High = 0
+        energy: Real = 0
         if force.law:
             (unit,) = given["unit"]
             own = {"x": Jet(beyond.x / unit), "v": Jet(length.d / unit)}

@@ -6,10 +6,10 @@ from dataclasses import astuple
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
-from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
 from kousoku.codegen.dynamics.emission.view import dynamics_view, method_text
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.emit import along, environment, hashed, promise, template, with_manifest
 from kousoku.model.jsontext import to_text
 from kousoku.model.kernel import Package
@@ -51,7 +51,7 @@ def emit_dynamics(
     more: Mapping[str, str] | None = None,
     about: About | None = None,
 ) -> dict[str, str]:
-    """Return the folder of a scene's solver.
+    """Folder of a scene's solver.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def emit_dynamics(
 
 
 def package_of(name: str, title: str) -> Package:
-    """Return the package of a scene's solver: it has no kernels that are called from outside."""
+    """Package of a scene's solver: it has no kernels that are called from outside."""
     return Package(name, title, f"kousoku generate {name}.toml", ())
 
 
@@ -105,7 +105,7 @@ def filled(
     given: Mapping[str, object],
     files: Mapping[str, str],
 ) -> dict[str, str]:
-    """Return a folder of templates that are filled in, and of files that are there.
+    """Folder of templates that are filled in, and of files that are there.
 
     Parameters
     ----------
@@ -125,5 +125,5 @@ def filled(
 
 
 def key_of(digest: str) -> str:
-    """Return the number that a state of a package begins with: never 0, and exact in a double."""
+    """Number that a state of a package begins with: never 0, and exact in a double."""
     return f"{int(digest[:13], 16) | 1}.0"

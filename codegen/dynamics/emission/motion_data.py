@@ -6,18 +6,18 @@ from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.auxiliary import WORK
-from kousoku.codegen.dynamics.composition.least_norm import ORIGIN, points_of
-from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.dynamics.composition.reactions import ends_of
+from kousoku.codegen.dynamics.composition.least_norm import ORIGIN
 from kousoku.codegen.dynamics.emission.view_numbers import (
-    LENGTHS,
     is_driven,
     row_of,
     start_places,
 )
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
+from kousoku.codegen.dynamics.operations.joint_ends import ends_of, points_of
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, Coordinates, Place
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.model.about import About
+from kousoku.model.elements.constraints import is_length
 from kousoku.model.switching import seen_of
 from kousoku.model.system import UNIT_NAMES
 from kousoku.model.varying import is_varying
@@ -44,7 +44,7 @@ def motion_data(
     state: Sequence[Field] = (),
     about: About | None = None,
 ) -> dict[str, object]:
-    """Return what ``motion.json`` holds.
+    """Content of ``motion.json``.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def motion_data(
 
 
 def _design(program: Program) -> dict[str, object]:
-    """Return where numbers that depend on parameters stand: in the workspace, and among them."""
+    """Places of numbers that depend on parameters: in the workspace, and among them."""
     region, places = program.region("design"), dict(program.design.places)
     return {
         "place": [region.base, region.size],
@@ -127,12 +127,12 @@ def _design(program: Program) -> dict[str, object]:
 
 
 def _shown(program: Program, values: Iterable[float]) -> list[int | float]:
-    """Return a number, or its index in the design where it depends on parameters."""
+    """Number, or its index in the design where it depends on parameters."""
     return [program.design.place(x) if is_varying(x) else x for x in values]
 
 
 def _start(program: Program) -> dict[str, list[float]]:
-    """Return q and v at the start."""
+    """Start q and v."""
     bases = {"q": program.region("q").base, "v": program.region("v").base}
     start: dict[str, list[float]] = {name: [0.0] * program.region(name).size for name in ("q", "v")}
     for body in program.bodies:
@@ -146,14 +146,14 @@ def _start(program: Program) -> dict[str, list[float]]:
 
 
 def _normal(program: Program) -> int | None:
-    """Return the axis across the plane of a program, None in space."""
+    """Axis across the plane of a program, None in space."""
     if not (program.is_planar and program.bodies):
         return None
     return next(k for k, place in enumerate(program.bodies[0].r) if place.slot < 0)
 
 
 def _checked(program: Program, system: System) -> list[str]:
-    """Return the joints and drivers of all rows, in the order of the scene."""
+    """Joints and drivers of all rows, in the order of the scene."""
     rows = sorted(
         (*program.rows, *program.left_out, *program.reduced), key=lambda row: row.instance
     )
@@ -161,7 +161,7 @@ def _checked(program: Program, system: System) -> list[str]:
 
 
 def _reactions(program: Program, system: System) -> list[dict[str, object]]:
-    """Return on which body each joint acts, where, and which of its components are computed."""
+    """Reactions by joint: on which body it acts, where, and which components are computed."""
     every = (*program.rows, *program.left_out, *program.reduced)
     rows = sorted(every, key=lambda row: row.instance)
     joints: dict[str, list[Instance]] = {}
@@ -194,12 +194,12 @@ def _reactions(program: Program, system: System) -> list[dict[str, object]]:
 
 
 def _coordinates(system: System, parts: Sequence[str]) -> list[dict[str, object]]:
-    """Return where value, rate and acceleration of the coordinates stand that are shown."""
+    """Places of value, rate and acceleration of the coordinates that are shown."""
     count = 3 if "v_dot" in parts else 2
     return [
         {
             "name": system.coordinates[place].name,
-            "is_length": system.coordinates[place].kind in LENGTHS,
+            "is_length": is_length(system.coordinates[place].kind),
             "columns": list(range(count * k, count * (k + 1))),
         }
         for k, place in enumerate(system.shown)
@@ -207,14 +207,14 @@ def _coordinates(system: System, parts: Sequence[str]) -> list[dict[str, object]
 
 
 def _names(system: System, bodies: Sequence[int]) -> list[str]:
-    """Return the names of bodies, of all that they carry where they carry some."""
+    """Names of bodies, of all that they carry where they carry some."""
     if not system.carried:
         return [system.bodies[index].name for index in bodies]
     return [one.name for one in system.carried if one.carrier in bodies]
 
 
 def _bodies(program: Program, system: System, q: int, v: int) -> list[dict[str, object]]:
-    """Return where all bodies of the scene are, those too that others carry."""
+    """Places of all bodies of the scene, those too that others carry."""
     if not system.carried:
         pairs = zip(system.bodies, program.bodies, strict=True)
         return [_body(program, body, places, q, v) for body, places in pairs]
@@ -238,5 +238,5 @@ def _body(
 
 
 def _numbers(places: Iterable[Place], base: int) -> Sequence[int | float]:
-    """Return an index for a coordinate, a number for what never changes."""
+    """Index for a coordinate, a number for what never changes."""
     return [place.slot - base if place.slot >= 0 else float(place.value) for place in places]

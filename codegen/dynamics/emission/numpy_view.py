@@ -11,6 +11,8 @@ from itertools import groupby
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.context_body import layout, live_nodes, output_text, straight_line
+from kousoku.codegen.context_names import Namer
 from kousoku.codegen.dynamics.emission.slots import Slots, slots_of
 from kousoku.codegen.dynamics.emission.view import (
     contents_of,
@@ -28,8 +30,6 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
 )
 from kousoku.codegen.dynamics.recording.program import levels, meaning_of
 from kousoku.codegen.printers import NUMPY, Printer
-from kousoku.codegen.view_body import layout, live_nodes, output_text, straight_line
-from kousoku.codegen.view_names import Namer
 from kousoku.model.graph import Op, literal
 from kousoku.runtime.integrate.scene import Scene
 
@@ -141,7 +141,7 @@ class NumpyView:
 def numpy_view(
     program: Program, system: System, length: float, parts: Sequence[str] = ()
 ) -> NumpyView:
-    """Return what the template gets.
+    """Context of the template of the solver in Python.
 
     Parameters
     ----------
@@ -191,17 +191,17 @@ def numpy_view(
 
 
 def regions_of(program: Program) -> tuple[tuple[str, int, int], ...]:
-    """Return name, first slot and size of the regions that are not empty."""
+    """Name, first slot and size of the regions that are not empty."""
     return tuple((one.name, one.base, one.size) for one in program.regions if one.size)
 
 
 def python_literal(value: object) -> str:
-    """Return a value as Python's formatters write it."""
+    """Value as Python's formatters write it."""
     return repr(value).replace("'", '"')
 
 
 def python_kernels(program: Program) -> Iterator[PythonKernel]:
-    """Yield the kernels by number; those of the whole workspace name slots by their regions."""
+    """Kernels by number; those of the whole workspace name slots by their regions."""
     if not program.is_inlined:
         for k, kernel in enumerate(program.kernels):
             yield python_kernel(f"kernel_{k}", kernel)
@@ -219,7 +219,7 @@ def python_kernels(program: Program) -> Iterator[PythonKernel]:
 def python_kernel(
     name: str, kernel: Kernel, slots: Slots | None = None, targets: Sequence[int] = ()
 ) -> PythonKernel:
-    """Return a kernel as a function in Python: it unpacks only what it reads.
+    """Kernel as a function in Python: it unpacks only what it reads.
 
     Parameters
     ----------
@@ -272,13 +272,13 @@ def python_kernel(
 
 
 def _told(text: str, place: str) -> str:
-    """Return an item of a list with where it goes, if that fits into a line."""
+    """Item of a list with where it goes, if that fits into a line."""
     line = f"{text},  # {place}"
     return line if len(line) <= 92 else f"{text},"
 
 
 def python_segment(program: Program, segment: Segment) -> PythonSegment:
-    """Return the tasks of a segment as a table in text."""
+    """Tasks of a segment as a table in text."""
     lines: list[str] = []
     for level in levels(program, segment):
         equal: dict[int, list[int]] = {}
@@ -296,7 +296,7 @@ def python_segment(program: Program, segment: Segment) -> PythonSegment:
 
 
 def _table(table: Table) -> str:
-    """Return a table in lines, each with what it belongs to: rows of one number share a line."""
+    """Table in lines, each with what it belongs to: rows of one number share a line."""
     lines = []
     for owner, run in groupby(table, key=itemgetter(0)):
         rows = [row for _, row in run]
@@ -308,5 +308,5 @@ def _table(table: Table) -> str:
 
 
 def _numbers(items: Iterable[object]) -> str:
-    """Return numbers in lines, with blanks between them."""
+    """Numbers in lines, with blanks between them."""
     return in_lines(map(str, items), 96)

@@ -29,17 +29,17 @@ class Slots:
     names: tuple[str, ...]
 
     def name(self, slot: int) -> tuple[str, int]:
-        """Return the region of a slot, and its place there."""
+        """Region of a slot, and its place there."""
         k = bisect_right(self.bases, slot) - 1
         return self.names[k], slot - self.bases[k]
 
     def text(self, slot: int) -> str:
-        """Return a slot as C names it."""
+        """Slot as C names it."""
         return "{}[{}]".format(*self.name(slot))
 
 
 def slots_of(program: Program) -> Slots:
-    """Return the regions of a program; those that are empty have no slots."""
+    """Regions of a program; those that are empty have no slots."""
     regions = sorted((one.base, one.name) for one in program.regions if one.size)
     end = max((one.base + one.size for one in program.regions if one.size), default=0)
     bases, names = zip(*regions, (end, SCRATCH), strict=True)

@@ -8,6 +8,8 @@ from operator import itemgetter
 from textwrap import wrap
 from typing import TYPE_CHECKING, get_type_hints
 
+from kousoku.codegen.context_body import layout, output_text, straight_line
+from kousoku.codegen.context_names import Namer
 from kousoku.codegen.dynamics.emission.slots import SCRATCH, Slots, slots_of
 from kousoku.codegen.dynamics.emission.view_numbers import (
     Table,
@@ -23,8 +25,6 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
 from kousoku.codegen.dynamics.recording.program import REGIONS, meaning_of
 from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.printers import C
-from kousoku.codegen.view_body import layout, output_text, straight_line
-from kousoku.codegen.view_names import Namer
 from kousoku.model.errors import EmitError
 from kousoku.model.graph import literal
 from kousoku.runtime.integrate.methods import METHODS, Method
@@ -243,13 +243,13 @@ class DynamicsView:
 
 
 def _fields(record: type) -> tuple[tuple[str, list[str]], ...]:
-    """Return the fields of a record as C declares them: types, and names of neighbours."""
+    """Fields of a record as C declares them: types, and names of neighbours."""
     types, known = {float: "double", int: "int"}, get_type_hints(record)
     return tuple((types[kind], list(names)) for kind, names in groupby(known, known.__getitem__))
 
 
 def kernel_text(number: int, kernel: Kernel, *, repeats: bool) -> KernelText:
-    """Return a kernel that tasks call as C."""
+    """Kernel that tasks call as C."""
     quantities = (*kernel.inputs, *kernel.outputs)
     leaves = {(q.name, k): f"{q.name}[{k}]" for q in kernel.inputs for k in range(q.size)}
     elements = [[f"{q.name}[{k}]" for k in range(q.size)] for q in kernel.outputs]
@@ -273,7 +273,7 @@ def kernel_text(number: int, kernel: Kernel, *, repeats: bool) -> KernelText:
 
 
 def function_text(kernel: Kernel, task: Task, slots: Slots, name: str, title: str) -> KernelText:
-    """Return a kernel of the whole workspace as C, with slots by the names of their regions.
+    """Kernel of the whole workspace as C, with slots by the names of their regions.
 
     Raises
     ------
@@ -309,7 +309,7 @@ def function_text(kernel: Kernel, task: Task, slots: Slots, name: str, title: st
 
 
 def _pointers(pointers: Iterable[tuple[str, str]]) -> tuple[str, ...]:
-    """Return declarations of pointers, those of one type together in lines."""
+    """Declarations of pointers, those of one type together in lines."""
     return tuple(
         f"{kind} {line.rstrip(',')};"
         for kind, own in groupby(pointers, key=itemgetter(0))
@@ -323,7 +323,7 @@ def _body(
     names: Sequence[str],
     elements: Sequence[Sequence[str]],
 ) -> tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...]]:
-    """Return statements and results of a kernel.
+    """Statements and results of a kernel.
 
     Parameters
     ----------
@@ -348,13 +348,13 @@ def _body(
 
 
 def runs_of(tasks: Sequence[Task]) -> Iterator[tuple[int, list[Task]]]:
-    """Yield each kernel with the tasks of it that follow each other."""
+    """Runs of tasks that follow each other and call one kernel."""
     for kernel, run in groupby(tasks, key=lambda task: task.kernel):
         yield kernel, list(run)
 
 
 def task_rows(tasks: Sequence[Task]) -> Iterator[tuple[str, str]]:
-    """Yield tasks as numbers with their owners: a run of one kernel begins with it and a count."""
+    """Tasks as numbers with their owners: a run of one kernel begins with it and a count."""
     for kernel, same in runs_of(tasks):
         yield "", f"{kernel}, {len(same)},"
         for task in same:
@@ -364,7 +364,7 @@ def task_rows(tasks: Sequence[Task]) -> Iterator[tuple[str, str]]:
 def dynamics_view(
     program: Program, system: System, length: float, parts: Sequence[str] = ()
 ) -> DynamicsView:
-    """Return what the templates get.
+    """Context of the templates of a solver.
 
     Parameters
     ----------
@@ -416,12 +416,12 @@ def dynamics_view(
 
 
 def mass_of(system: System) -> float:
-    """Return the mass of all bodies, 1 where the scene gives none [kg]."""
+    """Mass of all bodies, 1 where the scene gives none [kg]."""
     return sum(float(body.mass) for body in system.bodies) or 1.0
 
 
 def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[str, ...]:
-    """Return what the scene has, and others may lack."""
+    """Features that the scene has, and others may lack."""
     regions = {region.name for region in program.regions}
     segments = {segment.name for segment in (*program.segments, *program.on_demand)}
     features = {
@@ -452,7 +452,7 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
 
 
 def _of_features(numbers: Mapping[str, int], features: Collection[str]) -> dict[str, int]:
-    """Return counts, or places, without those that come with what the scene lacks."""
+    """Counts, or places, without those that come with what the scene lacks."""
     absent = {
         name
         for needed, names in COME_WITH.items()
@@ -463,7 +463,7 @@ def _of_features(numbers: Mapping[str, int], features: Collection[str]) -> dict[
 
 
 def segment_text(program: Program, segment: Segment, slots: Slots) -> SegmentText:
-    """Return a segment as C."""
+    """Segment as C."""
     name, tasks = segment.name, segment.tasks
     meaning = meaning_of(program, segment)
     if not program.is_inlined:
@@ -484,12 +484,12 @@ def segment_text(program: Program, segment: Segment, slots: Slots) -> SegmentTex
 
 
 def contents_of(segment: Segment) -> tuple[str, ...]:
-    """Return what was inlined into a segment, in lines."""
+    """Contents of a segment that was inlined, in lines."""
     return tuple(wrap("; ".join(segment.contents), WIDTH, break_on_hyphens=False))
 
 
 def method_text(method: Method) -> MethodText:
-    """Return a method as C arrays."""
+    """Method as C arrays."""
     flat = {
         "c": method.c,
         "a": [x for row in method.a for x in row],
@@ -510,12 +510,12 @@ def method_text(method: Method) -> MethodText:
 
 
 def enumerators(values: Mapping[str, int]) -> str:
-    """Return enumerators of C, in lines."""
+    """Enumerators of C, in lines."""
     return in_lines((f"{name} = {value}," for name, value in values.items()), WIDTH)
 
 
 def _table(table: Table, has_rows: bool) -> str:
-    """Return the initialiser of a table: neighbours with one owner share a line, which names it."""
+    """Initialiser of a table: neighbours with one owner share a line, which names it."""
     texts = (
         (owner, f"{{{', '.join(map(str, x))}}}," if has_rows else f"{x!r},") for owner, x in table
     )
@@ -523,7 +523,7 @@ def _table(table: Table, has_rows: bool) -> str:
 
 
 def _initialiser(lines: str) -> str:
-    """Return the initialiser of an array, nothing of one that has no elements."""
+    """Initialiser of an array, nothing of one that has no elements."""
     if not lines:
         return ""
     if "\n" in lines or len(lines) > SHORT:
@@ -532,7 +532,7 @@ def _initialiser(lines: str) -> str:
 
 
 def _rows(rows: Iterable[tuple[str, str]]) -> str:
-    """Return rows in lines: neighbours with one owner share a line, which names it."""
+    """Rows in lines: neighbours with one owner share a line, which names it."""
     lines = []
     for owner, run in groupby(rows, key=lambda row: row[0]):
         text = in_lines((text for _, text in run), WIDTH - 12)
@@ -541,7 +541,7 @@ def _rows(rows: Iterable[tuple[str, str]]) -> str:
 
 
 def in_lines(items: Iterable[str], width: int = 96) -> str:
-    """Return items in lines that are no longer than ``width``, and hold one of them at least."""
+    """Items in lines that are no longer than ``width``, and hold one of them at least."""
     lines: list[str] = []
     line: list[str] = []
     length = -1

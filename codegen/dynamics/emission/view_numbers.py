@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS, WORK
-from kousoku.codegen.dynamics.composition.bodies import inverse_masses as of_body
 from kousoku.codegen.dynamics.composition.switching import BOUNDS
+from kousoku.codegen.dynamics.operations.shapes import thickened
 from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
-from kousoku.codegen.dynamics.redundancy.left_out import take_over
-from kousoku.codegen.dynamics.simplification.shapes import thickened
+from kousoku.codegen.dynamics.redundancy.redundant_rows import take_over
+from kousoku.codegen.dynamics.simplification.bodies import inverse_masses as of_body
 from kousoku.model import precise
+from kousoku.model.elements.constraints import is_length
 from kousoku.model.switching import seen_of
 from kousoku.model.varying import is_varying
 from kousoku.runtime.integrate.settings import ACTIONS
@@ -22,14 +23,12 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import System
     from kousoku.model.switching import Measure
 
-#: Kinds whose residuals are lengths; those of the others are angles.
-LENGTHS = ("point", "distance", "length", "n2", "p2")
 #: An error that is compared with this counts as none.
 IGNORED = 1e300
 
 
 def sizes(program: Program) -> dict[str, int]:
-    """Return the counts that a solver is laid out by, as C calls them."""
+    """Counts that a solver is laid out by, as C calls them."""
     present = {region.name: region.size for region in program.regions}
     counted = counted_turns(program)
     return {
@@ -59,12 +58,12 @@ def sizes(program: Program) -> dict[str, int]:
 
 
 def works(program: Program) -> int:
-    """Return how many entries at the end of q are works."""
+    """Number of entries at the end of q that are works."""
     return sum(one.kind == WORK for one in program.auxiliary) if program.is_weighed else 0
 
 
 def counted_turns(program: Program) -> range:
-    """Return the entries of q that count turns."""
+    """Entries of q that count turns."""
     counted = [one.place.slot for one in program.auxiliary if one.kind == TURNS]
     first = min(counted) - program.region("q").base if counted else 0
     return range(first, first + len(counted))
@@ -77,7 +76,7 @@ Table = list[tuple[str, Any]]
 def tables(
     program: Program, system: System, length: float, parts: Sequence[str]
 ) -> dict[str, Table]:
-    """Return the tables of a solver, the same for all languages.
+    """Tables of a solver, the same for all languages.
 
     Parameters
     ----------
@@ -132,24 +131,23 @@ def tables(
 
 
 def measure_size(one: Measure, system: System, length: float) -> float:
-    """Return a length of the scene in its unit, or 1 rad: what errors are compared with."""
+    """Length of the scene in its unit, or 1 rad: what errors are compared with."""
     if one.coordinate < 0:
         return length / system.unit
-    if system.coordinates[one.coordinate].kind not in LENGTHS:
+    if not is_length(system.coordinates[one.coordinate].kind):
         return 1.0
     return length / (system.unit if one.force < 0 else 1.0)
 
 
 def row_of(row: Row, system: System) -> list[str]:
-    """Return the joint of a row, or the key of its driver, and the unit of its residual."""
+    """Joint of a row, or the key of its driver, and the unit of its residual."""
     instance = system.constraints[row.instance]
-    is_length = instance.kind.partition("_")[0] in LENGTHS
     name = f"drivers.{row.joint}" if instance.is_driver else row.joint
-    return [name, instance.unit or ("m" if is_length else "rad")]
+    return [name, instance.unit or ("m" if is_length(instance.kind) else "rad")]
 
 
 def owners(program: Program) -> dict[int, str]:
-    """Return the body, or the name of the auxiliary entry, of each slot of q and v."""
+    """Body, or the name of the auxiliary entry, of each slot of q and v."""
     found = {one.place.slot: one.name for one in program.auxiliary}
     for body in program.bodies:
         for place in (*body.r, *body.p, *body.v, *body.omega_b):
@@ -159,17 +157,17 @@ def owners(program: Program) -> dict[int, str]:
 
 
 def has_drivers(system: System) -> bool:
-    """Return whether constraints depend on time."""
+    """Whether constraints depend on time."""
     return any(instance.is_driver for instance in system.constraints)
 
 
 def has_row_switch(program: Program) -> bool:
-    """Return whether rows that are left out take over where those that are kept lose rank."""
+    """Whether rows that are left out take over where those that are kept lose rank."""
     return take_over(len(program.rows), len(program.left_out))
 
 
 def driver_rows(program: Program, system: System) -> Table:
-    """Return for each row of a driver which row it is, and where its work is in q."""
+    """Rows of drivers: which row it is, and where its work is in q."""
     base = program.region("q").base
     works = {one.name: one.place.slot - base for one in program.auxiliary if one.kind == WORK}
     rows = [(k, system.constraints[row.instance]) for k, row in enumerate(program.rows)]
@@ -177,7 +175,7 @@ def driver_rows(program: Program, system: System) -> Table:
 
 
 def inverse_masses(program: Program, system: System) -> list[float]:
-    """Return the diagonal of M⁻¹ in the order of v, zero where there is no mass.
+    """Diagonal of M⁻¹ in the order of v, zero where there is no mass.
 
     A scene that moves in a plane and is computed in space has the thickness that makes it move.
     """
@@ -194,7 +192,7 @@ def inverse_masses(program: Program, system: System) -> list[float]:
 
 
 def mass_places(program: Program, system: System) -> list[int]:
-    """Return where inverse masses are in the design, −1 of fixed ones; nothing if all are fixed."""
+    """Places of inverse masses in the design, −1 of fixed ones; nothing if all are fixed."""
     given = inverse_masses(program, system)
     if not any(map(is_varying, given)):
         return []
@@ -202,7 +200,7 @@ def mass_places(program: Program, system: System) -> list[int]:
 
 
 def start_places(program: Program) -> list[tuple[int, int]]:
-    """Return where in (q, v) a start depends on parameters, and its place in the design."""
+    """Places in (q, v) of a start that depends on parameters, each with that in the design."""
     q, v, places = program.region("q"), program.region("v"), dict(program.design.places)
     return [
         (slot - q.base if q.base <= slot < q.base + q.size else q.size + slot - v.base, places[key])
@@ -211,7 +209,7 @@ def start_places(program: Program) -> list[tuple[int, int]]:
 
 
 def positive_places(program: Program) -> Table:
-    """Return where in the design numbers are that must be positive, and their keys."""
+    """Places in the design of numbers that must be positive, and their keys."""
     places = dict(program.design.places)
     found = {places[key]: name for name, key in reversed(program.design.positive)}
     order = dict.fromkeys(places[key] for _, key in program.design.positive)
@@ -219,19 +217,19 @@ def positive_places(program: Program) -> Table:
 
 
 def is_driven(program: Program, system: System) -> bool:
-    """Return whether drivers and joints leave no freedom, so that the motion is kinematics."""
+    """Whether drivers and joints leave no freedom, so that the motion is kinematics."""
     count = len(program.rows) + len(program.reduced)
     return has_drivers(system) and count == program.region("v").size
 
 
 def slots(program: Program, name: str) -> range:
-    """Return the slots of a region."""
+    """Slots of a region."""
     region = program.region(name)
     return range(region.base, region.base + region.size)
 
 
 def floors(program: Program, length: float) -> list[float]:
-    """Return for each coordinate what its error is compared with."""
+    """Floors of the coordinates: what the error of each is compared with."""
     lengths = {slot for slot, _ in shift_slots(program)}
     ignored = {one.place.slot for one in program.auxiliary}
     own = slots(program, "q")
@@ -239,7 +237,7 @@ def floors(program: Program, length: float) -> list[float]:
 
 
 def shift_slots(program: Program) -> list[tuple[int, int]]:
-    """Return the slots of each length that changes, in q and in v; first what is added to."""
+    """Slots of each length that changes, in q and in v; first what is added to."""
     places = sorted(range(len(program.bodies)), key=program.placed.__contains__)
     bodies = (program.bodies[k] for k in places)
     pairs = ((r.slot, v.slot) for body in bodies for r, v in zip(body.r, body.v, strict=True))
@@ -247,13 +245,13 @@ def shift_slots(program: Program) -> list[tuple[int, int]]:
 
 
 def added(program: Program) -> int:
-    """Return to how many lengths corrections are added; the others follow from all else."""
+    """Number of lengths that corrections are added to; the others follow from all else."""
     placed = (program.bodies[k] for k in program.placed)
     return len(shift_slots(program)) - sum(x.slot >= 0 for body in placed for x in body.v)
 
 
 def turn_slots(program: Program) -> list[tuple[int, int, int]]:
-    """Return the first slot of Euler parameters, that of the turn, and how many parameters vary."""
+    """First slot of Euler parameters, that of the turn, and how many parameters vary."""
     found = []
     for body in program.bodies:
         p = [place.slot for place in body.p if place.slot >= 0]

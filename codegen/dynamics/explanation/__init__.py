@@ -1,4 +1,4 @@
 """What a scene does not need, counted.
 
-``explain``, ``counts``, ``structure``.
+``explain``, ``structure``, ``text``.
 """

@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING, Any
 from kousoku.codegen.dynamics.analyse import PRESCRIBED, analyse, with_all_rows
 from kousoku.codegen.dynamics.choose import cheaper, with_reactions
 from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
-from kousoku.codegen.dynamics.composition.bodies import gyroscopic_ratios
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.explanation.counts import counts, operations
 from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
 from kousoku.codegen.dynamics.explanation.text import text_of
 from kousoku.codegen.dynamics.generate import LEDGER
+from kousoku.codegen.dynamics.operations.shapes import thickened
+from kousoku.codegen.dynamics.recording.counts import counts, operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
+from kousoku.codegen.dynamics.simplification.bodies import gyroscopic_ratios
 from kousoku.codegen.dynamics.simplification.planar import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
-from kousoku.codegen.dynamics.simplification.shapes import thickened
-from kousoku.codegen.store import shipped_kinds
+from kousoku.codegen.kernel_json import shipped_kinds
 from kousoku.model.held import without_held
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name
@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.analyse import Analysed
     from kousoku.codegen.dynamics.explanation.structure import Structure
+    from kousoku.codegen.dynamics.operations.placement import Constants
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.codegen.dynamics.simplification.composite import Constants
     from kousoku.model.mechanism import System
     from kousoku.model.scene import Scene
 
@@ -50,7 +50,7 @@ BYTES = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class SavedStep:
     """What one step saved.
 
     Parameters
@@ -81,7 +81,7 @@ class Explanation:
     ----------
     name : str
         The scene.
-    steps : tuple of Step
+    steps : tuple of SavedStep
         In the order in which they are taken.
     segments : tuple of (str, int)
         Operations of each segment of the program.
@@ -98,7 +98,7 @@ class Explanation:
     """
 
     name: str
-    steps: tuple[Step, ...]
+    steps: tuple[SavedStep, ...]
     segments: tuple[tuple[str, int], ...]
     structure: Structure
     freedom: Freedom
@@ -116,7 +116,7 @@ class Explanation:
         )
 
     def as_data(self) -> dict[str, Any]:
-        """Return it as data, ready for JSON."""
+        """Explanation as data, ready for JSON."""
         freedom = self.freedom
         return {
             "name": self.name,
@@ -132,7 +132,7 @@ class Explanation:
 
 
 def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
-    """Return what a scene of bodies does not need, and what remains.
+    """Explanation of a scene of bodies: what it does not need, and what remains.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         *_compared(apart, found, full, wanted),
         _step("redundant rows removed", _of_rows(freedom), full, kept),
         *_out_of_plane(kept, whole),
-        Step("parts solved apart", f"{structure.parts} without a common moving body"),
+        SavedStep("parts solved apart", f"{structure.parts} without a common moving body"),
         *_of_reduction(system, freedom, (whole, prescribed, program)),
         _step("straight-line code", _of_code(final, program), program, final),
         *_of_design(system, program),
@@ -188,15 +188,15 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
 
 
 def _freedom_apart(system: System) -> Freedom:
-    """Return what is known of the rows of a scene in which all bodies are apart."""
+    """Freedom of a scene in which all bodies are apart."""
     found = with_all_rows(system, plane_of(system))
     return freedom_of(fixed_system(system), found.outline)
 
 
 def _compared(
     each: System, found: Analysed, full: Program, wanted: Sequence[str]
-) -> Iterator[Step]:
-    """Yield the steps that compare two programs, from one that leaves nothing out."""
+) -> Iterator[SavedStep]:
+    """Steps that compare two programs, from one that leaves nothing out."""
     all_of = tuple(dict.fromkeys((*ALL, *wanted)))
     thick = thickened(found.system)
     unfolded = compose(with_all_rows(_generic(_spinning(thick)), None), all_of)
@@ -204,7 +204,7 @@ def _compared(
         apart = compose(with_all_rows(_generic(_spinning(each)), None), all_of)
         yield _step("bodies joined rigidly", _of_joints(found), apart, unfolded)
     else:
-        yield Step("bodies joined rigidly", _of_fixed(each, wanted))
+        yield SavedStep("bodies joined rigidly", _of_fixed(each, wanted))
     spinning = compose(with_all_rows(_spinning(thick), None), all_of)
     in_space = compose(with_all_rows(thick, None), all_of)
     folded = structure_of(thick, in_space)
@@ -215,16 +215,16 @@ def _compared(
     yield _step("outputs not wanted", _of_outputs(wanted), everything, full)
 
 
-def _out_of_plane(kept: Program, program: Program) -> list[Step]:
-    """Return what reactions cost that the motion in a plane does not determine."""
+def _out_of_plane(kept: Program, program: Program) -> list[SavedStep]:
+    """Cost of reactions that the motion in a plane does not determine."""
     if program.is_planar == kept.is_planar:
         return []
     return [_step("reactions out of the plane", "wanted: solved in space", kept, program)]
 
 
-def _step(name: str, detail: str, before: Program, after: Program) -> Step:
+def _step(name: str, detail: str, before: Program, after: Program) -> SavedStep:
     columns = _columns(before) - _columns(after)
-    return Step(
+    return SavedStep(
         name=name,
         detail=detail,
         rows=len(before.rows) - len(after.rows),
@@ -235,12 +235,12 @@ def _step(name: str, detail: str, before: Program, after: Program) -> Step:
 
 
 def _columns(program: Program) -> int:
-    """Return how many columns C_q has, or C_q R."""
+    """Number of columns of C_q, or of C_q R."""
     return program.region("v").size - len(program.reduced)
 
 
-def _counted(system: System, program: Program) -> list[Step]:
-    """Return the steps that leave nothing to compare with: what they avoid is counted."""
+def _counted(system: System, program: Program) -> list[SavedStep]:
+    """Steps that leave nothing to compare with: what they avoid is counted."""
     shipped = shipped_kinds()
     kinds = [one.kind for one in system.constraints]
     kinds += [one.kind for one in system.coordinates] + [one.kind for one in system.forces]
@@ -250,9 +250,9 @@ def _counted(system: System, program: Program) -> list[Step]:
     used_of = f"{len(used)} of {len(shipped)} used: {', '.join(used) or 'none'}{of_own}"
     grounded = sum(GROUND_INDEX in one.bodies for one in system.constraints)
     return [
-        Step("kinds not used", used_of),
-        Step("ground has no columns", f"{grounded} constraints with the ground", columns=6),
-        Step(
+        SavedStep("kinds not used", used_of),
+        SavedStep("ground has no columns", f"{grounded} constraints with the ground", columns=6),
+        SavedStep(
             "mass blocks inverted beforehand",
             f"{len(system.bodies)} constant diagonal blocks",
             operations=program.region("v").size,
@@ -261,13 +261,13 @@ def _counted(system: System, program: Program) -> list[Step]:
 
 
 def _heavy(system: System) -> System:
-    """Return the system with bodies that all weigh something, which one of many need not do."""
+    """System with bodies that all weigh something, which one of many need not do."""
     bodies = tuple(replace(body, mass=body.mass or 1.0) for body in system.bodies)
     return thickened(replace(system, bodies=bodies))
 
 
 def _spinning(system: System) -> System:
-    """Return the system with bodies of three different moments, to compare with."""
+    """System with bodies of three different moments, to compare with."""
     return replace(
         system,
         bodies=tuple(
@@ -278,7 +278,7 @@ def _spinning(system: System) -> System:
 
 
 def _generic(system: System) -> System:
-    """Return the system with points and axes in which nothing is zero or one, to compare with."""
+    """System with points and axes in which nothing is zero or one, to compare with."""
     return replace(
         system,
         constraints=tuple(
@@ -298,8 +298,8 @@ def _without_zeros(constants: Constants) -> Constants:
     )
 
 
-def _of_design(system: System, program: Program) -> list[Step]:
-    """Return what parameters change, and what it costs to change it."""
+def _of_design(system: System, program: Program) -> list[SavedStep]:
+    """Numbers that parameters change, and the cost of changing them."""
     if not program.design:
         return []
     setup = replace(program, segments=(program.segment("setup"),))
@@ -307,7 +307,7 @@ def _of_design(system: System, program: Program) -> list[Step]:
     known = [name for name, _ in system.parameters]
     used = [name for name in known if name in program.design.names]
     detail = f"{numbers} from {', '.join(used)}: {operations(setup)} operations, once in a run"
-    return [Step("numbers that stay arguments", detail)]
+    return [SavedStep("numbers that stay arguments", detail)]
 
 
 def _of_joints(found: Analysed) -> str:
@@ -332,8 +332,8 @@ def _of_moments(system: System) -> str:
 
 def _of_reduction(
     system: System, freedom: Freedom, programs: tuple[Program, Program, Program]
-) -> list[Step]:
-    """Return what it saves to describe bodies by what their joints with the ground leave free.
+) -> list[SavedStep]:
+    """Saving by the coordinates of joints with the ground.
 
     ``programs`` are without that, with bodies that drivers lead, and with all.
     """
@@ -373,7 +373,7 @@ def _of_ground(system: System, prescribed: Program, program: Program) -> str:
 
 
 def _bodies_of(system: System, program: Program, without: Program | None = None) -> str:
-    """Return the names of bodies that are put onto joints."""
+    """Names of bodies that are put onto joints."""
     known = without.reduced if without else ()
     rows = (system.constraints[row.instance] for row in program.reduced if row not in known)
     bodies = dict.fromkeys(max(one.bodies) for one in rows)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.composition.ordering import minimum_degree
+from kousoku.codegen.dynamics.operations.elimination_order import minimum_degree
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.model.mechanism import GROUND_INDEX
@@ -60,7 +60,7 @@ class Structure:
 
 
 def structure_of(system: System, program: Program) -> Structure:
-    """Return the structure of a program."""
+    """Structure of a program."""
     free = _free(system, program)
     ends, sizes = _joints(system, program)
     pairs = _coupled(ends, free)
@@ -87,7 +87,7 @@ def structure_of(system: System, program: Program) -> Structure:
 
 
 def _joints(system: System, program: Program) -> tuple[list[tuple[int, ...]], list[int]]:
-    """Return for each joint that keeps rows its bodies and how many rows."""
+    """Bodies and number of rows of each joint that keeps rows."""
     sizes: dict[tuple[str, tuple[int, ...]], int] = {}
     for row in program.rows:
         instance = system.constraints[row.instance]
@@ -97,7 +97,7 @@ def _joints(system: System, program: Program) -> tuple[list[tuple[int, ...]], li
 
 
 def _free(system: System, program: Program) -> dict[int, int]:
-    """Return how many velocities bodies have that are put onto a joint with the ground."""
+    """Number of velocities of bodies that are put onto a joint with the ground."""
     free: dict[int, int] = {}
     for row in program.reduced:
         body = max(system.constraints[row.instance].bodies)
@@ -108,7 +108,7 @@ def _free(system: System, program: Program) -> dict[int, int]:
 
 
 def _coupled(ends: Sequence[tuple[int, ...]], free: Mapping[int, int]) -> list[tuple[int, int]]:
-    """Return the pairs of joints that share a body that moves by what acts on it."""
+    """Pairs of joints that share a body that moves by what acts on it."""
     by_body: dict[int, list[int]] = {}
     pairs: dict[tuple[int, int], None] = {}
     for k, bodies in enumerate(ends):
@@ -121,7 +121,7 @@ def _coupled(ends: Sequence[tuple[int, ...]], free: Mapping[int, int]) -> list[t
 
 
 def _parts(count: int, ends: Sequence[tuple[int, ...]]) -> int:
-    """Return how many groups of bodies joints make, the ground aside."""
+    """Number of groups of bodies that joints make, the ground aside."""
     together = DisjointSets(range(count))
     for bodies in ends:
         first, *others = [body for body in bodies if body != GROUND_INDEX] or [GROUND_INDEX]
@@ -131,7 +131,7 @@ def _parts(count: int, ends: Sequence[tuple[int, ...]]) -> int:
 
 
 def _columns(program: Program) -> list[int]:
-    """Return the columns that bodies have; six in turn belong to each."""
+    """Columns that bodies have; six in turn belong to each."""
     places = (place for body in program.bodies for place in (*body.v, *body.omega_b))
     return [k for k, place in enumerate(places) if place.slot >= 0]
 

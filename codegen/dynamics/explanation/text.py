@@ -17,7 +17,7 @@ SHOWN = 12
 
 
 def text_of(found: Explanation) -> str:
-    """Return what was found as tables and lines."""
+    """Explanation as tables and lines."""
     total = sum(count for _, count in found.segments)
     parts = [
         table(
@@ -41,7 +41,7 @@ def text_of(found: Explanation) -> str:
 
 
 def _structure(found: Explanation) -> str:
-    """Return sizes of what is solved."""
+    """Sizes of what is solved."""
     s = found.structure
     return (
         f"{s.positions} coordinates, {s.velocities} velocities"
@@ -58,7 +58,7 @@ def _saved(count: int) -> str:
 
 
 def _lines(found: Explanation) -> list[str]:
-    """Return what is known of freedoms and dependences."""
+    """Lines about freedoms and dependences."""
     freedom, removed = found.freedom, found.removed
     degrees = counted(freedom.degrees, "degree")
     lines = [f"{degrees} of freedom: {freedom.columns} velocities less rank {freedom.rank}"]

@@ -1,5 +1,6 @@
 """What one task computes: of a body, a joint, a force, a block of a factorisation.
 
-``mechanics``, ``coordinates``, ``forces``, ``forces_along``, ``formulas``, ``elimination``,
-``sums``, ``reduced_operations``.
+``mechanics``, ``own_frames``, ``coordinates``, ``forces``, ``formulas``, ``elimination``, ``sums``,
+``joint_coordinates``. Of a system, before there are tasks: ``shapes``, ``placement``, ``heights``,
+``characteristic_length``, ``joint_ends``, ``elimination_order``. In any arithmetic: ``jets``.
 """

@@ -24,7 +24,7 @@ TURNED = 6
 
 
 @dataclass(frozen=True, slots=True)
-class Value:
+class CoordinateValue:
     """Value of a coordinate. Blocks: r, p and A of body i, those of body j, φ, the constants.
 
     A may be without entries: then it is computed from p.
@@ -49,7 +49,7 @@ class Value:
         return f"value of {self.kind}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return u (1,)."""
+        """Value u (1,) [m or rad]."""
         found = _inline(trace, "constraint", self, blocks)
         (value,) = found["C"]
         if self.counts_turns:
@@ -60,13 +60,13 @@ class Value:
 
 
 @dataclass(frozen=True, slots=True)
-class Slopes:
-    """Jacobian of a coordinate. Blocks: as of :class:`Value`, φ without entries.
+class CoordinateJacobian:
+    """Jacobian of a coordinate. Blocks: as of :class:`CoordinateValue`, φ without entries.
 
     Parameters
     ----------
     kind, constants
-        As of :class:`Value`.
+        As of :class:`CoordinateValue`.
     columns_i, columns_j : tuple of int
         Columns of each body that are coordinates: none of the ground.
     """
@@ -82,7 +82,7 @@ class Slopes:
         return f"Jacobian of {self.kind}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return J of i and of j, each one row."""
+        """J of i and of j, each one row."""
         found = _inline(trace, "constraint", self, blocks)
         row = Matrix(trace.graph, (tuple(found["C_q"]),), 2 * COLUMNS)
         right = [COLUMNS + k for k in self.columns_j]
@@ -90,13 +90,13 @@ class Slopes:
 
 
 @dataclass(frozen=True, slots=True)
-class Curvature:
-    """γ of a coordinate. Blocks: as of :class:`Slopes`, then v and ω′ of i and of j.
+class CoordinateGamma:
+    """γ of a coordinate. Blocks: as of :class:`CoordinateJacobian`, then v and ω′ of i and of j.
 
     Parameters
     ----------
     kind, constants
-        As of :class:`Value`.
+        As of :class:`CoordinateValue`.
     """
 
     kind: str
@@ -108,7 +108,7 @@ class Curvature:
         return f"gamma of {self.kind}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return γ (1,)."""
+        """Right-hand side γ (1,) of ü = J v̇ − γ."""
         names = ("v_i", "omega_i_b", "v_j", "omega_j_b")
         motion = dict(zip(names, blocks[-len(names) :], strict=True))
         found = _inline(trace, "rates", self, blocks[: -len(names)], motion)
@@ -116,13 +116,13 @@ class Curvature:
 
 
 @dataclass(frozen=True, slots=True)
-class Along:
+class CoordinateRate:
     """Rate of a coordinate. Blocks: J and x of each body in turn, what is taken away last."""
 
     title: str = "rate"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return Σ J x minus the last block."""
+        """Rate Σ J x minus the last block."""
         *pairs, less = blocks
         total = -less
         for row, x in zip(pairs[::2], pairs[1::2], strict=True):
@@ -133,7 +133,7 @@ class Along:
 def _inline(
     trace: Trace,
     kernel: str,
-    what: Value | Slopes | Curvature,
+    what: CoordinateValue | CoordinateJacobian | CoordinateGamma,
     blocks: Sequence[Matrix],
     motion: dict[str, Matrix] | None = None,
 ) -> dict[str, list[int]]:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def _factorise(pivot: Matrix) -> tuple[Matrix, Matrix]:
-    """Return L, unit lower, and the diagonal of D⁻¹ as one row."""
+    """Factor L, unit lower, and the diagonal of D⁻¹ as one row."""
     graph, n = pivot.graph, len(pivot.rows)
     inverse: list[int] = []
     scaled: list[list[int]] = []
@@ -35,7 +35,7 @@ def _factorise(pivot: Matrix) -> tuple[Matrix, Matrix]:
 
 
 def _solve_row(row: Sequence[int], lower: Sequence[Sequence[int]], like: Matrix) -> list[int]:
-    """Return y with y Lᵀ = row."""
+    """Solution y of y Lᵀ = row."""
     graph = like.graph
     y: list[int] = []
     for j, value in enumerate(row):
@@ -45,13 +45,13 @@ def _solve_row(row: Sequence[int], lower: Sequence[Sequence[int]], like: Matrix)
 
 
 def _panel(coupling: Matrix, lower: Matrix) -> Matrix:
-    """Return Y of a neighbour."""
+    """Panel Y of a neighbour."""
     rows = tuple(tuple(_solve_row(row, lower.rows, coupling)) for row in coupling.rows)
     return Matrix(coupling.graph, rows, coupling.width)
 
 
 def _updated(diagonal: Matrix, y: Matrix, x: Matrix) -> Matrix:
-    """Return diagonal − y xᵀ, which is symmetric: half of it is computed."""
+    """Diagonal − y xᵀ, which is symmetric: half of it is computed."""
     graph = diagonal.graph
     lower = [
         [
@@ -87,7 +87,7 @@ class Eliminate:
         return f"eliminate {self.neighbours}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return L, D⁻¹, X of each neighbour, and the blocks of the pairs."""
+        """L, D⁻¹, X of each neighbour, and the blocks of the pairs."""
         pivot, *others = blocks
         lower, inverse = _factorise(pivot)
         y = [_panel(block, lower) for block in others[: self.neighbours]]
@@ -107,7 +107,7 @@ class Panel:
     title: str = "eliminate, neighbour"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return Y and X."""
+        """Panels Y and X."""
         lower, inverse, coupling = blocks
         y = _panel(coupling, lower)
         return y, y.scaled(inverse)
@@ -127,7 +127,7 @@ class Update:
     title: str = "eliminate, pair"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the block."""
+        """Block."""
         block, y, x = blocks
         return (_updated(block, y, x) if self.is_diagonal else block - y @ x.T,)
 
@@ -139,7 +139,7 @@ class Couple:
     title: str = "couple"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return block + C_q M⁻¹ C_qᵀ."""
+        """Block + C_q M⁻¹ C_qᵀ."""
         block, scaled, jacobian = blocks
         return (block + scaled @ jacobian.T,)
 
@@ -151,7 +151,7 @@ class Gather:
     title: str = "gather"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return vector − Σ matrix · other."""
+        """Vector − Σ matrix · other."""
         total, *products = blocks
         for matrix, vector in zip(products[::2], products[1::2], strict=True):
             total -= matrix @ vector
@@ -168,7 +168,7 @@ class Forward:
     title: str = "forward"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return z and D⁻¹ z."""
+        """Solutions z and D⁻¹ z."""
         lower, inverse, *rest = blocks
         (total,) = Gather()(trace, *rest)
         graph = trace.graph
@@ -185,7 +185,7 @@ class Backward:
     title: str = "backward"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return L⁻ᵀ (D⁻¹ z − Σ Xᵀ λ)."""
+        """Solution L⁻ᵀ (D⁻¹ z − Σ Xᵀ λ)."""
         lower, *rest = blocks
         (total,) = Gather()(trace, *rest)
         graph, upper = trace.graph, lower.T.rows

@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.expressions import to_graph
 from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import RATE, TIME, WORD, used_names
+from kousoku.model.formulas import WORD, used_names
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Mapping
 
-    from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
 
     #: What a name stands for: a value, and the unit that it is given in.
     Meaning = tuple[Block, Block]
-
-#: Kinds of coordinates that are lengths.
-LENGTHS = ("n2", "length")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +37,7 @@ class Scaled:
     title: str = "formula"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the product, in the shape of the constant."""
+        """Product, in the shape of the constant."""
         constant, *rest = blocks
         factor = formula_node(trace, self.formula, self.names, rest)
         mul = trace.graph.mul
@@ -52,7 +46,7 @@ class Scaled:
 
 
 def formula_node(trace: Trace, formula: str, names: tuple[str, ...], blocks: list[Matrix]) -> int:
-    """Return the node of a formula.
+    """Node of a formula.
 
     Parameters
     ----------
@@ -76,13 +70,13 @@ def formula_node(trace: Trace, formula: str, names: tuple[str, ...], blocks: lis
 
 
 @dataclass(frozen=True, slots=True)
-class Product:
+class ScaledColumn:
     """A column times a number. Blocks: both."""
 
     title: str = "product"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the product."""
+        """Product."""
         column, number = blocks
         return (column @ number,)
 
@@ -94,69 +88,10 @@ class Relative:
     title: str = "difference in a unit"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the quotient."""
+        """Quotient."""
         (a,), (b,), (unit,) = (block.flat for block in blocks)
         node = trace.graph.div(trace.graph.sub(a, b), unit)
         return (Matrix(trace.graph, ((node,),), 1),)
-
-
-class Names(Mapping[str, "Meaning"]):
-    """What formulas may depend on: time, parameters, coordinates, and rates of coordinates.
-
-    Each is recorded in the segment that asks for it.
-
-    Parameters
-    ----------
-    system : System
-        The scene.
-    recorder : Recorder
-        The program.
-    coordinates : CoordinateTasks
-        Its coordinates.
-    given : (Block, Block)
-        Where time and parameters are.
-    by_body : sequence of Block
-        The velocities of each body.
-    """
-
-    def __init__(
-        self,
-        system: System,
-        recorder: Recorder,
-        coordinates: CoordinateTasks,
-        given: tuple[Block, Block],
-        by_body: Sequence[Block],
-    ) -> None:
-        time, parameters = given
-        self._fixed = {TIME: time}
-        for k, (name, _) in enumerate(system.parameters):
-            self._fixed[name] = parameters.part(k, 1)
-        self._places = {one.name: place for place, one in enumerate(system.coordinates)}
-        self._rates = {f"{name}{RATE}": place for name, place in self._places.items()}
-        self._unit = system.unit
-        self._recorder, self._coordinates, self._by_body = recorder, coordinates, by_body
-
-    def __getitem__(self, name: str) -> Meaning:
-        one = self._recorder.constant((1,))
-        if name in self._fixed:
-            return self._fixed[name], one
-        if name in self._rates:
-            place = self._rates[name]
-            value = self._coordinates.rate(place, self._by_body)
-        else:
-            place = self._places[name]
-            value = self._coordinates.value(place)
-        is_length = self._coordinates.all[place].kind in LENGTHS
-        return value, self._recorder.constant((self._unit,)) if is_length else one
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._fixed or name in self._places or name in self._rates
-
-    def __iter__(self) -> Iterator[str]:
-        yield from (*self._fixed, *self._places, *self._rates)
-
-    def __len__(self) -> int:
-        return len(self._fixed) + len(self._places) + len(self._rates)
 
 
 def scaled(

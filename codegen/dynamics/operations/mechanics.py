@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.own_frames import framed
 from kousoku.codegen.dynamics.recording.matrix import Matrix, square, stack
-from kousoku.codegen.store import load_frozen
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.codegen.kernel_json import load_frozen
+from kousoku.model.elements.constraints import COMBINATION
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ COLUMNS = 6
 
 @cache
 def frozen(package: str, name: str) -> Kernel:
-    """Return a kernel of a kind that is shipped, or of one's own, for principal frames."""
+    """Kernel of a kind that is shipped, or of one's own, for principal frames."""
     found = load_frozen(package)
     if is_own(package):
         found = framed(found, frozen("rotation", "orientation"))
@@ -36,7 +37,7 @@ def frozen(package: str, name: str) -> Kernel:
 
 
 def lengths_of(source: Instance | Coordinate) -> Iterator[tuple[str, tuple[float, ...]]]:
-    """Yield what is fixed and a length: ``i`` or ``j`` of points of a body, else ``""``; [m]."""
+    """Constants that are lengths [m], with ``i`` or ``j`` for points of a body, else ``""``."""
     numbers, points = {"length"}, {"s_i_b", "s_j_b"}
     if is_own(source.kind):
         lengths = [one for one in frozen(source.kind, "constraint").inputs if one.unit == "m"]
@@ -53,13 +54,13 @@ def lengths_of(source: Instance | Coordinate) -> Iterator[tuple[str, tuple[float
 
 
 def inputs_of(source: Instance | Coordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
-    """Return what kernels take of what is fixed: those of one's own know other points."""
+    """Inputs of kernels that are constant: those of one's own know other points."""
     unread = {"s_i_b", "s_j_b"} if is_own(source.kind) else set()
     return tuple((name, values) for name, values in source.constants if name not in unread)
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class InstanceRows:
     """The rows of one instance in a joint.
 
     Parameters
@@ -79,18 +80,18 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
-class Orientation:
+class BodyOrientation:
     """A of one body. Blocks: p."""
 
     title: str = "orientation"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return A (3, 3)."""
+        """A (3, 3)."""
         return (orientation_of(trace, blocks[0]),)
 
 
 def orientation_of(trace: Trace, p: Matrix) -> Matrix:
-    """Return A of a body."""
+    """Matrix A of a body."""
     nodes = trace.inline(frozen("rotation", "orientation"), {"p": p.flat})["A"]
     return Matrix(trace.graph, tuple(tuple(nodes[k : k + 3]) for k in (0, 3, 6)), 3)
 
@@ -100,12 +101,16 @@ def share(trace: Trace, p: Matrix, orientation: Matrix) -> None:
     trace.is_known(orientation_of(trace, p).flat, orientation.flat)
 
 
-def _title(parts: Sequence[Part]) -> str:
+def _title(parts: Sequence[InstanceRows]) -> str:
     return " + ".join(kind_name(part.kind) for part in parts)
 
 
 def _evaluate(
-    trace: Trace, part: Part, kernel: str, state: Mapping[str, Matrix], constants: Sequence[Matrix]
+    trace: Trace,
+    part: InstanceRows,
+    kernel: str,
+    state: Mapping[str, Matrix],
+    constants: Sequence[Matrix],
 ) -> dict[str, list[int]]:
     """Inline a kernel of a part."""
     inputs = {name: block.flat for name, block in state.items()}
@@ -114,14 +119,14 @@ def _evaluate(
     return trace.inline(frozen(part.kind, kernel), inputs)
 
 
-def _pick(trace: Trace, nodes: Sequence[int], part: Part, width: int) -> Matrix:
-    """Return the kept rows of an output."""
+def _pick(trace: Trace, nodes: Sequence[int], part: InstanceRows, width: int) -> Matrix:
+    """Kept rows of an output."""
     rows = tuple(tuple(nodes[row * width : (row + 1) * width]) for row in part.rows)
     return Matrix(trace.graph, rows, width)
 
 
 @dataclass(frozen=True, slots=True)
-class Joint:
+class JointSystem:
     """Residual, Jacobian, and the joint's own block of the Schur complement.
 
     Blocks: r, p, A and the diagonal of M⁻¹ of body i, those of body j, that diagonal of the other
@@ -130,7 +135,7 @@ class Joint:
 
     Parameters
     ----------
-    parts : tuple of Part
+    parts : tuple of InstanceRows
         What the joint is composed of.
     columns : tuple of tuple of int
         Columns of each body that are coordinates: none of the ground.
@@ -138,7 +143,7 @@ class Joint:
         Which of the bodies have velocities R u.
     """
 
-    parts: tuple[Part, ...]
+    parts: tuple[InstanceRows, ...]
     columns: tuple[tuple[int, ...], ...]
     reduced: tuple[int, ...] = ()
 
@@ -148,7 +153,7 @@ class Joint:
         return f"joint {_title(self.parts)}: C, C_q, C_q M^-1, C_q M^-1 C_q^T"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return C (n,), C_q of i, of j and of the others, C_q M⁻¹ of them, C_q M⁻¹ C_qᵀ (n, n).
+        """C (n,), C_q of i, of j and of the others, C_q M⁻¹ of them, C_q M⁻¹ C_qᵀ (n, n).
 
         Of a body that is reduced it is C_q R and C_q R (Rᵀ M R)⁻¹; C_q itself stands last.
         """
@@ -176,18 +181,18 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True)
-class Rows:
+class JointRows:
     """Residual and Jacobian alone. Blocks: r, p, A of body i and j, what belongs to the parts.
 
     Parameters
     ----------
-    parts : tuple of Part
+    parts : tuple of InstanceRows
         What the joint is composed of.
     columns : tuple of tuple of int
         Columns of each body that are coordinates: none of the ground.
     """
 
-    parts: tuple[Part, ...]
+    parts: tuple[InstanceRows, ...]
     columns: tuple[tuple[int, ...], ...]
 
     @property
@@ -196,18 +201,18 @@ class Rows:
         return f"rows {_title(self.parts)}: C, C_q"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return C (n,), C_q of i, of j and of the others."""
+        """C (n,), C_q of i, of j and of the others."""
         residuals, jacobians = rows_of_parts(trace, self.parts, self.columns, blocks)
         return residuals, *jacobians
 
 
 def rows_of_parts(
     trace: Trace,
-    parts: Sequence[Part],
+    parts: Sequence[InstanceRows],
     columns: Sequence[tuple[int, ...]],
     blocks: Sequence[Matrix],
 ) -> tuple[Matrix, list[Matrix]]:
-    """Return C and C_q by body of the parts of a joint."""
+    """C and C_q by body of the parts of a joint."""
     r_i, p_i, a_i, r_j, p_j, a_j, *rest = blocks
     share(trace, p_i, a_i)
     share(trace, p_j, a_j)
@@ -259,7 +264,7 @@ class Rates:
 
     Parameters
     ----------
-    parts : tuple of Part
+    parts : tuple of InstanceRows
         What the joint is composed of.
     output : str
         ``nu`` for C_q v − ν, ``gamma`` for C_q M⁻¹f − γ.
@@ -267,7 +272,7 @@ class Rates:
         Bodies beside i and j.
     """
 
-    parts: tuple[Part, ...]
+    parts: tuple[InstanceRows, ...]
     output: str
     others: int = 0
 
@@ -277,7 +282,7 @@ class Rates:
         return f"{self.output} {_title(self.parts)}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the difference (n,)."""
+        """Difference (n,)."""
         p_i, a_i, v_i, omega_i, x_i, left, p_j, a_j, v_j, omega_j, x_j, right = blocks[:12]
         r_i, r_j, *rest = blocks[12:]
         share(trace, p_i, a_i)
@@ -313,7 +318,7 @@ class FreeAcceleration:
     title: str = "free acceleration"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the acceleration of each coordinate, with I dω′/dt = −ω′ × I ω′."""
+        """Acceleration of each coordinate, with I dω′/dt = −ω′ × I ω′."""
         gravity, omega, ratios = (block.flat for block in blocks)
         mul = trace.graph.mul
         spin = [
@@ -324,7 +329,7 @@ class FreeAcceleration:
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class PoseRate:
     """Time derivative of the coordinates. Blocks: p, v, ω′, as far as there are any.
 
     Parameters
@@ -337,7 +342,7 @@ class Motion:
     title: str = "motion"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return (v, ½ p ∘ (0, ω′)) at the coordinates."""
+        """Rates (v, ½ p ∘ (0, ω′)) at the coordinates."""
         p, v, omega = blocks
         rates = trace.inline(
             frozen("rotation", "euler_rates"), {"p": p.flat, "omega_b": omega.flat}
@@ -360,7 +365,7 @@ class Move:
     title: str = "move"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return r + δr and w/|w|, w = p ∘ (1, ½ δθ′)."""
+        """Moved position: r + δr and w/|w|, w = p ∘ (1, ½ δθ′)."""
         r, p, dr, dtheta = blocks
         graph = trace.graph
         moved = list((r + dr).flat)
@@ -383,7 +388,7 @@ class Energy:
     title: str = "energy"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return kinetic and potential energy (2,): ½ m v·v + ½ ω′·I ω′, −m g·r."""
+        """Kinetic and potential energy (2,): ½ m v·v + ½ ω′·I ω′, −m g·r."""
         r, v, omega, halves, weight = (block.flat for block in blocks)
         graph = trace.graph
         kinetic = graph.sum(

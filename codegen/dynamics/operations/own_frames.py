@@ -38,7 +38,7 @@ RATES = (("v_{}", 3, "m/s"), ("omega_{}_b", 3, "rad/s"))
 
 
 def framed(package: Package, orientation: Kernel) -> Package:
-    """Return the constraint and rates of a package, for principal frames.
+    """Constraint and rates of a package, for principal frames.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def framed(package: Package, orientation: Kernel) -> Package:
 
 
 def own_inputs(package: Package) -> tuple[Quantity, ...]:
-    """Return the inputs of a package that are no state of a body, in the order of its kernels."""
+    """Inputs of a package that are no state of a body, in the order of its kernels."""
     known = {name.format(body) for name, *_ in (*PLACES, *RATES) for body in "ij"}
     wanted = (k for k in package.kernels if k.name in {"constraint", "rates"})
     found = {one.name: one for kernel in wanted for one in kernel.inputs}
@@ -103,13 +103,13 @@ class _Framed:
             self.given |= {f"r_{body}": end.r.flat, f"p_{body}": end.p.flat}
 
     def constraint(self) -> Kernel:
-        """Return C and C_q."""
+        """C and C_q."""
         found = substitute(self.graph, self.kernel, self.given)
         rows = [self._row(found["C_q"], row) for row in range(len(found["C"]))]
         return self._kernel({"C": found["C"], "C_q": [node for row in rows for node in row]})
 
     def rates(self, constraint: Kernel) -> Kernel:
-        """Return ν and γ of a constraint, from the kernel of its rates."""
+        """Right-hand sides ν and γ of a constraint, from the kernel of its rates."""
         graph, swings = self.graph, []
         for body, end in self.ends.items():
             v, omega = (self._input(name.format(body), (n,), unit) for name, n, unit in RATES)
@@ -129,7 +129,7 @@ class _Framed:
         return self._kernel({"nu": found["nu"], "gamma": gamma})
 
     def _row(self, jacobian: Sequence[int], row: int) -> tuple[int, ...]:
-        """Return a row of the Jacobian by δr and δθ′ of principal frames."""
+        """Row of the Jacobian by δr and δθ′ of principal frames."""
         parts: list[int] = []
         for side, end in enumerate(self.ends.values()):
             first = (2 * row + side) * COLUMNS
@@ -151,7 +151,7 @@ class _Framed:
         return Matrix(self.graph, tuple(tuple(nodes[k : k + 3]) for k in (0, 3, 6)), 3)
 
     def _composed(self, p: Matrix, q: Matrix) -> Matrix:
-        """Return p ∘ q."""
+        """Product p ∘ q of Euler parameters."""
         graph = self.graph
         (a, *x), (b, *y) = p.flat, q.flat
         u, v = _matrix(graph, x), _matrix(graph, y)
@@ -180,5 +180,5 @@ class _Framed:
 
 
 def _matrix(graph: Graph, nodes: Sequence[int]) -> Matrix:
-    """Return a column."""
+    """Column."""
     return Matrix(graph, tuple((node,) for node in nodes), 1)

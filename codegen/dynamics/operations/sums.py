@@ -17,13 +17,13 @@ CHUNK = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Sum:
+class VectorSum:
     """Add vectors. Blocks: the vectors."""
 
     title: str = "sum"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the sum."""
+        """Sum."""
         total, *rest = blocks
         for block in rest:
             total += block
@@ -44,8 +44,9 @@ def summed(recorder: Recorder, parts: Sequence[Block], into: Block | None = None
     """
     while len(parts) > CHUNK:
         parts = [
-            recorder.call(Sum(), *parts[k : k + CHUNK])[0] for k in range(0, len(parts), CHUNK)
+            recorder.call(VectorSum(), *parts[k : k + CHUNK])[0]
+            for k in range(0, len(parts), CHUNK)
         ]
     if len(parts) == 1 and into is None:
         return parts[0]
-    return recorder.call(Sum(), *parts, into=(into,))[0]
+    return recorder.call(VectorSum(), *parts, into=(into,))[0]

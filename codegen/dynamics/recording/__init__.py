@@ -1,4 +1,5 @@
 """What operations are recorded on: kernels, tasks and one workspace.
 
-``program``, ``recorder``, ``traces``, ``matrix``, ``inline``, ``disjoint``, ``design``.
+``program``, ``recorder``, ``traces``, ``matrix``, ``inline``, ``disjoint``, ``design``; what is
+recorded is run without its source by ``interpreter``, and counted by ``counts``.
 """

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.explanation.counts import operations
+from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.program import (
     AFTER_GEOMETRY,
     ON_DEMAND,

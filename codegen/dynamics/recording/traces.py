@@ -7,8 +7,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.matrix import Matrix
+from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.codegen.passes.rebuild import copy_node, substitute
-from kousoku.codegen.unit import SMALLEST_SUBNORMAL
 from kousoku.model.graph import Graph, Op
 from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity

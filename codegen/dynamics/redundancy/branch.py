@@ -41,7 +41,7 @@ MOVED = 0.05
 
 
 @dataclass(frozen=True, slots=True)
-class Position:
+class BranchPosition:
     """Where the bodies of a part are, and the ranks there.
 
     Parameters
@@ -84,14 +84,14 @@ class Scales:
 
     @classmethod
     def of_length(cls, residuals: Residuals, length: float) -> Scales:
-        """Return those that compare metres with radians by a length [m]."""
+        """Scales that compare metres with radians by a length [m]."""
         is_length = np.arange(residuals.columns) % COLUMNS < COLUMNS // 2
         by = np.where(residuals.in_metres, 1 / length, 1.0)
         return cls(by, np.where(is_length, length, 1.0))
 
 
 def places_of(bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
-    """Return r and p of bodies where they are, those of the ground last."""
+    """Positions r, p of bodies where they are, those of the ground last."""
     r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)])
     p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
     return r, p
@@ -136,8 +136,8 @@ class Branch:
         self._missed_by = self._all_missed_by[self._rows]
         self._steps_by = self._columns_by / np.where(is_length, length, 1.0)[self._columns]
 
-    def positions(self, bodies: Sequence[MovingBody]) -> Iterator[Position]:
-        """Yield the position of the bodies, and others along the branch, until nothing moves."""
+    def positions(self, bodies: Sequence[MovingBody]) -> Iterator[BranchPosition]:
+        """Position of the bodies, and others along the branch, until nothing moves."""
         here = self._position(*self._start(bodies))
         yield here
         direction = _any_direction(len(self._columns))
@@ -150,7 +150,7 @@ class Branch:
             here = there
 
     def start(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
-        """Return rows and C_q, scaled, where the bodies are."""
+        """Rows and C_q, scaled, where the bodies are."""
         return self._at(*self._start(bodies))
 
     def _start(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array, Array]:
@@ -158,7 +158,7 @@ class Branch:
         return r / self.length, p, self._residuals.near
 
     def rates(self, factors: Factors, matrix: Array, rows: Sequence[int]) -> Array:
-        """Return what rows miss per unit of the motion that makes them miss most.
+        """Rates at which rows are missed, per unit of the motion that makes them miss most.
 
         Parameters
         ----------
@@ -180,14 +180,14 @@ class Branch:
         missed: Array = (rest * rest).sum(axis=1) * self._all_missed_by[list(rows)]
         return missed / np.where(motions > HOLDS, motions, np.inf)
 
-    def rate_of_last(self, position: Position) -> float:
-        """Return what the row misses that was taken last, where only those before it hold."""
+    def rate_of_last(self, position: BranchPosition) -> float:
+        """Rate at which the row that was taken last is missed, where only those before it hold."""
         _, matrix = self._at(position.r, position.p, position.near)
         before = factorise(matrix, HOLDS, position.factors.rank - 1)
         return float(self.rates(before, matrix, self._rows)[position.factors.taken[-1]])
 
     def _ranks(self, matrix: Array, rows: Sequence[int]) -> tuple[Factors, int, Array]:
-        """Return factors of rows that are not redundant, how many are beyond doubt, all pivots.
+        """Factors of rows that are not redundant, how many are beyond doubt, all pivots.
 
         What rows miss per unit of a motion decides, in the units that violations have, where what
         is left of them is small for the arms of their bodies, too.
@@ -204,44 +204,44 @@ class Branch:
             ranks.append(factors.rank)
         return factors, ranks[0], every.pivots
 
-    def is_redundant(self, positions: Sequence[Position], few: int) -> bool:
-        """Return whether rows repeat others at all positions, few being what they may determine."""
+    def is_redundant(self, positions: Sequence[BranchPosition], few: int) -> bool:
+        """Whether rows repeat others at all positions, few being what they may determine."""
         rank = max(position.factors.rank for position in positions)
         return rank < len(self._rows) and (len(positions) > 1 or rank == few)
 
-    def with_others(self, position: Position, rows: Sequence[int]) -> Factors:
-        """Return the factors at a position of more rows than those that hold there."""
+    def with_others(self, position: BranchPosition, rows: Sequence[int]) -> Factors:
+        """Factors at a position of more rows than those that hold there."""
         _, matrix = self._residuals.doubles(position.r * self.length, position.p, position.near)
         chosen = list(rows)
         matrix = matrix[np.ix_(chosen, self._columns)]
         scaled = matrix * self._all_by[chosen][:, None] * self._columns_by
         return self._ranks(scaled, chosen)[0]
 
-    def left_over(self, position: Position, left: Sequence[int]) -> Array:
-        """Return what is left of some rows of joints, by their places, beyond all others."""
+    def left_over(self, position: BranchPosition, left: Sequence[int]) -> Array:
+        """Residuals of some rows of joints, by their places, beyond all others."""
         _, matrix = self._at(position.r, position.p, position.near)
         others = factorise(np.delete(matrix, list(left), axis=0))
         return np.array([float((others.null_part(matrix[k]) ** 2).sum()) ** 0.5 for k in left])
 
     def is_length(self, place: int) -> bool:
-        """Return whether a row of joints is a length, or else an angle."""
+        """Whether a row of joints is a length, or else an angle."""
         return bool(self._residuals.in_metres[self._rows[place]])
 
-    def missed(self, position: Position) -> Array:
-        """Return what is left of the rows of joints, in lengths of the scene and radians."""
+    def missed(self, position: BranchPosition) -> Array:
+        """Residuals of the rows of joints, in lengths of the scene and radians."""
         return self.in_units(position.c, range(len(self._rows)))
 
     def in_units(self, scaled: Array, places: Sequence[int]) -> Array:
-        """Return values of some rows of joints, scaled, in lengths of the scene and radians."""
+        """Values of some rows of joints, scaled, in lengths of the scene and radians."""
         found: Array = scaled * self._missed_by[list(places)]
         return found
 
-    def pulls(self, position: Position, places: Sequence[int]) -> Array:
-        """Return force and torque on each body of rows whose multipliers move nothing.
+    def pulls(self, position: BranchPosition, places: Sequence[int]) -> Array:
+        """Force and torque on each body of rows whose multipliers move nothing.
 
         Parameters
         ----------
-        position : Position
+        position : BranchPosition
             Where they are.
         places : sequence of int
             The rows of joints that count, such as those of one joint.
@@ -260,9 +260,9 @@ class Branch:
         by_body[:, :, :3] *= self.length
         return by_body
 
-    def _position(self, r: Array, p: Array, near: Array) -> Position:
+    def _position(self, r: Array, p: Array, near: Array) -> BranchPosition:
         c, matrix = self._at(r, p, near)
-        return Position(r, p, near, c, *self._ranks(matrix, self._rows))
+        return BranchPosition(r, p, near, c, *self._ranks(matrix, self._rows))
 
     def _at(self, r: Array, p: Array, near: Array) -> tuple[Array, Array]:
         c, matrix = self._residuals.doubles(r * self.length, p, near)
@@ -274,8 +274,8 @@ class Branch:
         scaled: Array = x / np.abs(x * self._steps_by).max()
         return scaled
 
-    def _next(self, here: Position, direction: Array) -> Position | None:
-        """Return a position near, in a direction or as near to it as the rows allow."""
+    def _next(self, here: BranchPosition, direction: Array) -> BranchPosition | None:
+        """Position near, in a direction or as near to it as the rows allow."""
         for halvings in range(HALVINGS + 1):
             step = STEP / 2**halvings
             for settle in (self._settled, self._settled_damped):
@@ -286,11 +286,11 @@ class Branch:
         return None
 
     @staticmethod
-    def _far(here: Position, r: Array, p: Array) -> float:
+    def _far(here: BranchPosition, r: Array, p: Array) -> float:
         return float(max(np.abs(r - here.r).max(), np.abs(p - here.p).max()))
 
-    def _settled(self, here: Position, step: Array) -> tuple[Array, Array] | None:
-        """Return the position after a step, back on the rows that were independent before it."""
+    def _settled(self, here: BranchPosition, step: Array) -> tuple[Array, Array] | None:
+        """Position after a step, back on the rows that were independent before it."""
         r, p = self._moved(here.r, here.p, step)
         before = np.inf
         for _ in range(MOST_STEPS):
@@ -308,8 +308,8 @@ class Branch:
             r, p = self._moved(r, p, here.factors.least_change(-c))
         return None
 
-    def _may_miss(self, here: Position, c: Array, step: Array) -> bool:
-        """Return whether rows that others imply miss no more after a step than they may.
+    def _may_miss(self, here: BranchPosition, c: Array, step: Array) -> bool:
+        """Whether rows that others imply miss no more after a step than they may.
 
         From there to here they may miss as much more as the step is a part of the longest: where
         rows are dependent at a position only, what they miss grows with the square of a step.
@@ -320,8 +320,8 @@ class Branch:
         most = CLEARLY * self.tolerance
         return bool(np.abs(c).max() <= most and more <= most * part)
 
-    def _settled_damped(self, here: Position, step: Array) -> tuple[Array, Array] | None:
-        """Return the position after a step, back on all rows: damped, as their rank may differ."""
+    def _settled_damped(self, here: BranchPosition, step: Array) -> tuple[Array, Array] | None:
+        """Position after a step, back on all rows: damped, as their rank may differ."""
         r, p = self._moved(here.r, here.p, step)
         before = np.inf
         for _ in range(MOST_DAMPED_STEPS):
@@ -336,7 +336,7 @@ class Branch:
         return None
 
     def _moved(self, r: Array, p: Array, step: Array) -> tuple[Array, Array]:
-        """Return positions after displacements (δr, δθ′): p ∘ (1, δθ′/2), of norm one."""
+        """Positions after displacements (δr, δθ′): p ∘ (1, δθ′/2), of norm one."""
         full = np.zeros(self._residuals.columns)
         full[self._columns] = step * self._steps_by
         by_body = full.reshape(-1, COLUMNS)
@@ -357,7 +357,7 @@ class Branch:
 
 
 def _any_direction(count: int) -> Array:
-    """Return numbers from −1 to 1 without a pattern: the fractions of k √2 + k² √3."""
+    """Numbers from −1 to 1 without a pattern: the fractions of k √2 + k² √3."""
     k = np.arange(1.0, count + 1.0)
     numbers = k * 2**0.5 + k * k * 3**0.5
     return 2 * (numbers - np.floor(numbers)) - 1

@@ -18,7 +18,7 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.violations import key_of
-from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
 from kousoku.codegen.dynamics.redundancy.branch import (
     HOLDS,
@@ -28,8 +28,9 @@ from kousoku.codegen.dynamics.redundancy.branch import (
 )
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
 from kousoku.model import precise
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.system import UNIT_NAMES
 from kousoku.model.varying import fixed_system
 from kousoku.runtime.integrate.continuation import NEAR_SINGULAR
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
     from kousoku.codegen.dynamics.recording.program import Row
-    from kousoku.codegen.dynamics.redundancy.branch import Position
+    from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
     from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
     from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
@@ -89,7 +90,7 @@ def near_branch(
     bodies: Sequence[MovingBody],
     system: System,
 ) -> Branch:
-    """Return the branch of a part on which rows that are nearly implied count as redundant.
+    """Branch of a part on which rows that are nearly implied count as redundant.
 
     Parameters
     ----------
@@ -113,7 +114,7 @@ def near_branch(
 
 
 def is_near(branch: Branch, bodies: Sequence[MovingBody]) -> bool:
-    """Return whether rows may depend on each other nearly where bodies are, not to rounding."""
+    """Whether rows may depend on each other nearly where bodies are, not to rounding."""
     c, matrix = branch.start(bodies)
     pivots = factorise(matrix, ROUNDING).pivots
     is_small = len(pivots) > 0 and pivots.min() <= CLEARLY * branch.tolerance
@@ -122,12 +123,12 @@ def is_near(branch: Branch, bodies: Sequence[MovingBody]) -> bool:
 
 
 def _open_from(far: float) -> float:
-    """Return what rows miss at the start that is no rounding, so many lengths from the origin."""
+    """Residual at the start that is no rounding, so many lengths from the origin."""
     return min(HOLDS, max(OPEN, OPEN_FAR * far))
 
 
 def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
-    """Return scales that compare lengths with that of the part, turns with the arms of a body."""
+    """Scales that compare lengths with that of the part, turns with the arms of a body."""
     arms = [0.0] * (len(bodies) + 1)  # the ground last
     sources: list[Instance | Coordinate] = [*residuals.constraints, *residuals.coordinates]
     for one in sources:
@@ -153,7 +154,7 @@ def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
 
 
 def require_gap(
-    system: System, branch: Branch, rows: Sequence[Row], positions: Sequence[Position]
+    system: System, branch: Branch, rows: Sequence[Row], positions: Sequence[BranchPosition]
 ) -> None:
     """Refuse rows that are neither redundant nor independent.
 
@@ -173,8 +174,8 @@ def require_gap(
     _refuse(system, rows[place], others, f"{size} for each length or radian that bodies move")
 
 
-def far_from_singular(positions: Sequence[Position]) -> list[Position]:
-    """Return the start, and those of the others that are not near a singular configuration.
+def far_from_singular(positions: Sequence[BranchPosition]) -> list[BranchPosition]:
+    """Positions that are not near a singular configuration, and the start.
 
     There one freedom more is nearly open, and what rows miss along it tells nothing of them.
     """
@@ -185,8 +186,10 @@ def far_from_singular(positions: Sequence[Position]) -> list[Position]:
     return [positions[0], *[position for position, pivot in others if pivot >= least]]
 
 
-def starts_closed(system: System, branch: Branch, rows: Sequence[Row], start: Position) -> bool:
-    """Return whether rows that others imply miss no more than they may where a scene starts.
+def starts_closed(
+    system: System, branch: Branch, rows: Sequence[Row], start: BranchPosition
+) -> bool:
+    """Whether rows that others imply miss no more than they may where a scene starts.
 
     Raises
     ------
@@ -216,7 +219,7 @@ def _refuse(system: System, row: Row, others: Sequence[str], size: str) -> NoRet
 
 
 def _beside(factors: Factors, rows: Sequence[Row]) -> list[str]:
-    """Return the joints of the rows that the last row that was taken nearly depends on."""
+    """Joints of the rows that the last row that was taken nearly depends on."""
     last = factors.rank - 1
     part = factors.lower[last].copy()
     for k in reversed(range(last)):
@@ -227,7 +230,7 @@ def _beside(factors: Factors, rows: Sequence[Row]) -> list[str]:
 
 
 def _leaning(system: System, joints: Sequence[str]) -> str:
-    """Return which of some axes that are nearly parallel leans, and by how much; empty of others.
+    """Axis of some nearly parallel ones that leans, and by how much; empty of others.
 
     That is the one that is furthest from the others.
     """
@@ -254,14 +257,14 @@ def _leaning(system: System, joints: Sequence[str]) -> str:
 
 
 def _between(a: Array, b: Array) -> float:
-    """Return the angle between two lines."""
+    """Angle between two lines."""
     return float(np.arctan2(np.linalg.norm(np.cross(a, b)), abs(a @ b)))
 
 
 def closed_rows(
-    branch: Branch, rows: Sequence[Row], left: Sequence[Row], positions: Sequence[Position]
+    branch: Branch, rows: Sequence[Row], left: Sequence[Row], positions: Sequence[BranchPosition]
 ) -> tuple[Closed, ...]:
-    """Return those of the rows that are left out that others do not imply to rounding.
+    """Rows that are left out and that others do not imply to rounding.
 
     With yᵀ C_q = 0 what all rows miss at a position comes to the rows that are left out where the
     others hold: yᵀ C stays.
@@ -287,21 +290,21 @@ def closed_rows(
     )
 
 
-def _missed_alone(branch: Branch, position: Position, places: Sequence[int]) -> Array:
-    """Return what some rows miss where all others hold, in lengths of the scene and radians."""
+def _missed_alone(branch: Branch, position: BranchPosition, places: Sequence[int]) -> Array:
+    """Residuals of some rows where all others hold, in lengths of the scene and radians."""
     y = position.factors.dependences()
     alone = factorise(y[:, list(places)]).least_change((y * position.c).sum(axis=1))
     return branch.in_units(alone, places)
 
 
-def _is_good(position: Position, places: Sequence[int]) -> bool:
-    """Return whether rows, by their places, stay left out at a position, and do not take over."""
+def _is_good(position: BranchPosition, places: Sequence[int]) -> bool:
+    """Whether rows, by their places, stay left out at a position, and do not take over."""
     factors = factorise(position.factors.dependences()[:, list(places)])
     return factors.rank == len(places) and bool(factors.pivots.min() ** 2 > FALL_BACK)
 
 
 def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
-    """Yield notes on rows that were taken as redundant, and on scenes in which nothing moves."""
+    """Notes on rows that were taken as redundant, and on scenes in which nothing moves."""
     fixed = fixed_system(system)
     # with other ones rows may miss more, and what holds here may move
     depends = fixed.constraints != system.constraints or system.given

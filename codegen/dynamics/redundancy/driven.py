@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import Row
-    from kousoku.codegen.dynamics.redundancy.branch import Branch, Position
+    from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
     from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
     from kousoku.model.mechanism import System
 
@@ -54,7 +54,7 @@ class Drivers:
         self._at: list[tuple[int, Factors]] = []
         self._rank = 0
 
-    def look(self, position: Position) -> bool:
+    def look(self, position: BranchPosition) -> bool:
         """Look at a position; return whether drivers are known to prescribe what is free."""
         self._rank = max(self._rank, position.factors.rank)
         if self._count and not self._are_free():
@@ -63,7 +63,7 @@ class Drivers:
         return self._are_free()
 
     def _extra(self, rank: int, factors: Factors) -> int:
-        """Return how many drivers prescribe what joints of a rank, or others, determine."""
+        """Number of drivers that prescribe what joints of a rank, or others, determine."""
         return rank + self._count - factors.rank
 
     def _are_free(self) -> bool:
@@ -126,7 +126,7 @@ class Drivers:
         return key_of(self._system.constraints[row.instance])
 
     def _taking_part(self, factors: Factors) -> list[str]:
-        """Return what takes part in dependences of drivers, in the order of the scene."""
+        """Rows that take part in dependences of drivers, in the order of the scene."""
         takes_part = np.zeros(len(self._rows), bool)
         for dependence in np.abs(_of_drivers(factors.dependences(), self._first)):
             takes_part |= dependence > TAKES_PART
@@ -138,7 +138,7 @@ class Drivers:
 
 
 def _of_drivers(dependences: Array, first: int) -> Array:
-    """Return the dependences without those that rows of joints have among themselves.
+    """Dependences without those that rows of joints have among themselves.
 
     What is left of the space are as many vectors as drivers depend on joints and each other.
     """

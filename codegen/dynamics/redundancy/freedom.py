@@ -17,9 +17,9 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
-from kousoku.codegen.dynamics.assembly.least import Metric
+from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.composition.length import is_ground_point
+from kousoku.codegen.dynamics.operations.characteristic_length import is_ground_point
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.codegen.dynamics.redundancy.branch import Branch, places_of
@@ -42,9 +42,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Row
-    from kousoku.codegen.dynamics.redundancy.branch import Position
+    from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.closure import Closed
-    from kousoku.codegen.dynamics.redundancy.loops import Part
+    from kousoku.codegen.dynamics.redundancy.loops import LoopPart
     from kousoku.codegen.dynamics.redundancy.rank import Factors
     from kousoku.codegen.dynamics.redundancy.undetermined import Undetermined
     from kousoku.codegen.dynamics.simplification.outline import Outline
@@ -129,7 +129,7 @@ class Freedom:
 
     @classmethod
     def of(cls, outline: Outline) -> Freedom:
-        """Return what rows leave free of which none depends on others."""
+        """Freedom that rows leave of which none depends on others."""
         count = len(outline.rows)
         return cls(outline.velocities, count, count)
 
@@ -157,13 +157,13 @@ class _Found(NamedTuple):
     """What is known of a part, and where it was looked at."""
 
     branch: Branch
-    positions: list[Position]
+    positions: list[BranchPosition]
     drivers: Drivers
     freedom: Freedom
 
 
 def freedom_of(system: System, outline: Outline) -> Freedom:
-    """Return degrees of freedom and dependent rows of a system.
+    """Degrees of freedom and dependent rows of a system.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def freedom_of(system: System, outline: Outline) -> Freedom:
 
 
 def near_origin(system: System) -> System:
-    """Return a system with the origin of frame O among its bodies, if that lies far from them.
+    """System with the origin of frame O among its bodies, if that lies far from them.
 
     Freedoms do not depend on where that is, but coordinates of a million lengths have lost the
     digits that tell which rows depend on others.
@@ -228,7 +228,9 @@ def _less(place: Sequence[float], origin: Vector) -> Vector:
     return x, y, z
 
 
-def _freedom_of_part(system: System, outline: Outline, part: Part, rows: Sequence[Row]) -> Freedom:
+def _freedom_of_part(
+    system: System, outline: Outline, part: LoopPart, rows: Sequence[Row]
+) -> Freedom:
     residuals, first = part_residuals(system, part)
     joints, driven = _sorted(system, rows)
     chosen = [first[row.instance] + row.row for row in joints]
@@ -239,9 +241,9 @@ def _freedom_of_part(system: System, outline: Outline, part: Part, rows: Sequenc
     count = max(2, min(POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
     few = min(len(joints), len(columns))
 
-    def looked(branch: Branch) -> tuple[list[Position], Drivers]:
+    def looked(branch: Branch) -> tuple[list[BranchPosition], Drivers]:
         drivers = Drivers(system, branch, pairs, others)
-        positions: list[Position] = []
+        positions: list[BranchPosition] = []
         for position in branch.positions(bodies):
             positions.append(position)
             are_free = drivers.look(position)
@@ -254,7 +256,7 @@ def _freedom_of_part(system: System, outline: Outline, part: Part, rows: Sequenc
         branch = Branch(residuals, chosen, columns, length)
         positions, drivers = looked(branch)
         is_stuck = len(positions) == 1 and positions[0].factors.rank < few
-        found = _stuck(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
+        found = _shaky(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
         return _Found(branch, positions, drivers, found)
 
     def nearly() -> _Found | None:
@@ -289,8 +291,8 @@ def _freedom_of_part(system: System, outline: Outline, part: Part, rows: Sequenc
     return replace(found, rows=len(rows), rank=found.rank + len(driven), drivers=len(driven))
 
 
-def _is_independent(system: System, outline: Outline, part: Part, rows: Sequence[Row]) -> bool:
-    """Return whether sparse factors show that no row depends on others at the start.
+def _is_independent(system: System, outline: Outline, part: LoopPart, rows: Sequence[Row]) -> bool:
+    """Whether sparse factors show that no row depends on others at the start.
 
     Then none does along the branch, but at some of its positions.
     """
@@ -310,7 +312,7 @@ def _is_independent(system: System, outline: Outline, part: Part, rows: Sequence
 
 
 def _sorted(system: System, rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
-    """Return the rows that hold at all times and those of drivers.
+    """Rows that hold at all times and those of drivers.
 
     A point is driven in three directions. Where one of them stays, as in a plane, nothing moves in
     it: such a row may repeat what joints hold.
@@ -327,9 +329,9 @@ def _sorted(system: System, rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
 
 
 def _dependences(
-    rows: Sequence[Row], positions: Sequence[Position], takes_part: float = TAKES_PART
+    rows: Sequence[Row], positions: Sequence[BranchPosition], takes_part: float = TAKES_PART
 ) -> Freedom:
-    """Return what is known of the rows of joints after all positions were looked at."""
+    """Dependences of the rows of joints after all positions were looked at."""
     rank = max(position.factors.rank for position in positions)
     regular = [position for position in positions if position.factors.rank == rank]
     dependences = [position.factors.dependences() for position in regular]
@@ -355,8 +357,8 @@ def _dependences(
     )
 
 
-def _stuck(rows: Sequence[Row], position: Position, rank: int) -> Freedom:
-    """Return what is known where C_q leaves something free and yet nothing moves.
+def _shaky(rows: Sequence[Row], position: BranchPosition, rank: int) -> Freedom:
+    """Freedom of a shaky linkage: infinitesimally mobile, but finitely rigid.
 
     Rows that depend on each other there hold what the others do not, as those of two bars that are
     stretched between two points do: none can be left out.
@@ -368,8 +370,8 @@ def _stuck(rows: Sequence[Row], position: Position, rank: int) -> Freedom:
     return Freedom(0, len(rows), rank, tuple(sets), positions=1)
 
 
-def part_residuals(system: System, part: Part) -> tuple[Residuals, Mapping[int, int]]:
-    """Return the rows of a part between its own bodies, and the first row of each instance."""
+def part_residuals(system: System, part: LoopPart) -> tuple[Residuals, Mapping[int, int]]:
+    """Rows of a part between its own bodies, and the first row of each instance."""
     place = {body: k for k, body in enumerate(part.bodies)} | {GROUND_INDEX: GROUND_INDEX}
     instances = [system.constraints[k] for k in part.instances]
     terms = dict.fromkeys(term.coordinate for one in instances for term in one.terms)
@@ -390,8 +392,8 @@ def part_residuals(system: System, part: Part) -> tuple[Residuals, Mapping[int, 
     return residuals, dict(zip(part.instances, residuals.first, strict=False))
 
 
-def _columns(outline: Outline, part: Part) -> list[int]:
-    """Return the columns of a part; one of its bodies stays if none is the ground."""
+def _columns(outline: Outline, part: LoopPart) -> list[int]:
+    """Columns of a part; one of its bodies stays if none is the ground."""
     place = {body: k for k, body in enumerate(part.bodies)}
     free = part.bodies if part.is_grounded else part.bodies[1:]
     return [
@@ -400,7 +402,7 @@ def _columns(outline: Outline, part: Part) -> list[int]:
 
 
 def _components(factors: Sequence[Factors], takes_part: float) -> list[tuple[tuple[int, ...], int]]:
-    """Return the sets of rows that depend on each other at some of the positions, and dimensions.
+    """Sets of rows that depend on each other at some of the positions, and dimensions.
 
     Rows are in one set when a row that depends on others is made of them by more than
     ``takes_part``. One that nothing changes is alone.

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.redundancy.closure import SHOWN
-from kousoku.codegen.dynamics.redundancy.left_out import MOST_DENSE
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.redundancy.redundant_rows import MOST_DENSE
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def rank_rows(program: Program, system: System) -> list[tuple[str, tuple[int, int]]]:
-    """Return the rows whose rank a run with other parameters looks at, by their joints.
+    """Rows whose rank a run with other parameters looks at, by their joints.
 
     Those are the rows of joints of the loops whose points, axes, lengths or ratios depend on
     parameters: the place of each among all that are checked, and 1 where it is left out. Where they
@@ -28,7 +28,7 @@ def rank_rows(program: Program, system: System) -> list[tuple[str, tuple[int, in
 
 
 def notes_of_rank(program: Program, system: System) -> Iterator[str]:
-    """Yield a note where rows are too many for a run with other parameters to look at them."""
+    """Note where rows are too many for a run with other parameters to look at them."""
     found = _rows_of_varying_loops(program, system)
     if len(found) > MOST_DENSE:
         names = [f"joints.{joint}" for joint in dict.fromkeys(joint for joint, _ in found)]
@@ -53,7 +53,7 @@ def _rows_of_varying_loops(program: Program, system: System) -> list[tuple[str, 
 
 
 def _varying_loops(system: System) -> frozenset[int]:
-    """Return the places of all constraints of loops of which some depend on parameters."""
+    """Places of all constraints of loops of which some depend on parameters."""
     fixed = fixed_system(system)
     varying = {
         k

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class LoopPart:
     """Bodies and joints that loops connect.
 
     Parameters
@@ -44,8 +44,8 @@ class Part:
     is_grounded: bool
 
 
-def loops_of(system: System) -> tuple[Part, ...]:
-    """Return the parts of a system that loops connect, in the order of their first constraints."""
+def loops_of(system: System) -> tuple[LoopPart, ...]:
+    """Parts of a system that loops connect, in the order of their first constraints."""
     joints: dict[tuple[object, ...], list[int]] = {}
     for place, instance in enumerate(system.constraints):
         key = (instance.joint, *sorted(instance.bodies))
@@ -58,12 +58,12 @@ def loops_of(system: System) -> tuple[Part, ...]:
             connected = sorted({body for joint in group for body in bodies[joint]})
             instances = sorted(place for joint in group for place in places[joint])
             moving = tuple(body for body in connected if body != GROUND_INDEX)
-            found.append(Part(moving, tuple(instances), GROUND_INDEX in connected))
+            found.append(LoopPart(moving, tuple(instances), GROUND_INDEX in connected))
     return tuple(sorted(found, key=lambda part: part.instances))
 
 
 def _groups(count: int, bodies: Sequence[Sequence[int]]) -> list[list[int]]:
-    """Return the joints that loops connect; given are the bodies of each joint."""
+    """Joints that loops connect; given are the bodies of each joint."""
     ends: list[tuple[int, int]] = []
     joint_of: list[int] = []
     vertices = count
@@ -83,7 +83,7 @@ def _groups(count: int, bodies: Sequence[Sequence[int]]) -> list[list[int]]:
 
 
 def _biconnected(count: int, ends: Sequence[tuple[int, int]]) -> Iterator[list[int]]:
-    """Yield the edges of each biconnected component; vertices are −1 … count − 1 (Tarjan)."""
+    """Edges of each biconnected component; vertices are −1 … count − 1 (Tarjan)."""
     beside: dict[int, list[tuple[int, int]]] = {k: [] for k in range(-1, count)}
     for edge, (i, j) in enumerate(ends):
         beside[i].append((edge, j))

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.assemble import MOST_ROWS, assemble
-from kousoku.codegen.dynamics.assembly.least import Metric
+from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
 from kousoku.codegen.dynamics.assembly.near_origin import brought_near
+from kousoku.codegen.dynamics.assembly.newton_double import CLOSE, DoublePose, GaussNewton
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.assembly.rough import CLOSE, Place, RoughSearch
-from kousoku.codegen.dynamics.assembly.turns import on_turns_of_drivers
+from kousoku.codegen.dynamics.assembly.unwrap import wound_as_driven
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import HOLDS
 from kousoku.codegen.dynamics.redundancy.closure import is_near, near_branch
@@ -35,12 +35,12 @@ from kousoku.runtime.integrate.settings import CLEARLY
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.codegen.dynamics.redundancy.loops import Part
+    from kousoku.codegen.dynamics.redundancy.loops import LoopPart
     from kousoku.model.mechanism import System
 
 
 def put_together(given: System) -> System:
-    """Return a scene at positions and velocities that its joints and drivers allow.
+    """Scene at positions and velocities that its joints and drivers allow.
 
     Rows that others imply but for the closure tolerance need not hold there, if they are redundant
     along the motion, too.
@@ -72,7 +72,7 @@ def put_together(given: System) -> System:
 
 
 def _holds(system: System) -> bool:
-    """Return whether all rows hold as well as they do wherever ranks are looked at."""
+    """Whether all rows hold as well as they do wherever ranks are looked at."""
     rows = Residuals.of(system, system.constraints + system.held)
     c, _ = rows.fast(system.bodies)
     lengths = np.where(rows.in_metres, Metric(system).size, 1.0)
@@ -80,7 +80,7 @@ def _holds(system: System) -> bool:
 
 
 def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
-    """Return rows that others imply but for the closure tolerance, and not to rounding.
+    """Rows that others imply but for the closure tolerance, and not to rounding.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
         Places of constraints, and which of their rows; with them others of the same loops that are
         redundant to rounding.
     """
-    system = on_turns_of_drivers(fixed_system(system))
+    system = wound_as_driven(fixed_system(system))
     if not (parts := loops_of(system)):
         return ()
     metric = Metric(system)
@@ -102,9 +102,9 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
     if rows.rows > MOST_ROWS:
         return ()
     damping = system.closure_tolerance**2  # what is stiff by less stays where it is
-    start = Place.of(Pose.of(system.bodies, system.coordinates))
-    search = RoughSearch(rows, metric)
-    place = search.restored(start, least=damping)
+    start = DoublePose.of(Pose.of(system.bodies, system.coordinates))
+    search = GaussNewton(rows, metric)
+    place = search.solve(start, least=damping)
     bodies = [
         replace(body, r=tuple(r), p=tuple(p))
         for body, r, p in zip(system.bodies, place.r.tolist(), place.p.tolist(), strict=False)
@@ -116,8 +116,8 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
     return tuple(found for part in parts for found in _of_part(system, part, is_open=is_open))
 
 
-def _of_part(system: System, part: Part, *, is_open: bool) -> Iterator[tuple[int, int]]:
-    """Yield the rows of a part, unless all fit and none is nearly implied."""
+def _of_part(system: System, part: LoopPart, *, is_open: bool) -> Iterator[tuple[int, int]]:
+    """Rows of a part, unless all fit and none is nearly implied."""
     residuals, first = part_residuals(system, part)
     if residuals.rows > MOST_OF_PART:
         return

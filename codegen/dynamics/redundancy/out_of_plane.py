@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
-from kousoku.codegen.stream import Stream
+from kousoku.codegen.sha256_random import Sha256Random
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Place, Program
-    from kousoku.codegen.dynamics.redundancy.loops import Part
+    from kousoku.codegen.dynamics.redundancy.loops import LoopPart
     from kousoku.model.mechanism import System
 
     Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -33,7 +33,7 @@ AWAY, CORRECTIONS = 2.0**-5, 8
 
 
 def held_twice(system: System, program: Program) -> tuple[str, ...]:
-    """Return the joints whose rows out of the plane depend on others, in the order of the system.
+    """Joints whose rows out of the plane depend on others, in the order of the system.
 
     They are looked at where the scene starts, and at one more position, as a start may be special.
     Joints of parts that are too large are among them: nothing is known of these.
@@ -61,12 +61,12 @@ def held_twice(system: System, program: Program) -> tuple[str, ...]:
 
 def _of_part(
     system: System,
-    part: Part,
+    part: LoopPart,
     solved: set[tuple[int, int]],
     out: Sequence[int],
     positions: Sequence[tuple[Array, Array]],
 ) -> Iterator[str]:
-    """Yield the joints of the rows of a part that depend on others."""
+    """Joints of the rows of a part that depend on others."""
     instances = [system.constraints[place] for place in part.instances]
     residuals = Residuals.of(system, instances)
     rows = [
@@ -86,8 +86,8 @@ def _of_part(
 
 
 def _positions(program: Program) -> Iterator[tuple[Array, Array]]:
-    """Yield r and p of all bodies, the ground last, at the start and near it on the branch."""
-    work, stream = Workspace(program), Stream("near the start")
+    """Positions r, p of all bodies, the ground last, at the start and near it on the branch."""
+    work, stream = ProgramInterpreter(program), Sha256Random("near the start")
     yield _position(work)
     work["q"] = [x + AWAY * stream.sign() * stream.magnitude() for x in work["q"]]
     for _ in range(CORRECTIONS):
@@ -99,12 +99,12 @@ def _positions(program: Program) -> Iterator[tuple[Array, Array]]:
     yield _position(work)
 
 
-def _position(work: Workspace) -> tuple[Array, Array]:
+def _position(work: ProgramInterpreter) -> tuple[Array, Array]:
     bodies = work.program.bodies
     r = [_numbers(work, body.r) for body in bodies]
     p = [_numbers(work, body.p) for body in bodies]
     return np.array([*r, [0.0] * 3]), np.array([*p, [1.0, 0.0, 0.0, 0.0]])
 
 
-def _numbers(work: Workspace, places: Sequence[Place]) -> list[float]:
+def _numbers(work: ProgramInterpreter, places: Sequence[Place]) -> list[float]:
     return [work.values[place.slot] if place.slot >= 0 else place.value for place in places]

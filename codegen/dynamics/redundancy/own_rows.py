@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import places_of
-from kousoku.codegen.stream import Stream
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.errors import SceneError
 from kousoku.model.own_kind import is_own, kind_name
 from kousoku.runtime.integrate.settings import CLEARLY
@@ -81,7 +81,7 @@ def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: boo
 
 
 def repeated_rows(system: System, freedom: Freedom) -> tuple[Row, ...]:
-    """Return rows that are left out, and that others of the same joint of one's own imply.
+    """Rows that are left out, and that others of the same joint of one's own imply.
 
     The joint does the same with any multipliers of these: they carry nothing.
     """
@@ -123,10 +123,10 @@ class _Moves:
         is_length = np.arange(rows.columns) % COLUMNS < COLUMNS // 2
         self._columns_by = np.where(is_length, length, 1.0)[self._columns]
         self._start = places_of(system.bodies)
-        self._stream = Stream(f"own rows of {system.name}")
+        self._stream = Sha256Random(f"own rows of {system.name}")
 
     def missed(self) -> Iterator[Array]:
-        """Yield what all rows miss after a motion, in lengths of the scene and radians."""
+        """Residuals of all rows after a motion, in lengths of the scene and radians."""
         for _ in range(DIRECTIONS):
             pairs = [(self._stream.sign(), self._stream.magnitude()) for _ in self._columns]
             wish = np.array([sign * size for sign, size in pairs])
@@ -145,13 +145,13 @@ class _Moves:
                 places = self._moved(*places, -back)
 
     def _at(self, r: Array, p: Array) -> tuple[Array, Array]:
-        """Return all rows, and the Jacobian of those that are kept, scaled."""
+        """Residuals of all rows, and the Jacobian of those that are kept, scaled."""
         c, matrix = self._rows.doubles(r, p)
         kept = matrix[np.ix_(self._kept, self._columns)]
         return c * self._rows_by, kept * self._rows_by[self._kept, None] * self._columns_by
 
     def _moved(self, r: Array, p: Array, change: Array) -> tuple[Array, Array]:
-        """Return positions after displacements (δr, δθ′): p ∘ (1, δθ′/2), of norm one."""
+        """Positions after displacements (δr, δθ′): p ∘ (1, δθ′/2), of norm one."""
         full = np.zeros(self._rows.columns)
         full[self._columns] = change * self._columns_by
         by_body = full.reshape(-1, COLUMNS)
@@ -165,7 +165,7 @@ class _Moves:
 
 
 def _columns(system: System) -> list[int]:
-    """Return the columns that are coordinates: points do not turn."""
+    """Columns that are coordinates: points do not turn."""
     return [
         COLUMNS * k + n
         for k, body in enumerate(system.bodies)

@@ -59,7 +59,7 @@ class Factors:
         return found
 
     def least_change(self, wanted: Array) -> Array:
-        """Return the smallest x that changes the rows that were taken as wanted of all rows."""
+        """Minimum-norm x that changes the rows that were taken as wanted of all rows."""
         right = wanted[list(self.taken)].copy()
         for k in range(self.rank):
             right[k] /= self.lower[k, k]
@@ -67,13 +67,13 @@ class Factors:
         return _combined(self.basis.T, right)
 
     def null_part(self, x: Array) -> Array:
-        """Return the part of x that changes no row."""
+        """Part of x that changes no row."""
         for _ in range(2):
             x = x - _combined(self.basis.T, _products(self.basis, x))
         return x
 
     def combinations(self) -> Array:
-        """Return B with left rows = B · taken rows."""
+        """B with left rows = B · taken rows."""
         combined = self.others.copy()
         for k in reversed(range(self.rank)):
             combined[:, k] /= self.lower[k, k]
@@ -81,7 +81,7 @@ class Factors:
         return combined
 
     def dependences(self) -> Array:
-        """Return an orthonormal basis, row by row, of the y with yᵀA = 0."""
+        """Orthonormal basis, row by row, of the y with yᵀA = 0."""
         count = len(self.left)
         rows = np.zeros((count, self.rank + count))
         rows[:, list(self.taken)] = -self.combinations()
@@ -133,7 +133,7 @@ def factorise(matrix: Array, least: float | None = None, most: int | None = None
 
 
 def rows_to_leave(dependences: Sequence[Array]) -> tuple[tuple[int, ...], float]:
-    """Return rows that can be left out at all positions, and how well the worst position takes it.
+    """Rows that can be left out at all positions, and how well the worst position takes it.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def rows_to_leave(dependences: Sequence[Array]) -> tuple[tuple[int, ...], float]
 
 
 def _without(basis: Array, row: int) -> Array:
-    """Return columns without the direction of one of them."""
+    """Columns without the direction of one of them."""
     column = basis[:, row]
     size = float((column * column).sum()) ** 0.5
     if not size:
@@ -174,7 +174,7 @@ def _without(basis: Array, row: int) -> Array:
 
 
 def damped_change(matrix: Array, wanted: Array, damping: float) -> Array:
-    """Return Aᵀ (A Aᵀ + damping)⁻¹ wanted."""
+    """Aᵀ (A Aᵀ + damping)⁻¹ wanted."""
     rows = len(matrix)
     square = np.zeros((rows, rows))
     for column in matrix.T:
@@ -192,12 +192,12 @@ def damped_change(matrix: Array, wanted: Array, damping: float) -> Array:
 
 
 def _products(columns: Array, x: Array) -> Array:
-    """Return the products of all columns with a vector."""
+    """Products of all columns with a vector."""
     products: Array = (columns * x[:, None]).sum(axis=0)
     return products
 
 
 def _combined(rows: Array, factors: Array) -> Array:
-    """Return the sum of rows times factors."""
+    """Sum of rows times factors."""
     total: Array = (rows * factors[:, None]).sum(axis=0)
     return total

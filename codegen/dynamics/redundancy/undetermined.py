@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.codegen.dynamics.composition.least_norm import points_of
-from kousoku.codegen.dynamics.composition.reactions import ends_of
+from kousoku.codegen.dynamics.operations.joint_ends import ends_of, points_of
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.runtime.integrate.body_tables import crossed, rotated
 from kousoku.runtime.integrate.motion import JOINT
@@ -22,8 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Row
-    from kousoku.codegen.dynamics.redundancy.branch import Branch, Position
-    from kousoku.codegen.dynamics.redundancy.loops import Part
+    from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
+    from kousoku.codegen.dynamics.redundancy.loops import LoopPart
     from kousoku.codegen.dynamics.redundancy.rank import Array
     from kousoku.model.mechanism import System
 
@@ -38,27 +37,27 @@ POSITIONS = 3
 
 def undetermined(
     system: System,
-    part: Part,
+    part: LoopPart,
     branch: Branch,
     rows: Sequence[Row],
-    positions: Sequence[Position],
+    positions: Sequence[BranchPosition],
     *,
     joints: Collection[str],
     takes_part: float,
 ) -> Undetermined:
-    """Return the components of joints that are not unique at some of the positions.
+    """Components of joints that are not unique at some of the positions.
 
     Parameters
     ----------
     system : System
         The scene.
-    part : Part
+    part : LoopPart
         The loops in it.
     branch : Branch
         On which they move.
     rows : sequence of Row
         Its rows of joints.
-    positions : sequence of Position
+    positions : sequence of BranchPosition
         Where these depend on each other.
     joints : collection of str
         Those whose rows take part.
@@ -97,14 +96,14 @@ def undetermined(
     return tuple(found.items())
 
 
-def _place(position: Position, body: int, arm: Array) -> Array:
-    """Return where a point of a body is."""
+def _place(position: BranchPosition, body: int, arm: Array) -> Array:
+    """Position of a point of a body."""
     place: Array = position.r[body] + rotated(position.p[body], arm)
     return place
 
 
-def _at(position: Position, body: int, pulls: Array, point: Array) -> Array:
-    """Return force and torque at a point in frame O, of those at the centre of mass of a body."""
+def _at(position: BranchPosition, body: int, pulls: Array, point: Array) -> Array:
+    """Wrench at a point in frame O, of force and torque at the centre of mass of a body."""
     force, own = pulls[:, :3].T, pulls[:, 3:].T
     p = position.p[body][:, np.newaxis]
     arm = (position.r[body] - point)[:, np.newaxis]

@@ -15,7 +15,7 @@ LIGHT = 1e-4
 
 
 def is_uneven(system: System) -> bool:
-    """Return whether a body is much lighter than two bodies, or a body and the ground, it joins.
+    """Whether a body is much lighter than two bodies, or a body and the ground, it joins.
 
     The inverse of its mass then outweighs theirs in the rows of both joints, and what is left where
     one row is eliminated from the other is the small difference of large numbers.
@@ -36,5 +36,5 @@ def is_uneven(system: System) -> bool:
 
 
 def _sizes(sizes: list[tuple[float, float]], body: int) -> tuple[float, float]:
-    """Return mass and largest moment of a body; of the ground they are infinite."""
+    """Mass and largest moment of a body; of the ground they are infinite."""
     return (math.inf, math.inf) if body == GROUND_INDEX else sizes[body]

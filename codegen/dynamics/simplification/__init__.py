@@ -1,6 +1,6 @@
 """Fewer bodies, coordinates and columns than a scene has.
 
-``merge``, ``rigid_groups``, ``composite``, ``resting_energy``, ``shapes``, ``outline``,
-``planar``, ``turned``, ``forces_plane``, ``weights``, ``given_start``, ``reduction``,
-``reduced_mass``.
+``lump``, ``rigid_groups``, ``composite``, ``static_potential``, ``bodies``,
+``outline``, ``planar``, ``axis_permutation``, ``forces_plane``, ``placeholder_masses``,
+``given_start``, ``joint_coordinates``, ``reduced_mass``, ``conserved_momenta``, ``contacts``.
 """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.forces import facets_of
-from kousoku.codegen.dynamics.simplification.heights import FLAT, height
+from kousoku.codegen.dynamics.operations.heights import FLAT, height
 from kousoku.model.varying import fixed_system, is_varying
 
 if TYPE_CHECKING:
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:
-    """Return whether a force of a system that starts in a coordinate plane leads out of it.
+    """Whether a force of a system that starts in a coordinate plane leads out of it.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:
 
 
 def is_flat(system: System, normal: int | None) -> bool:
-    """Return whether centres of mass, joints and gravity lie in one plane of the motion.
+    """Whether centres of mass, joints and gravity lie in one plane of the motion.
 
     Then no joint of a planar scene has a force or torque that leads out of it.
 
@@ -56,7 +56,7 @@ def is_flat(system: System, normal: int | None) -> bool:
 
 
 def leaves_with_parameters(system: System, normal: int) -> bool:
-    """Return whether some point or axis has a component across a plane that parameters change."""
+    """Whether some point or axis has a component across a plane that parameters change."""
     vectors = [pair for one in system.constraints for pair in one.constants]
     vectors += [pair for one in system.coordinates for pair in one.constants]
     vectors += [pair for one in system.forces for pair in one.constants]

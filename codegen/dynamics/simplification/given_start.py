@@ -23,7 +23,7 @@ REST = (0.0, 0.0, 0.0)
 
 
 def given_start(scene: Scene, written: System, joined: System) -> tuple[GivenStart, ...]:
-    """Return all bodies as written, if the start depends on parameters.
+    """Bodies as written, if the start depends on parameters.
 
     It does where they change numbers of the scene, or what drivers prescribe: what assembly made
     of positions and velocities fits with the parameters of the scene only.
@@ -91,14 +91,14 @@ def require_held(written: System, placed: System) -> None:
 
 
 def _varies(system: System) -> bool:
-    """Return whether parameters change numbers of a system."""
+    """Whether parameters change numbers of a system."""
     return fixed_system(system) is not system
 
 
 def _moved_by_parameters(
     driver: Instance, parameters: Sequence[tuple[str, float]]
 ) -> tuple[bool, bool]:
-    """Return whether parameters change the value of a driver at the start, and its rate."""
+    """Whether parameters change the value of a driver at the start, and its rate."""
     own, value, rate = law_at_start(driver, parameters), False, False
     for name in used_names(driver.law, [name for name, _ in parameters]):
         others = [(one, x + 0.5 if one == name else x) for one, x in parameters]

@@ -10,20 +10,25 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.composition.bodies import GROUND, body_blocks
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, inputs_of
+from kousoku.codegen.dynamics.operations.shapes import shape, sizes
 from kousoku.codegen.dynamics.recording.program import Row
 from kousoku.codegen.dynamics.recording.recorder import Recorder, pattern_of
 from kousoku.codegen.dynamics.recording.traces import Trace
-from kousoku.codegen.dynamics.simplification.shapes import shape, sizes
-from kousoku.codegen.dynamics.simplification.turned import own_columns, turned, turned_rows
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.codegen.dynamics.simplification.axis_permutation import (
+    permuted,
+    permuted_columns,
+    permuted_rows,
+)
+from kousoku.codegen.dynamics.simplification.bodies import GROUND, body_blocks
+from kousoku.model.elements.constraints import COMBINATION
+from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
     from kousoku.codegen.dynamics.recording.recorder import Pattern
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
     from kousoku.model.mechanism import Coordinate, Instance, System
 
     Elements = tuple[tuple[bool, ...], ...]
@@ -40,7 +45,8 @@ class Outline:
     ----------
     shift : int, optional
         The permutation of axes that brings the plane of the motion into the xy-plane, see
-        :mod:`~kousoku.codegen.dynamics.simplification.turned`; None where bodies move in space.
+        :mod:`~kousoku.codegen.dynamics.simplification.axis_permutation`; None where bodies move
+        in space.
     columns : tuple of tuple of int
         Of each body the places in (δr, δθ′) that are velocities.
     rows : tuple of Row
@@ -67,12 +73,12 @@ class Outline:
         return sum(map(len, self.columns))
 
     def columns_of(self, bodies: Iterable[int]) -> list[int]:
-        """Return the columns of some bodies; six in turn belong to each body of the system."""
+        """Columns of some bodies; six in turn belong to each body of the system."""
         return [COLUMNS * body + k for body in bodies for k in self.columns[body]]
 
 
 def outline_of(system: System, shift: int | None) -> Outline:
-    """Return the outline of a system that moves in a plane, or in space.
+    """Outline of a system that moves in a plane, or in space.
 
     Parameters
     ----------
@@ -83,7 +89,7 @@ def outline_of(system: System, shift: int | None) -> Outline:
         None for equations in space.
     """
     is_planar = shift is not None
-    there = turned(system, shift or 0)
+    there = permuted(system, shift or 0)
     live = live_rows(there, is_planar=is_planar)
     rows = tuple(
         Row(one.joint, place, row)
@@ -93,13 +99,13 @@ def outline_of(system: System, shift: int | None) -> Outline:
     shapes = (shape(body, is_planar=is_planar) for body in system.bodies)
     return Outline(
         shift=shift,
-        columns=tuple(own_columns(columns, shift or 0) for _, columns in shapes),
-        rows=turned_rows(rows, there, -(shift or 0)),
+        columns=tuple(permuted_columns(columns, shift or 0) for _, columns in shapes),
+        rows=permuted_rows(rows, there, -(shift or 0)),
     )
 
 
 def live_rows(system: System, *, is_planar: bool) -> Iterator[tuple[int, ...]]:
-    """Yield for each constraint the rows whose Jacobian is not structurally zero.
+    """Rows of each constraint whose Jacobian is not structurally zero.
 
     Parameters
     ----------
@@ -112,7 +118,7 @@ def live_rows(system: System, *, is_planar: bool) -> Iterator[tuple[int, ...]]:
 
 
 def live_elements(system: System, *, is_planar: bool) -> Iterator[tuple[tuple[int, ...], Elements]]:
-    """Yield for each constraint its rows, and elements of the Jacobian of a kind that has one.
+    """Rows of each constraint, and elements of the Jacobian of a kind that has one.
 
     Parameters are those of :func:`live_rows`.
     """
@@ -136,7 +142,7 @@ def live_elements(system: System, *, is_planar: bool) -> Iterator[tuple[tuple[in
 def _live(
     one: Instance | Coordinate, elements: Elements, body: Callable[[int], BodyBlocks]
 ) -> tuple[int, ...]:
-    """Return the rows that have elements in the columns of their bodies."""
+    """Rows that have elements in the columns of their bodies."""
     columns = (*body(one.i).columns, *(COLUMNS + k for k in body(one.j).columns))
     rows = enumerate(elements)
     return tuple(row for row, there in rows if any(there[k] for k in columns))
@@ -145,7 +151,7 @@ def _live(
 def _elements(
     one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
 ) -> Elements:
-    """Return which elements of the Jacobian (rows, 12) are not structurally zero."""
+    """Mask of the elements of the Jacobian (rows, 12) that are not structurally zero."""
     i, j = body(one.i), body(one.j)
     given = inputs_of(one)
     constants = [recorder.constant(values) for _, values in given]

@@ -23,16 +23,20 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
+from kousoku.codegen.dynamics.operations.shapes import NO_TURN, start
+from kousoku.codegen.dynamics.simplification.axis_permutation import (
+    can_permute,
+    permuted,
+)
 from kousoku.codegen.dynamics.simplification.forces_plane import (
     leaves_plane,
     leaves_with_parameters,
 )
 from kousoku.codegen.dynamics.simplification.outline import NORMAL, live_elements
-from kousoku.codegen.dynamics.simplification.shapes import NO_TURN, start
-from kousoku.codegen.dynamics.simplification.turned import can_turn, turned
 from kousoku.model.arithmetic import FLOAT
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.varying import fixed_system
 
@@ -51,7 +55,7 @@ ALONG_Z = {(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)}
 
 
 def is_planar(system: System, *, must_be_held: bool = False) -> bool:
-    """Return whether all bodies move in planes parallel to the xy-plane.
+    """Whether all bodies move in planes parallel to the xy-plane.
 
     Parameters
     ----------
@@ -95,15 +99,15 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
 
 
 def plane_of(system: System) -> int | None:
-    """Return the turn that brings the plane of a system into the xy-plane, None of no plane.
+    """Turn that brings the plane of a system into the xy-plane, None of no plane.
 
     A scene in the xy-plane is meant to be planar. In another plane only joints make it so: a chain
     that hangs at rest stays in a plane, too, but not when it is started otherwise.
     """
     if is_planar(system):
         return 0
-    shifts = (1, 2) if can_turn(system) else ()
-    return next((k for k in shifts if is_planar(turned(system, k), must_be_held=True)), None)
+    shifts = (1, 2) if can_permute(system) else ()
+    return next((k for k in shifts if is_planar(permuted(system, k), must_be_held=True)), None)
 
 
 @dataclass(slots=True)
@@ -145,7 +149,7 @@ class _Joint:
 
 
 def _may_hold(system: System) -> bool:
-    """Return whether joints that turn about z only connect all bodies to the ground.
+    """Whether joints that turn about z only connect all bodies to the ground.
 
     Others hold no body in the plane. This costs little, and most scenes in space end here.
     """
@@ -174,7 +178,7 @@ def _starts_in_plane(body: MovingBody) -> bool:
 
 
 def _at_start(system: System, instance: Instance) -> tuple[Sequence[float], Any]:
-    """Return residuals and Jacobian (rows, six for each body) of an instance at the start.
+    """Residuals and Jacobian (rows, six for each body) of an instance at the start.
 
     A residual that changes with time, or with a parameter, is infinite.
     """
@@ -207,7 +211,7 @@ def _kernel_at_start(
 
 
 def _axes(system: System, instance: Instance) -> list[tuple[float, ...]]:
-    """Return the axes of an instance, or of what it combines.
+    """Axes of an instance, or of what it combines.
 
     What a kind of one's own does with axes is not known: it has one that is none.
     """
@@ -220,7 +224,7 @@ def _axes(system: System, instance: Instance) -> list[tuple[float, ...]]:
 
 
 def _held(system: System, joints: dict[tuple[str, tuple[int, ...]], _Joint]) -> list[bool]:
-    """Return for each body whether joints hold it to the ground in the plane, one after another."""
+    """Mask of bodies that joints hold to the ground in the plane, one after another."""
     held = [False] * len(system.bodies)
     beside: list[list[int]] = [[] for _ in system.bodies]
     waiting: list[int] = []

@@ -9,33 +9,34 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.simplification.reduction import NOTHING, PARALLEL, POINT
+from kousoku.codegen.dynamics.operations.joint_coordinates import NOTHING, POINT
+from kousoku.codegen.dynamics.simplification.joint_coordinates import PARALLEL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.simplification.reduction import Reduction
+    from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
     from kousoku.model.mechanism import MovingBody
 
     Square = list[list[Fraction]]
 
 
-def axes_of(one: Reduction) -> Square:
-    """Return the axes that a body turns about, in its frame, one below the other."""
+def axes_of(one: VelocityTransformation) -> Square:
+    """Axes that a body turns about, in its frame, one below the other."""
     if one.turn == POINT:
         return [[Fraction(int(k == n)) for n in range(3)] for k in range(3)]
     return [] if one.turn == NOTHING else [[Fraction(x) for x in one.axis_b]]
 
 
-def arms_of(one: Reduction) -> Square:
-    """Return s′ × a′ of each of these axes, by columns: the centre of mass moves along it."""
+def arms_of(one: VelocityTransformation) -> Square:
+    """Arms s′ × a′ of each of these axes, by columns: the centre of mass moves along it."""
     x, y, z = (Fraction(value) for value in one.joint_b)
     arms = [(y * c - z * b, z * a - x * c, x * b - y * a) for a, b, c in axes_of(one)]
     return [[arm[k] for arm in arms] for k in range(3)]
 
 
-def mass_of(one: Reduction, body: MovingBody) -> Square:
-    """Return Rᵀ M R of all freedoms, turns first, those too that are driven."""
+def mass_of(one: VelocityTransformation, body: MovingBody) -> Square:
+    """Mass matrix Rᵀ M R of all freedoms, turns first, those too that are driven."""
     mass, moments = Fraction(body.mass), [Fraction(x) for x in body.inertia]
     axes = axes_of(one)
     arms = transposed(arms_of(one)) if axes else []
@@ -53,8 +54,8 @@ def mass_of(one: Reduction, body: MovingBody) -> Square:
     return found
 
 
-def shares_of(one: Reduction, body: MovingBody) -> tuple[Square, Square]:
-    """Return (Rᵀ M R)⁻¹ m and (Rᵀ M R)⁻¹ a′ᵀ I′ of the turns."""
+def shares_of(one: VelocityTransformation, body: MovingBody) -> tuple[Square, Square]:
+    """Shares (Rᵀ M R)⁻¹ m and (Rᵀ M R)⁻¹ a′ᵀ I′ of the turns."""
     turns, whole = range(one.turns), mass_of(one, body)
     inverse = inverse_of([[whole[a][b] for b in turns] for a in turns])
     mass, moments = Fraction(body.mass), [Fraction(x) for x in body.inertia]
@@ -64,8 +65,8 @@ def shares_of(one: Reduction, body: MovingBody) -> tuple[Square, Square]:
     ]
 
 
-def is_principal(one: Reduction, body: MovingBody) -> bool:
-    """Return whether the axis that a body turns about is a principal one, to rounding."""
+def is_principal(one: VelocityTransformation, body: MovingBody) -> bool:
+    """Whether the axis that a body turns about is a principal one, to rounding."""
     x, y, z = (Fraction(x) for x in one.axis_b)
     a, b, c = (Fraction(value) for value in body.inertia)
     off = (y * z * (c - b), z * x * (a - c), x * y * (b - a))  # a′ × I′a′
@@ -73,12 +74,12 @@ def is_principal(one: Reduction, body: MovingBody) -> bool:
 
 
 def transposed(rows: Sequence[Sequence[Fraction]]) -> Square:
-    """Return columns as rows; there is one row at least, or none at all."""
+    """Columns as rows; there is one row at least, or none at all."""
     return [list(column) for column in zip(*rows, strict=True)]
 
 
 def inverse_of(matrix: Square) -> Square:
-    """Return the inverse of a symmetric positive definite matrix, by elimination."""
+    """Inverse of a symmetric positive definite matrix, by elimination."""
     size = len(matrix)
     rows = [[*row, *(Fraction(int(k == n)) for n in range(size))] for k, row in enumerate(matrix)]
     for k in range(size):

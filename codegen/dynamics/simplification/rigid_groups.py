@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.elements.constraints import base_of, is_known
+from kousoku.model.joints import JOINTS
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.moved import moved_by_parameters
 
 if TYPE_CHECKING:
@@ -18,16 +20,14 @@ if TYPE_CHECKING:
     Edge = tuple[int, int]
 
 #: What a fixed joint is composed of.
-RIGID = ["n1", "p1", "point"]
+RIGID = sorted(part.kind for part in JOINTS["fixed"].parts)
 #: Joints of a body that is made of two that move: the rows of each are coupled with all others, and
 #: with six revolute joints that costs more than the fixed joint.
 MOST_JOINTS = 4
-#: Kinds of constraints that are known to mean the same in another frame.
-CONSTRAINTS = frozenset({"point", "distance", "n1", "n2", "p1", "p2", COMBINATION})
 
 
 def grouped(system: System) -> tuple[tuple[int, ...], ...]:
-    """Return the bodies that are one, in groups of two and more; what stands still with the ground.
+    """Bodies that are one, in groups of two and more; what stands still with the ground.
 
     Two bodies of a group stay apart if there is a coordinate between them, or a force whose work is
     told or whose energy depends on parameters; so does a body with a force or constraint that is
@@ -50,7 +50,7 @@ def grouped(system: System) -> tuple[tuple[int, ...], ...]:
 
 
 def _joined(count: int, edges: Sequence[Edge], counts: Mapping[int, int]) -> DisjointSets:
-    """Return the groups that fixed joints make: first what they hold to the ground."""
+    """Groups that fixed joints make: first what they hold to the ground."""
     leaders = DisjointSets(range(GROUND_INDEX, count))
     beside: dict[int, list[int]] = {}
     for i, j in edges:
@@ -71,17 +71,17 @@ def _joined(count: int, edges: Sequence[Edge], counts: Mapping[int, int]) -> Dis
 
 
 def fixed_joints(system: System) -> list[Edge]:
-    """Return the bodies of each joint that leaves no motion."""
+    """Bodies of each joint that leaves no motion."""
     kinds: dict[tuple[str, int, int], list[str]] = {}
     for one in system.constraints:
         if moved_by_parameters(system, one):
             continue
-        kinds.setdefault((one.joint, one.i, one.j), []).append(one.kind.partition("_")[0])
+        kinds.setdefault((one.joint, one.i, one.j), []).append(base_of(one.kind))
     return [(i, j) for (_, i, j), parts in kinds.items() if i != j and sorted(parts) == RIGID]
 
 
 def _joint_counts(system: System, edges: list[Edge]) -> dict[int, int]:
-    """Return how many joints each body has beside those that are fixed."""
+    """Number of joints of each body beside those that are fixed."""
     joints = dict.fromkeys((one.joint, one.bodies) for one in system.constraints)
     counts = dict.fromkeys(range(GROUND_INDEX, len(system.bodies)), 0)
     for _, bodies in joints:
@@ -94,16 +94,15 @@ def _joint_counts(system: System, edges: list[Edge]) -> dict[int, int]:
 
 
 def _kept(system: System, leaders: DisjointSets) -> set[int]:
-    """Return the bodies that stay what they are."""
+    """Bodies that stay what they are."""
     found: set[int] = set()
     for coordinate in system.coordinates:
         if leaders.of(coordinate.i) == leaders.of(coordinate.j):
             found |= {coordinate.i, coordinate.j}
     for one in system.constraints:
-        name, _, axis = one.kind.partition("_")
         is_inner = len({leaders.of(body) for body in one.bodies}) == 1
         opens = is_inner and moved_by_parameters(system, one)
-        if opens or (name if len(axis) == 1 else one.kind) not in CONSTRAINTS:
+        if opens or not is_known(one.kind):
             found |= {*one.bodies}
     for force in system.forces:
         is_inner = leaders.of(force.i) == leaders.of(force.j)

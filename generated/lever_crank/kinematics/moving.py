@@ -13,9 +13,7 @@ import numpy as np
 
 from ..integrate.given import require_numbers, require_options, times_of
 from ..integrate.result import StoppedError, refusal, shown
-from .mechanism import Mechanism
-from .rows import Run, request
-from .solve import solve
+from .rows import request
 from .status import Status
 from .trajectory import trajectory_of
 
@@ -24,7 +22,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from .mechanism import Array
-    from .rows import Rows
+    from .rows import Rows, Run
+    from .solve import Solver
     from .trajectory import Trajectory
 
 #: Options of a call that are counts, and all of them.
@@ -46,16 +45,16 @@ class Linkage:
 
     Parameters
     ----------
-    name : str
-        The scene.
-    mechanism : Mechanism
-        The tables and segments.
-    scene : Run
-        What the scene asks for.
+    data : mapping
+        What its ``motion.json`` holds.
+    solver : Solver
+        That of the folder.
     """
 
-    def __init__(self, name: str, mechanism: Mechanism, scene: Run) -> None:
-        self.name, self.mechanism, self.scene = name, mechanism, scene
+    def __init__(self, data: Mapping[str, Any], solver: Solver) -> None:
+        self.name: str = data["name"]
+        self.solver = solver
+        self.mechanism, self.scene = solver.mechanism(data), solver.scene(data)
 
     @property
     def target(self) -> str:
@@ -74,7 +73,7 @@ class Linkage:
 
     def rows(self, run: Run) -> Rows:
         """Return what :meth:`solve` starts from, for a run."""
-        return solve(self.mechanism, run)
+        return self.solver.solve(self.mechanism, run)
 
     def solve(self, **options: Any) -> Trajectory:
         """Return the motion of the scene.
@@ -224,15 +223,14 @@ class Linkage:
         return f"{', '.join(parts) or fits}; change lengths or positions"
 
 
-def linkage_of(module: Any, folder: Path) -> Linkage:
+def linkage_of(solver: Solver, folder: Path) -> Linkage:
     """Return the linkage of a folder alone.
 
     Parameters
     ----------
-    module : module
-        Its ``solver.py``.
+    solver : Solver
+        That of the folder.
     folder : Path
         Where its ``motion.json`` is.
     """
-    data = json.loads((folder / "motion.json").read_text(encoding="utf-8"))
-    return Linkage(data["name"], Mechanism.from_data(data, module), Run(**data["run"]))
+    return Linkage(json.loads((folder / "motion.json").read_text(encoding="utf-8")), solver)

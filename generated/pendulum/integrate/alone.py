@@ -15,7 +15,7 @@ from .methods import METHODS
 from .motion import Layout, Motion
 from .result import StoppedError, unknown
 from .scene import state_of
-from .settings import KINEMATICS, MOST_STEPS, OPTIONS, Settings, Status, method_for
+from .settings import KINEMATICS, MESSAGES, MOST_STEPS, OPTIONS, Settings, Status, method_for
 from .state import fields
 from .trust import CheckedRows, trust_of
 
@@ -31,16 +31,6 @@ if TYPE_CHECKING:
     from .solver import Solver
 
     Array: TypeAlias = npt.NDArray[np.float64]
-
-MESSAGES: dict[int, str] = {
-    Status.PAUSED: "most_steps are made",
-    Status.STEP_TOO_SMALL: "no step can be taken",
-    Status.NOT_PROJECTED: "the constraints cannot be met inside of a step",
-    Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints",
-    Status.NOT_CLOSED: "joints come open, whose rows were left out as they depend on others in the"
-    " scene: with these parameters, or here, they do not",
-    Status.BAD_ARGUMENT: "an argument is out of range, or a time is",
-}
 
 
 class Alone:

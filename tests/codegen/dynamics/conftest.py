@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import GROUND_INDEX, Instance, MovingBody, System
@@ -19,7 +19,7 @@ X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 def body(name: str, r: Any, p: Any = (1.0, 0.0, 0.0, 0.0), **other: Any) -> MovingBody:
-    """Return a rigid body of 1.3 kg, or what ``other`` says."""
+    """Rigid body of 1.3 kg, or what ``other`` says."""
     given: dict[str, Any] = {
         "mass": 1.3,
         "inertia": (0.2, 0.3, 0.25),
@@ -38,7 +38,7 @@ def point(joint: str, i: int, j: int, s_i: Any, s_j: Any) -> Instance:
 
 
 def parallel(joint: str, i: int, j: int, axis: Any, other: Any | None = None) -> Instance:
-    """Return p1 of two axes, each an axis of its frame."""
+    """p1 of two axes, each an axis of its frame."""
     kind = f"p1_{'xyz'[max(range(3), key=lambda k: abs(axis[k]))]}"
     constants = (("a_i_b", tuple(axis)), ("a_j_b", tuple(other or axis)))
     return Instance(joint, kind, i, j, constants)
@@ -49,7 +49,7 @@ def revolute(joint: str, i: int, j: int, s_i: Any, s_j: Any, axis: Any) -> list[
 
 
 def chain(count: int, gravity: Any = GRAVITY) -> System:
-    """Return rods of one metre along x, turning about y and z in turn, stretched out."""
+    """Rods of one metre along x, turning about y and z in turn, stretched out."""
     bodies, constraints = [], []
     for k in range(count):
         bodies.append(body(f"b{k}", (k + 0.5, 0.0, 0.0)))
@@ -60,7 +60,7 @@ def chain(count: int, gravity: Any = GRAVITY) -> System:
 
 
 def four_bars(count: int) -> System:
-    """Return A02: ``count`` loops of rods of one metre, upright, moving in the xy-plane."""
+    """A02: ``count`` loops of rods of one metre, upright, moving in the xy-plane."""
     upright = (math.cos(math.pi / 4), 0.0, 0.0, math.sin(math.pi / 4))
     rod = {"mass": 1.0, "inertia": (1 / 12, 1 / 12, 1 / 12)}
     bodies, constraints = [], []
@@ -78,7 +78,7 @@ def four_bars(count: int) -> System:
 
 
 def four_bars_state(count: int, angle: float, rate: float) -> dict[str, Any]:
-    """Return A02 with its rods at an angle from +x, turning at a rate."""
+    """A02 with its rods at an angle from +x, turning at a rate."""
     along, across = np.array([math.cos(angle), math.sin(angle), 0.0]), np.array(Z)
     turned = [math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)]
     speed = rate * np.cross(across, along)
@@ -96,7 +96,7 @@ def four_bars_state(count: int, angle: float, rate: float) -> dict[str, Any]:
 
 
 def planar_pendulum(count: int, offset: float = 0.0) -> System:
-    """Return rods along x that turn about z, each ``offset`` above the one before."""
+    """Rods along x that turn about z, each ``offset`` above the one before."""
     bodies, constraints = [], []
     for k in range(count):
         bodies.append(body(f"b{k}", (k + 0.5, 0.0, k * offset)))
@@ -107,14 +107,14 @@ def planar_pendulum(count: int, offset: float = 0.0) -> System:
 
 
 def heavy_top() -> System:
-    """Return a top on a spherical joint, one moment of inertia equal to another."""
+    """Top on a spherical joint, one moment of inertia equal to another."""
     top = body("top", (0.0, 0.0, 1.0), inertia=(0.2, 0.2, 0.1))
     joint = point("tip", GROUND_INDEX, 0, (0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
     return System("top", 1.0, (top,), (joint,), GRAVITY)
 
 
 def point_on_rod() -> System:
-    """Return a point that a rod of 1.5 m holds to the ground, and another one below it."""
+    """Point that a rod of 1.5 m holds to the ground, and another one below it."""
     rest = {"is_point": True, "inertia": (0.0, 0.0, 0.0)}
     bodies = (body("upper", (1.5, 0.0, 0.0), **rest), body("lower", (2.5, 0.0, 0.5), **rest))
     nowhere = (("s_i_b", (0.0, 0.0, 0.0)), ("s_j_b", (0.0, 0.0, 0.0)))
@@ -126,7 +126,7 @@ def point_on_rod() -> System:
 
 
 def mixed() -> System:
-    """Return four bodies on a universal, a cylindrical, a fixed and a spherical joint of a tree."""
+    """Four bodies on a universal, a cylindrical, a fixed and a spherical joint of a tree."""
     tilted = (0.6, 0.0, 0.8)
     bodies = tuple(body(f"b{k}", (k, 0.5 * k, 0.1)) for k in range(4))
     cross = (("a_i_b", tilted), ("a_j_b", Y))
@@ -146,7 +146,7 @@ def mixed() -> System:
 
 
 def star(count: int) -> System:
-    """Return a body that holds ``count`` others on revolute joints, and nothing holds it."""
+    """Body that holds ``count`` others on revolute joints, and nothing holds it."""
     bodies = [body("hub", (0.0, 0.0, 0.0))]
     constraints = []
     for k in range(count):
@@ -159,7 +159,7 @@ def star(count: int) -> System:
 
 
 def random_state(system: System, rng: np.random.Generator) -> dict[str, Any]:
-    """Return any positions and velocities, Euler parameters of norm one; points do not turn."""
+    """Any positions and velocities, Euler parameters of norm one; points do not turn."""
     n = len(system.bodies)
     p = rng.normal(size=(n, 4))
     state = {
@@ -175,7 +175,7 @@ def random_state(system: System, rng: np.random.Generator) -> dict[str, Any]:
 
 
 def dense(system: System, state: dict[str, Any], loads: Any | None = None) -> tuple[Any, Any, Any]:
-    """Return v̇ (n, 6), λ and C by NumPy, from the kinds as they are shipped.
+    """v̇ (n, 6), λ and C by NumPy, from the kinds as they are shipped.
 
     Parameters
     ----------
@@ -256,7 +256,7 @@ def frozen_kernel(package: str, name: str, **inputs: Any) -> dict[str, Any]:
 
 @pytest.fixture
 def mechanisms() -> SimpleNamespace:
-    """Return the systems and what they are compared with."""
+    """Systems and what they are compared with."""
     return SimpleNamespace(
         body=body,
         point=point,

@@ -12,7 +12,7 @@ from kousoku.codegen.dynamics import choose
 from kousoku.codegen.dynamics.analyse import analyse, in_xy_plane
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.generate import composed
-from kousoku.codegen.dynamics.simplification.turned import turned
+from kousoku.codegen.dynamics.simplification.axis_permutation import permuted
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.read import read_scene
 from kousoku.model.system import system_of
@@ -51,7 +51,7 @@ def check(found: Analysed) -> Program:
 def test_rows_and_columns_in_any_plane_are_those_that_are_composed(
     mechanisms: SimpleNamespace, shift: int
 ) -> None:
-    found = all_rows(turned(mechanisms.four_bars(1), shift))
+    found = all_rows(permuted(mechanisms.four_bars(1), shift))
     assert found.outline.normal == (2 - shift) % 3
     assert found.outline.columns[0] == ((0, 1, 5), (0, 2, 4), (1, 2, 3))[shift]
     assert in_xy_plane(found).outline == all_rows(mechanisms.four_bars(1)).outline

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.passes.factor import factor
 from kousoku.codegen.passes.optimise import PASSES, optimise
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.codegen.passes.trace import most_alive, run_passes
-from kousoku.codegen.store import load_frozen
 from kousoku.model.arithmetic import EXACT
 from kousoku.model.graph import Graph, Op
 from kousoku.model.interpret import evaluate

@@ -74,7 +74,7 @@ A = (((1, 1.0),), ((2, 1.0),))
 
 
 def arm(length: float, place: int, ends: Any = ((), ())) -> tuple[Curve, Curve]:
-    """Return what the direction of a link does to both rows of a block."""
+    """Part of the direction of a link in both rows of a block."""
     x, y = ends
     first, second = (Curve(row, length, x, y, True, ((place, 1.0),)) for row in range(2))
     return first, second
@@ -172,7 +172,7 @@ PLAIN = FourBar(crank=30.0, coupler=60.0, rocker=80.0, frame=100.0, phi=1.3, psi
 
 @pytest.fixture
 def four_bar() -> FourBar:
-    """Return a crank and rocker."""
+    """Crank and rocker."""
     return PLAIN
 
 
@@ -180,7 +180,7 @@ def four_bar() -> FourBar:
 def compiled(
     compiler: Toolchain, tmp_path_factory: pytest.TempPathFactory
 ) -> Callable[..., ctypes.CDLL]:
-    """Return the same four-bar in C."""
+    """The same four-bar in C."""
     known: dict[FourBar, ctypes.CDLL] = {}
     folder = tmp_path_factory.mktemp("four_bar")
 
@@ -199,7 +199,7 @@ def compiled(
 
 @pytest.fixture
 def analysed(request: pytest.FixtureRequest, backend: str) -> Callable[..., Rows]:
-    """Return the rows of a four-bar, from either language; options are fields of the run."""
+    """Rows of a four-bar, from either language; options are fields of the run."""
 
     def in_c(bar: FourBar, run: Run) -> Rows:
         library = request.getfixturevalue("compiled")(bar)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,7 +34,8 @@ RUN = Run(
 
 def solve_alone(mechanism: Mechanism, run: Run) -> Trajectory:
     """Return the motion as a folder without kousoku makes it."""
-    return Linkage("bar", mechanism, run).solve()
+    solver: Any = SimpleNamespace(mechanism=lambda _: mechanism, scene=lambda _: run, solve=solve)
+    return Linkage({"name": "bar"}, solver).solve()
 
 
 def test_results_are_by_node_and_by_link(four_bar: Any) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.assembly.moved import changes_of_assembly
+from kousoku.codegen.dynamics.assembly.changes import changes_of_assembly
 from kousoku.codegen.dynamics.assembly.near_origin import brought_near
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals

@@ -12,8 +12,9 @@ import pytest
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.assembly.driver_laws import law_at_start
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import AssemblyError
-from kousoku.model.mechanism import COMBINATION, Instance
+from kousoku.model.mechanism import Instance
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
 

@@ -10,9 +10,9 @@ import pytest
 
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
 from kousoku.codegen.dynamics.assembly.fixed_points import Accelerated
+from kousoku.codegen.dynamics.assembly.newton_double import DoublePose
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.assembly.rough import Place
 from kousoku.codegen.dynamics.redundancy import freedom
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.model import precise
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 def elements(system: System) -> tuple[Residuals, Any]:
     """Return the rows of a system, and C_q at the start by its elements."""
     rows = Residuals.of(system, system.constraints)
-    place = Place.of(Pose.of(system.bodies))
+    place = DoublePose.of(Pose.of(system.bodies))
     _, *found = rows.elements(place.r, place.p)
     return rows, tuple(found)
 
@@ -73,12 +73,12 @@ def test_a_place_in_doubles_moves_as_a_pose_in_fifty_digits(mechanisms: SimpleNa
     start = Pose.of(mechanisms.chain(3).bodies)
     pose = start.moved([precise.number(0.3 * (k % 4) - 0.4) for k in range(18)])
     step = [0.1 * (k % 5) - 0.2 for k in range(18)]
-    moved = Place.of(pose).moved(np.array(step))
-    exact = Place.of(pose.moved([precise.number(x) for x in step]))
+    moved = DoublePose.of(pose).moved(np.array(step))
+    exact = DoublePose.of(pose.moved([precise.number(x) for x in step]))
 
     assert np.abs(moved.r - exact.r).max() < 1e-15
     assert np.abs(moved.p - exact.p).max() < 1e-15
-    assert np.abs(moved.since(Place.of(pose)) - step).max() < 1e-15
+    assert np.abs(moved.since(DoublePose.of(pose)) - step).max() < 1e-15
 
 
 def test_a_fixed_point_is_found_in_fewer_steps() -> None:

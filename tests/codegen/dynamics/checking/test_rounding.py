@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.checking.rounding import ROUNDING, run_and_keep, units
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.dynamics.recording.program import Program
 from kousoku.codegen.dynamics.recording.recorder import Recorder
@@ -64,7 +64,7 @@ def difference() -> Program:
 
 
 def test_unit_counts_every_number_once() -> None:
-    work = Workspace(difference(), HIGH)
+    work = ProgramInterpreter(difference(), HIGH)
     work["q"] = [HIGH.number(Fraction(x)) for x in (3, 5, 16)]
     steps = run_and_keep(work, ["geometry"])
     base = work.program.region("dq").base
@@ -84,7 +84,7 @@ def test_doubles_stay_within_one_unit(
     make = getattr(mechanisms, name)
     system = make() if name == "mixed" else make(2)
     program = compose(all_rows(system, may_be_planar=False), ["reactions", "checks", "energies"])
-    exact, doubles = Workspace(program, HIGH), Workspace(program, FLOAT)
+    exact, doubles = ProgramInterpreter(program, HIGH), ProgramInterpreter(program, FLOAT)
     for region in ("q", "v"):
         values = np.array(doubles[region]) + 0.1 * rng.normal(size=len(doubles[region]))
         doubles[region] = list(map(float, values))
@@ -108,7 +108,7 @@ def test_unit_of_multipliers_grows_where_rows_become_dependent(
 
     def largest(angle: float) -> Any:
         state = mechanisms.four_bars_state(1, angle, 1.0)
-        work = Workspace(program, HIGH)
+        work = ProgramInterpreter(program, HIGH)
         for name in ("r", "p", "v", "omega_b"):
             for body, values in zip(program.bodies, state[name], strict=True):
                 for place, value in zip(getattr(body, name), values, strict=True):

@@ -7,18 +7,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
 
 
-def turned(mechanisms: SimpleNamespace, rng: np.random.Generator, name: str) -> Workspace:
+def turned(mechanisms: SimpleNamespace, rng: np.random.Generator, name: str) -> ProgramInterpreter:
     """Return a mechanism anywhere in space, with any velocities."""
     system = getattr(mechanisms, name)()
-    workspace = Workspace(compose(all_rows(system, may_be_planar=False), ["reactions", "checks"]))
+    workspace = ProgramInterpreter(
+        compose(all_rows(system, may_be_planar=False), ["reactions", "checks"])
+    )
     state = mechanisms.random_state(system, rng)
     for field, rows in state.items():
         for body, values in zip(workspace.program.bodies, rows, strict=True):
@@ -28,7 +30,7 @@ def turned(mechanisms: SimpleNamespace, rng: np.random.Generator, name: str) -> 
     return workspace
 
 
-def moving(mechanisms: SimpleNamespace, rng: np.random.Generator, name: str) -> Workspace:
+def moving(mechanisms: SimpleNamespace, rng: np.random.Generator, name: str) -> ProgramInterpreter:
     """Return a mechanism with velocities that its joints allow, and its accelerations."""
     workspace = turned(mechanisms, rng, name)
     workspace.run("geometry", "velocity")

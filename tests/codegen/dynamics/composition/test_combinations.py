@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.recording.inline import inline
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Coordinate, Instance, Term
+from kousoku.model.elements.constraints import COMBINATION
+from kousoku.model.mechanism import GROUND_INDEX, Coordinate, Instance, Term
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
@@ -72,9 +73,9 @@ def program_of(system: System) -> Program:
     return compose(all_rows(system, may_be_planar=False), ["reactions", "checks"])
 
 
-def anywhere(program: Program, rng: np.random.Generator) -> Workspace:
+def anywhere(program: Program, rng: np.random.Generator) -> ProgramInterpreter:
     """Return any state at some time, Euler parameters of norm one, in 50 digits."""
-    workspace = Workspace(program, HIGH)
+    workspace = ProgramInterpreter(program, HIGH)
     for name in ("q", "v"):
         workspace[name] = [CONTEXT.mpf(x) for x in rng.normal(size=len(workspace[name]))]
     assert workspace["parameters"] == [0.25]
@@ -86,7 +87,7 @@ def anywhere(program: Program, rng: np.random.Generator) -> Workspace:
     return workspace
 
 
-def later(workspace: Workspace, step: Any) -> tuple[list[Any], list[Any]]:
+def later(workspace: ProgramInterpreter, step: Any) -> tuple[list[Any], list[Any]]:
     """Return C and its rate a small time later on the motion."""
     kept = {name: workspace[name] for name in ("t", "q", "v", "v_dot")}
     workspace["t"] = [x + step for x in kept["t"]]
@@ -145,7 +146,7 @@ def test_accelerations_and_multipliers_are_those_of_the_dense_equations(
     np.testing.assert_allclose(np.hstack([v_dot, lam]), wanted, rtol=0, atol=1e-11 * scale)
 
 
-def dense(workspace: Workspace) -> tuple[Any, Any]:
+def dense(workspace: ProgramInterpreter) -> tuple[Any, Any]:
     """Return C_q, from the rates of unit velocities, and γ."""
     v, v_dot = workspace["v"], workspace["v_dot"]
     base = np.array([float(x) for x in workspace["C_dot"]])
@@ -237,7 +238,7 @@ def test_a_driven_chain_is_planar_in_any_plane_and_moves_alike(
     for system in (one, other):
         program = compose(all_rows(system))
         assert program.is_planar
-        workspace = Workspace(program)
+        workspace = ProgramInterpreter(program)
         workspace.run("geometry", "acceleration")
         found.append(workspace["v_dot"])
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-12)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.recording.program import levels, reads, writes
 from kousoku.model.errors import SceneError
 from tests.analysed import all_rows, without
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import System
 
 
-def put(workspace: Workspace, state: dict[str, Any]) -> None:
+def put(workspace: ProgramInterpreter, state: dict[str, Any]) -> None:
     """Write a state to where the program wants it."""
     for name in ("r", "p", "v", "omega_b"):
         for body, values in zip(workspace.program.bodies, state[name], strict=True):
@@ -32,7 +32,7 @@ def put(workspace: Workspace, state: dict[str, Any]) -> None:
                     assert place.value == pytest.approx(value)
 
 
-def get(workspace: Workspace, region: str) -> Any:
+def get(workspace: ProgramInterpreter, region: str) -> Any:
     """Return what is in a region in the order of v, (n, 6), zeros where there is no coordinate."""
     program = workspace.program
     offset = program.region(region).base - program.region("v").base
@@ -52,7 +52,7 @@ def check_accelerations(
 ) -> Program:
     """Compare accelerations, multipliers and residuals with the dense ones."""
     program = compose(all_rows(system, may_be_planar=may_be_planar), ["reactions"])
-    workspace = Workspace(program)
+    workspace = ProgramInterpreter(program)
     put(workspace, state)
     workspace.run("geometry", "acceleration")
     wanted, lam, residuals = dense(system, state)
@@ -102,7 +102,7 @@ def test_position_corrections_assemble_a_chain_from_anywhere(
     mechanisms: SimpleNamespace, rng: np.random.Generator
 ) -> None:
     system = mechanisms.chain(4)
-    workspace = Workspace(compose(all_rows(system)))
+    workspace = ProgramInterpreter(compose(all_rows(system)))
     put(workspace, mechanisms.random_state(system, rng))
     for _ in range(40):
         workspace.run("geometry", "position", "move")
@@ -115,7 +115,7 @@ def test_velocity_correction_ends_on_velocities_that_the_joints_allow(
     mechanisms: SimpleNamespace, rng: np.random.Generator
 ) -> None:
     system = mechanisms.chain(4)
-    workspace = Workspace(compose(all_rows(system)))
+    workspace = ProgramInterpreter(compose(all_rows(system)))
     put(workspace, mechanisms.random_state(system, rng))
     workspace.run("geometry", "velocity")
     first = np.array(workspace["dv"])
@@ -129,7 +129,7 @@ def test_energy_is_kept_by_the_accelerations(
     mechanisms: SimpleNamespace, rng: np.random.Generator
 ) -> None:
     system = mechanisms.chain(5)
-    workspace = Workspace(compose(all_rows(system), ["energies"]))
+    workspace = ProgramInterpreter(compose(all_rows(system), ["energies"]))
     workspace["v"] = list(rng.normal(size=len(workspace["v"])))
     workspace.run("geometry", "velocity")
     workspace["v"] = [a + b for a, b in zip(workspace["v"], workspace["dv"], strict=True)]
@@ -147,7 +147,7 @@ def test_energy_is_kept_by_the_accelerations(
 
 
 def test_pivots_tell_how_near_rows_are_to_dependence(mechanisms: SimpleNamespace) -> None:
-    workspace = Workspace(compose(all_rows(mechanisms.four_bars(1))))
+    workspace = ProgramInterpreter(compose(all_rows(mechanisms.four_bars(1))))
     largest = []
     for angle in (1.2, 0.1, 0.001):
         put(workspace, mechanisms.four_bars_state(1, angle, 0.0))
@@ -167,7 +167,7 @@ def test_only_some_rows_are_kept_where_that_is_asked_for(
     program = compose(without(found, rows))
     kept = [(row.instance, row.row) for row in program.rows]
     assert kept == [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0), (2, 2)]
-    workspace = Workspace(program)
+    workspace = ProgramInterpreter(program)
     put(workspace, mechanisms.random_state(system, rng))
     workspace.run("geometry", "acceleration")
     assert np.isfinite(workspace["v_dot"]).all()

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.composition.momentum import kept_of
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
+from kousoku.codegen.dynamics.simplification.conserved_momenta import conserved_momenta
 from kousoku.model.elements.along import CoordinateForce
 from kousoku.model.elements.load import Load
 from kousoku.model.elements.spring_damper import PointSpring
@@ -46,13 +46,13 @@ def flying(mechanisms: SimpleNamespace) -> System:
 
 
 def counts(system: System) -> list[tuple[int, int, int]]:
-    kept = kept_of(system, is_planar=False)
+    kept = conserved_momenta(system, is_planar=False)
     return [(len(one.bodies), len(one.linear), len(one.angular)) for one in kept]
 
 
 def test_gravity_leaves_momentum_across_it_and_all_angular_momentum(flying: System) -> None:
     assert counts(flying) == [(3, 2, 3)]
-    (kept,) = kept_of(flying, is_planar=False)
+    (kept,) = conserved_momenta(flying, is_planar=False)
     assert kept.linear == (X, (0.0, -1.0, 0.0))
     assert counts(replace(flying, gravity=(0.0, 0.0, 0.0))) == [(3, 3, 3)]
     law = replace(flying, gravity=(0.0, 0.0, 0.0), gravity_law=("", "g", ""))
@@ -68,12 +68,12 @@ def test_forces_of_the_ground_keep_what_is_across_them_or_about_their_point(
     flying: System, body: int
 ) -> None:
     tied = replace(flying, forces=(spring(1, 2), spring(GROUND_INDEX, body)))
-    (kept,) = kept_of(tied, is_planar=False)
+    (kept,) = conserved_momenta(tied, is_planar=False)
     assert (kept.linear, kept.angular, kept.about) == ((), ((0.0, 0.0, -1.0),), (0.1, 0.2, 0.3))
     one = Coordinate("h", "n2", GROUND_INDEX, body, (("a_i_b", X), *NOWHERE))
     push = CoordinateForce("p", GROUND_INDEX, body, (("force", (1.0,)),), coordinate=0)
     pushed = replace(flying, coordinates=(one,), forces=(spring(1, 2), push))
-    (kept,) = kept_of(pushed, is_planar=False)
+    (kept,) = conserved_momenta(pushed, is_planar=False)
     assert (kept.linear, kept.angular, kept.about) == (((0.0, -1.0, 0.0),), (X,), None)
 
 
@@ -101,7 +101,7 @@ def test_a_single_point_does_not_turn(mechanisms: SimpleNamespace) -> None:
 def test_momenta_are_those_of_vector_algebra(
     mechanisms: SimpleNamespace, flying: System, rng: np.random.Generator
 ) -> None:
-    workspace = Workspace(compose(all_rows(flying), ["energies", "checks"]))
+    workspace = ProgramInterpreter(compose(all_rows(flying), ["energies", "checks"]))
     state = mechanisms.random_state(flying, rng)
     for name in ("r", "p", "v", "omega_b"):
         for body, values in zip(workspace.program.bodies, state[name], strict=True):

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.choose import with_reactions
 from kousoku.codegen.dynamics.composition import least_norm
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.composition.least_norm import merged
-from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.errors import SceneError
 from kousoku.model.interpret import evaluate
@@ -42,9 +42,9 @@ def least(system: System) -> Program:
     return compose(found, OUTPUTS)
 
 
-def moved(program: Program, rng: np.random.Generator, size: float) -> Workspace:
+def moved(program: Program, rng: np.random.Generator, size: float) -> ProgramInterpreter:
     """Return a workspace with a state of the mechanism near its start, with all computed."""
-    work = Workspace(program)
+    work = ProgramInterpreter(program)
     work["q"] = [
         x + size * e for x, e in zip(work["q"], rng.normal(size=len(work["q"])), strict=True)
     ]
@@ -58,7 +58,7 @@ def moved(program: Program, rng: np.random.Generator, size: float) -> Workspace:
     return work
 
 
-def state_of(work: Workspace) -> dict[str, Any]:
+def state_of(work: ProgramInterpreter) -> dict[str, Any]:
     """Return positions and velocities of all bodies in space."""
     return {
         name: np.array(
@@ -126,7 +126,7 @@ def wanted(
     return dict(zip(names, found, strict=True))
 
 
-def found(system: System, work: Workspace, state: dict[str, Any]) -> dict[str, Any]:
+def found(system: System, work: ProgramInterpreter, state: dict[str, Any]) -> dict[str, Any]:
     """Return force and torque of each joint from the region, as ``wanted`` does."""
     result, values = {}, np.array(work["reactions"]).reshape(-1, 6)
     names = list(dict.fromkeys(x.joint for x in system.constraints))
@@ -230,7 +230,7 @@ def test_forces_of_the_hinges_of_a_door_are_the_least_ones(
 
 def test_hinges_of_a_door_at_rest_share_its_weight_equally(mechanisms: SimpleNamespace) -> None:
     system = door(2)
-    work = Workspace(least(system))
+    work = ProgramInterpreter(least(system))
     work.run("geometry", "acceleration", "reaction")
     forces = found(system, work, state_of(work))
 

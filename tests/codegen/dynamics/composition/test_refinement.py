@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.recording.inline import inline
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.digits import HIGH
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import scene_from_toml
@@ -45,7 +45,7 @@ def numbers(values: Any) -> np.ndarray:
     return np.array([float(x) for x in values])
 
 
-def errors(work: Workspace, exact: Workspace) -> np.ndarray:
+def errors(work: ProgramInterpreter, exact: ProgramInterpreter) -> np.ndarray:
     """Return the errors of v_dot, lam and the power of the driver, relative to their largest."""
     found = []
     for region, first in (("v_dot", 0), ("lam", 0), ("q_dot", -1)):
@@ -54,14 +54,14 @@ def errors(work: Workspace, exact: Workspace) -> np.ndarray:
     return np.array(found)
 
 
-def left(work: Workspace) -> float:
+def left(work: ProgramInterpreter) -> float:
     """Return what is left of C_q v_dot = gamma, relative to v_dot."""
     work.run("check")
     rows = work["C_ddot"][: len(work["C"])]
     return float(np.abs(numbers(rows)).max() / np.abs(numbers(work["v_dot"])).max())
 
 
-def refine(work: Workspace) -> None:
+def refine(work: ProgramInterpreter) -> None:
     """Do what solvers do with what the segment finds."""
     work.run("refinement")
     for region, more in (("v_dot", "dv"), ("lam", "more_lam")):
@@ -75,8 +75,8 @@ def refine(work: Workspace) -> None:
 def test_accelerations_multipliers_and_power_are_brought_to_those_of_fifty_digits(
     program: Program, form: str
 ) -> None:
-    work = Workspace(program if form == "tasks" else inline(program, limit=100_000))
-    exact = Workspace(program, HIGH)
+    work = ProgramInterpreter(program if form == "tasks" else inline(program, limit=100_000))
+    exact = ProgramInterpreter(program, HIGH)
     for one in (work, exact):
         one.run("geometry", "acceleration")
     pivots = numbers(work["pivots"])

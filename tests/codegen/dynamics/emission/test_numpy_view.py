@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
 from kousoku.codegen.dynamics.recording.inline import inline
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.recording.program import SEGMENTS
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.integrate.tasks import MANY
@@ -53,7 +53,7 @@ def test_segments_compute_the_same_bits_as_the_program(
 ) -> None:
     system = getattr(mechanisms, name)(count)
     program = inline(compose(all_rows(system)), limit=limit)
-    workspace = Workspace(program)
+    workspace = ProgramInterpreter(program)
     for region in ("q", "v"):
         noise = rng.normal(scale=0.05, size=len(workspace[region]))
         workspace[region] = [a + b for a, b in zip(workspace[region], noise, strict=True)]

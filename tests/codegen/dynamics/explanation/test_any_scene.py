@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.explanation.counts import operations
 from kousoku.codegen.dynamics.explanation.explain import ALL
+from kousoku.codegen.dynamics.recording.counts import operations
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
 from tests.analysed import all_rows, independent
@@ -45,7 +45,7 @@ def linkage(lengths: list[tuple[float, float]], kinds: list[str], *, in_plane: b
 
 def accelerations(program: Program) -> list[float]:
     """Return the accelerations of all bodies at the start; 0 of those left out."""
-    workspace = Workspace(program)
+    workspace = ProgramInterpreter(program)
     for segment in ("geometry", "acceleration"):
         workspace.run(segment)
     base, v_dot = program.region("v").base, workspace["v_dot"]

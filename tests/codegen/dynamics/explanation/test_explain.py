@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.explanation.counts import operations
 from kousoku.codegen.dynamics.explanation.explain import ALL, Explanation, explain
 from kousoku.codegen.dynamics.explanation.structure import structure_of
+from kousoku.codegen.dynamics.recording.counts import operations
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.families import n_four_bar
 from kousoku.model.mechanism import System
@@ -41,7 +41,7 @@ SUBSETS = [names for n in range(len(ALL) + 1) for names in itertools.combination
 
 def accelerations(program: Program) -> dict[tuple[str, int], float]:
     """Return the accelerations at the start, by body and component; 0 of those left out."""
-    workspace = Workspace(program)
+    workspace = ProgramInterpreter(program)
     for segment in ("geometry", "acceleration"):
         workspace.run(segment)
     v, v_dot = program.region("v"), workspace["v_dot"]

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.structure import structure_of
 from kousoku.codegen.dynamics.recording.inline import inline
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate
 from tests.analysed import all_rows
@@ -47,7 +47,7 @@ def all_kinds() -> list[Coordinate]:
     return [coordinate(kind, i, 1) for kind in KINDS for i in (GROUND_INDEX, 0)]
 
 
-def moved(workspace: Workspace, step: Any) -> list[Any]:
+def moved(workspace: ProgramInterpreter, step: Any) -> list[Any]:
     """Run all with the state that is reached after a small time; return the coordinates."""
     q, v = workspace["q"], workspace["v"]
     workspace["dq"] = [step * x for x in v]
@@ -61,9 +61,9 @@ def moved(workspace: Workspace, step: Any) -> list[Any]:
     return found
 
 
-def anywhere(program: Program, rng: np.random.Generator) -> Workspace:
+def anywhere(program: Program, rng: np.random.Generator) -> ProgramInterpreter:
     """Return a state with Euler parameters of norm one, in 50 digits."""
-    workspace = Workspace(program, HIGH)
+    workspace = ProgramInterpreter(program, HIGH)
     for name in ("q", "v", "v_dot"):
         workspace[name] = [CONTEXT.mpf(x) for x in rng.normal(size=len(workspace[name]))]
     workspace["dq"] = [CONTEXT.mpf(0)] * len(workspace["v"])
@@ -100,7 +100,9 @@ def test_values_are_those_of_vector_algebra(mechanisms: SimpleNamespace) -> None
     turned = (math.cos(0.35), 0.0, 0.0, math.sin(0.35))
     system = replace(mechanisms.chain(1), bodies=(replace(rod, r=(1.0, 2.0, 3.0), p=turned),))
     system = shown(system, *(coordinate(kind, GROUND_INDEX, 0) for kind in KINDS))
-    workspace = Workspace(compose(all_rows(replace(system, constraints=())), ["coordinates"]))
+    workspace = ProgramInterpreter(
+        compose(all_rows(replace(system, constraints=())), ["coordinates"])
+    )
     workspace.run("geometry", "coordinate")
     angle, cosine, height, length = workspace["coordinates"][::2]
     c, s = math.cos(0.7), math.sin(0.7)
@@ -122,7 +124,7 @@ def test_angle_is_counted_from_a_value_less_than_half_a_turn_away(
         )
         program = compose(all_rows(system), ["coordinates"])
         assert program.is_planar
-        workspace = Workspace(program)
+        workspace = ProgramInterpreter(program)
         workspace.run("geometry", "coordinate", "move")
         assert workspace["coordinates"][0] == pytest.approx(angle, abs=1e-13)
         assert workspace["q_moved"][-1] == pytest.approx(angle, abs=1e-13)
@@ -137,7 +139,7 @@ def test_entry_of_an_angle_turns_as_fast_as_the_angle(mechanisms: SimpleNamespac
     )
     program = compose(all_rows(system))
     assert [(one.kind, one.name) for one in program.auxiliary] == [("turns", "angle.-1.0")]
-    workspace = Workspace(program)
+    workspace = ProgramInterpreter(program)
     workspace.run("geometry", "acceleration")
     assert len(workspace["q_dot"]) == 5
     assert workspace["q_dot"][-1] == pytest.approx(3.0, abs=1e-15)

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.elements.load import Load
 from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.errors import SceneError
@@ -109,7 +109,7 @@ def loads_of(system: System, state: dict[str, Any]) -> Any:
     return loads[:-1]
 
 
-def put(workspace: Workspace, state: dict[str, Any]) -> None:
+def put(workspace: ProgramInterpreter, state: dict[str, Any]) -> None:
     for name in ("r", "p", "v", "omega_b"):
         for body, values in zip(workspace.program.bodies, state[name], strict=True):
             for place, value in zip(getattr(body, name), values, strict=True):
@@ -117,7 +117,7 @@ def put(workspace: Workspace, state: dict[str, Any]) -> None:
                     workspace.values[place.slot] = float(value)
 
 
-def accelerations(workspace: Workspace) -> Any:
+def accelerations(workspace: ProgramInterpreter) -> Any:
     program = workspace.program
     offset = program.region("v_dot").base - program.region("v").base
     return np.array(
@@ -164,7 +164,7 @@ def test_accelerations_under_forces_are_those_of_the_dense_equations(
     without = mechanisms.chain(3)
     for _ in range(3):
         state = mechanisms.random_state(system, rng)
-        workspace = Workspace(compose(all_rows(system)))
+        workspace = ProgramInterpreter(compose(all_rows(system)))
         put(workspace, state)
         workspace.run("geometry", "acceleration")
         wanted, _, _ = mechanisms.dense(system, state, loads_of(system, state))
@@ -181,7 +181,7 @@ def test_energy_of_springs_and_forces_changes_as_their_work_says(
     elastic = replace(spring("s", 0, 2), constants=(("s_i_b", S_I), ("s_j_b", S_J), *free))
     system = replace(mechanisms.chain(3), forces=(elastic, force("force", 1)))
     assert not any(one.works for one in system.forces)
-    workspace = Workspace(compose(all_rows(system), ["energies"]))
+    workspace = ProgramInterpreter(compose(all_rows(system), ["energies"]))
     workspace["v"] = list(rng.normal(size=len(workspace["v"])))
     workspace.run("geometry", "velocity")
     workspace["v"] = [a + b for a, b in zip(workspace["v"], workspace["dv"], strict=True)]
@@ -265,7 +265,7 @@ def test_joints_that_hold_a_plane_hold_it_against_forces(
     for may_be_planar in (True, False):
         program = compose(all_rows(turned, may_be_planar=may_be_planar))
         assert program.is_planar == may_be_planar
-        workspace = Workspace(program)
+        workspace = ProgramInterpreter(program)
         workspace.run("geometry", "acceleration")
         found.append(accelerations(workspace))
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-11 * np.abs(found[1]).max())

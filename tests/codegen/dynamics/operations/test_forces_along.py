@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.auxiliary import WORK
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.simplification.turned import turned
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
+from kousoku.codegen.dynamics.simplification.axis_permutation import permuted
 from kousoku.model.elements.along import CoordinateForce
 from kousoku.model.elements.coordinate_spring import CoordinateSpring
 from kousoku.model.elements.load import Load
@@ -62,7 +62,7 @@ def measured(
     return value, float(np.sum(slopes[:-1] * motion)), slopes[:-1]
 
 
-def put(workspace: Workspace, system: System, state: dict[str, Any]) -> None:
+def put(workspace: ProgramInterpreter, system: System, state: dict[str, Any]) -> None:
     for name in ("r", "p", "v", "omega_b"):
         for body, values in zip(workspace.program.bodies, state[name], strict=True):
             for place, value in zip(getattr(body, name), values, strict=True):
@@ -72,7 +72,7 @@ def put(workspace: Workspace, system: System, state: dict[str, Any]) -> None:
     workspace["parameters"] = [value for _, value in system.parameters]
 
 
-def accelerations(workspace: Workspace) -> Any:
+def accelerations(workspace: ProgramInterpreter) -> Any:
     program = workspace.program
     offset = program.region("v_dot").base - program.region("v").base
     return np.array(
@@ -83,7 +83,7 @@ def accelerations(workspace: Workspace) -> Any:
     )
 
 
-def power(workspace: Workspace) -> float:
+def power(workspace: ProgramInterpreter) -> float:
     (place,) = (k for k, one in enumerate(workspace.program.auxiliary) if one.kind == WORK)
     count = len(workspace.program.auxiliary)
     return float(workspace["q_dot"][len(workspace["q_dot"]) - count + place])
@@ -93,7 +93,7 @@ def compared(
     mechanisms: SimpleNamespace, system: System, rng: np.random.Generator, law: Any
 ) -> None:
     """Compare accelerations and power with those of τ = law(u, u̇) and its part that works."""
-    workspace = Workspace(compose(all_rows(system)))
+    workspace = ProgramInterpreter(compose(all_rows(system)))
     for _ in range(3):
         state = mechanisms.random_state(system, rng)
         value, rate, slopes = measured(mechanisms, system, state)
@@ -175,7 +175,7 @@ def test_components_that_are_formulas_add_up_with_those_that_are_numbers(
     formulas = (("torque_x", "gain*u"), ("torque_y", "sin(t)*u_dot"))
     given = {"constants": vectors, "formulas": formulas, "i": GROUND_INDEX, "coordinate": -1}
     system = acting(mechanisms.chain(3), "n1", 0, 2, kind="torque_b", **given)
-    workspace = Workspace(compose(all_rows(system)))
+    workspace = ProgramInterpreter(compose(all_rows(system)))
     state = mechanisms.random_state(system, rng)
     u, u_dot, _ = measured(mechanisms, system, state)
     torque = np.array([0.5, 0.0, -1.0]) + GAIN * u * np.array(X)
@@ -199,7 +199,7 @@ def test_energy_of_a_spring_against_a_coordinate_is_half_k_times_its_square(
     found = []
     state = mechanisms.random_state(system, rng)
     for one in (system, replace(system, forces=())):
-        workspace = Workspace(compose(all_rows(one), ["energies"]))
+        workspace = ProgramInterpreter(compose(all_rows(one), ["energies"]))
         put(workspace, one, state)
         workspace.run("energy")
         found.append(workspace["energies"][1])
@@ -266,7 +266,7 @@ PLANES: dict[str, tuple[bool, System]] = {
 def test_a_scene_is_planar_where_forces_along_coordinates_leave_it_in_its_plane(name: str) -> None:
     stays, system = PLANES[name]
     assert compose(all_rows(system)).is_planar == stays
-    workspace = Workspace(compose(all_rows(system, may_be_planar=False)))
+    workspace = ProgramInterpreter(compose(all_rows(system, may_be_planar=False)))
     workspace["v"] = [0.3, -0.4, 0.0, 0.0, 0.0, 0.7]
     workspace.run("geometry", "acceleration")
     out = [abs(workspace["v_dot"][k]) for k in (2, 3, 4)]
@@ -293,10 +293,10 @@ def test_forces_along_coordinates_are_the_same_in_a_plane_and_in_space(
     push = CoordinateForce("p", GROUND_INDEX, 1, (("force", (3.0,)),), coordinate=1)
     lift = CoordinateForce("l", GROUND_INDEX, 0, (("force", (2.0,)),), coordinate=2)
     forces = (spring, motor, push, lift)
-    system = turned(replace(pendulum, coordinates=coordinates, forces=forces), shift)
+    system = permuted(replace(pendulum, coordinates=coordinates, forces=forces), shift)
     found = []
     for may_be_planar in (True, False):
-        workspace = Workspace(compose(all_rows(system, may_be_planar=may_be_planar)))
+        workspace = ProgramInterpreter(compose(all_rows(system, may_be_planar=may_be_planar)))
         assert workspace.program.is_planar == may_be_planar
         workspace["t"] = [TIME]
         normal = (2 - shift) % 3

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.explanation.counts import operations
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.inline import inline
-from kousoku.codegen.dynamics.simplification.merge import merged
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
+from kousoku.codegen.dynamics.simplification.lump import lump
 from kousoku.model.design_numbers import with_numbers
 from kousoku.model.errors import SceneError
 from kousoku.model.held import require_kept
@@ -83,7 +83,7 @@ def test_numbers_of_the_design_are_computed_once_and_cost_a_step_little() -> Non
 def test_the_workspace_has_the_numbers_of_its_parameters(make: object) -> None:
     assert callable(make)
     program = make(compose(all_rows(system(PENDULUM)), WANTED))
-    work = Workspace(program)
+    work = ProgramInterpreter(program)
     places = dict(program.design.places)
     keys = dict(program.design.positive)
     assert work["design"][places[keys["bodies.bar.mass"]]] == 2.0
@@ -110,9 +110,9 @@ def test_a_height_that_parameters_change_leaves_the_plane() -> None:
 
 
 def test_masses_are_joined_and_points_that_parameters_move_are_not() -> None:
-    free = merged(system(TWO))
+    free = lump(system(TWO))
     assert len(free.system.bodies) == 2
-    joined = merged(system(TWO.replace('["s", 0, 0]', "[0, 0, 0]").replace("s = 0.0\n", "")))
+    joined = lump(system(TWO.replace('["s", 0, 0]', "[0, 0, 0]").replace("s = 0.0\n", "")))
     (body,) = joined.system.bodies
     assert is_varying(body.mass)
     assert is_varying(body.origin_b)
@@ -144,5 +144,5 @@ points = [["1 + s", 0, 0], [0, 0, 0]]
 """
     text += "[bodies.loose]\nposition = [5, 0, 0]\nmass = 1\npoint = true\n"
     fixed = text.replace('"1 + s"', "1").replace("s = 0.0\n", "")
-    assert [body.name for body in merged(system(fixed)).system.bodies] == ["loose"]
-    assert len(merged(system(text)).system.bodies) == 3
+    assert [body.name for body in lump(system(fixed)).system.bodies] == ["loose"]
+    assert len(lump(system(text)).system.bodies) == 3

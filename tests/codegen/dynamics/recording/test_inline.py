@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.explanation.counts import operations
+from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.inline import inline
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.recording.program import AFTER_GEOMETRY, reads, writes
 from kousoku.model.digits import HIGH
 from tests.analysed import all_rows
@@ -49,7 +49,7 @@ def test_straight_line_code_computes_what_the_tasks_compute(
         all_rows(system_of(mechanisms, name)), ["reactions", "coordinates", "energies", "checks"]
     )
     straight = inline(program, limit=100_000, statements=statements)
-    one, other = Workspace(program), Workspace(straight)
+    one, other = ProgramInterpreter(program), ProgramInterpreter(straight)
     noise = {name: rng.normal(scale=0.05, size=len(one[name])) for name in ("q", "v")}
     for workspace in (one, other):
         for region, change in noise.items():
@@ -63,7 +63,9 @@ def test_straight_line_code_computes_what_the_tasks_compute(
 
 def test_tasks_and_straight_line_code_agree_in_fifty_digits(mechanisms: SimpleNamespace) -> None:
     program = compose(all_rows(mechanisms.four_bars(1)), ["reactions"])
-    workspaces = [Workspace(one, HIGH) for one in (program, inline(program, limit=100_000))]
+    workspaces = [
+        ProgramInterpreter(one, HIGH) for one in (program, inline(program, limit=100_000))
+    ]
     for workspace in workspaces:
         workspace["v"] = [HIGH.number(Fraction(k, 7)) for k in range(len(workspace["v"]))]
         workspace.run("geometry", "acceleration")

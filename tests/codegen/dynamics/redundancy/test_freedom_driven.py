@@ -16,11 +16,12 @@ from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.structure import structure_of
 from kousoku.codegen.dynamics.redundancy.branch import Branch
+from kousoku.codegen.dynamics.redundancy.constant_rows import require_constant_rows_hold
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
-from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hold
+from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import COMBINATION, Coordinate, Instance, System, Term
+from kousoku.model.mechanism import Coordinate, Instance, System, Term
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
 from tests.analysed import all_rows
@@ -261,4 +262,4 @@ def test_a_row_that_nothing_changes_is_refused_with_its_amount(
     system = replace(system, constraints=(*system.constraints, square))
 
     with pytest.raises(SceneError, match=r"^joints\.square: is violated by 0\.6 rad, and no body"):
-        require_unmoved_rows_hold(system, all_rows(system).outline)
+        require_constant_rows_hold(system, all_rows(system).outline)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.simplification.planar import is_planar
 from tests.analysed import all_rows
 
@@ -88,7 +88,7 @@ def test_the_planar_program_moves_as_the_spatial_one_does(
     for may_be_planar in (True, False):
         program = compose(all_rows(system, may_be_planar=may_be_planar), ["reactions", "energies"])
         assert program.is_planar == may_be_planar
-        workspace = Workspace(program)
+        workspace = ProgramInterpreter(program)
         for k, body in enumerate(program.bodies):
             workspace.values[body.omega_b[2].slot] = 0.5 + k
             workspace.values[body.r[0].slot] += 0.01 * k
@@ -98,7 +98,7 @@ def test_the_planar_program_moves_as_the_spatial_one_does(
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-11)
 
 
-def motion(program: Program, workspace: Workspace) -> Any:
+def motion(program: Program, workspace: ProgramInterpreter) -> Any:
     """Return corrections and accelerations of x, y and θ_z of all bodies."""
     v = program.region("v").base
     slots = [

@@ -1,0 +1,335 @@
+"""What a template may see of a kernel: strings, whole numbers, and tuples of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from kousoku.codegen.context_body import Assignment, OutputText
+
+#: Rows of this size are at least as long as any vector.
+LONGEST = 8
+
+
+@dataclass(frozen=True, slots=True)
+class ArgumentContext:
+    """An input or an output.
+
+    Parameters
+    ----------
+    name : str
+        As the caller knows it.
+    symbol : str
+        As the text calls it.
+    index, size : int
+        Place among the inputs or outputs; count of numbers in one evaluation.
+    shape : str
+        The shape as Python writes it.
+    batched : str
+        Shape with leading axes, and unit.
+    meaning : str
+        Of what, in which frame.
+    rows : tuple of str
+        Of the argument table: symbol, shape, unit, meaning.
+    """
+
+    name: str
+    symbol: str
+    index: int
+    size: int
+    shape: str
+    batched: str
+    meaning: str
+    rows: tuple[str, ...]
+
+    @property
+    def load(self) -> str:
+        """What makes lanes of the rows of an input."""
+        at = f"in[{self.index}], i, stride[{self.index}]"
+        if self.size >= LONGEST:
+            return f"load_rows({at}, {self.size}, {self.symbol})"
+        return f"load_{self.size}({at}, {self.symbol})"
+
+    @property
+    def store(self) -> str:
+        """What makes rows of the lanes of an output."""
+        if self.size >= LONGEST:
+            return f"store_rows({self.symbol}, out[{self.index}], i, {self.size})"
+        return f"store_{self.size}({self.symbol}, out[{self.index}], i)"
+
+    @property
+    def block(self) -> str:
+        """Where an output goes in the lanes layout."""
+        return f"out[{self.index}] ? (vec *)out[{self.index}] + block * {self.size} : NULL"
+
+
+@dataclass(frozen=True, slots=True)
+class BodyText:
+    """The straight-line code of one choice of outputs, in one language.
+
+    Parameters
+    ----------
+    inputs : tuple of ArgumentContext
+        What it reads.
+    components : tuple of str
+        For each input the names of its elements, where the target unpacks them.
+    head : tuple of Assignment
+        The terms that all choices of rows have in common; none where there is no choice.
+    tails : tuple of TailText
+        The rest, for each choice.
+    """
+
+    inputs: tuple[ArgumentContext, ...]
+    components: tuple[str, ...]
+    head: tuple[Assignment, ...]
+    tails: tuple[TailText, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TailText:
+    """What one choice of rows computes and writes.
+
+    Parameters
+    ----------
+    first : tuple of (str, str)
+        Elements of outputs that need no term of its own, and their expressions.
+    statements : tuple of Assignment
+        The shared terms.
+    results : tuple of OutputText
+        What is written, output by output.
+    """
+
+    first: tuple[tuple[str, str], ...]
+    statements: tuple[Assignment, ...]
+    results: tuple[OutputText, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class BodyContext:
+    """One choice of outputs: all of them, or one that alone costs at most half.
+
+    Parameters
+    ----------
+    name : str
+        ``all``, or the output.
+    function : str
+        Name of the function in NumPy.
+    outputs : tuple of ArgumentContext
+        What it writes.
+    c, numpy : BodyText
+        The code, line by line the same.
+    """
+
+    name: str
+    function: str
+    outputs: tuple[ArgumentContext, ...]
+    c: BodyText
+    numpy: BodyText
+
+    @property
+    def python_parameters(self) -> tuple[str, ...]:
+        """What its function in NumPy takes."""
+        choice = ("choice: int",) if len(self.c.tails) > 1 else ()
+        return (*choice, *(f"{a.symbol}: Sequence[Any]" for a in self.numpy.inputs))
+
+
+@dataclass(frozen=True, slots=True)
+class CallsContext:
+    """All inputs and outputs of a kernel, as calls of C pass them.
+
+    Parameters
+    ----------
+    pointers : tuple of str
+        Elements of the arrays of pointers ``in`` and ``out``.
+    single : tuple of str
+        Evaluation ``i`` of the arrays.
+    arrays : str
+        Declarations of the lanes of one block of evaluations.
+    signature : str
+        Names and sizes, as strings of C.
+    """
+
+    pointers: tuple[str, ...]
+    single: tuple[str, ...]
+    arrays: str
+    signature: str
+
+
+@dataclass(frozen=True, slots=True)
+class KernelContext:
+    """One kernel.
+
+    Parameters
+    ----------
+    name, family : str
+        As in the kernel, without and with what tells its choice of rows left out.
+    choice : tuple of str
+        Its number among the choices, as an argument; none where there is no choice.
+    is_first : bool
+        Whether it is the first of its family, with which the text of all stands.
+    names : str
+        Of the kernels of the family.
+    heading : tuple of str
+        Package, kernel and title, in lines that fit.
+    summary : str
+        First line of a docstring.
+    about, about_ascii : tuple of str
+        Lines of the formula and its source.
+    cost, family_cost : tuple of str
+        Count of operations, and what it would be without sharing; of each of the family.
+    inputs, outputs : tuple of ArgumentContext
+        In the order of the arguments.
+    declared, parameters, arguments : tuple of str
+        Them as C declares them, in the header and where it is defined, and passes them.
+    calls : CallsContext
+        Arguments that differ only in where they come from.
+    flags : tuple of str
+        What tells which outputs are wanted.
+    unwanted : str
+        Declarations of what outputs are computed into where they are not wanted.
+    alone_calls : tuple of tuple of str
+        For each output the arguments that compute it alone.
+    bodies : tuple of BodyContext
+        That for all outputs first, then, in NumPy, those of single outputs.
+    is_polynomial : bool
+        Whether Python's floats give what arrays give.
+    """
+
+    name: str
+    family: str
+    choice: tuple[str, ...]
+    is_first: bool
+    names: str
+    heading: tuple[str, ...]
+    summary: str
+    about: tuple[str, ...]
+    about_ascii: tuple[str, ...]
+    cost: tuple[str, ...]
+    family_cost: tuple[str, ...]
+    inputs: tuple[ArgumentContext, ...]
+    outputs: tuple[ArgumentContext, ...]
+    declared: tuple[str, ...]
+    parameters: tuple[str, ...]
+    arguments: tuple[str, ...]
+    calls: CallsContext
+    flags: tuple[str, ...]
+    unwanted: str
+    alone_calls: tuple[tuple[str, ...], ...]
+    bodies: tuple[BodyContext, ...]
+    is_polynomial: bool
+
+    @property
+    def python_parameters(self) -> tuple[str, ...]:
+        """What its function in NumPy takes."""
+        inputs = (f"{a.symbol}: ArrayLike" for a in self.inputs)
+        return (*inputs, "*", "out: Out = None", "outputs: Sequence[str] | None = None")
+
+    @property
+    def shapes_in(self) -> tuple[str, ...]:
+        """The inputs as entries of a dict of Python."""
+        return tuple(f'"{a.name}": {a.shape}' for a in self.inputs)
+
+    @property
+    def shapes_out(self) -> tuple[str, ...]:
+        """The outputs as entries of a dict of Python."""
+        return tuple(f'"{a.name}": {a.shape}' for a in self.outputs)
+
+    @property
+    def body(self) -> BodyContext:
+        """The body for all outputs."""
+        return self.bodies[0]
+
+    @property
+    def unread(self) -> tuple[str, ...]:
+        """The inputs that no output depends on."""
+        return tuple(a.symbol for a in self.inputs if a not in self.body.c.inputs)
+
+    @property
+    def flags_declared(self) -> tuple[str, ...]:
+        """The flags as parameters, and the choice of rows."""
+        return (*(f"int {flag}" for flag in self.flags), *self.choice_declared)
+
+    @property
+    def choice_declared(self) -> tuple[str, ...]:
+        """The choice of rows as a parameter."""
+        return ("int choice",) if self.choice else ()
+
+    @property
+    def choice_passed(self) -> tuple[str, ...]:
+        """The same as an argument."""
+        return ("choice",) if self.choice else ()
+
+    @property
+    def are_wanted(self) -> tuple[str, ...]:
+        """The flags of a single call, and the choice."""
+        return (*(f"{a.symbol} != NULL" for a in self.outputs), *self.choice)
+
+    @property
+    def are_wanted_batch(self) -> tuple[str, ...]:
+        """The flags of a batch, and the choice."""
+        return (*(f"out[{a.index}] != NULL" for a in self.outputs), *self.choice)
+
+    @property
+    def are_given(self) -> tuple[str, ...]:
+        """The pointers of a batch that tell which outputs are wanted."""
+        return tuple(f"out[{a.index}]" for a in self.outputs)
+
+    @property
+    def all_wanted(self) -> tuple[str, ...]:
+        """The flags of all outputs, and the choice."""
+        return ("1",) * len(self.outputs) + self.choice
+
+    def one_wanted(self, output: int) -> tuple[str, ...]:
+        """Flags of one output, and the choice."""
+        return (*("1" if k == output else "0" for k in range(len(self.outputs))), *self.choice)
+
+    @property
+    def python_alone(self) -> tuple[str, ...]:
+        """The bodies of single outputs as entries of a dict of Python."""
+        return tuple(
+            f'"{body.outputs[0].name}": '
+            f"({self.python_body(body)}, {[a.index for a in body.numpy.inputs]})"
+            for body in self.alone
+        )
+
+    def python_body(self, body: BodyContext) -> str:
+        """Body of the family as a function of NumPy, with the choice of this kernel."""
+        if len(body.c.tails) == 1:
+            return body.function
+        return f"partial({', '.join((body.function, *self.choice))})"
+
+    @property
+    def alone(self) -> tuple[BodyContext, ...]:
+        """The bodies of single outputs."""
+        return self.bodies[1:]
+
+
+@dataclass(frozen=True, slots=True)
+class PackageContext:
+    """What the templates of all files get.
+
+    Parameters
+    ----------
+    name, title, title_ascii, regenerate, version, digest : str
+        As in the manifest.
+    kernels : tuple of KernelContext
+        In the order of the text.
+    has_calls, has_choices : bool
+        Whether they call functions of the math library, and whether rows are chosen.
+    """
+
+    name: str
+    title: str
+    title_ascii: str
+    regenerate: str
+    version: str
+    digest: str
+    kernels: tuple[KernelContext, ...]
+    has_calls: bool
+    has_choices: bool
+
+    @property
+    def quoted_kernels(self) -> tuple[str, ...]:
+        """The names of the kernels as strings of Python."""
+        return tuple(f'"{kernel.name}"' for kernel in self.kernels)

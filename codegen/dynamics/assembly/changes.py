@@ -1,0 +1,73 @@
+"""What assembly changed: told, so that no start is moved without a word."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
+from kousoku.codegen.dynamics.assembly.pose import normalised
+from kousoku.model import precise
+from kousoku.model.varying import fixed_system
+from kousoku.runtime.integrate.given_start import Change, Moved, known
+
+if TYPE_CHECKING:
+    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.precise import Quadruple, Triple
+
+#: A speed below this part of the scene's is rounding.
+ROUNDING = 1e-12
+
+
+def changes_of_assembly(given: System, placed: System) -> list[Change]:
+    """Changes by assembly, the body that changed most first.
+
+    Parameters
+    ----------
+    given, placed : System
+        Before and after.
+    """
+    given, placed = fixed_system(given), fixed_system(placed)
+    size = Metric(given).size
+    pairs = zip(given.bodies, placed.bodies, strict=True)
+    return known(_change(before, after, size) for before, after in pairs)
+
+
+def _change(before: MovingBody, after: MovingBody, size: float) -> Change:
+    """Change of one body."""
+    shift = _length(precise.subtract(_origin(after), _origin(before)))
+    turn = precise.compose(normalised(after.p), precise.conjugate(normalised(before.p)))
+    angle = 2 * float(precise.atan2(precise.length(turn[1:]), abs(turn[0])))
+    v, omega = _velocity(before), precise.triple(before.omega_b)
+    spin, speed = _length(omega), _length(v)
+    fastest = speed + spin * size
+    is_given = speed > ROUNDING * fastest  # what is at rest turns about an origin off its centre
+    change = _length(precise.subtract(_velocity(after), v)) if is_given else 0.0
+    turned = precise.triple(after.omega_b)
+    if before.spins_in_o:
+        omega, turned = (
+            precise.rotate(_p(one), x) for one, x in ((before, omega), (after, turned))
+        )
+    spun = _length(precise.subtract(turned, omega)) if spin else 0.0
+    rates = (change / fastest, spun * size / fastest) if fastest else (0.0, 0.0)
+    sizes = Moved(shift, angle, change, spun)
+    return Change(before.name, sizes, (shift / size, angle, *rates))
+
+
+def _p(body: MovingBody) -> Quadruple:
+    return normalised(body.p)
+
+
+def _origin(body: MovingBody) -> Triple:
+    """Origin of the user's frame of a body, frame O."""
+    arm = precise.rotate(_p(body), precise.triple(body.origin_b))
+    return precise.add(precise.triple(body.r), arm)
+
+
+def _velocity(body: MovingBody) -> Triple:
+    """Velocity of the origin of the user's frame of a body, frame O [m/s]."""
+    turning = precise.cross(precise.triple(body.omega_b), precise.triple(body.origin_b))
+    return precise.add(precise.triple(body.v), precise.rotate(_p(body), turning))
+
+
+def _length(a: Triple) -> float:
+    return float(precise.length(a))

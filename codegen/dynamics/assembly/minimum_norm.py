@@ -1,0 +1,181 @@
+"""The smallest displacements that change rows as wanted, also where rows depend on each other."""
+
+from __future__ import annotations
+
+from copy import copy
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
+from kousoku.codegen.dynamics.operations.characteristic_length import extent
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
+from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
+from kousoku.model.errors import AssemblyError
+from kousoku.runtime.integrate.given_start import THIN
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.assembly.jacobian import Array, PreciseJacobian
+    from kousoku.codegen.dynamics.assembly.residuals import Residuals
+    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
+    from kousoku.model.precise import High
+
+DEPENDENT = 1e-11
+"""Squares of singular values of C_q, in lengths, that belong to rows that depend on others."""
+
+MOST_DENSE = 2000
+"""Rows that may depend on each other: S is dense then."""
+
+PASSES = 6
+"""How often what is missing is solved for again; each pass adds five digits at least."""
+
+ENOUGH = 1e-35
+"""What may be missing then, as a part of what is wanted."""
+
+THINNEST = 1e-12
+"""Least moment of inertia that weighs a change of velocity, as a part of the largest of the body:
+moments count as they are, as in a run."""
+
+
+class Metric:
+    """What a displacement weighs: masses and moments, relative to those of the system.
+
+    Parameters
+    ----------
+    system : System
+        Its bodies give masses, its constraints the length that compares metres with radians.
+    thin : float
+        Least moment of inertia, as a part of the largest of the body.
+    """
+
+    def __init__(self, system: System, thin: float = THIN) -> None:
+        given = [body.mass for body in system.bodies if body.mass > 0]
+        mass = sum(given) / len(given) if given else 1.0
+        #: A length of the system [m].
+        self.size = _size(system)
+        weights = [
+            value / mass
+            for body in system.bodies
+            for value in _weights(body, mass, self.size, thin)
+        ]
+        #: Diagonal of W⁻¹ in 50 digits, per column.
+        self.inverse = [1 / precise.number(weight) for weight in weights]
+
+    def norm(self, step: Sequence[High]) -> High:
+        """Norm √(dᵀ W d), a length [m]."""
+        terms = (x * x / w for x, w in zip(step, self.inverse, strict=True))
+        return CONTEXT.sqrt(sum(terms, precise.ZERO[0]))
+
+    def lengths(self, residuals: Residuals) -> list[High]:
+        """Factors that make rows lengths, one for each."""
+        one, size = precise.number(1.0), precise.number(self.size)
+        return [one if is_length else size for is_length in residuals.in_metres]
+
+
+def _weights(body: MovingBody, mass: float, size: float, thin: float) -> list[float]:
+    """Weights of a body, six; what it does not say is taken from the system."""
+    own = body.mass if body.mass > 0 else mass
+    largest = max(body.inertia) or own * size**2 / 10
+    return [own] * 3 + [max(moment, thin * largest) for moment in body.inertia]
+
+
+def _size(system: System) -> float:
+    """Largest distance of a joint from a centre of mass, or between two points."""
+    lengths: list[tuple[float, ...]] = []
+    terms = dict.fromkeys(term.coordinate for one in system.constraints for term in one.terms)
+    sources: list[Instance | Coordinate] = [*system.constraints]
+    for source in (*sources, *(system.coordinates[k] for k in terms)):
+        bodies = {"i": source.i, "j": source.j}
+        lengths += [values for end, values in lengths_of(source) if bodies.get(end, 0) >= 0]
+    return max((abs(x) for values in lengths for x in values), default=0.0) or extent(system)
+
+
+class MinimumNormSolver:
+    """S = C_q W⁻¹ C_qᵀ in doubles, and its solutions of least norm.
+
+    Parameters
+    ----------
+    jacobian : PreciseJacobian
+        C_q.
+    metric : Metric
+        W.
+    rows : Residuals
+        The rows.
+
+    Raises
+    ------
+    AssemblyError
+        Rows depend on each other, and they are too many for a dense solution.
+    """
+
+    def __init__(self, jacobian: PreciseJacobian, metric: Metric, rows: Residuals) -> None:
+        self._factors = np.array([float(x) for x in metric.lengths(rows)])
+        self._roots = np.sqrt(np.array([float(x) for x in metric.inverse]))
+        self._jacobian, self._metric = jacobian, metric
+        at, columns, values = jacobian.elements()
+        scaled = values * self._factors[at] * self._roots[columns]
+        self._blocks = BlockFactors(Pattern(rows), (at, columns, scaled))
+        self._parts: tuple[Array, Array] | None = None
+
+    def with_jacobian(self, jacobian: PreciseJacobian) -> MinimumNormSolver:
+        """Solver for a C_q that is nearly the same: each pass adds fewer digits."""
+        other = copy(self)
+        other._jacobian = jacobian
+        return other
+
+    def step(self, wanted: Sequence[High], damping: float) -> list[High]:
+        """Displacement that changes the rows about as wanted, damped."""
+        return self._displacement(self._multipliers(wanted, damping))
+
+    def displacement(self, wanted: Sequence[High]) -> list[High]:
+        """Minimum-norm d with C_q d = wanted, in 50 digits as far as the rows allow it."""
+        lam = [precise.ZERO[0]] * len(wanted)
+        d, missing = self._displacement(lam), wanted
+        enough = ENOUGH * max(map(abs, wanted), default=0)
+        for _ in range(PASSES):
+            if max(map(abs, missing), default=0) <= enough:
+                break
+            lam = [x + y for x, y in zip(lam, self._multipliers(missing), strict=True)]
+            d = self._displacement(lam)
+            reached = self._jacobian.times(d)
+            missing = [x - y for x, y in zip(wanted, reached, strict=True)]
+        return d
+
+    def _multipliers(self, wanted: Sequence[High], damping: float = 0.0) -> list[High]:
+        """Minimum-norm λ with S λ = wanted, or damped by a part of the largest S."""
+        right = self._factors * np.array([float(x) for x in wanted])
+        if self._blocks.is_regular and not damping:
+            solution = self._blocks.solve(right)
+        else:
+            values, vectors = self._eigen()
+            solution = vectors @ (vectors.T @ right / (values + damping * values.max(initial=0.0)))
+        return [precise.number(x) for x in (self._factors * solution).tolist()]
+
+    def _eigen(self) -> tuple[Array, Array]:
+        """Eigenvalues of S, the largest first, and vectors: those of independent rows.
+
+        Which rows depend on others is no matter of masses: lengths alone tell it. Singular values
+        of C_q W^{-1/2} have the digits that S, in which they are squared, has lost.
+        """
+        if len(self._factors) > MOST_DENSE:
+            raise AssemblyError(
+                f"{len(self._factors)} rows are put together, and some depend on others; at most"
+                f" {MOST_DENSE} can: give positions and velocities that fit, or leave out joints"
+                " that repeat others"
+            )
+        if self._parts is None:
+            rows = self._factors[:, None] * self._jacobian.dense()
+            lengths = np.tile([1.0] * 3 + [self._metric.size] * 3, len(self._roots) // COLUMNS)
+            vectors, sizes, _ = np.linalg.svd(rows / lengths, full_matrices=False)
+            own = vectors[:, sizes**2 > DEPENDENT * sizes.max(initial=0.0) ** 2]
+            turned, sizes, _ = np.linalg.svd(own.T @ (rows * self._roots), full_matrices=False)
+            self._parts = sizes**2, own @ turned
+        return self._parts
+
+    def _displacement(self, lam: Sequence[High]) -> list[High]:
+        """Displacement W⁻¹ C_qᵀ λ."""
+        products = self._jacobian.transposed_times(lam)
+        return [w * x for w, x in zip(self._metric.inverse, products, strict=True)]

@@ -1,0 +1,271 @@
+"""Positions at which rows hold, to the digits of doubles: where the search in 50 digits starts.
+
+All bodies are moved at once, and all instances of a kind are evaluated at once. Nothing of how a
+position was found here is left in what 50 digits make of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
+from kousoku.codegen.dynamics.assembly.fixed_points import Accelerated
+from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.model import precise
+from kousoku.model.precise import IDENTITY, ZERO
+
+if TYPE_CHECKING:
+    from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
+    from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
+    from kousoku.codegen.dynamics.assembly.residuals import Residuals
+
+FIRST_DAMPING, LEAST_DAMPING = 1e-3, 1e-12
+"""Damping of the first step, and what is as good as none."""
+
+SLOW, PATIENCE = 0.9, 15
+"""A step is slow that leaves more than this part of the rows, and how many are taken."""
+
+LARGEST_TURN = 0.5
+"""The largest turn of a body in one step, about each axis, in radians."""
+
+CLOSE = 1e-12
+"""What is left of rows, as a part of the size of the system, where doubles have done their part."""
+
+MOST_STEPS = 60
+"""Steps on the way to the nearest positions."""
+
+HOPELESS = 1e3
+"""A step of so many sizes of the system settles nowhere."""
+
+SMALL_TURN = 1e-3
+"""Below it 1/6 stands for (|w| − sin|w|)/|w|³: with |w|² that is right to 10⁻¹⁴."""
+
+DIFFERENCE, RIGHT = 1e-6, 1e-5
+"""Displacement by which the step is differentiated, and what may be wrong of the result."""
+
+
+@dataclass(frozen=True, slots=True)
+class DoublePose:
+    """Positions of all bodies in doubles, the ground last.
+
+    Parameters
+    ----------
+    r, p : (bodies + 1, 3) [m] and (bodies + 1, 4)
+        As of a pose; p of norm one.
+    near : (coordinates,)
+        Where the coordinates are counted from.
+    """
+
+    r: Array
+    p: Array
+    near: Array
+
+    @classmethod
+    def of(cls, pose: Pose) -> DoublePose:
+        """Pose in doubles."""
+        r, p = (np.array([[float(x) for x in own] for own in part]) for part in (pose.r, pose.p))
+        return cls(r, p, np.array([float(x) for x in pose.near]))
+
+    def pose(self) -> Pose:
+        """Pose in 50 digits."""
+        r = [precise.triple(own) for own in self.r[:-1].tolist()]
+        p = [normalised(own) for own in self.p[:-1].tolist()]
+        near = tuple(precise.number(x) for x in self.near.tolist())
+        return Pose((*r, ZERO), (*p, IDENTITY), near)
+
+    def moved(self, step: Array) -> DoublePose:
+        """Positions after a displacement (δr, δθ′) of each body, finite rotations."""
+        by_body = step.reshape(-1, COLUMNS)
+        r, p = self.r.copy(), self.p.copy()
+        r[:-1] += by_body[:, :3]
+        half = by_body[:, 3:] / 2
+        size = np.sqrt((half * half).sum(axis=1, keepdims=True))
+        turn = np.hstack((np.cos(size), half * np.sinc(size / np.pi)))
+        moved = _composed(p[:-1], turn)
+        p[:-1] = moved / np.sqrt((moved * moved).sum(axis=1, keepdims=True))
+        return DoublePose(r, p, self.near)
+
+    def since(self, start: DoublePose) -> Array:
+        """Displacement (δr, δθ′) of each body from ``start`` to here."""
+        back = start.p[:-1] * (1.0, -1.0, -1.0, -1.0)
+        turned = _composed(back, self.p[:-1])
+        turned = np.where(turned[:, :1] < 0, -turned, turned)
+        sine = np.sqrt((turned[:, 1:] ** 2).sum(axis=1, keepdims=True))
+        angle = 2 * np.arctan2(sine, turned[:, :1])
+        turn = turned[:, 1:] * np.where(sine > 0, angle / np.where(sine > 0, sine, 1.0), 2.0)
+        return np.hstack((self.r[:-1] - start.r[:-1], turn)).ravel()
+
+
+class GaussNewton:
+    """Steps of least norm towards positions at which rows have wanted values.
+
+    Parameters
+    ----------
+    rows : Residuals
+        All of them.
+    metric : Metric
+        What displacements weigh.
+    """
+
+    def __init__(self, rows: Residuals, metric: Metric) -> None:
+        self._rows, self._size, self._pattern = rows, metric.size, Pattern(rows)
+        self._lengths = np.where(rows.in_metres, 1.0, metric.size)
+        self._roots = np.sqrt(np.array([float(x) for x in metric.inverse]))
+
+    def missing(self, place: DoublePose, wanted: Array | float = 0.0) -> Array:
+        """Residual wanted − C, as lengths."""
+        missing: Array = wanted - self._rows.residuals(place.r, place.p, place.near)
+        return missing * self._lengths
+
+    def solve(
+        self,
+        place: DoublePose,
+        wanted: Array | float = 0.0,
+        until: float = CLOSE,
+        least: float = LEAST_DAMPING,
+    ) -> DoublePose:
+        """Positions near a place at which rows are as wanted, or as near as they come.
+
+        Gauss-Newton steps of least norm, damped while they overshoot (Levenberg and Marquardt),
+        because rows may depend on each other.
+        """
+        damping, slow = FIRST_DAMPING, 0
+        missing = self.missing(place, wanted)
+        size = _norm(missing)
+        while size > until * self._size and slow < PATIENCE:
+            moved = place.moved(_shortened(self._step(place, missing, damping)))
+            moved_missing = self.missing(moved, wanted)
+            moved_size = _norm(moved_missing)
+            slow = slow + 1 if not moved_size <= SLOW * size else 0
+            if not moved_size < size:
+                damping = max(10 * damping, least)
+                continue
+            place, missing, size = self._counted(moved), moved_missing, moved_size
+            damping = max(damping / 100, least)
+        return place
+
+    def project_nearest(self, start: DoublePose, place: DoublePose) -> DoublePose | None:
+        """Positions nearest to ``start`` on the branch of a place that fits.
+
+        None where d ← W⁻¹ C_dᵀ λ with S λ = C_d d − C does not settle, C_d = C_q ∂q/∂d.
+        """
+        moved, d = place, place.since(start)
+        accelerated = Accelerated(1 / self._roots)
+        for _ in range(MOST_STEPS):
+            nearest = self._nearest(moved, d)
+            away = self._away(nearest - d)
+            if away <= CLOSE * self._size:
+                return moved
+            if not away < HOPELESS * self._size:
+                return None
+            d = accelerated.next(d, nearest)
+            moved = self._counted(DoublePose(start.r, start.p, moved.near).moved(d))
+        return None
+
+    def implicit_correction(self, start: DoublePose, place: DoublePose, change: Array) -> Array:
+        """Correction of d that solves x = change + g′ x, where one more step would be ``change``.
+
+        With g the step and x what is wanted, x = change + g′ x. The derivative is a difference of
+        doubles: some digits of x are right, and the caller goes on from there.
+        """
+        d = place.since(start)
+        here = self._nearest(place, d)
+        scale = DIFFERENCE * self._size / (self._away(change) or 1.0)
+        accelerated = Accelerated(1 / self._roots)
+        x = change
+        for _ in range(MOST_STEPS):
+            moved = DoublePose(start.r, start.p, place.near).moved(d + scale * x)
+            value = change + (self._nearest(moved, d + scale * x) - here) / scale
+            away = self._away(value - x)
+            if away <= RIGHT * self._away(change) or not away < HOPELESS * self._away(change):
+                break
+            x = accelerated.next(x, value)
+        return x
+
+    def _nearest(self, place: DoublePose, d: Array) -> Array:
+        c, rows, columns, values = self._rows.elements(place.r, place.p, place.near)
+        rows, columns, values = _of_displacement(rows, columns, values, d)
+        rates = np.bincount(rows, values * d[columns], self._rows.rows)
+        missing = (rates - c) * self._lengths
+        return self._least((rows, columns, values), missing, LEAST_DAMPING)
+
+    def _away(self, change: Array) -> float:
+        return _norm(change / self._roots)
+
+    def _counted(self, place: DoublePose) -> DoublePose:
+        return DoublePose(place.r, place.p, self._rows.angles(place.r, place.p, place.near))
+
+    def _step(self, place: DoublePose, missing: Array, damping: float) -> Array:
+        """Displacement that changes the rows, as lengths, about as wanted, damped."""
+        _, rows, columns, values = self._rows.elements(place.r, place.p, place.near)
+        return self._least((rows, columns, values), missing, damping)
+
+    def _least(
+        self, elements: tuple[Places, Places, Array], missing: Array, damping: float
+    ) -> Array:
+        """Minimum-norm displacement for a Jacobian by its rows, columns and values."""
+        rows, columns, values = elements
+        scaled = values * self._lengths[rows] * self._roots[columns]
+        factors = BlockFactors(self._pattern, (rows, columns, scaled), damping)
+        multipliers = factors.solve(missing)
+        size = len(self._roots)
+        step: Array = self._roots * np.bincount(columns, scaled * multipliers[rows], size)
+        return step
+
+
+def _of_displacement(
+    rows: Places, columns: Places, values: Array, d: Array
+) -> tuple[Places, Places, Array]:
+    """Derivative by a displacement, as of a Jacobian, from its elements for δθ′."""
+    rates = _rates_of_turns(d.reshape(-1, COLUMNS)[:, 3:])
+    place = columns % COLUMNS - 3
+    turns = place >= 0
+    body, place = columns[turns] // COLUMNS, place[turns]
+    parts = values[turns, None] * rates[body, place]
+    first = np.repeat(body * COLUMNS + 3, 3) + np.tile((0, 1, 2), len(body))
+    return (
+        np.concatenate((rows[~turns], np.repeat(rows[turns], 3))),
+        np.concatenate((columns[~turns], first)),
+        np.concatenate((values[~turns], parts.ravel())),
+    )
+
+
+def _rates_of_turns(w: Array) -> Array:
+    """Matrix T with δθ′ = T dw of each rotation vector w, (n, 3, 3)."""
+    x, y, z = w.T
+    zero = np.zeros_like(x)
+    tilde = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
+    angle = np.sqrt((w * w).sum(axis=1))[:, None, None]
+    safe = np.where(angle > SMALL_TURN, angle, 1.0)
+    a = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
+    b = np.where(angle > SMALL_TURN, (safe - np.sin(safe)) / safe**3, 1 / 6)
+    turned: Array = np.eye(3) - a * tilde + b * (tilde @ tilde)
+    return turned
+
+
+def _norm(x: Array) -> float:
+    return float(np.sqrt((x * x).sum()))
+
+
+def _shortened(step: Array) -> Array:
+    """Displacement that turns no body further than is sensible in one step."""
+    largest = float(np.abs(step.reshape(-1, COLUMNS)[:, 3:]).max(initial=0.0))
+    return step * (LARGEST_TURN / largest) if largest > LARGEST_TURN else step
+
+
+def _composed(p: Array, q: Array) -> Array:
+    """Products p ∘ q of Euler parameters, row by row."""
+    w, x, y, z = p.T
+    a, b, c, d = q.T
+    return np.array(
+        [
+            w * a - x * b - y * c - z * d,
+            w * b + x * a + y * d - z * c,
+            w * c + y * a + z * b - x * d,
+            w * d + z * a + x * c - y * b,
+        ]
+    ).T

@@ -1,0 +1,254 @@
+"""The nearest positions at which all rows hold, in 50 digits.
+
+Where that fails and drivers prescribe at t = 0 what is far from the positions of the scene, joints
+are put together first, and the drivers lead the mechanism from there step by step.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.codegen.dynamics.assembly.excess import excess_of_drivers
+from kousoku.codegen.dynamics.assembly.minimum_norm import MinimumNormSolver
+from kousoku.codegen.dynamics.assembly.newton_double import (
+    LEAST_DAMPING,
+    PATIENCE,
+    SLOW,
+    DoublePose,
+    GaussNewton,
+)
+from kousoku.codegen.dynamics.assembly.pose import Pose
+from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.codegen.dynamics.assembly.violations import key_of, sizes_of, violations
+from kousoku.model import precise
+from kousoku.model.errors import AssemblyError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.dynamics.assembly.jacobian import Array
+    from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
+    from kousoku.model.mechanism import System
+    from kousoku.model.precise import High
+
+CLOSED = 1e-12
+"""What is violated by less than this part of the size of the system fits, and smaller steps along
+positions that fit are no steps."""
+
+EXACT = 1e-22
+"""Where iterations stop, far beyond the digits of doubles."""
+
+ON_THE_WAY = 1e-9
+"""Where they stop between the positions of the scene and those that drivers prescribe."""
+
+MOST_STEPS = 12
+"""Steps in 50 digits on the way to the nearest positions; each adds some digits."""
+
+MOST_SLIDES, SLID = 60, 1e-16
+"""Steps along positions that fit, and the last of them, as a part of the size of the system."""
+
+ROUNDING = 16 * 2.0**-52
+"""What fits to this part of the size of the system is taken as it is."""
+
+NEARLY = 1e-5
+"""What is violated by less, and yet not closed, was stopped by rows that lose rank."""
+
+FAR = 0.25
+"""Drivers go at most this far at once, in radians or sizes of the system."""
+
+MOST_STAGES, MOST_HALVINGS = 64, 5
+"""Stages on the way of drivers, and how often one that fails is halved."""
+
+
+def nearest_pose(system: System, rows: Residuals, metric: Metric) -> Pose:
+    """Positions nearest to those of a system at which all rows hold.
+
+    Raises
+    ------
+    AssemblyError
+        There are none near; the message names the joints and drivers that stay violated, by how
+        many metres and radians.
+    """
+    start = Pose.of(system.bodies, system.coordinates)
+    search = _PreciseGaussNewton(rows, metric)
+    written = DoublePose.of(start)
+    pose = search.solve(search.doubles.solve(written).pose())
+    open_joints = violations(rows, pose, CLOSED, metric.size)
+    if open_joints and (driven := _led_by_drivers(written, system, search)):
+        pose = search.solve(driven.pose())
+        open_joints = violations(rows, pose, CLOSED, metric.size)
+    if open_joints:
+        excess = excess_of_drivers(system, start)
+        raise AssemblyError(
+            f"{system.name}: {excess}does not fit together near these positions; as near as it "
+            f"comes, these stay open: {sizes_of(open_joints, ('m', 'rad'))};"
+            f" {_advice(system, open_joints)}",
+            [*open_joints],
+        )
+    return _project_nearest(start, pose, search)
+
+
+def _advice(system: System, open_joints: Mapping[str, tuple[float, float]]) -> str:
+    if max(map(max, open_joints.values())) <= NEARLY:
+        return (
+            "the nearest position is one where joints repeat each other, or they contradict each"
+            " other by so little: give other positions, or numbers with more digits"
+        )
+    if any(one.is_driver and key_of(one) in open_joints for one in system.constraints):
+        return (
+            "the joints, or other drivers, do not allow what drivers prescribe at t = 0: check"
+            " lengths, points, axes and these values, and leave out drivers of what others move"
+        )
+    return "check lengths, points, axes and the positions that the scene gives"
+
+
+class _PreciseGaussNewton:
+    """Steps of least norm towards positions at which rows hold.
+
+    Parameters
+    ----------
+    rows : Residuals
+        All of them.
+    metric : Metric
+        What displacements weigh.
+    """
+
+    def __init__(self, rows: Residuals, metric: Metric) -> None:
+        self.rows, self.metric = rows, metric
+        self.lengths = metric.lengths(rows)
+        self.doubles = GaussNewton(rows, metric)
+
+    def size(self, c: Sequence[High]) -> High:
+        """Norm of rows as lengths."""
+        return precise.length([x * y for x, y in zip(c, self.lengths, strict=True)])
+
+    def solve(self, pose: Pose) -> Pose:
+        """Positions at which rows hold, near those where they nearly do.
+
+        Gauss-Newton steps of least norm, damped where they overshoot (Levenberg and Marquardt),
+        because rows may depend on each other.
+        """
+        damping, slow = 0.0, 0
+        c, jacobian = self.rows.at(pose)
+        size = self.size(c)
+        while EXACT * self.metric.size < size <= NEARLY * self.metric.size and slow < PATIENCE:
+            solver = MinimumNormSolver(jacobian, self.metric, self.rows)
+            moved = pose.moved(solver.step([-x for x in c], damping))
+            moved_c, moved_jacobian = self.rows.at(moved)
+            moved_size = self.size(moved_c)
+            slow = slow + 1 if moved_size > SLOW * size else 0
+            if moved_size >= size:
+                damping = max(10 * damping, LEAST_DAMPING)
+                continue
+            pose, c, jacobian = self.rows.counted(moved), moved_c, moved_jacobian
+            size, damping = moved_size, damping / 100 if damping > LEAST_DAMPING else 0.0
+        return pose
+
+
+def _led_by_drivers(
+    start: DoublePose, system: System, search: _PreciseGaussNewton
+) -> DoublePose | None:
+    """Positions to which drivers lead from afar; None if none is far, or does not arrive.
+
+    The joints are put together without drivers first. From there the value that each driver is
+    away from what it prescribes goes to zero in equal stages.
+    """
+    doubles, size = search.doubles, search.metric.size
+    drives = np.repeat(
+        [one.is_driver for one in search.rows.constraints],
+        [search.rows.count(one) for one in search.rows.constraints],
+    )
+    if _stages(doubles.missing(start), drives, size) <= 1:
+        return None
+    places = [k for k, one in enumerate(search.rows.constraints) if not one.is_driver]
+    kept = [search.rows.constraints[k] for k in places]
+    left_out = [(places.index(k), row) for k, row in search.rows.left_out if k in places]
+    others = GaussNewton(Residuals.of(system, kept, left_out), search.metric)
+    place = others.solve(start, until=ON_THE_WAY)
+    lengths = np.where(search.rows.in_metres, 1.0, size)
+    away = np.where(drives, -doubles.missing(place) / lengths, 0.0)
+    done, halvings = 0.0, 0
+    part = 1 / min(MOST_STAGES, _stages(doubles.missing(place), drives, size))
+    while done < 1:
+        wanted = max(0.0, 1 - done - part) * away
+        moved = doubles.solve(place, wanted, ON_THE_WAY)
+        left = doubles.missing(moved, wanted)
+        if float((left * left).sum()) ** 0.5 <= ON_THE_WAY * size:
+            place, done = moved, done + part
+        elif halvings < MOST_HALVINGS:
+            part, halvings = part / 2, halvings + 1
+        else:
+            return None
+    return doubles.solve(place)
+
+
+def _stages(missing: Array, drives: Array, size: float) -> int:
+    """Number of stages in which drivers reach what they prescribe."""
+    largest = float(np.abs(missing[drives]).max(initial=0.0))
+    return max(1, math.ceil(largest / (FAR * size)))
+
+
+def _project_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Pose:
+    """Positions nearest to ``start`` on the branch of ``pose``, which fits already.
+
+    With d the displacement so far, and C_d = C_q ∂q/∂d, d ← W⁻¹ C_dᵀ λ where S λ = C_d d − C, until
+    it stays. Where that does not settle, rows that depend on each other where they hold and nowhere
+    else lead along themselves.
+    """
+    metric, doubles = search.metric, search.doubles
+    begin = DoublePose.of(start)
+    place = doubles.project_nearest(begin, DoublePose.of(pose))
+    if place is None:
+        return _stepwise_nearest(start, pose, search)
+    moved = replace(place.pose(), near=pose.near)
+    d = moved.since(start)
+    solver: MinimumNormSolver | None = None
+    for _ in range(MOST_STEPS):
+        c, jacobian = search.rows.at(moved)
+        jacobian = jacobian.of_displacement(d)
+        solver = (
+            solver.with_jacobian(jacobian)
+            if solver
+            else MinimumNormSolver(jacobian, metric, search.rows)
+        )
+        towards = solver.displacement(_less(jacobian.times(d), c))
+        missing = _less(towards, d)
+        change = metric.norm(missing)
+        if change <= EXACT * metric.size:
+            return search.rows.counted(replace(start.moved(towards), near=moved.near))
+        left = doubles.implicit_correction(begin, place, np.array([float(x) for x in missing]))
+        d = [x + precise.number(y) for x, y in zip(d, left.tolist(), strict=True)]
+        moved = search.rows.counted(replace(start.moved(d), near=moved.near))
+    return moved if change <= ROUNDING * metric.size else _stepwise_nearest(start, pose, search)
+
+
+def _stepwise_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Pose:
+    """Positions nearest to ``start``, by steps from positions to others that fit.
+
+    A step leaves of d what is W⁻¹ C_dᵀ λ. Where steps do not become smaller, positions stay, unless
+    steps are rounding by then: of rows that depend on others doubles tell the last digits only so.
+    """
+    metric, rows = search.metric, search.rows
+    here, last = pose, metric.norm(pose.since(start))
+    for _ in range(MOST_SLIDES):
+        d = here.since(start)
+        jacobian = rows.at(here)[1].of_displacement(d)
+        normal = MinimumNormSolver(jacobian, metric, rows).displacement(jacobian.times(d))
+        size = metric.norm(_less(d, normal))
+        if size <= SLID * metric.size:
+            return here
+        if not size < last:
+            return here if size <= CLOSED * metric.size else pose
+        moved = rows.counted(replace(start.moved(normal), near=here.near))
+        here, last = search.solve(search.doubles.solve(DoublePose.of(moved)).pose()), size
+        if violations(rows, here, CLOSED, metric.size):
+            break
+    return pose
+
+
+def _less(a: Sequence[High], b: Sequence[High]) -> list[High]:
+    return [x - y for x, y in zip(a, b, strict=True)]

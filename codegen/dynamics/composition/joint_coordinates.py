@@ -1,0 +1,165 @@
+"""The bodies of a program that hang on the ground by one joint, and keep what it leaves free.
+
+The composer asks here, segment by segment, for what differs of such bodies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.composition.auxiliary import Copy
+from kousoku.codegen.dynamics.composition.record_joint_coordinates import JointCoordinateRecorder
+from kousoku.codegen.dynamics.recording.recorder import zeros
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from kousoku.codegen.dynamics.composition.combinations import Combinations
+    from kousoku.codegen.dynamics.composition.joints import JointBlocks
+    from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
+    from kousoku.codegen.dynamics.composition.schur import Schur
+    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
+    from kousoku.model.mechanism import System
+
+    #: A matrix, and the vector that it is multiplied with.
+    Product = tuple[Block, Block]
+
+
+class JointCoordinates:
+    """The bodies that are reduced, none of them unless there are some.
+
+    Parameters
+    ----------
+    found : mapping of int to VelocityTransformation
+        What describes them, by the body.
+    system : System
+        The scene.
+    recorder : Recorder
+        The program.
+    body : callable
+        Returns the blocks of a body by its index.
+    combinations : Combinations
+        What records the formulas of drivers.
+    """
+
+    def __init__(
+        self,
+        found: Mapping[int, VelocityTransformation],
+        system: System,
+        recorder: Recorder,
+        body: Callable[[int], BodyBlocks],
+        combinations: Combinations,
+    ) -> None:
+        self.recorder = recorder
+        self.tasks = {
+            k: JointCoordinateRecorder(one, system, recorder, body, combinations)
+            for k, one in found.items()
+        }
+        self._free: dict[int, Block] = {}
+
+    @property
+    def instances(self) -> list[int]:
+        """The joints that bodies are put onto and their drivers, by their places."""
+        return [place for one in self.tasks.values() for place in one.one.instances]
+
+    @property
+    def placed(self) -> tuple[int, ...]:
+        """The bodies whose centre of mass follows from all else."""
+        return tuple(k for k, one in self.tasks.items() if one.one.is_placed)
+
+    def geometry(self, bodies: list[BodyBlocks]) -> None:
+        """Record R, and put it into the blocks of the bodies."""
+        for k, one in self.tasks.items():
+            basis, inverse = one.geometry()
+            bodies[k] = replace(bodies[k], basis=basis, inverse=inverse)
+
+    def project_velocity(self, by_body: list[Block]) -> tuple[dict[int, Block], dict[int, Block]]:
+        """Record velocities that fit, and put u into ``by_body``; return what v lacks, and β."""
+        lacks, beta = {}, {}
+        for k, one in self.tasks.items():
+            by_body[k], lacks[k], beta[k] = one.project_velocity()
+        return lacks, beta
+
+    def reduce_forces(self, free: list[Block]) -> dict[int, Block]:
+        """Record u̇ without joints, and put it into ``free``, which has M⁻¹f; return η."""
+        drifts = {k: one.bias_acceleration() for k, one in self.tasks.items()}
+        for k, one in self.tasks.items():
+            self._free[k] = one.reduce_forces(free[k], drifts[k])
+            free[k] = one.chosen(self._free[k])
+        return drifts
+
+    def keep(self, free: Sequence[Block]) -> None:
+        """Record M⁻¹f into a region of its own: forces of joints are told from it."""
+        if self.tasks:
+            whole = self.recorder.region("free", sum(free[k].height for k in self.tasks))
+            for part, k in zip(self._parts(whole), self.tasks, strict=True):
+                self.recorder.call(Copy(), free[k], into=(part,))
+
+    def wrenches(
+        self,
+        schur: Schur,
+        joints: Sequence[JointBlocks],
+        v_dot: Sequence[Block],
+        coordinates: CoordinateRecorder,
+    ) -> dict[tuple[str, int], Block]:
+        """Record what joints with the ground and their drivers do to bodies, by name and body."""
+        found: dict[tuple[str, int], Block] = {}
+        if not self.tasks:
+            return found
+        lam, whole = self.recorder.known("lam"), self.recorder.known("free")
+        multipliers = [lam.part(joint.first, joint.count) for joint in joints]
+        for free, (k, one) in zip(self._parts(whole), self.tasks.items(), strict=True):
+            others = self._others(schur, k, joints, multipliers)
+            own = one.wrenches(v_dot[k], free, others, coordinates)
+            found |= {(name, k): wrench for name, wrench in own.items()}
+        return found
+
+    def _parts(self, whole: Block) -> list[Block]:
+        """Parts of a region that has the columns of each body."""
+        counts = [len(one.blocks.columns) for one in self.tasks.values()]
+        return [whole.part(sum(counts[:n]), count) for n, count in enumerate(counts)]
+
+    def _others(
+        self, schur: Schur, k: int, joints: Sequence[JointBlocks], multipliers: Sequence[Block]
+    ) -> Block:
+        """Record what other joints do to body k, −Σ C_qᵀλ."""
+        pairs = zip(joints, multipliers, strict=True)
+        products = [(joint.whole[k].T, solution) for joint, solution in pairs if k in joint.bodies]
+        return schur.gather(zeros(len(self.tasks[k].blocks.columns), 1), products)
+
+    def powers(
+        self,
+        schur: Schur,
+        joints: Sequence[JointBlocks],
+        multipliers: Sequence[Block],
+        *,
+        is_whole: bool,
+    ) -> list[tuple[str, Block]]:
+        """Record the power of each driver of a joint with the ground, by its name [W].
+
+        Unless it is the whole, what the multipliers add to it.
+        """
+        found = []
+        for k, one in self.tasks.items():
+            if one.one.prescribed:
+                others = self._others(schur, k, joints, multipliers)
+                found += one.powers(self._free[k] if is_whole else None, others)
+        return found
+
+    def spread(
+        self,
+        schur: Schur,
+        totals: list[Block],
+        products: list[list[Product]],
+        beyond: Mapping[int, Block] | None,
+    ) -> None:
+        """Record what others do to u, and put R u and what is beyond that in its place."""
+        own = {k: schur.gather(totals[k], products[k]) for k in self.tasks}
+        for k, one in self.tasks.items():
+            basis = one.blocks.basis
+            assert basis is not None
+            totals[k] = beyond[k] if beyond else zeros(basis.height, 1)
+            products[k] = [(-basis, own[k])]

@@ -1,0 +1,134 @@
+"""Record what acts on bodies: gravity, and the forces with what their facets need of a program."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.operations.forces import ELONGATION
+from kousoku.codegen.dynamics.operations.formulas import Relative, ScaledColumn, scaled
+from kousoku.codegen.dynamics.operations.sums import summed
+from kousoku.codegen.dynamics.recording.recorder import Block, column
+from kousoku.model.formulas import used_names
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from kousoku.codegen.dynamics.composition.formula_names import FormulaNames
+    from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
+    from kousoku.codegen.dynamics.recording.recorder import Recorder
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.model.mechanism import ForceElement, System
+    from kousoku.model.precise import High
+    from kousoku.model.switching import Measure
+
+    Effect = tuple[dict[int, Block], Block | None]
+
+
+class ForceRecorder:
+    """Forces of a program.
+
+    Parameters
+    ----------
+    recorder : Recorder
+        The program.
+    body : callable
+        Returns the blocks of a body, or of the ground, by its index.
+    coordinates : CoordinateRecorder
+        What forces along coordinates need.
+    names : FormulaNames
+        What formulas may depend on.
+    by_body : sequence of Block
+        The velocities of each body.
+    """
+
+    def __init__(
+        self,
+        recorder: Recorder,
+        body: Callable[[int], BodyBlocks],
+        coordinates: CoordinateRecorder,
+        names: FormulaNames,
+        by_body: Sequence[Block],
+    ) -> None:
+        self.recorder = recorder
+        self.body = body
+        self.coordinates = coordinates
+        self.by_body = by_body
+        self.names = names
+
+    def effect(self, force: ForceElement) -> Effect:
+        """Record what a force adds to the accelerations of each body, and its power.
+
+        The power is that of what is no potential energy, None where all is.
+        """
+        found = facets_of(force).effect(self)
+        ends = zip((force.i, force.j), found, strict=False)
+        added = {index: block for index, block in ends if index != GROUND_INDEX}
+        return added, found[2] if force.works else None
+
+    def act(self, forces: Sequence[ForceElement], free: list[Block]) -> dict[str, Block]:
+        """Add what forces give to accelerations; return the power of those that work, by name.
+
+        Parameters
+        ----------
+        forces : sequence of ForceElement
+            Those of the scene.
+        free : list of Block
+            Accelerations by body, which are replaced by the sums.
+        """
+        shares = [[block] for block in free]
+        powers: dict[str, list[Block]] = {}
+        for force in forces:
+            with self.recorder.of(force.name):
+                added, power = self.effect(force)
+            for index, block in added.items():
+                shares[index].append(block)
+            if power is not None:
+                powers.setdefault(force.name, []).append(power)
+        free[:] = [summed(self.recorder, parts) for parts in shares]
+        return {name: summed(self.recorder, parts) for name, parts in powers.items()}
+
+    def measure(self, system: System, one: Measure, value: Block, rate: Block) -> None:
+        """Record what formulas read of a state, in their units."""
+        free = column((0,))
+        if one.force < 0:
+            (x, unit), (v, _) = self.names[one.name], self.names[one.rate]
+        else:
+            x, v, free, unit = facets_of(system.forces[one.force]).elongation(self)
+        self.recorder.call(Relative(), x, free, unit, into=(value,))
+        self.recorder.call(Relative(), v, column((0,)), unit, into=(rate,))
+
+    def gravity(self, system: System) -> Block:
+        """Acceleration of free fall (3,)."""
+        parts = [self.recorder.constant(system.gravity)]
+        for k, text in enumerate(system.gravity_law):
+            if text:
+                direction = self.recorder.constant([system.unit * (n == k) for n in range(3)])
+                parts.append(scaled(self.recorder, direction, text, self.names))
+        return summed(self.recorder, parts)
+
+    def weight(self, system: System, gravity: Block, mass: High) -> Block:
+        """Minus the weight of a body (3,)."""
+        if not any(system.gravity_law):
+            return self.recorder.constant([-mass * Fraction(g) for g in system.gravity])
+        return self.recorder.call(ScaledColumn(), gravity, self.recorder.constant((-mass,)))[0]
+
+    def constants(self, force: ForceElement) -> list[Block]:
+        """Record the constants of a force; those that have a formula are multiplied by it."""
+        texts = dict(force.formulas)
+        found = []
+        for name, values in force.constants:
+            block = self.recorder.constant(values)
+            if name in texts:
+                block = scaled(self.recorder, block, texts[name], self.names)
+            found.append(block)
+        return found
+
+    def law(self, force: ForceElement) -> tuple[tuple[str, ...], list[Block]]:
+        """Values and units that a law depends on beside elongation and rate."""
+        if not force.law:
+            return (), []
+        names = tuple(name for name in used_names(force.law, self.names) if name not in ELONGATION)
+        return names, [block for name in names for block in self.names[name]]

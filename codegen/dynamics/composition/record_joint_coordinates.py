@@ -1,0 +1,286 @@
+"""The tasks of bodies that hang on the ground by one joint, with v = R u + β.
+
+Such a body is put onto its joint wherever a position is moved, and its velocities are fitted to it
+before those of other joints are looked at. Only the rows of other joints are solved for, with
+C_q R for C_q and (Rᵀ M R)⁻¹ for M⁻¹:
+
+    u̇ = (Rᵀ M R)⁻¹ Rᵀ (f − M η − C_qᵀ λ),  v̇ = R u̇ + η.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.operations.joint_coordinates import (
+    AXIS,
+    NOTHING,
+    POINT,
+    BiasAcceleration,
+    DriverPower,
+    DriverWrench,
+    JointArm,
+    JointWrench,
+    PrescribedValue,
+    ProjectPosition,
+    ProjectVelocity,
+    ReduceForces,
+)
+from kousoku.codegen.dynamics.recording.recorder import Block, column, zeros
+from kousoku.codegen.dynamics.simplification.reduced_mass import (
+    arms_of,
+    inverse_of,
+    is_principal,
+    mass_of,
+    shares_of,
+)
+from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from fractions import Fraction
+
+    from kousoku.codegen.dynamics.composition.combinations import Combinations
+    from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
+    from kousoku.codegen.dynamics.recording.recorder import Recorder
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.simplification.joint_coordinates import (
+        Prescribed,
+        VelocityTransformation,
+    )
+    from kousoku.model.mechanism import MovingBody, System
+
+
+@dataclass(slots=True)
+class JointCoordinateRecorder:
+    """What records one body.
+
+    Parameters
+    ----------
+    one : VelocityTransformation
+        How it hangs.
+    system : System
+        The scene.
+    recorder : Recorder
+        The program.
+    body : callable
+        Returns the blocks of a body.
+    combinations : Combinations
+        What records the formulas of drivers.
+    """
+
+    one: VelocityTransformation
+    system: System
+    recorder: Recorder
+    body: Callable[[int], BodyBlocks]
+    combinations: Combinations
+    arm: Block = field(default_factory=lambda: zeros(3, 0))
+
+    @property
+    def blocks(self) -> BodyBlocks:
+        """The blocks of the body."""
+        return self.body(self.one.body)
+
+    @property
+    def moving(self) -> MovingBody:
+        """The body."""
+        return self.system.bodies[self.one.body]
+
+    @property
+    def point(self) -> Block:
+        """The point of the joint in the body."""
+        return self._vector(self.one.joint_b)
+
+    @property
+    def axis_b(self) -> Block:
+        """The axes that it turns about, by columns."""
+        if self.one.turn == POINT:
+            return Block((1, 0, 0, 0, 1, 0, 0, 0, 1), 3, 3)
+        return self._vector(self.one.axis_b) if self.one.turn != NOTHING else zeros(3, 0)
+
+    def geometry(self) -> tuple[Block, Block]:
+        """Record the arm; return R of what is free and (Rᵀ M R)⁻¹."""
+        arms = self._table(arms_of(self.one))
+        (self.arm,) = self.recorder.call(JointArm(), self.blocks.orientation, arms)
+        masses, free = mass_of(self.one, self.moving), self.one.free
+        inverse = self._table(inverse_of([[masses[a][b] for b in free] for a in free]))
+        return _chosen(self._columns(), free), inverse
+
+    def project_position(self, dr: Block, dtheta: Block, into: Block) -> dict[int, Block]:
+        """Record the position on the joint; return the formulas of drivers by their coordinates."""
+        one, blocks, vector = self.one, self.blocks, self._vector
+        drivers = [(led, self._law(led, 0)) for _, led in one.prescribed]
+        turned = _compose(one.p, one.axis_b)
+        self.recorder.call(
+            ProjectPosition(
+                blocks.coordinates,
+                one.turn,
+                one.slides,
+                bool(one.prescribed_turn),
+                bool(one.prescribed_slide),
+            ),
+            *(blocks.r, blocks.p, dr, dtheta, vector(one.joint), self.point),
+            *(vector(one.p), vector(one.base), self._pair(one.across), self._pair(one.beside)),
+            *(vector(turned), vector(one.axis)),
+            *(self._since(led, law) for led, law in drivers),
+            into=(into,),
+        )
+        return {
+            self.system.constraints[led.instance].terms[0].coordinate: law for led, law in drivers
+        }
+
+    def project_velocity(self) -> tuple[Block, Block, Block]:
+        """Record u, what v lacks of R u + β, and β."""
+        one, blocks = self.one, self.blocks
+        masses, moments = shares_of(one, self.moving)
+        is_skew = one.turn == AXIS and not (one.prescribed_turn or is_principal(one, self.moving))
+        fitted = ProjectVelocity(
+            blocks.columns,
+            one.turn,
+            one.slides,
+            bool(one.prescribed_turn),
+            bool(one.prescribed_slide),
+            is_skew,
+        )
+        u, lacks, beta = self.recorder.call(
+            fitted,
+            *(blocks.v_r, blocks.omega_b, self.arm, self.axis_b, self._vector(one.axis)),
+            *(self._pair(one.across_b), self._pair(one.across)),
+            *map(self._table, (masses, moments) if is_skew else (masses,)),
+            *self._derivatives(1),
+        )
+        return u, lacks, beta
+
+    def bias_acceleration(self) -> Block:
+        """Record η."""
+        one, blocks = self.one, self.blocks
+        operation = BiasAcceleration(
+            blocks.columns, one.turn, bool(one.prescribed_turn), bool(one.prescribed_slide)
+        )
+        (eta,) = self.recorder.call(
+            operation,
+            *(blocks.omega_b, self.arm, blocks.orientation, self.axis_b),
+            *(self._vector(one.axis), self.point),
+            *self._derivatives(2),
+        )
+        return eta
+
+    def reduce_forces(self, free: Block, eta: Block) -> Block:
+        """Record u̇ of all freedoms, those that are driven too, under the acceleration M⁻¹f."""
+        one, (masses, moments) = self.one, shares_of(self.one, self.moving)
+        (found,) = self.recorder.call(
+            ReduceForces(self.blocks.columns, one.turn, one.slides),
+            *(free, self.arm, self._vector(one.axis), eta),
+            *(self._table(masses), self._table(moments)),
+        )
+        return found
+
+    def chosen(self, values: Block) -> Block:
+        """Values of the freedoms that are free, of those of all."""
+        return column([values.entries[k] for k in self.one.free])
+
+    def powers(self, values: Block | None, others: Block) -> list[tuple[str, Block]]:
+        """Record the power of each driver: its name, and what :class:`DriverPower` gives.
+
+        Parameters
+        ----------
+        values : Block or None
+            As :meth:`reduce_forces` returned it; without it only what others do counts.
+        others : Block
+            What other joints do to the body, −Σ C_qᵀλ.
+        """
+        whole, masses, found = self._columns(), mass_of(self.one, self.moving), []
+        zero = column((0,))
+        for (k, led), rate in zip(self.one.prescribed, self._derivatives(1), strict=True):
+            mass = self.recorder.constant((masses[k][k],))
+            forces = (self._derivative(led, 2), values.part(k, 1)) if values else (zero, zero)
+            own = _chosen(whole, (k,))
+            (power,) = self.recorder.call(DriverPower(), mass, *forces, own, others, rate)
+            found.append((self.system.constraints[led.instance].joint, power))
+        return found
+
+    def wrenches(
+        self, second: Block, free: Block, others: Block, coordinates: CoordinateRecorder
+    ) -> dict[str, Block]:
+        """Record what the joint and each of its drivers do to the body, by their names.
+
+        Parameters
+        ----------
+        second, free : Block
+            v̇ and M⁻¹f of the body.
+        others : Block
+            What other joints do to the body, −Σ C_qᵀλ.
+        coordinates : CoordinateRecorder
+            What records the Jacobians of coordinates.
+        """
+        body, constraints, found = self.moving, self.system.constraints, {}
+        diagonal = (*(body.mass,) * 3, *body.inertia)
+        masses = self._vector([diagonal[k] for k in self.blocks.columns]).T
+        (left,) = self.recorder.call(JointWrench(), masses, second, free, others)
+        for k, led in self.one.prescribed:
+            one = constraints[led.instance]
+            slopes = coordinates.slopes(one.terms[0].coordinate)[self.one.body]
+            column = _chosen(self._columns(), (k,))
+            own, left = self.recorder.call(DriverWrench(led.sign), left, column, slopes)
+            found[one.joint] = own
+        return {constraints[self.one.instances[0]].joint: left, **found}
+
+    def _columns(self) -> Block:
+        """Matrix R of all freedoms, those that are driven too."""
+        spins, count = self.axis_b, self.one.turns
+        rows = []
+        for k in self.blocks.columns:
+            source = self.arm if k < 3 else spins
+            rows.append(source.entries[count * (k % 3) : count * (k % 3 + 1)])
+        if self.one.slides:
+            axis = (*self._vector(self.one.axis).entries, 0, 0, 0)
+            rows = [(*row, axis[k]) for row, k in zip(rows, self.blocks.columns, strict=True)]
+        width = count + self.one.slides
+        return Block(tuple(x for row in rows for x in row), len(rows), width)
+
+    def _law(self, led: Prescribed, order: int) -> Block:
+        return self.combinations.law(self.system.constraints[led.instance], order)
+
+    def _since(self, led: Prescribed, law: Block) -> Block:
+        start = self.recorder.constant((led.start,))
+        return self.recorder.call(PrescribedValue(led.sign), law, start)[0]
+
+    def _derivatives(self, order: int) -> list[Block]:
+        """Record the derivatives of what drives turn and displacement."""
+        return [self._derivative(led, order) for _, led in self.one.prescribed]
+
+    def _derivative(self, led: Prescribed, order: int) -> Block:
+        return self.recorder.call(PrescribedValue(led.sign), self._law(led, order), column((0,)))[0]
+
+    def _vector(self, values: Sequence[float]) -> Block:
+        return self.recorder.constant(values)
+
+    def _table(self, rows: Sequence[Sequence[Fraction]]) -> Block:
+        """Numbers as a matrix."""
+        flat = [x for row in rows for x in row]
+        return Block(self.recorder.constant(flat).entries, len(rows), len(rows[0]) if rows else 0)
+
+    def _pair(self, pair: tuple[Sequence[float], Sequence[float]]) -> Block:
+        return Block(
+            tuple(x for k in zip(*map(self._entries, pair), strict=True) for x in k),
+            len(pair[0]),
+            2,
+        )
+
+    def _entries(self, values: Sequence[float]) -> tuple[int, ...]:
+        return self._vector(values).entries
+
+
+def _compose(p: Sequence[float], axis_b: Sequence[float]) -> tuple[float, ...]:
+    """Product p ∘ (0, a′), rounded once."""
+    w, x, y, z = (precise.number(value) for value in p)
+    zero = CONTEXT.mpf(0)
+    return precise.rounded(precise.compose((w, x, y, z), (zero, *precise.triple(axis_b))))
+
+
+def _chosen(block: Block, kept: Sequence[int]) -> Block:
+    """Columns that are kept."""
+    width = block.width
+    entries = tuple(block.entries[width * row + k] for row in range(block.height) for k in kept)
+    return Block(entries, block.height, len(kept))

@@ -1,0 +1,70 @@
+"""A length of a scene: corrections are compared to it, and torques are weighed by it."""
+
+from __future__ import annotations
+
+import math
+from itertools import chain
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.operations.mechanics import lengths_of
+from kousoku.model.own_kind import ORIGINS
+
+if TYPE_CHECKING:
+    from kousoku.model.mechanism import Coordinate, ForceElement, Instance, System
+
+LEAST = 2.0**-18
+"""The least length, as a part of the distance from the origin: doubles know a position to 6e-11 of
+it, which is less than what corrections settle at, and what is left of constraints may be."""
+
+POINTS = {"s_i_b", "s_j_b", *ORIGINS}
+"""Constants that are a point of a body, or of the ground."""
+
+
+def is_ground_point(source: Instance | Coordinate, name: str) -> bool:
+    """Whether a constant is a point in frame O."""
+    return name in POINTS and (source.i if "_i" in name else source.j) < 0
+
+
+def characteristic_length(system: System) -> float:
+    """Length of a system that is the same wherever it stands, unless very far off [m].
+
+    The largest distance, along an axis, of a joint from the centre of mass of a body, or between
+    two points of the ground; where none is, that of :func:`extent`.
+    """
+    sources: tuple[Instance | Coordinate, ...] = (*system.constraints, *system.coordinates)
+    lengths, ground = [0.0], []
+    for source in sources:
+        bodies = {"i": source.i, "j": source.j}
+        for end, numbers in lengths_of(source):
+            if bodies.get(end, 0) < 0:
+                ground.append([float(x) for x in numbers])
+            else:
+                lengths += map(abs, numbers)
+    lengths += (max(along) - min(along) for along in zip(*ground, strict=True))
+    places = (*chain.from_iterable(ground), *chain.from_iterable(one.r for one in system.bodies))
+    return max(max(lengths) or extent(system), LEAST * max(map(abs, places), default=0.0))
+
+
+def extent(system: System) -> float:
+    """Extent of a system whose joints have no length [m].
+
+    The largest distance, along an axis, between centres of mass and points of the ground at the
+    start, or of a force from a centre of mass; where none is, the largest radius of gyration. It
+    is 1 where a point stands alone: nothing in the scene tells metres from other units then.
+    """
+    places = [tuple(map(float, body.r)) for body in system.bodies]
+    lengths = [0.0]
+    sources: tuple[Instance | Coordinate | ForceElement, ...]
+    sources = (*system.constraints, *system.coordinates, *system.forces)
+    for source in sources:
+        for name, numbers in source.constants:
+            if name not in POINTS:
+                continue
+            if (source.i if "_i" in name else source.j) < 0:
+                places.append(tuple(map(float, numbers)))
+            else:
+                lengths += (abs(float(x)) for x in numbers)
+    lengths += (max(along) - min(along) for along in zip(*places, strict=True))
+    bodies = ((float(max(body.inertia)), float(body.mass)) for body in system.bodies)
+    gyration = (math.sqrt(moment / mass) for moment, mass in bodies if mass > 0.0)
+    return max(lengths) or max(gyration, default=0.0) or 1.0

@@ -1,0 +1,82 @@
+"""How far ends of forces and joints are from a coordinate plane, and which coordinates leave it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.operations.mechanics import frozen
+from kousoku.codegen.dynamics.operations.shapes import NO_TURN, start
+from kousoku.model import precise
+from kousoku.model.arithmetic import FLOAT
+from kousoku.model.interpret import evaluate
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.model.mechanism import Coordinate, ForceElement, Instance, System
+
+#: Heights up to this part of the largest do not count: rounding.
+FLAT = 1e-12
+
+
+def is_level(heights: Sequence[float], sizes: Sequence[Sequence[float]]) -> bool:
+    """Whether heights are zero but for rounding of numbers of some sizes."""
+    largest = max(1.0, *(abs(x) for values in sizes for x in values))
+    return max(map(abs, heights)) <= FLAT * largest
+
+
+def ends_of(system: System, one: ForceElement | Coordinate, normal: int) -> list[float]:
+    """Distances of the ends from the centres of their bodies and from each other."""
+    given = dict(one.constants)
+    own = [
+        given[f"s_{end}_b"][normal]
+        for end, index in (("i", one.i), ("j", one.j))
+        if index != GROUND_INDEX
+    ]
+    start_height, end_height = (height(system, one, end, normal) for end in "ij")
+    return [*own, end_height - start_height]
+
+
+def height(
+    system: System, one: ForceElement | Coordinate | Instance, end: str, normal: int
+) -> float:
+    """Coordinate of an end of a spring or a joint at the start."""
+    point = dict(one.constants)[f"s_{end}_b"]
+    index = one.i if end == "i" else one.j
+    if index == GROUND_INDEX:
+        return point[normal]
+    body = system.bodies[index]
+    w, x, y, z = map(precise.number, body.p)
+    seen = precise.rotate((w, x, y, z), precise.triple(point))
+    return body.r[normal] + float(seen[normal])
+
+
+def coordinate_leaves(system: System, one: Coordinate, normal: int) -> bool | None:
+    """Whether a force along a coordinate leads out of the plane.
+
+    A coordinate whose axes are in the plane, and whose points are level with the centres of mass,
+    does not; an angle does not either. None where it leads out of it, but motions in the plane do
+    not change the coordinate, because it is across the plane.
+    """
+    given = dict(one.constants)
+    axes = [values for name, values in given.items() if not name.startswith("s_")]
+    heights = [abs(axis[normal]) for axis in axes]
+    if one.kind in {"length", "n2"} and max(heights, default=0.0) <= FLAT:
+        return not is_level(ends_of(system, one, normal), list(given.values()))
+    is_across = [height >= 1.0 - FLAT for height in heights]
+    if one.kind in {"n1", "angle"} and (max(heights) <= FLAT or all(is_across)):
+        return False
+    is_fixed = one.kind in {"n1", "n2"} and sum(is_across) == 1
+    is_fixed = is_fixed and all(x <= FLAT or x >= 1.0 - FLAT for x in heights)
+    return None if is_fixed else True
+
+
+def at_start(system: System, one: Coordinate) -> float:
+    """Value of a coordinate at the start, of an angle up to whole turns."""
+    inputs: dict[str, Sequence[float]] = dict(one.constants)
+    for end, index in (("i", one.i), ("j", one.j)):
+        ground = (0.0, 0.0, 0.0, *NO_TURN)
+        position = ground if index == GROUND_INDEX else start(system.bodies[index])[0]
+        inputs |= {f"r_{end}": position[:3], f"p_{end}": position[3:]}
+    return float(evaluate(frozen(one.kind, "constraint"), inputs, FLOAT)["C"][0])

@@ -1,0 +1,184 @@
+"""Numbers with their first and second derivative by time, in doubles or in 50 digits.
+
+Whatever is computed of a motion r(t), A(t) comes with its rates: a residual C of a joint gives Ċ
+and C̈, and nobody has to derive a Jacobian.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from kousoku.model.arithmetic import Arithmetic, FormulaArithmetic
+from kousoku.model.terms import Function, Number, evaluated
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from kousoku.model.real import Real
+    from kousoku.model.terms import Expression, Name
+
+
+class Jet:
+    """A number x with ẋ and ẍ.
+
+    Parameters
+    ----------
+    x, d, dd : number
+        Value, first and second derivative.
+    """
+
+    __slots__ = ("d", "dd", "x")
+
+    def __init__(self, x: Real, d: Real = 0, dd: Real = 0) -> None:
+        self.x, self.d, self.dd = x, d, dd
+
+    def __add__(self, other: Jet) -> Jet:
+        return Jet(self.x + other.x, self.d + other.d, self.dd + other.dd)
+
+    def __sub__(self, other: Jet) -> Jet:
+        return Jet(self.x - other.x, self.d - other.d, self.dd - other.dd)
+
+    def __neg__(self) -> Jet:
+        return Jet(-self.x, -self.d, -self.dd)
+
+    def __mul__(self, other: Jet) -> Jet:
+        return Jet(
+            self.x * other.x,
+            self.d * other.x + self.x * other.d,
+            self.dd * other.x + 2 * self.d * other.d + self.x * other.dd,
+        )
+
+    def __truediv__(self, other: Jet) -> Jet:
+        return self * other.through(1 / other.x, -1 / other.x**2, 2 / other.x**3)
+
+    def times(self, factor: Real) -> Jet:
+        """Product with a constant number."""
+        return Jet(factor * self.x, factor * self.d, factor * self.dd)
+
+    def through(self, g: Real, first: Real, second: Real) -> Jet:
+        """Jet of g(x), from the value and the derivatives of g there."""
+        return Jet(g, first * self.d, second * self.d**2 + first * self.dd)
+
+
+Vector = tuple[Jet, Jet, Jet]
+
+
+def dot(a: Sequence[Jet], b: Sequence[Jet]) -> Jet:
+    """Scalar product a · b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Sequence[Any], b: Sequence[Any]) -> tuple[Any, Any, Any]:
+    """Vector product a × b, of jets or of numbers."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def sqrt(a: Jet, digits: FormulaArithmetic[Any]) -> Jet:
+    """Square root of a."""
+    root = digits.sqrt(a.x)
+    return a.through(root, 1 / (2 * root), -1 / (4 * root * a.x))
+
+
+def atan2(y: Jet, x: Jet, digits: FormulaArithmetic[Any]) -> Jet:
+    """Angle of (x, y)."""
+    square = x * x + y * y
+    rate = (Jet(x.x, x.d) * Jet(y.d, y.dd) - Jet(y.x, y.d) * Jet(x.d, x.dd)) / square
+    return Jet(digits.atan2(y.x, x.x), rate.x, rate.d)
+
+
+def formula(
+    expression: Expression, names: Mapping[str, Jet], digits: FormulaArithmetic[Any]
+) -> Jet:
+    """Value of a formula with its derivatives.
+
+    Parameters
+    ----------
+    expression : Expression
+        The formula.
+    names : mapping of str to Jet
+        What its names are.
+    digits : FormulaArithmetic
+        Its numbers.
+    """
+
+    def leaf(part: Number | Name) -> Jet:
+        return Jet(digits.number(part.value)) if isinstance(part, Number) else names[part.name]
+
+    return evaluated(expression, leaf, lambda function, args: _applied(function, args, digits))
+
+
+def _applied(function: Function, args: Sequence[Jet], digits: FormulaArithmetic[Any]) -> Jet:
+    if function in _SIMPLE:
+        return _SIMPLE[function](*args)
+    a, b = args[0], args[-1]
+    match function:
+        case Function.POW:
+            return _power(a, b, digits)
+        case Function.ATAN2:
+            return atan2(a, b, digits)
+        case Function.SQRT:
+            return sqrt(a, digits)
+        case Function.SIGN:
+            return Jet(digits.sign(a.x))
+        case Function.SIN | Function.COS:
+            sine, cosine = digits.sin(a.x), digits.cos(a.x)
+            if function is Function.SIN:
+                return a.through(sine, cosine, -sine)
+            return a.through(cosine, -sine, -cosine)
+        case _:
+            value = digits.applied(function.value, (a.x,))
+            return a.through(value, *_SLOPES[function](a.x, value))
+
+
+#: Functions that need no others.
+_SIMPLE: dict[Function, Callable[..., Jet]] = {
+    Function.ADD: lambda a, *rest: sum(rest, a),
+    Function.MUL: lambda a, b: a * b,
+    Function.DIV: lambda a, b: a / b,
+    Function.NEG: lambda a: -a,
+    Function.MIN: lambda a, b: a if a.x <= b.x else b,
+    Function.MAX: lambda a, b: a if a.x >= b.x else b,
+    Function.ABS: lambda a: a if a.x >= 0 else -a,
+}
+
+
+def arithmetic_of(digits: FormulaArithmetic[Any]) -> Arithmetic[Jet]:
+    """Arithmetic of jets, for the evaluation of kernels."""
+
+    def one(function: Function) -> Callable[[Jet], Jet]:
+        return lambda a: _applied(function, (a,), digits)
+
+    return Arithmetic(
+        number=lambda value: Jet(digits.number(value)),
+        sqrt=one(Function.SQRT),
+        sin=one(Function.SIN),
+        cos=one(Function.COS),
+        atan2=lambda y, x: atan2(y, x, digits),
+        exp=one(Function.EXP),
+        log=one(Function.LOG),
+        abs=one(Function.ABS),
+        max=_SIMPLE[Function.MAX],
+    )
+
+
+def _power(a: Jet, b: Jet, digits: FormulaArithmetic[Any]) -> Jet:
+    if b.d or b.dd:
+        logarithm = a.through(digits.log(a.x), 1 / a.x, -1 / a.x**2)
+        exponent = logarithm * b
+        value = digits.exp(exponent.x)
+        return exponent.through(value, value, value)
+    n = int(b.x) if b.x == int(b.x) else b.x
+    first = n * a.x ** (n - 1) if n != 0 else 0
+    second = n * (n - 1) * a.x ** (n - 2) if n not in {0, 1} else 0
+    return a.through(a.x**n, first, second)
+
+
+#: First and second derivative from argument and value.
+_SLOPES: dict[Function, Callable[[Real, Real], tuple[Real, Real]]] = {
+    Function.EXP: lambda _, y: (y, y),
+    Function.LOG: lambda x, _: (1 / x, -1 / x**2),
+    Function.TAN: lambda _, y: (1 + y**2, 2 * y * (1 + y**2)),
+    Function.ATAN: lambda x, _: (1 / (1 + x**2), -2 * x / (1 + x**2) ** 2),
+    Function.ASIN: lambda x, _: ((1 - x**2) ** -0.5, x * (1 - x**2) ** -1.5),
+    Function.ACOS: lambda x, _: (-((1 - x**2) ** -0.5), -x * (1 - x**2) ** -1.5),
+}

@@ -1,0 +1,334 @@
+"""Operations of bodies with velocities v = R u + β: onto their joint, and along it.
+
+R has the columns of what the joint leaves free: turns with (A (s′ × a′), a′) for each axis a′, s′
+being the point of the joint in the body, and a displacement with (a, 0). A turn about an axis is
+taken from ω′ by a′ᵀω′, a displacement from v by aᵀv. What is left over is taken away by the vectors
+across the axis, so that rounding of the axis itself neither speeds up nor slows down.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.operations.mechanics import frozen, orientation_of
+from kousoku.codegen.dynamics.recording.matrix import Matrix, stack
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.recording.traces import Trace
+
+#: What a body on a joint with the ground can turn about.
+NOTHING, AXIS, POINT = "nothing", "an axis", "a point"
+
+
+@dataclass(frozen=True, slots=True)
+class JointArm:
+    """Velocity of the centre of mass for each turn. Blocks: A, s′ × a′ by columns."""
+
+    title: str = "arm of a joint with the ground"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """A (s′ × a′)."""
+        orientation, arms = blocks
+        return (orientation @ arms,)
+
+
+@dataclass(frozen=True, slots=True)
+class ProjectPosition:
+    """Position on the joint.
+
+    Blocks: r, p, δr, δθ′; as
+    :class:`~kousoku.codegen.dynamics.simplification.joint_coordinates.VelocityTransformation` has
+    them the point of the joint in frame O and in the body, p and r at the start, vectors across the
+    axis in frame O, those beside p, p ∘ (0, a′), a; then what drives turn and displacement.
+
+    Parameters
+    ----------
+    coordinates : tuple of int
+        Places in (r, p) that are coordinates.
+    turn : str
+        What the body turns about.
+    slides, drives_turn, drives_slide : bool
+        Whether it can be displaced, and what is driven.
+    """
+
+    coordinates: tuple[int, ...]
+    turn: str
+    slides: bool
+    drives_turn: bool
+    drives_slide: bool
+    title: str = "onto the joint with the ground"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Position r, p that meets the joint, p of norm one."""
+        r, p, dr, dtheta, joint, joint_b, p_start, base, across, beside, p_turned, axis, *led = (
+            blocks
+        )
+        graph = trace.graph
+        given = iter(led)
+        if self.turn == NOTHING:
+            new, foot = p_start, base
+        else:
+            if self.drives_turn:
+                half = graph.div(next(given).flat[0], graph.const(2))
+                new = _times(p_start, graph.cos(half)) + _times(p_turned, graph.sin(half))
+            else:
+                new = self._turned(trace, p, dtheta, beside)
+            foot = joint - orientation_of(trace, new) @ joint_b
+        if self.drives_slide:
+            foot += axis @ next(given)
+        elif self.slides:
+            moved = r + dr
+            foot = moved - across @ (across.T @ (moved - foot))
+        rows = (*foot.rows, *new.rows)
+        return (Matrix(graph, tuple(rows[k] for k in self.coordinates), 1),)
+
+    def _turned(self, trace: Trace, p: Matrix, dtheta: Matrix, beside: Matrix) -> Matrix:
+        """Euler parameters p ∘ (1, ½ δθ′) without what no turn about the axis has, of norm one."""
+        graph = trace.graph
+        rates = frozen("rotation", "euler_rates")
+        change = trace.inline(rates, {"p": p.flat, "omega_b": dtheta.flat})["p_dot"]
+        new = p + Matrix(graph, tuple((node,) for node in change), 1)
+        if self.turn == AXIS:
+            new -= beside @ (beside.T @ new)
+        norm = graph.sqrt(graph.sum(graph.mul(x, x) for x in new.flat))
+        return _times(new, graph.div(graph.const(1), norm))
+
+
+@dataclass(frozen=True, slots=True)
+class ProjectVelocity:
+    """Velocities that fit the joint.
+
+    Blocks: v, ω′, the arm, a′ and a by columns, the vectors across each of them, (Rᵀ M R)⁻¹ m of
+    the turns, and (Rᵀ M R)⁻¹ a′ᵀ I′ where the axis is skew; then the rates that drive turn and
+    displacement.
+
+    They are changed by the least in the metric of the masses, as all rows would do it: a turn is
+    what both ω′ and v say of it.
+
+    Parameters
+    ----------
+    columns : tuple of int
+        The body's columns.
+    turn : str
+        What it turns about.
+    slides, drives_turn, drives_slide : bool
+        Whether it can be displaced, and what is driven.
+    is_skew : bool
+        Whether a′ is no principal axis: what ω′ has across it says something of the turn, too.
+    """
+
+    columns: tuple[int, ...]
+    turn: str
+    slides: bool
+    drives_turn: bool
+    drives_slide: bool
+    is_skew: bool
+    title: str = "velocity on the joint with the ground"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Velocities u, what v lacks of R u + β, and β."""
+        v, omega, arm, axis_b, axis, across_b, across, masses, *led = blocks
+        graph, given = trace.graph, iter(led)
+        free: list[Matrix] = []
+        zero = v - v
+        beta, spin = zero, zero
+        if self.turn == NOTHING:
+            turning, lacks = zero, -omega
+        elif self.drives_turn:
+            rate = next(given)
+            beta, spin = arm @ rate, axis_b @ rate
+            turning, lacks = beta, spin - omega
+        else:
+            turn = axis_b.T @ omega
+            more = masses @ (arm.T @ (v - arm @ turn))
+            if self.is_skew:
+                more += next(given) @ (omega - axis_b @ turn)
+            lacks = axis_b @ more
+            if self.turn == AXIS:
+                lacks -= across_b @ (across_b.T @ omega)
+            free.append(turn + more)
+            turning = arm @ free[0]
+        if self.drives_slide:
+            slide = axis @ next(given)
+            beta += slide
+            moves = turning + slide - v
+        elif self.slides:
+            free.append(axis.T @ v)
+            moves = turning - across @ (across.T @ v)
+        else:
+            moves = turning - v
+        return (
+            stack(graph, free, 1),
+            _selected(moves, lacks, self.columns),
+            _selected(beta, spin, self.columns),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class BiasAcceleration:
+    """η: the acceleration that is there with u̇ = 0.
+
+    Blocks: ω′, the arm, A, a′, a in frame O, the point of the joint in the body; then the second
+    derivatives that drive turn and displacement.
+
+    Parameters
+    ----------
+    columns : tuple of int
+        The body's columns.
+    turn : str
+        What it turns about.
+    drives_turn, drives_slide : bool
+        What is driven.
+    """
+
+    columns: tuple[int, ...]
+    turn: str
+    drives_turn: bool
+    drives_slide: bool
+    title: str = "acceleration on the joint with the ground"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Bias acceleration η in the columns."""
+        omega, arm, orientation, axis_b, axis, point, *led = blocks
+        given = iter(led)
+        zero = omega - omega
+        moves, spins = zero, zero
+        if self.turn == POINT:
+            moves = orientation @ omega.cross(point.cross(omega))
+        elif self.turn == AXIS:
+            rate = axis_b.T @ omega
+            moves = axis.cross(arm) @ (rate @ rate)
+        if self.drives_turn:
+            second = next(given)
+            moves, spins = moves + arm @ second, axis_b @ second
+        if self.drives_slide:
+            moves += axis @ next(given)
+        return (_selected(moves, spins, self.columns),)
+
+
+@dataclass(frozen=True, slots=True)
+class ReduceForces:
+    """u̇ of a body on which no other joint acts.
+
+    Blocks: M⁻¹f in the columns, the arm, a, η in the columns, then (Rᵀ M R)⁻¹ m and
+    (Rᵀ M R)⁻¹ a′ᵀ I′ of the turns.
+
+    Parameters
+    ----------
+    columns : tuple of int
+        The body's columns.
+    turn : str
+        What it turns about.
+    slides : bool
+        Whether it can be displaced.
+    """
+
+    columns: tuple[int, ...]
+    turn: str
+    slides: bool
+    title: str = "free acceleration on the joint with the ground"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Accelerations (Rᵀ M R)⁻¹ Rᵀ M (M⁻¹f − η) of all turns and the displacement."""
+        free, arm, axis, eta, masses, moments = blocks
+        if self.turn == POINT:  # else Rᵀ M η is zero for what is free
+            free -= eta
+        graph = trace.graph
+        zero = graph.const(0)
+        full: list[tuple[int, ...]] = [(zero,)] * 6
+        for place, row in zip(self.columns, free.rows, strict=True):
+            full[place] = row
+        moves, spins = (Matrix(graph, tuple(full[k : k + 3]), 1) for k in (0, 3))
+        found = []
+        if self.turn != NOTHING:
+            found.append(masses @ (arm.T @ moves) + moments @ spins)
+        if self.slides:
+            found.append(axis.T @ moves)
+        return (stack(graph, found, 1),)
+
+
+@dataclass(frozen=True, slots=True)
+class DriverPower:
+    """Power of what drives a freedom.
+
+    Blocks: its mass, ü that it prescribes, u̇ without it, its column of R, what all other joints do,
+    −Σ C_qᵀλ, and the rate.
+    """
+
+    title: str = "power of a driver of a joint with the ground"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Power (m (ü − u̇) − Rᵀ(−Σ C_qᵀλ)) · rate [W]."""
+        mass, second, free, column, others, rate = blocks
+        effort = mass @ (second - free) - column.T @ others
+        return (effort @ rate,)
+
+
+@dataclass(frozen=True, slots=True)
+class JointWrench:
+    """What the joint and its drivers do to the body.
+
+    Blocks: the diagonal of M, v̇, M⁻¹f, what all other joints do, −Σ C_qᵀλ.
+    """
+
+    title: str = "force of a joint with the ground"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """M v̇ − f + Σ C_qᵀλ in the columns."""
+        masses, second, free, others = blocks
+        return ((second - free).T.scaled(masses).T - others,)
+
+
+@dataclass(frozen=True, slots=True)
+class DriverWrench:
+    """What a driver has of that. Blocks: it, the column of R, the Jacobian of the coordinate.
+
+    Parameters
+    ----------
+    sign : int
+        Of the freedom in the coordinate that is driven.
+    """
+
+    sign: int
+    title: str = "force of a driver of a joint with the ground"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Wrench of the driver, and what is left for others."""
+        wrench, column, slopes = blocks
+        effort = column.T @ wrench
+        own = slopes.T @ (effort if self.sign > 0 else -effort)
+        return own, wrench - own
+
+
+@dataclass(frozen=True, slots=True)
+class PrescribedValue:
+    """What a driver makes of a freedom. Blocks: its formula, what it is at the start.
+
+    Parameters
+    ----------
+    sign : int
+        Of the freedom in the coordinate that is driven.
+    """
+
+    sign: int
+    title: str = "driven joint with the ground"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Turn or displacement since the start, or its rates where that is zero."""
+        law, start = blocks
+        difference = law - start
+        return (difference if self.sign > 0 else -difference,)
+
+
+def _times(column: Matrix, factor: int) -> Matrix:
+    mul = column.graph.mul
+    return Matrix(column.graph, tuple((mul(x, factor),) for x in column.flat), 1)
+
+
+def _selected(moves: Matrix, spins: Matrix, columns: Sequence[int]) -> Matrix:
+    """Columns of a body of a velocity."""
+    rows = (*moves.rows, *spins.rows)
+    return Matrix(moves.graph, tuple(rows[k] for k in columns), 1)

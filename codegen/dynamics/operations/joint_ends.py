@@ -1,0 +1,46 @@
+"""The ends of a joint: where its point is, and on which bodies its force and torque are given."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.model.mechanism import System, Vector
+
+
+def ends_of(bodies: Sequence[int]) -> tuple[int, ...]:
+    """Bodies on which force and torque of a joint are given.
+
+    Of two bodies it is j, or i where j is the ground; of more, as a gear has them, all that move.
+    """
+    i, j, *others = bodies
+    if others:
+        return tuple(body for body in bodies if body != GROUND_INDEX)
+    return (i if j == GROUND_INDEX else j,)
+
+
+def points_of(system: System) -> dict[str, Vector]:
+    """Point of each joint in the principal frame of body j, or in frame O.
+
+    Joints without a point have their torque at the origin of that frame.
+    """
+    found: dict[str, Vector] = {}
+    for one in system.constraints:
+        measures = (system.coordinates[term.coordinate] for term in one.terms)
+        constants = [
+            *one.constants,
+            *(x for own in measures if own.j == one.j for x in own.constants),
+        ]
+        for name, values in constants:
+            if name == "s_j_b":
+                found[one.joint] = _vector(values)
+    return found
+
+
+def _vector(values: Sequence[float]) -> Vector:
+    x, y, z = values
+    return x, y, z

@@ -1,0 +1,96 @@
+"""Placement of a body in the frame of what carries it: its points and vectors as seen there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
+from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.model.mechanism import Quaternion, Vector
+
+    Constants = tuple[tuple[str, tuple[float, ...]], ...]
+
+#: Components below this part of what they came from are zeros that rounded positions left.
+NOISE = CONTEXT.mpf(2) ** -51
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """Where the principal frame of a body is in the frame of what carries it.
+
+    Parameters
+    ----------
+    carrier : int
+        The body that carries it, or the ground.
+    at : (3,) [m]
+        Its centre of mass.
+    turn : (4,)
+        Euler parameters, of any length, that take its components to those of the carrier.
+    """
+
+    carrier: int
+    at: Triple = ZERO
+    turn: Quadruple = IDENTITY
+
+    def point(self, s: Sequence[float]) -> Vector:
+        """Point of the body in the frame of the carrier."""
+        own = precise.triple(s)
+        size = precise.length(self.at) + precise.length(own)
+        return rounded_vector(precise.add(self.at, precise.rotate(self.turn, own)), size)
+
+    def vector(self, a: Sequence[float]) -> Vector:
+        """Components in the frame of the carrier of a vector of the body."""
+        return rounded_vector(precise.rotate(self.turn, precise.triple(a)))
+
+    def frame(self, axes: Sequence[float]) -> Quaternion:
+        """Euler parameters that take components of a frame of the body to the carrier."""
+        return rounded_turn(precise.compose(self.turn, _quadruple(axes)))
+
+
+def seen_from_carriers(
+    constants: Constants, i: Placement, j: Placement, *, turning: bool = False
+) -> Constants:
+    """Points and vectors in the frames of what carries their bodies.
+
+    Parameters
+    ----------
+    constants : tuple of (str, tuple of float)
+        ``s_i_b`` and ``s_j_b`` are points, what else ends in ``_i_b`` and ``_j_b`` vectors.
+    i, j : Placement
+        Of bodies i and j.
+    turning : bool
+        Whether all but points are vectors of body j.
+    """
+
+    def seen(name: str, values: tuple[float, ...]) -> tuple[float, ...]:
+        if name in {"s_i_b", "s_j_b"}:
+            return (i if name == "s_i_b" else j).point(values)
+        if name.endswith("_i_b"):
+            return i.vector(values)
+        return j.vector(values) if turning or name.endswith("_j_b") else values
+
+    return tuple((name, seen(name, values)) for name, values in constants)
+
+
+def _quadruple(p: Sequence[float]) -> Quadruple:
+    w, x, y, z = map(precise.number, p)
+    return w, x, y, z
+
+
+def rounded_vector(values: Triple, size: High = 0) -> Vector:
+    """Vector, rounded once, without what is noise beside its size."""
+    x, y, z = precise.rounded(values, size, NOISE)
+    return x, y, z
+
+
+def rounded_turn(p: Quadruple) -> Quaternion:
+    """Euler parameters of norm one, rounded once."""
+    size = precise.length(p)
+    w, x, y, z = precise.rounded([component / size for component in p], 1, NOISE)
+    return w, x, y, z

@@ -1,0 +1,105 @@
+"""The coordinates that bodies have in a plane and in space, and what they need to move in them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from kousoku.model.errors import Problem, SceneError
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from kousoku.model.mechanism import MovingBody, System
+
+#: Places in (r, p) that are coordinates, and in (δr, δθ′), of a rigid body and of a point.
+SPATIAL = ((0, 1, 2, 3, 4, 5, 6), (0, 1, 2, 3, 4, 5))
+SPATIAL_POINT = ((0, 1, 2), (0, 1, 2))
+PLANAR = ((0, 1, 3, 6), (0, 1, 5))
+PLANAR_POINT = ((0, 1), (0, 1))
+
+NO_TURN = (1.0, 0.0, 0.0, 0.0)
+#: How many joints a moving body may have.
+MOST_JOINTS = 64
+
+
+def shape(body: MovingBody, *, is_planar: bool) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Coordinates of a body: places in (r, p) and in (δr, δθ′)."""
+    if is_planar:
+        return PLANAR_POINT if body.is_point else PLANAR
+    return SPATIAL_POINT if body.is_point else SPATIAL
+
+
+def start(body: MovingBody) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Position (r, p) and velocity (v, ω′) at the start; a point does not turn."""
+    if body.is_point:
+        return (*body.r, *NO_TURN), (*body.v, 0.0, 0.0, 0.0)
+    return (*body.r, *body.p), (*body.v, *body.omega_b)
+
+
+def require_masses(system: System, *, is_planar: bool) -> None:
+    """Refuse bodies that lack what their motion depends on.
+
+    Raises
+    ------
+    SceneError
+        Bodies have no mass, or no moment about an axis that they can turn about: all of them.
+    """
+    found = []
+    for body in system.bodies:
+        if body.mass <= 0:
+            found.append(
+                Problem("is missing; its motion depends on it", f"bodies.{body.name}.mass")
+            )
+            continue
+        _, columns = shape(body, is_planar=is_planar)
+        moments = [body.inertia[k - 3] for k in columns if k > 2]
+        if any(moment <= 0 for moment in moments):
+            problem = (
+                f"has a principal moment of {min(moments)} kg m² about an axis that it can turn"
+                " about; wanted positive ones: give it some thickness"
+            )
+            found.append(Problem(problem, f"bodies.{body.name}.inertia"))
+    if found:
+        raise SceneError.of(found)
+
+
+def thickened(system: System) -> System:
+    """System with bodies that can turn about any axis: thin ones get some thickness.
+
+    A motion in a plane, and what it takes to hold bodies in it, does not change by that.
+    """
+    return replace(system, bodies=tuple(map(_thickened, system.bodies)))
+
+
+def _thickened(body: MovingBody) -> MovingBody:
+    if body.is_point:
+        return body
+    x, y, z = body.inertia
+    thin = float(max(x, y, z)) / 2 or 1.0
+    return replace(body, inertia=(x or thin, y or thin, z or thin))
+
+
+def sizes(system: System, *, is_planar: bool) -> tuple[int, int]:
+    """Sizes of q and v."""
+    shapes = [shape(body, is_planar=is_planar) for body in system.bodies]
+    return sum(len(kept) for kept, _ in shapes), sum(len(columns) for _, columns in shapes)
+
+
+def require_few_joints(system: System) -> None:
+    """Refuse bodies with so many joints that coupling every two of them is hopeless.
+
+    Raises
+    ------
+    SceneError
+        A body has more than :data:`MOST_JOINTS`.
+    """
+    joints = dict.fromkeys((x.joint, body) for x in system.constraints for body in x.bodies)
+    counts = Counter(body for _, body in joints if body != GROUND_INDEX)
+    for body, count in counts.items():
+        if count > MOST_JOINTS:
+            raise SceneError(
+                f"has {count} joints; at most {MOST_JOINTS} are possible on one body that moves,"
+                " because the cost grows with their cube: divide it into bodies with fixed joints",
+                key=f"bodies.{system.bodies[body].name}",
+            )

@@ -1,0 +1,52 @@
+"""What a program costs: tasks and operations, by segment and kind of task."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from kousoku.codegen.dynamics.recording.program import Program
+
+
+@dataclass(frozen=True, slots=True)
+class Count:
+    """Tasks of one kind in one segment.
+
+    Parameters
+    ----------
+    segment, title : str
+        The segment, and what the tasks compute.
+    kernels : int
+        How many different kernels they call.
+    tasks : int
+        How many tasks there are.
+    operations : int
+        Scalar operations of all of them together.
+    """
+
+    segment: str
+    title: str
+    kernels: int
+    tasks: int
+    operations: int
+
+
+def counts(program: Program) -> tuple[Count, ...]:
+    """Costs in the order of the program; divide by its bodies for the cost of a body."""
+    costs = [kernel.operations.total() for kernel in program.kernels]
+    found = []
+    for segment in program.segments:
+        kernels: dict[str, list[int]] = {}
+        for task in segment.tasks:
+            kernels.setdefault(program.kernels[task.kernel].title, []).append(task.kernel)
+        found += [
+            Count(segment.name, title, len(set(used)), len(used), sum(costs[k] for k in used))
+            for title, used in kernels.items()
+        ]
+    return tuple(found)
+
+
+def operations(program: Program) -> int:
+    """Number of operations that it takes to run all segments once."""
+    return sum(count.operations for count in counts(program))

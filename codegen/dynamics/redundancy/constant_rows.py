@@ -1,0 +1,59 @@
+"""Rows that no velocity of a system changes: they hold at the start, or the scene is refused."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
+from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.codegen.dynamics.assembly.violations import key_of
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
+from kousoku.model.errors import SceneError
+
+if TYPE_CHECKING:
+    from kousoku.codegen.dynamics.simplification.outline import Outline
+    from kousoku.model.mechanism import System
+
+#: The largest residual that is rounding, in lengths of the scene or radians.
+HOLDS = 1e-11
+
+
+def require_constant_rows_hold(system: System, outline: Outline) -> None:
+    """Refuse constraints that are not solved, because nothing changes them, and do not hold.
+
+    Parameters
+    ----------
+    system : System
+        The scene, assembled.
+    outline : Outline
+        All rows that anything changes.
+
+    Raises
+    ------
+    SceneError
+        The message names the joint or driver, and by how much it is violated.
+    """
+    rows = Residuals.of(system, system.constraints)
+    solved = dict.fromkeys((row.instance, row.row) for row in outline.rows)
+    if len(solved) == rows.rows:
+        return
+    names = [name for name, _ in system.parameters]
+    length = characteristic_length(system)
+    values, _ = rows.fast(system.bodies)
+    for place, (instance, first) in enumerate(zip(system.constraints, rows.first, strict=False)):
+        for row in range(rows.count(instance)):
+            if (place, row) in solved:
+                continue
+            if not isfinite(fixed_law(instance, names)):
+                raise SceneError(
+                    "prescribes a motion of what cannot move; leave it out", key=key_of(instance)
+                )
+            is_length = bool(rows.in_metres[first + row])
+            size, unit = abs(float(values[first + row])), "m" if is_length else "rad"
+            if not size <= HOLDS * (length if is_length else 1.0):
+                raise SceneError(
+                    f"is violated by {size:.3g} {unit}, and no body that it connects can change"
+                    " that; give points and axes that fit",
+                    key=key_of(instance),
+                )

@@ -1,0 +1,37 @@
+"""Rows that depend on others and are left out of the equations: they are known, and watched."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kousoku.codegen.dynamics.recording.program import Row
+
+#: Rows up to which all of them are solved for at once.
+MOST_DENSE = 200
+#: Products of the numbers of rows that are kept and left out up to which forces of joints are
+#: found by code of the scene.
+MOST_UNROLLED = 2000
+
+
+def take_over(kept: int, left_out: int) -> bool:
+    """Whether rows that are left out take over where those that are kept lose rank."""
+    return left_out > 0 and kept + left_out <= MOST_DENSE
+
+
+def shares_out(kept: int, left_out: int) -> bool:
+    """Whether forces that are not unique are found by loops, not by code of the scene.
+
+    That code has some multiple of these operations, and compilers take minutes for a million.
+    """
+    return take_over(kept, left_out) and kept * left_out > MOST_UNROLLED
+
+
+def by_instance(rows: Iterable[Row]) -> dict[int, list[int]]:
+    """Rows by the places of their constraints."""
+    found: dict[int, list[int]] = {}
+    for row in rows:
+        found.setdefault(row.instance, []).append(row.row)
+    return found

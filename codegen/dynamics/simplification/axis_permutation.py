@@ -1,0 +1,152 @@
+"""The same system with its axes in another order, so that any coordinate plane can be the xy-plane.
+
+Axes are exchanged in turn, x for y for z for x, in frame O and in all body frames. That is a
+rotation, and nothing else changes: no sign and no product. A system whose bodies stay in the
+xz-plane is composed as one that stays in the xy-plane, and its coordinates are named back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeVar
+
+from kousoku.model.elements.constraints import is_known
+from kousoku.model.own_kind import is_own
+from kousoku.model.rows import ROWS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from kousoku.codegen.dynamics.recording.program import Program, Row
+    from kousoku.model.mechanism import Instance, MovingBody, System
+
+    T = TypeVar("T")
+    Triple = tuple[T, T, T]
+    Constants = tuple[tuple[str, tuple[float, ...]], ...]
+
+AXES = "xyz"
+
+
+def can_permute(system: System) -> bool:
+    """Whether all kinds of a system are known to mean the same after a turn."""
+    kinds = [instance.kind for instance in system.constraints]
+    kinds += [coordinate.kind for coordinate in system.coordinates]
+    return all(map(is_known, kinds))
+
+
+def permuted(system: System, shift: int) -> System:
+    """System whose component k is what component k + shift was, counted in turn."""
+    if not shift:
+        return system
+    return replace(
+        system,
+        bodies=tuple(_permuted_body(body, shift) for body in system.bodies),
+        constraints=tuple(_permuted_instance(one, shift) for one in system.constraints),
+        gravity=_triple(system.gravity, shift),
+        gravity_law=_triple(system.gravity_law, shift),
+        coordinates=tuple(
+            replace(one, constants=_permuted_constants(one.constants, shift))
+            for one in system.coordinates
+        ),
+        forces=tuple(
+            replace(one, constants=_permuted_constants(one.constants, shift))
+            for one in system.forces
+        ),
+    )
+
+
+def permuted_columns(columns: Sequence[int], shift: int) -> tuple[int, ...]:
+    """Columns of a body in a permuted system: places in (δr, δθ′)."""
+    return tuple(sorted(k // 3 * 3 + (k + shift) % 3 for k in columns))
+
+
+def permuted_rows(rows: Iterable[Row], system: System, shift: int) -> tuple[Row, ...]:
+    """Rows of a system as rows of the permuted system."""
+    kinds = [one.kind for one in system.constraints]
+    return tuple(
+        replace(one, row=permuted_row(kinds[one.instance], one.row, shift)) for one in rows
+    )
+
+
+def permuted_row(kind: str, row: int, shift: int) -> int:
+    """Row of the permuted kind that is a row of a kind; those of one's own are not permuted."""
+    if is_own(kind):
+        return row
+    kept = _components(kind)
+    component = (kept[row] - shift) % 3
+    return _components(_permuted_kind(kind, shift)).index(component) if len(kept) > 1 else row
+
+
+def permuted_back(program: Program, system: System, shift: int) -> Program:
+    """Program of a permuted system with the names that the scene has for all.
+
+    Parameters
+    ----------
+    program : Program
+        What was composed.
+    system : System
+        The permuted system that it was composed of.
+    shift : int
+        By how many places its axes were permuted.
+    """
+    back = -shift
+    bodies = tuple(
+        replace(
+            body,
+            r=_triple(body.r, back),
+            p=(body.p[0], *_triple(body.p[1:], back)),
+            v=_triple(body.v, back),
+            omega_b=_triple(body.omega_b, back),
+        )
+        for body in program.bodies
+    )
+    return replace(
+        program,
+        bodies=bodies,
+        rows=permuted_rows(program.rows, system, back),
+        left_out=permuted_rows(program.left_out, system, back),
+        reduced=permuted_rows(program.reduced, system, back),
+    )
+
+
+def _triple(values: Sequence[T], shift: int) -> Triple[T]:
+    x, y, z = (values[(k + shift) % 3] for k in range(3))
+    return x, y, z
+
+
+def _permuted_body(body: MovingBody, shift: int) -> MovingBody:
+    e0, *e = body.p
+    return replace(
+        body,
+        inertia=_triple(body.inertia, shift),
+        r=_triple(body.r, shift),
+        p=(e0, *_triple(e, shift)),
+        v=_triple(body.v, shift),
+        omega_b=_triple(body.omega_b, shift),
+        origin_b=_triple(body.origin_b, shift),
+        axes_b=(body.axes_b[0], *_triple(body.axes_b[1:], shift)),
+    )
+
+
+def _permuted_instance(instance: Instance, shift: int) -> Instance:
+    constants = _permuted_constants(instance.constants, shift)
+    return replace(instance, kind=_permuted_kind(instance.kind, shift), constants=constants)
+
+
+def _permuted_constants(constants: Constants, shift: int) -> Constants:
+    return tuple(
+        (name, _triple(values, shift) if len(values) == 3 else values) for name, values in constants
+    )
+
+
+def _permuted_kind(kind: str, shift: int) -> str:
+    name, _, axis = kind.partition("_")
+    return f"{name}_{AXES[(AXES.index(axis) - shift) % 3]}" if axis in ROWS else kind
+
+
+def _components(kind: str) -> tuple[int, ...]:
+    """Component that each row of a kind is; a single row is none."""
+    if kind == "point":
+        return 0, 1, 2
+    _, _, axis = kind.partition("_")
+    return ROWS.get(axis, (0,))

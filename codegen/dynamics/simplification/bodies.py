@@ -1,0 +1,156 @@
+"""The blocks of a body: where its coordinates and its numbers are in the workspace."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.operations.shapes import shape, start
+from kousoku.codegen.dynamics.recording.design import number
+from kousoku.codegen.dynamics.recording.program import Coordinates, Place
+from kousoku.codegen.dynamics.recording.recorder import Block, column, slot_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.recording.recorder import Recorder
+    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.precise import High
+
+
+@dataclass(frozen=True, slots=True)
+class BodyBlocks:
+    """A body in the workspace.
+
+    Parameters
+    ----------
+    coordinates : tuple of int
+        Places in (r, p) that are coordinates.
+    columns : tuple of int
+        Places in (δr, δθ′) that are.
+    q, v : int
+        Offsets in the regions.
+    r, p, v_r, omega_b : Block
+        The whole vectors: what is no coordinate is a constant.
+    orientation : Block
+        A, (3, 3).
+    inverse_mass : Block
+        Diagonal of M⁻¹ in the columns, one row.
+    basis, inverse : Block, optional
+        R and (Rᵀ M R)⁻¹ of a body that is reduced; see
+        :mod:`~kousoku.codegen.dynamics.simplification.joint_coordinates`.
+    """
+
+    coordinates: tuple[int, ...]
+    columns: tuple[int, ...]
+    q: int
+    v: int
+    r: Block
+    p: Block
+    v_r: Block
+    omega_b: Block
+    orientation: Block
+    inverse_mass: Block
+    basis: Block | None = None
+    inverse: Block | None = None
+
+    @property
+    def effective_inverse_mass(self) -> Block:
+        """The inverse of the mass that other joints move."""
+        return self.inverse or self.inverse_mass
+
+    def spread(self, entries: Sequence[int]) -> tuple[Block, Block]:
+        """Columns (δr, δθ′) with zeros where there is no column."""
+        full = [0] * 6
+        for place, entry in zip(self.columns, entries, strict=True):
+            full[place] = entry
+        return column(full[:3]), column(full[3:])
+
+
+IDENTITY = Block((1, 0, 0, 0, 1, 0, 0, 0, 1), 3, 3)
+NOTHING = column((0, 0, 0))
+#: The ground has no columns.
+GROUND = BodyBlocks(
+    (), (), 0, 0, NOTHING, column((1, 0, 0, 0)), NOTHING, NOTHING, IDENTITY, Block((), 1, 0)
+)
+
+
+def inverse_masses(body: MovingBody, columns: Sequence[int]) -> list[High]:
+    """Diagonal of M⁻¹ in the columns, exactly; zero where there is no mass."""
+    diagonal = [number(x) for x in (*(body.mass,) * 3, *body.inertia)]
+    return [1 / diagonal[k] if diagonal[k] else Fraction(0) for k in columns]
+
+
+def gyroscopic_ratios(body: MovingBody, columns: Sequence[int]) -> list[High]:
+    """Gyroscopic ratios (I₂ − I₃)/I₁ and its like, exactly; zeros where the body cannot turn."""
+    moments = [number(moment) for moment in body.inertia]
+    return [
+        (moments[(k + 1) % 3] - moments[(k + 2) % 3]) / moments[k]
+        if k + 3 in columns
+        else Fraction(0)
+        for k in range(3)
+    ]
+
+
+def _mixed(
+    recorder: Recorder, kept: Sequence[int], slots: Sequence[int], values: Sequence[float]
+) -> list[int]:
+    """Entries of a vector: slots at the places that are kept, numbers elsewhere."""
+    fixed = [0.0 if place in kept else value for place, value in enumerate(values)]
+    entries = list(recorder.constant(fixed).entries)
+    for place, entry in zip(kept, slots, strict=True):
+        entries[place] = entry
+    return entries
+
+
+def body_blocks(
+    system: System, recorder: Recorder, q: Block, v: Block, *, is_planar: bool
+) -> list[BodyBlocks]:
+    """Blocks of all bodies; A is put in when the geometry is recorded."""
+    found = []
+    at_q = at_v = 0
+    for body in system.bodies:
+        kept, columns = shape(body, is_planar=is_planar)
+        position, velocity = start(body)
+        at = _mixed(recorder, kept, q.part(at_q, len(kept)).entries, position)
+        moving = _mixed(recorder, columns, v.part(at_v, len(columns)).entries, velocity)
+        found.append(
+            BodyBlocks(
+                coordinates=kept,
+                columns=columns,
+                q=at_q,
+                v=at_v,
+                r=column(at[:3]),
+                p=column(at[3:]),
+                v_r=column(moving[:3]),
+                omega_b=column(moving[3:]),
+                orientation=IDENTITY,
+                inverse_mass=recorder.constant(inverse_masses(body, columns)).T,
+            )
+        )
+        at_q += len(kept)
+        at_v += len(columns)
+    return found
+
+
+def coordinates(body: MovingBody, blocks: BodyBlocks) -> Coordinates:
+    """Places of the coordinates of a body, for those who run the program."""
+    position, velocity = start(body)
+
+    def places(block: Block, first: int, kept: Sequence[int], values: Sequence[float]) -> Places:
+        return tuple(
+            Place(slot_of(entry) if first + k in kept else -1, values[first + k])
+            for k, entry in enumerate(block.entries)
+        )
+
+    return Coordinates(
+        body.name,
+        places(blocks.r, 0, blocks.coordinates, position),
+        places(blocks.p, 3, blocks.coordinates, position),
+        places(blocks.v_r, 0, blocks.columns, velocity),
+        places(blocks.omega_b, 3, blocks.columns, velocity),
+    )
+
+
+Places = tuple[Place, ...]

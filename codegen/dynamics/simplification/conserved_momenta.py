@@ -1,0 +1,99 @@
+"""Momenta that a system conserves: of which bodies, along which directions, about which axes.
+
+A *part* is a set of bodies that joints and forces connect, the ground left out: what joints,
+springs and drivers do in it cancels. What is left is gravity, constant forces, and what the ground
+can do through the joints and forces at it, see
+:mod:`~kousoku.codegen.dynamics.simplification.contacts`. Linear momentum is constant along
+directions in which none of them acts, angular momentum about an axis about which none has a moment:
+an axis through the centre of mass, or through a point of the ground.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
+from kousoku.codegen.dynamics.recording.program import Kept
+from kousoku.codegen.dynamics.simplification.contacts import (
+    AXES,
+    Axes,
+    contacts_of,
+    free_of_force,
+    free_of_moment,
+)
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kousoku.codegen.dynamics.elements.constraints import Contact
+    from kousoku.codegen.dynamics.elements.facets import Applied
+    from kousoku.model.mechanism import System, Vector
+
+#: The axis of a plane may be given either way.
+DOWN = (0.0, 0.0, -1.0)
+
+
+def conserved_momenta(system: System, *, is_planar: bool) -> tuple[Kept, ...]:
+    """Momenta that the parts of a system conserve; parts that conserve none are not listed.
+
+    Parameters
+    ----------
+    system : System
+        The scene.
+    is_planar : bool
+        Whether its bodies move in planes parallel to the xy-plane: what is constant for that reason
+        does not count.
+    """
+    contacts: dict[int, list[Contact]] = {}
+    for body, contact in contacts_of(system):
+        contacts.setdefault(body, []).append(contact)
+    applied: dict[int, list[Applied]] = {}
+    for force in system.forces:
+        for body in {force.i, force.j} - {GROUND_INDEX}:
+            applied.setdefault(body, []).append(facets_of(force).applied())
+    found = []
+    for bodies in _parts(system):
+        if any(system.bodies[body].mass <= 0 for body in bodies):
+            continue
+        of_ground = [one for body in bodies for one in contacts.get(body, ())]
+        acting = [one for body in bodies for one in applied.get(body, ())]
+        linear, axes = _free(system, of_ground, acting)
+        angular = axes.directions
+        if axes.about is None and len(bodies) == 1 and system.bodies[bodies[0]].is_point:
+            angular = ()
+        if is_planar:
+            linear = tuple(one for one in linear if not one[2])
+            angular = tuple(one for one in angular if one in (AXES[2], DOWN))
+        if linear or angular:
+            found.append(Kept(bodies, linear, angular, axes.about if angular else None))
+    return tuple(found)
+
+
+def _free(
+    system: System, contacts: Sequence[Contact], applied: Sequence[Applied]
+) -> tuple[tuple[Vector, ...], Axes]:
+    """Directions along which no force acts on a part, and about which no moment does."""
+    laws = zip(AXES, system.gravity_law, strict=True)
+    gravity = [system.gravity, *(axis for axis, law in laws if law)]
+    forces = [vector for one in applied for vector in one.forces or ()]
+    torques = [vector for one in applied for vector in one.torques or ()]
+    if any(one.forces is None for one in applied):
+        return (), Axes()
+    linear = free_of_force(contacts, [*gravity, *forces])
+    if any(one.torques is None for one in applied):
+        return linear, Axes()
+    return linear, free_of_moment(contacts, forces, gravity, torques)
+
+
+def _parts(system: System) -> Iterator[tuple[int, ...]]:
+    """Bodies of each part: those that joints and forces connect, the ground left out."""
+    groups: list[tuple[int, ...]] = [one.bodies for one in system.constraints]
+    groups += [(one.i, one.j) for one in system.forces]
+    connected = DisjointSets(range(len(system.bodies)))
+    for group in groups:
+        first, *rest = (body for body in group if body != GROUND_INDEX)
+        for other in rest:
+            connected.join(first, other)
+    yield from (tuple(part) for part in connected.sets())

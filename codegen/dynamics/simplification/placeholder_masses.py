@@ -1,0 +1,82 @@
+"""Scenes that drivers move, whose bodies need not weigh anything.
+
+Where drivers and joints leave no freedom, positions, velocities and accelerations depend on no
+mass. Equations are solved in a metric, though: bodies that lack a mass or a moment weigh something
+there. What would depend on it is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
+from kousoku.codegen.dynamics.operations.shapes import shape
+from kousoku.codegen.dynamics.simplification.axis_permutation import permuted
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.mechanism import MovingBody, System
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceholderMasses:
+    """A system whose bodies all weigh something.
+
+    Parameters
+    ----------
+    system : System
+        The scene.
+    missing : tuple of str
+        Keys of what bodies lack and their motion may depend on.
+    thin : tuple of str
+        Those of them that belong to bodies whose mass lies on a line: one moment is zero.
+    """
+
+    system: System
+    missing: tuple[str, ...] = ()
+    thin: tuple[str, ...] = ()
+
+
+def with_placeholder_masses(system: System, shift: int | None) -> PlaceholderMasses:
+    """System with drivers whose bodies weigh something: 1 kg, and 1 kg · length².
+
+    A system without drivers stays as it is, and so do masses and moments that are given.
+
+    Parameters
+    ----------
+    system : System
+        A scene.
+    shift : int, optional
+        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it.
+    """
+    if not any(one.is_driver for one in system.constraints):
+        return PlaceholderMasses(system)
+    if all(body.mass > 0 and (body.is_point or min(body.inertia) > 0) for body in system.bodies):
+        return PlaceholderMasses(system)
+    missing = tuple(_missing(system, shift))
+    if not missing:
+        return PlaceholderMasses(system)
+    length = characteristic_length(system)
+    bodies = tuple(_filled(body, length) for body in system.bodies)
+    keys = (f"bodies.{body.name}.inertia" for body in system.bodies if max(body.inertia) > 0)
+    thin = tuple(key for key in keys if key in missing)
+    return PlaceholderMasses(replace(system, bodies=bodies), missing, thin)
+
+
+def _missing(system: System, shift: int | None) -> Iterator[str]:
+    """Keys of masses and moments that bodies lack and their motion depends on."""
+    for body in permuted(system, shift or 0).bodies:
+        _, columns = shape(body, is_planar=shift is not None)
+        if body.mass <= 0:
+            yield f"bodies.{body.name}.mass"
+        elif any(body.inertia[k - 3] <= 0 for k in columns if k > 2):
+            yield f"bodies.{body.name}.inertia"
+
+
+def _filled(body: MovingBody, length: float) -> MovingBody:
+    """Body with numbers in place of those that are missing."""
+    mass = body.mass if body.mass > 0 else 1.0
+    a, b, c = (moment if moment > 0 else float(mass) * length * length for moment in body.inertia)
+    return replace(body, mass=mass, inertia=(a, b, c))

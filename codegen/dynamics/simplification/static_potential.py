@@ -1,0 +1,38 @@
+"""The potential energy of what does not move, and is left out of a program."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.recording.design import start_of
+from kousoku.model import precise
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kousoku.codegen.dynamics.operations.placement import Placement
+    from kousoku.model.mechanism import System
+
+
+def static_potential(system: System, placements: Mapping[int, Placement]) -> float:
+    """Potential energy of bodies that stand still and of forces in one body [J].
+
+    Parameters
+    ----------
+    system : System
+        The scene, before bodies are joined.
+    placements : mapping of int to Placement
+        What carries each body.
+    """
+    gravity = precise.triple(system.gravity)
+    total = precise.number(0.0)
+    for k, body in enumerate(system.bodies):
+        if placements[k].carrier == GROUND_INDEX:
+            total -= precise.number(body.mass) * precise.dot(gravity, start_of(body)[0])
+    for force in system.forces:
+        i, j = placements[force.i], placements[force.j]
+        if force.has_potential and not force.formulas and i.carrier == j.carrier:
+            total += facets_of(force).resting_energy(i, j)
+    return precise.double(total)

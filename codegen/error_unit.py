@@ -1,0 +1,50 @@
+"""References as they are stored: high and low double, and the unit that an error is told in."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from kousoku.model.digits import CONTEXT
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping, Sequence
+
+    from kousoku.model.dual import Dual
+
+SMALLEST_SUBNORMAL = 5e-324
+#: u, the rounding of a double.
+ROUNDING = CONTEXT.mpf(2) ** -53
+#: A derivative below this, at numbers of order one, is a zero that 50 digits left over.
+NEGLIGIBLE = CONTEXT.mpf(10) ** -40
+
+
+def columns(
+    elements: Sequence[Dual], numbers: Mapping[Any, Any], bad: Collection[Any]
+) -> dict[str, object]:
+    """``high``, ``low`` and ``unit`` of the elements of an output, as lists.
+
+    Parameters
+    ----------
+    elements : sequence of Dual
+        The elements that are not identically zero.
+    numbers : mapping
+        The value of each input that a gradient names.
+    bad : collection
+        The inputs that are not finite: what depends on one has ``high`` None.
+    """
+    rows = [_row(element, numbers, bad) for element in elements]
+    return {name: [row[k] for row in rows] for k, name in enumerate(("high", "low", "unit"))}
+
+
+def _row(
+    element: Dual, numbers: Mapping[Any, Any], bad: Collection[Any]
+) -> tuple[float | None, float, float]:
+    """High, low and unit u (|f| + Σ |x ∂f/∂x|) of one number."""
+    is_bad = any(abs(element.gradient.get(place, 0)) > NEGLIGIBLE for place in bad)
+    if is_bad or CONTEXT.isnan(element.value):
+        return None, 0.0, SMALLEST_SUBNORMAL
+    high = float(element.value)
+    low = float(element.value - high)
+    size = abs(element.value) + sum(abs(numbers[k] * x) for k, x in element.gradient.items())
+    unit = max(float(f"{float(ROUNDING * size):.2e}"), SMALLEST_SUBNORMAL)
+    return high, float(f"{low:.4e}"), unit

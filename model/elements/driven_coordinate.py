@@ -1,0 +1,62 @@
+"""A driver of a coordinate of the scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.decode import join, require_known
+from kousoku.model.elements.driver import DriverKind, require_value
+from kousoku.model.errors import SceneError
+from kousoku.model.joints import sort_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.coordinates import CoordinateList
+    from kousoku.model.elements.driver import Driven
+    from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Driver, Value
+
+
+class DrivenCoordinate(DriverKind):
+    """A coordinate as a function of time."""
+
+    title = "a coordinate as a function of time"
+    keys = ("coordinate", "value")
+
+    def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
+        """Driven coordinate; one that is held is refused."""
+        require_value(driver, key)
+        name = driver.coordinate or ""
+        require_known("coordinate", name, scene.coordinates, f"{key}.coordinate")
+        given = scene.coordinates[name]
+        if given.hold:
+            raise SceneError(
+                f"{name} is driven by {key}; a driver says where it is, leave 'hold' out",
+                key=join("coordinates", name) + ".hold",
+            )
+        if given.joint is not None:
+            yield given.joint, sort_of(scene.joints[given.joint].type, given.of)
+        elif given.bodies is not None and given.points is not None:
+            yield frozenset(zip(given.bodies, given.points, strict=True)), "length"
+        else:
+            yield given.body, given.point or (0.0, 0.0, 0.0), given.along
+
+    def laws(
+        self, name: str, driver: Driver, coordinates: CoordinateList
+    ) -> Iterator[tuple[int, Value]]:
+        """Coordinate and its law."""
+        assert driver.coordinate is not None
+        assert driver.value is not None
+        yield coordinates.place(driver.coordinate), driver.value
+
+    def of_joint(self, scene: Scene, driver: Driver) -> tuple[str, str | None] | None:
+        """Joint that the coordinate is of, if it is of one."""
+        named = scene.coordinates[driver.coordinate or ""]
+        return None if named.joint is None else (named.joint, named.of)
+
+    def near(self, scene: Scene, driver: Driver) -> tuple[str, float] | None:
+        """Coordinate and ``near``, if that is given."""
+        name = driver.coordinate or ""
+        near = scene.coordinates[name].near
+        return None if near is None else (name, near)

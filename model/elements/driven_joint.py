@@ -1,0 +1,41 @@
+"""A driver of what a joint leaves free."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.driver import DriverKind, require_value
+from kousoku.model.validate_coordinates import check_leaves
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.coordinates import CoordinateList
+    from kousoku.model.elements.driver import Driven
+    from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Driver, Value
+
+
+class DrivenJoint(DriverKind):
+    """The angle or the displacement of a joint as a function of time."""
+
+    title = "the angle or the displacement of a joint as a function of time"
+    keys = ("joint", "of", "value")
+
+    def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
+        """Joint, and which of what it leaves free."""
+        require_value(driver, key)
+        joint = driver.joint or ""
+        yield joint, check_leaves(scene, joint, driver.of, key)
+
+    def laws(
+        self, name: str, driver: Driver, coordinates: CoordinateList
+    ) -> Iterator[tuple[int, Value]]:
+        """Coordinate that the joint leaves free, and its law."""
+        assert driver.joint is not None
+        assert driver.value is not None
+        yield coordinates.of_joint(driver.joint, driver.of), driver.value
+
+    def of_joint(self, scene: Scene, driver: Driver) -> tuple[str, str | None] | None:
+        """Joint, and which of what it leaves free."""
+        return driver.joint or "", driver.of

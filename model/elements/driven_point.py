@@ -1,0 +1,48 @@
+"""A driver of a point of a body, on a path."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.driver import DriverKind
+from kousoku.model.errors import SceneError
+from kousoku.model.validate_coordinates import check_place
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.coordinates import CoordinateList
+    from kousoku.model.elements.driver import Driven
+    from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Driver, Value
+
+
+class DrivenPoint(DriverKind):
+    """A point on a path, three functions of time."""
+
+    title = "a point on a path, three functions of time"
+    keys = ("body", "point", "path")
+
+    def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
+        """Places of the point along the axes of frame O."""
+        check_place(scene, driver.body or "", driver.point, key)
+        if driver.path is None:
+            raise SceneError("is missing; wanted three formulas", key=f"{key}.path")
+        for k in range(3):
+            along = tuple(float(k == axis) for axis in range(3))
+            yield driver.body, driver.point or (0.0, 0.0, 0.0), along
+
+    def laws(
+        self, name: str, driver: Driver, coordinates: CoordinateList
+    ) -> Iterator[tuple[int, Value]]:
+        """Places along the axes of frame O, each with its law."""
+        from kousoku.model import precise
+        from kousoku.model.coordinates import place_measure
+        from kousoku.model.frames import DIRECTIONS
+
+        assert driver.body is not None
+        assert driver.path is not None
+        point = precise.triple(driver.point or (0.0, 0.0, 0.0))
+        for (letter, along), value in zip(DIRECTIONS.items(), driver.path, strict=True):
+            measure = place_measure(coordinates.frames[driver.body], point, precise.triple(along))
+            yield coordinates.add(f"{name}.{letter}", measure), value

@@ -1,0 +1,78 @@
+"""A kind of driver: what it drives, and by which laws of time."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, ClassVar
+
+from kousoku.model.errors import SceneError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.coordinates import CoordinateList
+    from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Driver, Value
+
+    #: What is driven, the same for the same coordinate by other names.
+    Driven = tuple[object, ...]
+
+
+class DriverKind(ABC):
+    """One sort of drivers in a scene, by the key that says which it is.
+
+    Attributes
+    ----------
+    title : str
+        What it is, in one line.
+    keys : tuple of str
+        The keys of :class:`~kousoku.model.spatial.Driver` that it has.
+    """
+
+    title: ClassVar[str]
+    keys: ClassVar[tuple[str, ...]]
+
+    @abstractmethod
+    def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
+        """Check what it drives, and yield it.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where it is.
+        driver : Driver
+            The driver.
+        key : str
+            Its dotted key.
+
+        Raises
+        ------
+        SceneError
+            With the dotted key of what is wrong.
+        """
+
+    @abstractmethod
+    def laws(
+        self, name: str, driver: Driver, coordinates: CoordinateList
+    ) -> Iterator[tuple[int, Value]]:
+        """Places of coordinates and their laws; the coordinates are added to the list."""
+
+    def of_joint(self, scene: Scene, driver: Driver) -> tuple[str, str | None] | None:
+        """Joint that it drives, and which of what that leaves free, if it does."""
+        return None
+
+    def near(self, scene: Scene, driver: Driver) -> tuple[str, float] | None:
+        """Coordinate that says which turn it is in at the start, and what it is near."""
+        return None
+
+
+def require_value(driver: Driver, key: str) -> None:
+    """Refuse a driver of one coordinate without a law.
+
+    Raises
+    ------
+    SceneError
+        With the dotted key.
+    """
+    if driver.value is None:
+        raise SceneError("is missing; wanted a formula of t", key=f"{key}.value")

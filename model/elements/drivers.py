@@ -1,0 +1,25 @@
+"""All kinds of drivers: the one table that checking, systems and catalog share."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.driven_coordinate import DrivenCoordinate
+from kousoku.model.elements.driven_joint import DrivenJoint
+from kousoku.model.elements.driven_point import DrivenPoint
+
+if TYPE_CHECKING:
+    from kousoku.model.elements.driver import DriverKind
+    from kousoku.model.spatial import Driver
+
+DRIVERS: dict[str, DriverKind] = {
+    "coordinate": DrivenCoordinate(),
+    "joint": DrivenJoint(),
+    "body": DrivenPoint(),
+}
+"""Drivers of a scene by the key that says which it is."""
+
+
+def kind_of(driver: Driver) -> DriverKind:
+    """Kind of a driver that has one of these keys."""
+    return next(kind for key, kind in DRIVERS.items() if getattr(driver, key) is not None)
