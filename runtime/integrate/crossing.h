@@ -47,8 +47,8 @@
 /* a function is near to zero where it is less than so many times what it is known to; what that is
  * further away tells nothing of how near it comes between */
 #define BANDS 16.0
-/* what gets further than so many times what it is known to passes by, as fast as it is at a time: in
- * the longest step, and before it comes to rest */
+/* what gets further than so many times what it is known to passes by, as fast as it is at a time:
+ * in the longest step, and before it comes to rest */
 #define PASSING 16.0
 
 enum {
@@ -78,8 +78,8 @@ typedef struct {
  * motion and in its polynomial, which functions cross, where it was cut, and at which part of it at
  * least, whether samples leave open how narrow parts vary somewhere in it, whether it is kept if
  * nothing cuts it, the event without a value right behind its start, counted from 1, the function
- * that is zero in it where a force is infinite, counted likewise, when that is, by what rates change
- * in it, in the mean, and at most */
+ * that is zero in it where a force is infinite, counted likewise, when that is, by what rates
+ * change in it, in the mean, and at most */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
@@ -158,8 +158,8 @@ static void look_at(double time, const Look *look, const State *s, Work *work, N
 }
 
 /* by how much a second derivative is further from the mean of a step than that of a parabola, as
- * value and rate at its ends tell. What reads a coordinate are numbers as large as its size, however
- * small it is */
+ * value and rate at its ends tell. What reads a coordinate are numbers as large as its size,
+ * however small it is */
 static double bend_of(double size, const double *a, const double *b, double h)
 {
     const double rounding = 6.0 * SMALLEST * (size + fabs(a[0]) + fabs(b[0])) / h;
