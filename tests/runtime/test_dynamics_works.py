@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 SCENES = Path(__file__).parents[2] / "scenes"
 OMEGA, DAMPING, PULL = 40 * math.pi, 0.01, 100.0
+#: The most that a count of evaluations may have grown.
+MORE = 1.05
 
 pytestmark = pytest.mark.usefixtures("numpy_solver")
 
@@ -79,6 +81,44 @@ def test_work_of_a_motor_is_the_energy_that_moves(samples: int) -> None:
     assert trust.energy_error is not None
     assert trust.energy_moved is not None
     assert trust.energy_error < 1e-8 * trust.energy_moved
+
+
+#: Evaluations of committed scenes in 2 s, two rows, at tolerances, before a second rule of
+#: quadrature checked works, which were off by up to 5,000 tolerances then.
+EVALUATIONS = {
+    "engine": {1e-4: 2842, 1e-6: 6037},
+    "loop": {1e-6: 46, 1e-9: 154},
+    "constant_velocity": {1e-9: 299},
+    "gear_train": {1e-4: 26, 1e-9: 26},
+}
+
+
+@pytest.mark.compiles
+@pytest.mark.parametrize("name", EVALUATIONS)
+def test_works_cost_no_more_evaluations_than_unchecked_ones(name: str) -> None:
+    mechanism = kousoku.load(SCENES / f"{name}.toml", outputs=["energies"])
+    for tolerance, most in EVALUATIONS[name].items():
+        ledger = mechanism.simulate(2, samples=2, tolerance=tolerance).ledger
+        trust = ledger.trust
+        assert ledger.derivatives <= MORE * most
+        assert trust.energy_error is not None
+        assert trust.energy_moved is not None
+        assert trust.energy_error <= 0.5 * trust.limit * trust.energy_moved
+
+
+@pytest.mark.compiles
+@pytest.mark.parametrize("samples", [21, 61])
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-11])
+def test_works_hold_in_rows_between_positions(samples: int, tolerance: float) -> None:
+    """Its power is nearly straight where the motion begins: three of them tell no error there."""
+    mechanism = kousoku.load(SCENES / "constant_velocity.toml", outputs=["energies"])
+    for method in ("kinematics", "dopri5", "dop853"):
+        options: Any = {"samples": samples, "method": method, "tolerance": tolerance}
+        trust = mechanism.simulate(0.5, **options).ledger.trust
+        assert trust.is_trusted
+        assert trust.energy_error is not None
+        assert trust.energy_moved is not None
+        assert trust.energy_error < 0.3 * trust.limit * trust.energy_moved
 
 
 def pulsing(monkeypatch: pytest.MonkeyPatch) -> Mechanism:

@@ -282,3 +282,14 @@ def test_bodies_at_rest_have_no_kinks_in_their_rounding(target: Any) -> None:
         run = mechanism.simulate(0.25, samples=3, tolerance=tolerance, most_steps=100)
         assert run.ledger.steps < 5
         assert run.ledger.trust.is_trusted
+
+
+@pytest.mark.compiles
+def test_no_step_leaves_the_constraints_by_what_estimates_do_not_see() -> None:
+    """A nut turns by some radians in a step, along which estimates of its error are zero once."""
+    nut = kousoku.load(SCENES / "falling_nut.toml")
+    for tolerance in (1e-4, 1e-5, 1e-6, 1e-7):
+        trust = nut.simulate(0.5, samples=21, method="dop853", tolerance=tolerance).ledger.trust
+        assert trust.is_trusted
+        assert trust.drift is not None
+        assert trust.drift <= 50 * tolerance

@@ -15,7 +15,7 @@ import numpy as np
 
 import kousoku as ks
 from kousoku.codegen.dynamics import analyse
-from kousoku.codegen.dynamics.composition import bodies
+from kousoku.codegen.dynamics.simplification import bodies
 from kousoku.model.digits import CONTEXT
 from kousoku.model.write import toml_of
 from tests.stress.kit import Fault, Outcome, Question, Size

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,7 +11,7 @@ import pytest
 
 from kousoku.runtime.integrate import kinematics
 from kousoku.runtime.integrate.crossing import Look
-from kousoku.runtime.integrate.kinematics import driven_step, watched_end
+from kousoku.runtime.integrate.kinematics import HALVES, driven_step, watched_end
 from kousoku.runtime.integrate.methods import METHODS
 from kousoku.runtime.integrate.pivot_monitor import WEAK
 from kousoku.runtime.integrate.settings import Status
@@ -29,20 +30,23 @@ def state() -> Any:
     return SimpleNamespace(
         **{"time": 2.0, "step_size": 0.0, "largest_pivot_ratio": 1.0, "avoided": 0, "rejected": 0},
         **{"drift": 0.0, "untold": 0.0, "energy_moved": 0.0, "has_branch_point": 0.0},
+        **{"simpson": 0.0, "error": 0.0},
     )
 
 
 class Tried:
     """Where a step tried to end, and whether in halves; what it found is made up."""
 
-    def __init__(self, drifts: list[float], ratios: list[float]) -> None:
-        self.drifts, self.ratios = [*drifts], [*ratios]
+    def __init__(self, drifts: list[float], ratios: list[float], rough: list[float]) -> None:
+        self.drifts, self.ratios, self.rough = [*drifts], [*ratios], [*rough]
         self.ends: list[tuple[float, bool]] = []
         self.kept: tuple[float, float] | None = None
 
-    def reach(self, end: float, *_: Any, in_halves: bool) -> float:
-        self.ends.append((end, in_halves))
-        return self.drifts.pop(0) if self.drifts else 0.0
+    def reach(self, end: float, parts: Any, *_: Any) -> tuple[float, float]:
+        self.ends.append((end, parts is HALVES))
+        drift = self.drifts.pop(0) if self.drifts else 0.0
+        usual = 0.0 if drift >= 0.0 else math.inf
+        return drift, self.rough.pop(0) if self.rough else usual
 
     def pivot_ratio(self, *_: Any) -> float:
         return self.ratios.pop(0) if self.ratios else 1.0
@@ -55,7 +59,7 @@ def step(
     monkeypatch: pytest.MonkeyPatch, state: Any, work: Any, asked: float, **found: list[float]
 ) -> Tried:
     """Make a step of at most 1 s, and return what it tried."""
-    tried = Tried(found.get("drifts", []), found.get("ratios", []))
+    tried = Tried(*(found.get(name, []) for name in ("drifts", "ratios", "rough")))
     for name in ("reach", "pivot_ratio", "accept_position"):
         monkeypatch.setattr(kinematics, name, getattr(tried, name))
     for name in ("note_pivot_ratio", "note_largest_pivot"):
@@ -101,6 +105,23 @@ def test_a_step_that_is_not_smooth_is_halved(
     assert (state.avoided, state.rejected) == (0, 2)
 
 
+def test_how_rough_a_step_is_tells_the_next_one(
+    monkeypatch: pytest.MonkeyPatch, state: Any, work: Any
+) -> None:
+    """It goes with the square of the length."""
+    tried = step(monkeypatch, state, work, 100.0, drifts=[-1.0, 0.0], rough=[4.0, 0.81])
+    assert [end - 2.0 for end, _ in tried.ends] == [1.0, pytest.approx(0.45)]
+    assert state.step_size == pytest.approx(0.45)
+
+
+def test_a_short_step_to_the_time_that_is_asked_for_does_not_lengthen_others(
+    monkeypatch: pytest.MonkeyPatch, state: Any, work: Any
+) -> None:
+    state.step_size = 0.4
+    step(monkeypatch, state, work, 2.01)
+    assert state.step_size == 0.4
+
+
 def test_a_place_that_is_not_smooth_behind_a_weak_one_is_given_up(
     monkeypatch: pytest.MonkeyPatch, state: Any, work: Any
 ) -> None:
@@ -116,9 +137,9 @@ def test_a_step_whose_works_miss_the_tolerance_is_shortened(
 ) -> None:
     work.scene.parts = ("energies",)
     errors = [1.5, 0.5]
-    monkeypatch.setattr(kinematics, "sum_works", lambda *_: (errors.pop(0), True))
+    monkeypatch.setattr(kinematics, "sum_works", lambda *_, **__: (errors.pop(0), True))
     tried = step(monkeypatch, state, work, 100.0)
-    assert [end - 2.0 for end, _ in tried.ends] == [1.0, pytest.approx(0.9 * 1.5 ** (-1 / 7))]
+    assert [end - 2.0 for end, _ in tried.ends] == [1.0, pytest.approx(0.9 * 1.5 ** (-1 / 9))]
     assert state.rejected == 1
 
 
