@@ -107,8 +107,20 @@ def _derivative(part: Apply, slopes: tuple[Expression, ...]) -> Expression:
 def _of_power(part: Apply, da: Expression, db: Expression) -> Expression:
     a, b = part.args
     if isinstance(b, Number):
-        return b * power(a, number(b.value - 1)) * da
+        base = a if b.value > 1 else _where_positive(a)
+        return b * power(base, number(b.value - 1)) * da
     return b * power(a, b - 1) * da + part * apply(Function.LOG, a) * db
+
+
+def _where_positive(a: Expression) -> Expression:
+    """a, and of ``max(0, x)`` something that is not zero where x is negative.
+
+    There its derivative is zero, and so are those of its powers, which else are 0 ∞.
+    """
+    if not isinstance(a, Apply) or a.function is not Function.MAX or ZERO not in a.args:
+        return a
+    x = a.args[a.args[0] == ZERO]
+    return a + (ONE - apply(Function.SIGN, x)) / 2
 
 
 def _of_extreme(part: Apply, da: Expression, db: Expression) -> Expression:

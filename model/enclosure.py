@@ -75,7 +75,7 @@ def enclosure(expression: Expression, spans: Mapping[str, Bounds]) -> Bounds:
                 own = [known[id(arg)] for arg in args]
                 is_one = all(one.is_one for one in own)
                 if is_one:
-                    same = _value(function, *(one.least for one in own))
+                    same = composed(function, *(one.least for one in own))
                     known[id(part)] = Bounds(same, same)
                 else:
                     known[id(part)] = _applied(function, own)
@@ -91,9 +91,9 @@ def _applied(function: Function, args: list[Bounds]) -> Bounds:
         case Function.NEG:
             return Bounds(neg(first.most), neg(first.least))
         case Function.MUL:
-            return _product(*args)
+            return product_of(*args)
         case Function.DIV:
-            return _product(first, _reciprocal(args[1]))
+            return quotient_of(first, args[1])
         case Function.POW:
             return _power(*args)
         case Function.ABS:
@@ -103,7 +103,7 @@ def _applied(function: Function, args: list[Bounds]) -> Bounds:
         case Function.TAN:
             waves = (_wave(one, first) for one in (Function.SIN, Function.COS))
             sine, cosine = waves
-            return _product(sine, _reciprocal(cosine))
+            return quotient_of(sine, cosine)
         case Function.ACOS:
             return Bounds(apply(function, first.most), apply(function, first.least))
         case Function.ATAN2:
@@ -111,13 +111,13 @@ def _applied(function: Function, args: list[Bounds]) -> Bounds:
         case _:
             assert function in RISING
             return Bounds(
-                _value(function, *(x.least for x in args)),
-                _value(function, *(x.most for x in args)),
+                composed(function, *(x.least for x in args)),
+                composed(function, *(x.most for x in args)),
             )
 
 
-def _value(function: Function, *args: Expression) -> Expression:
-    """Return a function of numbers, in functions that texts have, so that none overflows."""
+def composed(function: Function, *args: Expression) -> Expression:
+    """Return a function of formulas, in functions that texts have, so that none overflows."""
     match function:
         case Function.LOG_SUM:
             a, b = args
@@ -144,11 +144,17 @@ def _most(*terms: Expression) -> Expression:
     return found
 
 
-def _product(a: Bounds, b: Bounds) -> Bounds:
+def product_of(a: Bounds, b: Bounds) -> Bounds:
+    """Bounds of a product."""
     # The ends are not hashed: parts are shared, and a tree has many times as many.
     sides = [(one.least,) if one.is_one else one for one in (a, b)]
     products = [mul(x, y) for x in sides[0] for y in sides[1]]
     return Bounds(_least(*products), _most(*products))
+
+
+def quotient_of(a: Bounds, b: Bounds) -> Bounds:
+    """Those of a quotient."""
+    return product_of(a, _reciprocal(b))
 
 
 def _magnitude(x: Bounds) -> Bounds:
@@ -169,7 +175,7 @@ def _power(a: Bounds, b: Bounds) -> Bounds:
     exponent = b.least
     if not isinstance(exponent, Number):
         logarithm = Bounds(apply(Function.LOG, a.least), apply(Function.LOG, a.most))
-        return _applied(Function.EXP, [_product(b, logarithm)])
+        return _applied(Function.EXP, [product_of(b, logarithm)])
     size = number(abs(exponent.value))
     if exponent.value.denominator > 1:  # of a positive number only: others have no power
         a = Bounds(_most(a.least, _least(a.most, ZERO)), a.most)

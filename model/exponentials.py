@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import TYPE_CHECKING
 
+from kousoku.model.derivative import derivative
+from kousoku.model.enclosure import composed
 from kousoku.model.terms import (
     ONE,
     ZERO,
@@ -16,6 +18,7 @@ from kousoku.model.terms import (
     add,
     apply,
     div,
+    evaluated,
     mul,
     neg,
     ordered,
@@ -65,6 +68,19 @@ def without_overflow(formula: Expression) -> Expression:
     return known[id(formula)].whole
 
 
+def rate_of(law: Expression, time: str, order: int) -> Expression:
+    """Derivative of a formula by the time, in functions that texts have.
+
+    That of 1/(1 + eᵃ) is 0 ∞/∞ where eᵃ is infinite, unless it is written anew.
+    """
+    if order == 0:
+        return law
+    rate = without_overflow(law)
+    for _ in range(order):
+        rate = derivative(rate, time)
+    return evaluated(rate, lambda part: part, lambda function, args: composed(function, *args))
+
+
 def _form(part: Expression, args: Sequence[Form]) -> Form:
     """Return the form of a formula, given those of its parts."""
     if not isinstance(part, Apply):
@@ -106,8 +122,9 @@ def _product(
     logarithm: Expression | None,
     args: Sequence[Form],
 ) -> Form:
-    """Return a product: its exponentials are one where some of them was a quotient."""
-    is_anew = any(one.is_anew for one in args)
+    """Return a product: its exponentials are one where there are more, or one was a quotient."""
+    are_many = sum(one.exponent != ZERO for one in args) > 1
+    is_anew = are_many or any(one.is_anew for one in args)
     whole = mul(factor, apply(Function.EXP, exponent)) if is_anew else whole
     is_sum = logarithm is not None and any(one.is_sum for one in args)
     return Form(whole, factor, exponent, logarithm, is_sum, is_anew)

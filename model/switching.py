@@ -181,7 +181,8 @@ def _texts(system: System) -> Iterator[tuple[str, str]]:
 def switching_functions(formula: Expression) -> Iterator[Expression]:
     """Yield what is zero where a formula has a kink or a jump: of ``max(a, b)`` it is a − b.
 
-    ``abs(a)*a`` has neither, and is as large on both sides; ``sqrt(a^2)`` is ``abs(a)``.
+    ``abs(a)*a`` has neither, and is as large on both sides; ``sqrt(a^2)`` is ``abs(a)``;
+    ``atan(1/a)`` jumps where a is zero.
     """
     smooth = {id(factor) for part in ordered(formula) for factor in _signed_squares(part)}
     for part in ordered(formula):
@@ -190,6 +191,15 @@ def switching_functions(formula: Expression) -> Iterator[Expression]:
             yield add(first, *map(neg, rest))
         elif (root := even_root(part)) is not None and root[1] < SMOOTH:
             yield root[0]
+        elif isinstance(part, Apply) and part.function is Function.ATAN:
+            yield from _divisors_of(part)
+
+
+def _divisors_of(formula: Expression) -> Iterator[Expression]:
+    """What may be zero in a formula, and is divided by there."""
+    for part in ordered(formula):
+        if isinstance(part, Apply) and part.function is Function.DIV:
+            yield from filter(may_be_zero, _crossed(part.args[1]))
 
 
 def _edges_of(formula: Expression) -> Iterator[Expression]:
@@ -365,6 +375,7 @@ def _varies(place: Expression) -> bool:
 
 
 def _with_rates(law: Expression) -> tuple[Expression, ...]:
+    law = without_overflow(law)
     rate = derivative(law, TIME)
     return law, rate, derivative(rate, TIME)
 

@@ -6,10 +6,10 @@ from math import isfinite, pi
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join
-from kousoku.model.derivative import derivative
 from kousoku.model.drivers import text_of
 from kousoku.model.elements.drivers import DRIVERS
 from kousoku.model.errors import ExpressionError, SceneError
+from kousoku.model.exponentials import rate_of
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME, values_at_start
 from kousoku.model.joints import sort_of
@@ -121,11 +121,10 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
             key=key,
         )
     starts = []
-    for what in ("value", "rate", "acceleration"):
-        starts.append(value_of(law, start))
+    for order, what in enumerate(("value", "rate", "acceleration")):
+        starts.append(value_of(rate_of(law, TIME, order), start))
         if not isfinite(starts[-1]):
             raise SceneError(f"has no finite {what} at t = 0; wanted one", key=key)
-        law = derivative(law, TIME)
     return starts[0]
 
 

@@ -28,13 +28,16 @@ def value_of(expression: Expression, values: Mapping[str, float]) -> float:
     def leaf(part: Number | Name) -> float:
         return float(part.value) if isinstance(part, Number) else values[part.name]
 
-    return evaluated(expression, leaf, _applied)
+    value = evaluated(expression, leaf, _applied)
+    return value if math.isfinite(value) else math.nan
 
 
 def _applied(function: Function, args: Sequence[float]) -> float:
     try:
         is_sum = function is Function.ADD
         value = math.fsum(args) if is_sum else FLOAT.applied(function.value, args)
-    except (ValueError, ZeroDivisionError, OverflowError):
+    except OverflowError:  # as in solvers: what is divided by it is zero
+        return math.inf if function is Function.EXP else math.nan
+    except (ValueError, ZeroDivisionError):
         return math.nan
-    return value if isinstance(value, float) and math.isfinite(value) else math.nan
+    return value if isinstance(value, float) else math.nan

@@ -70,6 +70,9 @@ NO_WAY = 1e-6
 #: A function is near to zero where it is less than so many times what it is known to; what that is
 #: further away tells nothing of how near it comes between.
 BANDS = 16.0
+#: What gets further than so many times what it is known to passes by, as fast as it is at a time:
+#: in the longest step, and before it comes to rest.
+PASSING = 16.0
 
 
 def largest(a: Array, b: Array) -> Array:
@@ -137,6 +140,8 @@ class Look:
         What values are known to, in the motion and in its polynomial.
     bend : (n,) array
         By what rates change in it, in the mean.
+    pull : (n,) array
+        By what they do at most.
     crosses, was_crossing : array of bool
         Which functions cross, and crossed where it was cut.
     is_untold : bool
@@ -162,6 +167,7 @@ class Look:
     noise: Array = field(init=False)
     rounding: Array = field(init=False)
     bend: Array = field(init=False)
+    pull: Array = field(init=False)
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
     is_untold: bool = False
@@ -197,8 +203,22 @@ def read_at(time: float, look: Look) -> Array:
 
 
 def look_at(time: float, look: Look) -> Node:
-    """Return what is seen at a time of the motion."""
-    return look_closely(look.noise, time, look)
+    """Return what is seen at a time of the motion.
+
+    Of what passes by there its polynomial tells where it is, however far off that may be, so that
+    nothing that is narrower is passed over. Where a force may be infinite places are known to the
+    noise.
+    """
+    read, n, n_poles = read_at(time, look), len(look.state.sides), look.work.scene.n_poles
+    if n_poles:
+        node = see_at(read, look.noise, time, look.work.w)
+        if not side_at(node)[n - n_poles : n].all():
+            return node
+    noise, speed = look.noise.copy(), np.abs(read[:, 1])
+    far = PASSING * noise[:, 0]
+    passes = (speed * larger(look.state.stride, look.h) > far) & (speed * speed > far * look.pull)
+    noise[:, 0] = np.where(passes, look.rounding[:, 0], noise[:, 0])
+    return see_at(read, noise, time, look.work.w)
 
 
 def look_closely(noise: Array, time: float, look: Look) -> Node:
@@ -222,6 +242,7 @@ def look_into(
     """Make the polynomial of a step from the state to y, where the derivative is f."""
     state, sizes = look.state, look.work.scene.measure_sizes
     look.m, look.start, look.h, look.slack = m, state.time, h, s.tolerance * h
+    look.is_untold = False
     state.y_before[:] = state.y
     state.dense[:] = 0.0
     hermite_cubic(h, y, state.f, f, state)
@@ -230,6 +251,7 @@ def look_into(
     first, last = read_at(state.time, look), read_at(state.time + h, look)
     most = largest(np.abs(first), np.abs(last))
     look.bend = (last[:, 1] - first[:, 1]) / h
+    look.pull = np.abs(look.bend) + bend_of(sizes, first, last, h)
     look.noise = np.empty_like(most)
     look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
     look.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
@@ -238,17 +260,25 @@ def look_into(
     look.rounding[:, 1] = SMALLEST * (most[:, 1] + SLOW * sizes / h)
 
 
+def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
+    """By how much second derivatives are further from their mean than those of parabolas.
+
+    Values and rates at both ends of h tell. What reads a coordinate are numbers as large as its
+    size, however small it is.
+    """
+    (x, v), (y, u) = a.T, b.T
+    rounding = 6.0 * SMALLEST * (sizes + np.abs(x) + np.abs(y)) / h
+    off = np.abs(3.0 * (v + u) - 6.0 * (y - x) / h)
+    return largest(np.zeros_like(off), off - rounding) / h
+
+
 def bound_seen(a: Node, b: Node, look: Look) -> Array:
     """Return least, most, slowest and fastest of the functions between two nodes."""
     w, h = look.work.w, b.time - a.time
     (x, v), (y, u) = a.read.T, b.read.T
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = a.time, b.time
-    mean = (u - v) / h
-    # what reads a coordinate are numbers as large as its size, however small it is
-    rounding = 6.0 * SMALLEST * (look.work.scene.measure_sizes + np.abs(x) + np.abs(y)) / h
-    off = np.abs(3.0 * (v + u) - 6.0 * (y - x) / h)
-    bend = largest(np.zeros_like(off), off - rounding) / h
+    mean, bend = (u - v) / h, bend_of(look.work.scene.measure_sizes, a.read, b.read, h)
     own[:, 4], own[:, 5] = mean - DOUBT * bend, mean + DOUBT * bend
     reach_between(v, u, own[:, 4], own[:, 5], h, own[:, 2:4])
     reach_between(x, y, own[:, 2], own[:, 3], h, own[:, :2])
@@ -366,6 +396,9 @@ def time_of(k: int, a: Node, b: Node, look: Look) -> float:
     """
     side, first, last = -float(side_at(b)[k]), a.time, b.time
     is_event, noise = k < len(look.work.scene.events), noise_of(k, look)
+    # by the polynomial it is beyond zero, by less than that
+    if side_at(look_closely(noise, last, look))[k] != -side:
+        noise = look.rounding
     while last - first > SMALLEST * larger(abs(first), abs(last)):
         time = 0.5 * (first + last)
         if not first < time < last:
@@ -463,6 +496,7 @@ def seen_end(end: float, look: Look) -> float:
         if look.crosses.any():
             return smaller(larger(first_time(a, b, look), nearest), end)
         a, width = b, smaller(2.0 * width, widest)
+    look.is_untold = a.time < end and not a.time > nearest
     return a.time if nearest < a.time < end else end
 
 
@@ -610,8 +644,9 @@ def note_crossings(end: float, look: Look) -> None:
     """Note what a step that is kept has crossed: one that was cut, also what is zero there."""
     state, events = look.state, look.work.scene.events
     sides, now = state.sides.copy(), side_at(look_at(end, look))
+    is_near = (now == 0.0) | (side_at(look_closely(look.noise, end, look)) == 0.0)
     for k, side in enumerate(sides.tolist()):
-        is_there = now[k] == 0.0 and end == look.cut and look.was_crossing[k]
+        is_there = is_near[k] and end == look.cut and look.was_crossing[k]
         if side == 0.0 or not (now[k] == -side or is_there):
             continue
         state.sides[k] = -side
@@ -644,6 +679,20 @@ def are_narrow_told(start: float, end: float, look: Look) -> bool:
     return bool(np.all(is_explained | (high - low <= STEADY * size + nothing)))
 
 
+def is_at_pole(first: float, last: float, look: Look, *, in_between: bool) -> bool:
+    """Whether at both times a function is near to zero, or in between, for a pole.
+
+    A force may be infinite there: no bound tells how it varies, and of what is narrow the energy
+    does.
+    """
+    n, count = len(look.state.sides), look.work.scene.n_poles
+    if count == 0:
+        return False
+    a, b = (side_at(look_closely(look.noise, time, look))[n - count : n] for time in (first, last))
+    is_there = (a == 0.0) & (b == 0.0)
+    return bool((is_there | (in_between & (a * b != 1.0))).any())
+
+
 def told_end(end: float, look: Look) -> float:
     """Return where a step to an end must end so that samples tell how parts vary.
 
@@ -651,21 +700,21 @@ def told_end(end: float, look: Look) -> float:
     """
     start = first = look.start
     whole = allowed = width = end - start
-    look.is_untold = False
     looks = 0
     while first < start + allowed:
         if looks == MOST_LOOKS:
-            look.is_untold = True
+            look.is_untold = look.is_untold or not is_at_pole(first, end, look, in_between=True)
             break
         looks += 1
         last = smaller(first + width, end)
-        is_good = are_narrow_told(first, last, look)
-        if not is_good and width > FINEST * whole:
+        is_there = is_at_pole(first, last, look, in_between=False)
+        is_good = not is_there and are_narrow_told(first, last, look)
+        if not (is_good or is_there) and width > FINEST * whole:
             width = 0.5 * width
             continue
         if is_good:
             allowed = smaller(allowed, larger(first - start, last - first))
-        else:
+        elif not is_at_pole(first, last, look, in_between=True):
             look.is_untold = True
         first = last
         width = 2.0 * width

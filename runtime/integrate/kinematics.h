@@ -303,8 +303,9 @@ static double watched_end(
 {
     const Position last = position_at(1, work);
     look_into(settings, methods, 0, end - s->time, last.y, s->f, last.f, look, s, work);
-    const double told = N_NARROW > 0 ? told_end(end, look, s, work) : end;
     const double seen = seen_end(end, look, s, work);
+    const int is_cut = seen < end && part <= 1.0;
+    const double told = N_NARROW > 0 ? told_end(is_cut ? seen : end, look, s, work) : end;
     if (look->pole) return cut_at(end_before_pole(look, s), look);
     if (part > 1.0) {
         look->is_untold = look->is_untold || told < end;

@@ -364,8 +364,9 @@ def watched_end(s: Settings, end: float, part: float, look: Look) -> float:
     """
     last = position_at(1, look.work)
     look_into(s, METHODS[0], end - look.state.time, last.y, last.f, look, has_stages=False)
-    told = told_end(end, look) if look.work.scene.has_narrow else end
     seen = seen_end(end, look)
+    is_cut = seen < end and part <= 1.0
+    told = told_end(seen if is_cut else end, look) if look.work.scene.has_narrow else end
     if look.pole:
         return cut_at(end_before_pole(look), look)
     if part > 1.0:

@@ -407,12 +407,6 @@ static int step(
             look_into(settings, m, has_stages, h, work->y, s->f, f, &look, s, work);
             look.least_part = is_kept && !is_vague ? 0.0 : LEAST_PART;
             look.is_kept = is_kept;
-            double to = last;
-            if (N_NARROW > 0 && is_kept && shorter++ < MOST_SHORTER) {
-                to = told_end(last, &look, s, work);
-            } else if (N_NARROW > 0 && is_kept) { /* it cannot be shorter for that */
-                look.is_untold = !are_narrow_told(s->time, last, &look, s, work);
-            }
             /* one that leads beyond its end stays as it is */
             double seen = is_beyond ? last : seen_end(last, &look, s, work);
             if (look.pole && !has_stages && make_dense_stages(m, &trial, work, s)) {
@@ -422,6 +416,16 @@ static int step(
             if (look.pole) seen = end_before_pole(&look, s);
             const int why = why_stopped(seen, &look, s);
             if (why != GOOD) return why;
+            const double told = smaller(seen, last); /* what follows a cut is seen later */
+            double to = last;
+            if (N_NARROW > 0 && is_kept && shorter++ < MOST_SHORTER) {
+                const double there = told_end(told, &look, s, work);
+                if (there < told) to = there;
+            } else if (N_NARROW > 0 && is_kept) { /* it cannot be shorter for that */
+                look.is_untold = look.is_untold ||
+                                 (!are_narrow_told(s->time, told, &look, s, work) &&
+                                     !is_at_pole(1, s->time, told, &look, s, work));
+            }
             if (seen <= to && seen < last) {
                 to = end = cut_at(seen, &look);
             } else if (EVENTS > 0 && is_kept && last == look.cut && polished++ < MOST_POLISHED) {

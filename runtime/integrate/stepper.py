@@ -16,6 +16,7 @@ from .crossing import (
     are_narrow_told,
     cut_at,
     end_before_pole,
+    is_at_pole,
     look_into,
     note_crossings,
     note_unresolved,
@@ -501,11 +502,6 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
             look.least_part = 0.0 if is_kept and not is_vague else LEAST_PART
             look.is_kept = is_kept
-            to = last
-            if work.scene.has_narrow and is_kept and shorter < MOST_SHORTER:
-                to, shorter = told_end(last, look), shorter + 1
-            elif work.scene.has_narrow and is_kept:  # it cannot be shorter for that
-                look.is_untold = not are_narrow_told(state.time, last, look)
             # one that leads beyond its end stays as it is
             seen = last if is_beyond else seen_end(last, look)
             if look.pole and not has_stages and make_dense_stages(m, trial, work, state):
@@ -516,6 +512,15 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             why = why_stopped(seen, look)
             if why != Status.GOOD:
                 return why
+            told = smaller(seen, last)  # what follows a cut is seen later
+            to = last
+            if work.scene.has_narrow and is_kept and shorter < MOST_SHORTER:
+                there, shorter = told_end(told, look), shorter + 1
+                to = there if there < told else last
+            elif work.scene.has_narrow and is_kept:  # it cannot be shorter for that
+                is_told = are_narrow_told(state.time, told, look)
+                is_told = is_told or is_at_pole(state.time, told, look, in_between=True)
+                look.is_untold = look.is_untold or not is_told
             if seen <= to and seen < last:
                 to = end = cut_at(seen, look)
             elif has_events and is_kept and last == look.cut and polished < MOST_POLISHED:

@@ -212,6 +212,7 @@ def test_steps_that_are_not_made_shorter_over_a_narrow_hill_are_told(
     assert ledger.unresolved >= 1
     assert "do not tell how formulas vary" in str(ledger)
     assert "a smaller step tells more" in str(ledger)
+    assert "narrow forces may be passed over" in ledger.trust.why
 
 
 def test_no_narrow_hill_is_missed(solver_of: Callable[..., Any]) -> None:

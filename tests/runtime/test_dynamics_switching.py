@@ -94,18 +94,119 @@ def test_no_wall_is_passed_whose_law_is_steep_far_away(
             assert run.ledger.steps < 200
 
 
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_no_wall_is_passed_that_is_narrower_than_places_are_known(
+    solver_of: Callable[..., Any], method: str
+) -> None:
+    solver, random_ = solver_of(FORMS["cap_wall"].text), random.Random(3)
+    for _ in range(200):
+        width, place = 10.0 ** random_.uniform(-8.0, -4.0), random_.uniform(1.0, 90.0)
+        part = random_.choice((0.36, 1.5))
+        parameters = {"place": place, "width": width, "height": part * 75.0 / width}
+        settings = {"method": method, "tolerance": 1e-6, "parameters": parameters}
+        run = solver.simulate(END, samples=2, **settings)
+        speed = 8.0 if part < 1.0 else -10.0
+        assert run.velocity["cart"][-1, 0] == pytest.approx(speed, rel=1e-3), parameters
+        assert run.ledger.steps < 200
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_both_targets_meet_narrow_walls_with_the_same_bits(solver_of: Callable[..., Any]) -> None:
+    for name in ("cap_wall", "arctangent_wall", "double_exponential_wall"):
+        parameters = {"place": 54.0, "width": 1.3e-5, "height": 5e7}
+        settings: dict[str, Any] = {"tolerance": 1e-6, "parameters": parameters}
+        runs = [
+            solver_of(FORMS[name].text, target=target).simulate(END, samples=3, **settings)
+            for target in ("c", "numpy")
+        ]
+        assert np.array_equal(runs[0].rows, runs[1].rows)
+        assert runs[0].velocity["cart"][-1, 0] == pytest.approx(-10.0, rel=1e-3)
+
+
 @pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize("target", ["c", "numpy"])
-def test_what_bounds_do_not_tell_in_many_intervals_is_counted(
+def test_no_pulse_whose_rate_is_zero_times_infinity_is_missed(
     solver_of: Callable[..., Any], target: Any
 ) -> None:
-    block = PULSE[: PULSE.index("force = [")]
-    hit = block + 'force = ["10*exp(1 - exp(((t - place)/width)^2))", "0", "0"]\n'
-    parameters = {"place": 5.0, "width": 1e-3}
-    run = solver_of(hit, target=target).simulate(END, samples=2, parameters=parameters)
-    missed = run.velocity["block"][-1, 0] == 0.0
-    assert not missed or run.ledger.unresolved > 0
-    assert missed == (f"in {run.ledger.unresolved} step" in str(run.ledger.trust))
+    solver, random_ = solver_of(FORMS["double_exponential"].text, target), random.Random(3)
+    integral, _ = PULSES["double_exponential"][1](0.0)
+    for _ in range(100 if target == "c" else 3):
+        parameters, _ = FORMS["double_exponential"].draw(random_)
+        run = solver.simulate(END, samples=2, parameters=parameters)
+        speed = 10.0 * parameters["width"] * integral
+        assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=1e-6), parameters
+        assert run.ledger.unresolved == 0
+
+
+def block_under(law: str) -> str:
+    return PULSE[: PULSE.index("force = [")] + f'force = ["{law}", "0", "0"]\n'
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize(
+    ("law", "speed"),
+    [
+        ("sin(t - 5)/(t - 5)", 2.0 * 1.5499312449446743),  # 2 Si(5)
+        ("(exp(t - 5) - 1)/(t - 5)", 40.18642365139445),
+        ("log(abs(t - 5))", 10.0 * math.log(5.0) - 10.0),
+        ("1/sqrt(abs(t - 5))", 4.0 * math.sqrt(5.0)),
+        ("1e-3*atan(1/(t - 5)) + 1/(1 + exp(840))", 0.0),
+    ],
+)
+def test_quotients_that_are_0_0_and_integrable_infinities_are_gone_through(
+    solver_of: Callable[..., Any], target: Any, law: str, speed: float
+) -> None:
+    run = solver_of(block_under(law), target).simulate(END, samples=2)
+    assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=1e-7, abs=1e-11)
+    assert (run.ledger.steps < 250, run.ledger.unresolved) == (True, 0)
+    assert run.ledger.trust.is_trusted
+
+
+@pytest.mark.parametrize("law", ["1/(t - 5)", "1/abs(t - 5)", "1/(t - 5)^2"])
+def test_a_force_of_time_that_is_infinite_is_told_by_name(
+    solver_of: Callable[..., Any], law: str
+) -> None:
+    with pytest.raises(MotionError, match=r"at t = 5 s: .*forces\.hit is infinite"):
+        solver_of(block_under(law)).simulate(END, samples=2)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_a_force_that_jumps_where_it_is_divided_by_zero_is_gone_through(
+    solver_of: Callable[..., Any], target: Any
+) -> None:
+    law = "1e-3*atan(1/(x - 5)) + 0*stiffness*friction*width"
+    run = solver_of(CART.replace("LAW", law), target).simulate(END, samples=2)
+
+    def potential(x: float) -> float:
+        return -1e-3 * (x * math.atan(1.0 / x) + 0.5 * math.log(1.0 + x * x))
+
+    last = run.position["cart"][-1, 0] - 5.0
+    energy = 50.0 + potential(-5.0) - potential(last)
+    assert run.velocity["cart"][-1, 0] == pytest.approx(math.sqrt(2.0 * energy), rel=1e-9)
+    assert run.ledger.trust.is_trusted
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("method", ["kinematics", "dop853"])
+@pytest.mark.parametrize(
+    ("law", "angle"),
+    [
+        ("sqrt((t - 5)^4)/100", 0.25),
+        ("max(0, t - 5)^2.5/100", 5.0**2.5 / 100.0),
+        ("t/10 + 2e-3/(exp((t - 5)/1e-3) + exp((5 - t)/1e-3))", 1.0),
+        ("t/10 + 1e-3/(1 + exp((5 - t)/1e-3))", 1.001),
+    ],
+)
+def test_drivers_lead_where_rates_are_zero_times_infinity(
+    solver_of: Callable[..., Any], target: Any, method: str, law: str, angle: float
+) -> None:
+    solver = solver_of(SHAFT.format(law=law, load="0"), target)
+    run = solver.simulate(END, samples=3, method=method)
+    assert run["shaft.e0"][-1] == pytest.approx(math.cos(0.5 * angle), rel=1e-9)
+    assert run.ledger.trust.is_trusted
 
 
 def test_no_bump_of_a_driver_is_missed(solver_of: Callable[..., Any]) -> None:

@@ -94,6 +94,11 @@ PULSES: dict[str, tuple[str, Callable[[float], tuple[float, float]]]] = {
         "1/(1 + exp(20 - 80*(t - place)/width)) - 1/(1 + exp(60 - 80*(t - place)/width)) + 0*rise",
         lambda _: (0.5, 0.5),
     ),
+    # 1 and the integral of exp(1 - exp(u^2)), over 12
+    "double_exponential": (
+        "exp(1 - exp((12*(t - place)/width - 6)^2)) + 0*rise",
+        lambda _: (1.431448207236483 / 12.0, 0.5),
+    ),
     "two": (
         f"{TRAPEZOID} + exp(-(24*(t - place)/width - 18)^2)",
         lambda rise: (
@@ -150,6 +155,14 @@ WALLS = {
     "step_wall": ("-height*(sign(x - place) + 1)*(sign(place + width - x) + 1)/4", 1.0),
     "cap_wall": ("-height*max(0, 1 - (2*(x - place)/width - 1)^2)", 2.0 / 3.0),
     "gauss_wall": ("-height*exp(-(12*(x - place)/width - 6)^2)", math.sqrt(math.pi) / 12.0),
+    "double_exponential_wall": (
+        "-height*exp(1 - exp((12*(x - place)/width - 6)^2))",
+        1.431448207236483 / 12.0,
+    ),
+    "sech_wall": (
+        "-2*height/(exp(80*(x - place)/width - 40) + exp(40 - 80*(x - place)/width))",
+        math.pi / 80.0,
+    ),
     "trapezoid_wall": (
         "-height*max(0, min(1, (x - place)/(0.1*width), (place + width - x)/(0.1*width)))",
         0.9,
@@ -187,6 +200,29 @@ def wall(integral: float, *, is_steep: bool, least: float) -> Callable[[random.R
         return {"place": place, "width": width, "height": height}, wanted
 
     return draw
+
+
+def arctangents(random_: random.Random) -> Drawn:
+    """Draw a wall with edges a hundredth of it wide, which is felt from far away."""
+    parameters, _ = wall(1.0, is_steep=True, least=-5.0)(random_)
+    place, width, height = (parameters[name] for name in ("place", "width", "height"))
+    is_back = height * width > 0.5 * SPEED * SPEED
+
+    def potential(x: float) -> float:
+        total = 0.0
+        for sign, edge in ((1.0, place), (-1.0, place + width)):
+            u = 100.0 * (x - edge) / width
+            total += sign * (u * math.atan(u) - 0.5 * math.log1p(u * u))
+        return height * width / (100.0 * math.pi) * total
+
+    def wanted(result: ks.Result) -> dict[str, tuple[float, float, float]]:
+        cart = result.body("cart")
+        gained = potential(0.0) - potential(cart.position[-1, 0])
+        speed = math.sqrt(max(0.0, SPEED * SPEED + 2.0 * gained))
+        allowed = SPEED + height * LENGTH / SPEED
+        return {"speed [m/s]": (cart.velocity[-1, 0], -speed if is_back else speed, allowed)}
+
+    return parameters, wanted
 
 
 def stop(random_: random.Random) -> Drawn:
@@ -397,14 +433,22 @@ FORMS: dict[str, Form] = {
             wall(
                 integral,
                 is_steep=name in {"step_wall", "trapezoid_wall"},
-                # of which nothing tells but a square, so that places must be known to a width
-                least=-4.0 if name == "cap_wall" else -5.0,
+                least=-6.0 if name == "cap_wall" else -5.0,
             ),
             number=50,
             may_be_fixed=True,
         )
         for name, (law, integral) in WALLS.items()
     },
+    "arctangent_wall": Form(
+        "walls",
+        moved(
+            "arctangent_wall",
+            "-height*(atan(100*(x - place)/width) - atan(100*(x - place - width)/width))/pi",
+        ),
+        arctangents,
+        may_be_fixed=True,
+    ),
     "stop": Form("stops", moved("stop", "-height*max(0, x - place)"), stop, may_be_fixed=True),
     "brake": Form(
         "brakes",

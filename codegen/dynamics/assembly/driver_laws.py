@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.expressions import to_graph
 from kousoku.model import precise
-from kousoku.model.derivative import derivative
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.errors import AssemblyError
+from kousoku.model.exponentials import rate_of
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
 from kousoku.model.graph import Graph
@@ -88,9 +88,8 @@ def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) ->
 @cache
 def _kernels(law: str, names: tuple[str, ...]) -> tuple[Kernel, ...]:
     """Formula and its derivatives by the time, each as a kernel of its names."""
-    levels = [parse_expression(law, names)]
-    while len(levels) < len(LEVELS):
-        levels.append(derivative(levels[-1], TIME))
+    formula = parse_expression(law, names)
+    levels = [rate_of(formula, TIME, order) for order in range(len(LEVELS))]
     kernels = []
     for expression in levels:
         graph = Graph()

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.dynamics.recording.recorder import column, zeros
 from kousoku.codegen.expressions import to_graph
-from kousoku.model.derivative import derivative
+from kousoku.model.exponentials import rate_of
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
 
@@ -66,9 +66,7 @@ class Law:
         """Unit · law (1,)."""
         unit, time, parameters = (block.flat for block in blocks)
         names = (TIME, *self.parameters)
-        expression = parse_expression(self.law, names)
-        for _ in range(self.order):
-            expression = derivative(expression, TIME)
+        expression = rate_of(parse_expression(self.law, names), TIME, self.order)
         leaves = dict(zip(names, (*time, *parameters), strict=True))
         node = trace.graph.mul(unit[0], to_graph(expression, trace.graph, leaves))
         return (Matrix(trace.graph, ((node,),), 1),)

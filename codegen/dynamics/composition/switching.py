@@ -10,17 +10,20 @@ from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.expressions import to_graph
 from kousoku.model.derivative import derivative
 from kousoku.model.enclosure import Bounds, enclosure
+from kousoku.model.exponentials import without_overflow
 from kousoku.model.formulas import TIME
+from kousoku.model.quotients import without_quotients
 from kousoku.model.switching import seen_of
 from kousoku.model.terms import Name, add, mul
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.mechanism import System
+    from kousoku.model.quotients import Quotient
     from kousoku.model.switching import Measure
     from kousoku.model.terms import Expression
 
@@ -60,14 +63,25 @@ class Enclosed:
         spans = {name: Bounds(Name(f"{name}{LEAST}"), Name(f"{name}{MOST}")) for name in varying}
         names = [f"{name}{end}" for name in varying for end in (LEAST, MOST)]
         leaves = dict(zip((*names, *self.parameters), (*ranges, *parameters), strict=True))
-        both = ((one, self._rate(one)) for one in self.formulas)
-        bounds = chain.from_iterable(enclosure(one, spans) for one in chain.from_iterable(both))
+        bounds = chain.from_iterable(self._bounds(one, spans) for one in self.formulas)
         nodes = (to_graph(bound, trace.graph, leaves) for bound in bounds)
         return (Matrix(trace.graph, tuple((node,) for node in nodes), 1),)
 
-    def _rate(self, formula: Expression) -> Expression:
+    def _bounds(self, formula: Expression, spans: Mapping[str, Bounds]) -> Iterator[Expression]:
+        """Least and most of a formula, and those of its rate."""
+        same, quotients = without_quotients(formula, spans)
+        spans = dict(spans)
+        for k, one in enumerate(quotients):
+            rate, speed = (self._rate(part, quotients[:k]) for part in (one.whole, one.place))
+            spans |= one.bounds(rate, speed, spans)
+        yield from enclosure(same, spans)
+        yield from enclosure(without_overflow(self._rate(same, quotients)), spans)
+
+    def _rate(self, formula: Expression, quotients: Sequence[Quotient] = ()) -> Expression:
         """Derivative by time."""
         rate = derivative(formula, TIME)
+        for each in quotients:
+            rate = add(rate, mul(derivative(formula, each.name), Name(each.rate)))
         for one in self.measures:
             rate = add(rate, mul(derivative(formula, one.name), Name(one.rate)))
             second = Name(f"{one.rate}{SECOND}")

@@ -106,7 +106,10 @@ static int advance(
         target = resolved_step(h, 1.0, target, s, work);
     }
     if (status == GOOD) status = step(m, settings, asked, target, s, work);
-    if (status == GOOD && asked < s->time) prepare_dense(m, work, s);
+    if (status == GOOD && asked < s->time) {
+        prepare_dense(m, work, s);
+        if (has_led_works(m)) add_led_rows(s, work);
+    }
     return status;
 }
 

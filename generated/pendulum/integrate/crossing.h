@@ -47,6 +47,9 @@
 /* a function is near to zero where it is less than so many times what it is known to; what that is
  * further away tells nothing of how near it comes between */
 #define BANDS 16.0
+/* what gets further than so many times what it is known to passes by, as fast as it is at a time:
+ * in the longest step, and before it comes to rest */
+#define PASSING 16.0
 
 enum {
     N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
@@ -75,12 +78,12 @@ typedef struct {
  * motion and in its polynomial, which functions cross, where it was cut, and at which part of it at
  * least, whether samples leave open how narrow parts vary somewhere in it, whether it is kept if
  * nothing cuts it, the event without a value right behind its start, counted from 1, the function
- * that is zero in it where a force is infinite, counted likewise, when that is, and by what rates
- * change in it, in the mean */
+ * that is zero in it where a force is infinite, counted likewise, when that is, by what rates
+ * change in it, in the mean, and at most */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
-    double pole_time, bend[ROOM(N_MEASURES)];
+    double pole_time, bend[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold, is_kept, lost, pole;
 } Look;
 
@@ -128,10 +131,40 @@ static void look_closely(
     see_at(noise, time, work->w, node);
 }
 
-/* what is seen at a time of the motion */
+/* on which side of zero a function is, 0 where that is not known */
+static int side_at(const Node *node, size_t k)
+{
+    return (node->least[k] > 0.0) - (node->most[k] < 0.0);
+}
+
+/* what is seen at a time of the motion: of what passes by there its polynomial tells where it is,
+ * however far off that may be, so that nothing that is narrower is passed over. Where a force may
+ * be infinite places are known to the noise */
 static void look_at(double time, const Look *look, const State *s, Work *work, Node *node)
 {
-    look_closely(look->noise, time, look, s, work, node);
+    double noise[ROOM(N_READ)];
+    read_at(time, look, s, work, node->read);
+    if (N_POLES > 0) see_at(look->noise, time, work->w, node);
+    for (size_t k = N_SWITCHING; k != N_CROSSINGS; ++k) {
+        if (side_at(node, k) == 0) return;
+    }
+    memcpy(noise, look->noise, sizeof noise);
+    for (size_t k = 0; k != N_READ; k += 2) {
+        const double speed = fabs(node->read[k + 1]), far = PASSING * look->noise[k];
+        const int is_slow = !(speed * larger(s->stride, look->h) > far);
+        if (!is_slow && speed * speed > far * look->pull[k / 2]) noise[k] = look->rounding[k];
+    }
+    see_at(noise, time, work->w, node);
+}
+
+/* by how much a second derivative is further from the mean of a step than that of a parabola, as
+ * value and rate at its ends tell. What reads a coordinate are numbers as large as its size,
+ * however small it is */
+static double bend_of(double size, const double *a, const double *b, double h)
+{
+    const double rounding = 6.0 * SMALLEST * (size + fabs(a[0]) + fabs(b[0])) / h;
+    const double off = fabs(3.0 * (a[1] + b[1]) - 6.0 * (b[0] - a[0]) / h);
+    return larger(0.0, off - rounding) / h;
 }
 
 /* makes the polynomial of a step from the state to y, whose rates at both ends are given */
@@ -143,6 +176,7 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
     look->start = s->time;
     look->h = h;
     look->slack = settings->tolerance * h;
+    look->is_untold = 0;
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memset(s->dense, 0, sizeof s->dense);
     hermite_cubic(h, y, f_before, f, s);
@@ -156,6 +190,7 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
         const double fast = larger(fabs(a[1]), fabs(b[1])) + SLOW * size / h;
         look->noise[2 * k + 1] = settings->tolerance * fast;
         look->bend[k] = (b[1] - a[1]) / h;
+        look->pull[k] = fabs(look->bend[k]) + bend_of(size, a, b, h);
         look->rounding[2 * k] = SMALLEST * (size + most);
         look->rounding[2 * k + 1] = SMALLEST * fast;
     }
@@ -184,23 +219,13 @@ static void bound_seen(const Node *a, const Node *b, double *w)
         const double *p = a->read + 2 * k, *q = b->read + 2 * k;
         double *own = ranges + 2 + 6 * k;
         const double mean = (q[1] - p[1]) / h;
-        /* what reads a coordinate are numbers as large as its size, however small it is */
-        const double known = measure_sizes[k] + fabs(p[0]) + fabs(q[0]);
-        const double rounding = 6.0 * SMALLEST * known / h;
-        const double off = fabs(3.0 * (p[1] + q[1]) - 6.0 * (q[0] - p[0]) / h);
-        const double bend = larger(0.0, off - rounding) / h;
+        const double bend = bend_of(measure_sizes[k], p, q, h);
         own[4] = mean - DOUBT * bend;
         own[5] = mean + DOUBT * bend;
         reach_between(p[1], q[1], own[4], own[5], h, own + 2);
         reach_between(p[0], q[0], own[2], own[3], h, own);
     }
     crossing(w);
-}
-
-/* on which side of zero a function is, 0 where that is not known */
-static int side_at(const Node *node, size_t k)
-{
-    return (node->least[k] > 0.0) - (node->most[k] < 0.0);
 }
 
 static double middle(const Node *node, size_t k) { return 0.5 * (node->least[k] + node->most[k]); }
@@ -307,6 +332,9 @@ static double time_of(
     const double *noise = noise_of(k, look);
     double first = a->time, last = b->time;
     Node node;
+    /* by the polynomial it is beyond zero, by less than that */
+    look_closely(noise, last, look, s, work, &node);
+    if (side_at(&node, k) != -side) noise = look->rounding;
     while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
         const double time = 0.5 * (first + last);
         if (!(first < time && time < last)) break;
@@ -524,6 +552,7 @@ static double seen_end(double end, Look *look, State *s, Work *work)
         a = b;
         width = smaller(2.0 * width, widest);
     }
+    look->is_untold = a.time < end && !(a.time > nearest);
     return a.time < end && a.time > nearest ? a.time : end;
 }
 
@@ -603,11 +632,13 @@ static double polished_cut(const Look *look, const State *s, Work *work)
 /* notes what a step that is kept has crossed: one that was cut, also what is at zero there */
 static void note_crossings(double end, const Look *look, State *s, Work *work)
 {
-    Node last;
+    Node last, known;
     look_at(end, look, s, work, &last);
+    look_closely(look->noise, end, look, s, work, &known);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         const int side = (int)s->sides[k], now = side_at(&last, k);
-        const int is_there = now == 0 && end == look->cut && look->was_crossing[k];
+        const int is_near = now == 0 || side_at(&known, k) == 0;
+        const int is_there = is_near && end == look->cut && look->was_crossing[k];
         if (side == 0 || !(now == -side || is_there)) continue;
         s->sides[k] = -side;
         if ((int)k >= EVENTS || (events[k][0] != 0 && events[k][0] != -side)) continue;
@@ -655,27 +686,43 @@ static int are_narrow_told(double start, double end, const Look *look, const Sta
     return 1;
 }
 
+/* whether at both times a function is near to zero at which a force may be infinite, or in between:
+ * no bound tells there how it varies, and of what is narrow the energy does */
+static int is_at_pole(
+    int in_between, double first, double last, const Look *look, const State *s, Work *work)
+{
+    Node a, b;
+    if (N_POLES == 0) return 0;
+    look_closely(look->noise, first, look, s, work, &a);
+    look_closely(look->noise, last, look, s, work, &b);
+    for (size_t k = N_SWITCHING; k != N_CROSSINGS; ++k) {
+        const int before = side_at(&a, k), after = side_at(&b, k);
+        if ((before == 0 && after == 0) || (in_between && before * after != 1)) return 1;
+    }
+    return 0;
+}
+
 /* where a step to an end must end so that samples tell how parts vary with the state; what they do
  * not tell in the finest intervals either is gone over, and noted */
 static double told_end(double end, Look *look, const State *s, Work *work)
 {
     const double start = look->start, whole = end - start;
     double first = start, allowed = whole, width = whole;
-    look->is_untold = 0;
     for (size_t n = 0; first < start + allowed; ++n) {
         if (n == MOST_LOOKS) {
-            look->is_untold = 1;
+            look->is_untold = look->is_untold || !is_at_pole(1, first, end, look, s, work);
             break;
         }
         const double last = smaller(first + width, end);
-        const int good = are_narrow_told(first, last, look, s, work);
-        if (!good && width > FINEST * whole) {
+        const int is_there = is_at_pole(0, first, last, look, s, work);
+        const int good = !is_there && are_narrow_told(first, last, look, s, work);
+        if (!good && !is_there && width > FINEST * whole) {
             width = 0.5 * width;
             continue;
         }
         if (good) {
             allowed = smaller(allowed, larger(first - start, last - first));
-        } else {
+        } else if (!is_at_pole(1, first, last, look, s, work)) {
             look->is_untold = 1;
         }
         first = last;

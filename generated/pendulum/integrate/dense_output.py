@@ -6,16 +6,27 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .methods import row_of
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     import numpy.typing as npt
 
     from .methods import Method
-    from .scene import Work
+    from .scene import Scene, Work
     from .state import State
 
     Array = npt.NDArray[np.float64]
+
+#: Where drivers determine the motion the powers at all stages are exact, and nothing but works has
+#: an error: powers at all nodes of the method of order 5 tell them at every time to an order more
+#: than they are known to at the end of a step; its polynomial has one less.
+LED_ROWS = (
+    row_of("-395/96 23875/1488 -14200/1113 25/6 -295245/52576 0 255/112"),
+    row_of("155/48 -1375/93 2000/159 125/24 -295245/26288 0 5"),
+    row_of("125/32 -3125/124 10000/371 -625/16 2460375/52576 0 -375/28"),
+)
 
 
 def combine(n: int, row: Sequence[float], low: Array | None, h: float, k: Array, y: Array) -> None:
@@ -42,6 +53,28 @@ def add_dense_rows(m: Method, h: float, state: State, work: Work) -> None:
     """Make what the stages of a step add to that."""
     for n, row in enumerate(m.dense):
         combine(m.all, row, None, h, work.k, state.dense[3 + n])
+
+
+def has_led_works(m: Method, scene: Scene) -> bool:
+    """Return whether works at times inside of a step are summed from powers at its stages."""
+    return scene.is_driven and scene.works > 0 and m.order == 5
+
+
+def add_led_rows(state: State, work: Work) -> None:
+    """Make what powers at stages add to works."""
+    h = state.time - state.time_before
+    done = slice(work.scene.nq - work.scene.works, work.scene.nq)
+    for n, row in enumerate(LED_ROWS):
+        state.dense[3 + n, done] = 0.0
+        for k, x in enumerate(row):
+            state.dense[3 + n, done] += h * x * work.k[k, done]
+
+
+def add_led_works(x: float, scene: Scene, state: State, y: Array) -> None:
+    """Add what the last two of these rows do at the part x of the step."""
+    done, rest = slice(scene.nq - scene.works, scene.nq), 1.0 - x
+    factor = x * (x * rest) * (x * rest)
+    y[done] += factor * (state.dense[4, done] + rest * state.dense[5, done])
 
 
 def prepare_dense(m: Method, work: Work, state: State) -> None:

@@ -19,10 +19,29 @@
  * many steps it is tried even so */
 #define SURE 1e-3
 #define TRIALS 64.0
-/* what it left counts from step to step by this part: at a turning point of the rate it is small */
+/* what a rule left counts from step to step by this part: at a turning point of the rate it is
+ * small */
 #define FADING 0.5
 /* a node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2 */
 #define LOBATTO 0.17267316464601143
+
+/* its error goes with the cube of what it changes, over the square of what Simpson's rule does: so
+ * it is twice that of a sine. Where even powers of time change nothing by chance, odd ones do:
+ * where its nodes in the half of a step around the middle are, the square of what a cubic
+ * polynomial is off a straight line there, and what that counts */
+#define EVEN 0.2
+#define ODD_PLACE 0.6546536707079772
+#define ODD_PART 0.14
+#define ODD 4e-4
+
+/* up to which part of a step a position is found, and where it is kept */
+typedef struct {
+    double x;
+    size_t place;
+} Part;
+static const Part leap[1] = { { 1.0, 1 } };
+static const Part halves[2] = { { 0.5, 0 }, { 1.0, 1 } };
+static const Part nodes[4] = { { LOBATTO, 2 }, { 0.5, 0 }, { 1.0 - LOBATTO, 3 }, { 1.0, 1 } };
 
 /* a position and velocity, and their derivative */
 typedef struct {
@@ -43,24 +62,26 @@ static int predict_and_correct(
     }
     displace(w, NULL);
     memcpy(to.y, w + W_Q, NQ * sizeof *w);
-    if (!project(t, 0.0, to.y, NULL, to.f, work, s, drift)) return 0;
-    /* no prediction tells how far drivers turn */
-    for (size_t k = COUNTED; FITS && k != COUNTED_END; ++k) {
-        if (!(fabs(to.y[k] - from.y[k]) < COUNTABLE)) return 0;
-    }
-    return 1;
+    return project(t, 0.0, to.y, NULL, to.f, work, s, drift);
 }
 
-/* whether a step went on smoothly: the prediction met the constraints, and the accelerations
- * explain the change of the velocities; on another branch they do not */
-static int is_smooth(double h, double drift, Position from, Position to, double *change)
+/* how far a step is from a smooth one, which is at most one: the prediction met the constraints,
+ * and the accelerations explain the change of the velocities; on another branch they do not. It
+ * goes with the square of h */
+static double roughness(double h, double drift, Position from, Position to, double *change)
 {
     const double *v[2] = { from.y + NQ, to.y + NQ }, *v_dot[2] = { from.f + NQ, to.f + NQ };
     const double way = h * larger(size_of(v[0]), size_of(v[1]));
     for (size_t k = 0; k < NV; ++k) {
         change[k] = h * (v[1][k] - v[0][k] - 0.5 * h * (v_dot[0][k] + v_dot[1][k]));
     }
-    return larger(drift, size_of(change)) <= larger(NEGLIGIBLE, FAITHFUL * way);
+    double rough = larger(drift, size_of(change)) / larger(NEGLIGIBLE, FAITHFUL * way);
+    /* no prediction tells how far drivers turn */
+    for (size_t k = COUNTED; FITS && k != COUNTED_END; ++k) {
+        const double turn = fabs(to.y[k] - from.y[k]) / COUNTABLE;
+        rough = larger(rough, turn * turn);
+    }
+    return rough;
 }
 
 /* whether velocities explain where bodies are after two halves of length h: no prediction tells
@@ -91,56 +112,73 @@ static int may_leap(double h, double before, double after, Position last, State 
     return is_near && is_long;
 }
 
-/* where the position in the middle of a step is kept, and that at its end */
-static Position middle_of(Work *work) { return (Position){ work->k[0], work->k[1] }; }
-static Position end_of(Work *work) { return (Position){ work->k[2], work->k[3] }; }
-
-/* goes on to the end in two halves, or in one leap; whether that was smooth. The halves are summed
- * by Simpson's rule to the work. */
-static int reach(double end, int in_halves, State *s, Work *work, double *drift)
+/* where a position of a step is kept: that of its middle, its end, two between */
+static Position position_at(size_t place, Work *work)
 {
-    const Position start = { s->y, s->f }, half = middle_of(work), last = end_of(work);
-    const double h = in_halves ? 0.5 * (end - s->time) : end - s->time;
-    double first = 0.0, second, middle = 0.0, *change = work->k[4];
+    return (Position){ work->k[2 * place], work->k[2 * place + 1] };
+}
+
+/* goes on to the end in parts, or in one leap; whether that was smooth. Powers at the ends and in
+ * the middle are summed by Simpson's rule to the works. The largest roughness of the parts goes to
+ * rough; it is infinite where no position was found. */
+static int reach(
+    double end, const Part *ways, size_t n, State *s, Work *work, double *drift, double *rough)
+{
+    const Position start = { s->y, s->f }, half = position_at(0, work), last = position_at(1, work);
+    const double h = end - s->time;
+    const int is_leap = n == 1;
+    Position before = start;
+    double gone = 0.0, ratio = s->position_ratio, first = 0.0;
+    *drift = *rough = 0.0;
     forget_trials(work);
-    s->has_branch_point = in_halves ? 0.0 : 1.0; /* a leap is one over such a place */
-    if (in_halves) {
-        if (!predict_and_correct(s->time + h, h, start, half, work, s, &first)) return 0;
-        if (!is_smooth(h, first, start, half, change)) return 0;
-        middle = pivot_ratio(work, s);
-        if (middle < WEAK * s->largest_pivot_ratio) return 0;
-        if (may_leap(h, s->position_ratio, middle, half, s)) return 0;
+    s->has_branch_point = is_leap ? 1.0 : 0.0; /* a leap is one over such a place */
+    for (const Part *part = ways; part != ways + n; ++part) {
+        const Position to = position_at(part->place, work);
+        const double way = (part->x - gone) * h;
+        const double time = part->x == 1.0 ? end : s->time + part->x * h;
+        if (!predict_and_correct(time, way, before, to, work, s, &first)) {
+            *rough = INFINITY;
+            return 0;
+        }
+        *rough = larger(roughness(way, first, before, to, work->scratch), *rough);
+        if (!(*rough <= 1.0)) return 0;
+        const double there = pivot_ratio(work, s);
+        if (part->x < 1.0 && there < WEAK * s->largest_pivot_ratio) return 0;
+        if (!is_leap && may_leap(way, ratio, there, to, s)) return 0;
+        gone = part->x;
+        before = to;
+        ratio = there;
+        *drift = larger(first, *drift);
     }
-    const Position before = in_halves ? half : start;
-    if (!predict_and_correct(end, h, before, last, work, s, &second)) return 0;
-    if (!is_smooth(h, second, before, last, change)) return 0;
-    if (in_halves && may_leap(h, middle, pivot_ratio(work, s), last, s)) return 0;
-    if (FITS && in_halves && !is_explained(h, start, half, last)) return 0;
+    if (FITS && !is_leap && !is_explained(0.5 * h, start, half, last)) return 0;
     for (size_t k = NQ - WORKS; k != NQ; ++k) {
-        last.y[k] = start.y[k] + (in_halves ? h / 3.0 * (start.f[k] + 4.0 * half.f[k] + last.f[k])
-                                            : h / 2.0 * (start.f[k] + last.f[k]));
+        last.y[k] = start.y[k] + (is_leap ? h / 2.0 * (start.f[k] + last.f[k])
+                                          : h / 6.0 * (start.f[k] + 4.0 * half.f[k] + last.f[k]));
     }
-    *drift = larger(first, second);
     return 1;
 }
 
-/* the derivative at a part x of the way of a step, in work->k[at + 1]; 0 where it cannot be had */
-static int derivative_at(double x, size_t at, double end, State *s, Work *work)
+/* finds the positions of a step in halves at the other nodes; whether they are */
+static int find_between(double end, State *s, Work *work)
 {
-    const double h = end - s->time, gone = x < 0.5 ? 0.0 : 0.5, way = (x - gone) * h;
-    const Position from = x < 0.5 ? (Position){ s->y, s->f } : middle_of(work);
-    const Position to = { work->k[at], work->k[at + 1] };
-    double drift = 0.0;
-    if (!predict_and_correct(s->time + x * h, way, from, to, work, s, &drift)) return 0;
-    if (!is_smooth(way, drift, from, to, work->scratch)) return 0;
-    return !(pivot_ratio(work, s) < WEAK * s->largest_pivot_ratio);
+    const double h = end - s->time;
+    for (size_t k = 0; k != 2; ++k) {
+        const Position from = k == 0 ? (Position){ s->y, s->f } : position_at(0, work);
+        const Position to = position_at(2 + k, work);
+        const double x = k == 0 ? LOBATTO : 1.0 - LOBATTO, way = (k == 0 ? x : x - 0.5) * h;
+        double drift = 0.0;
+        if (!predict_and_correct(s->time + x * h, way, from, to, work, s, &drift)) return 0;
+        if (!(roughness(way, drift, from, to, work->scratch) <= 1.0)) return 0;
+        if (pivot_ratio(work, s) < WEAK * s->largest_pivot_ratio) return 0;
+    }
+    return 1;
 }
 
 /* what errors of works are compared with in a step of length h, beside the works [J] */
 static double least_size_of_works(double h, const State *s, Work *work)
 {
     energy(work->w);
-    return usual_energy(usual_rate(h, end_of(work).y, s)) + work->w[W_ENERGIES];
+    return usual_energy(usual_rate(h, position_at(1, work).y, s)) + work->w[W_ENERGIES];
 }
 
 /* sums the works of a step by a better rule than Simpson's, unless that is good enough, and returns
@@ -149,11 +187,13 @@ static double least_size_of_works(double h, const State *s, Work *work)
  * more positions tell it, and works are summed by Lobatto's rule. So it is tried in every so many
  * steps anyway: where periodic powers are the same at both ends and in the middle, they are not at
  * its nodes. What Simpson's rule has left since the last trial goes to the ledger. */
-static double sum_works(const Settings *settings, double end, State *s, Work *work, int *is_told)
+static double sum_works(
+    const Settings *settings, double end, int has_nodes, State *s, Work *work, int *is_told)
 {
-    const double h = end - s->time, *rate = s->f, *half = middle_of(work).f;
-    const double *f = end_of(work).f, *one = work->k[5], *other = work->k[7];
-    double *y = end_of(work).y, error = 0.0, most = 0.0, told = 0.0;
+    const double h = end - s->time, *rate = s->f, *half = position_at(0, work).f;
+    const double *f = position_at(1, work).f, *one = position_at(2, work).f;
+    const double *other = position_at(3, work).f;
+    double *y = position_at(1, work).y, error = 0.0, most = 0.0, missed = 0.0, told = 0.0;
     *is_told = 1;
     if (WORKS == 0) return 0.0;
     *is_told = 0;
@@ -165,35 +205,42 @@ static double sum_works(const Settings *settings, double end, State *s, Work *wo
         if (way > 0.0) error = larger(0.5 * h * left * (left / way) / size, error);
     }
     error = s->simpson = larger(error / settings->tolerance, FADING * s->simpson);
-    if (error < SURE && fmod(s->steps, TRIALS) != 0.0) return error;
-    const int has_one = derivative_at(LOBATTO, 4, end, s, work);
-    const int has_other = derivative_at(1.0 - LOBATTO, 6, end, s, work);
-    place(end, y, work->w); /* its geometry again */
-    ratio_at(y, work, s);
-    if (!has_one || !has_other) return error;
+    if (!has_nodes) {
+        if (error < SURE && fmod(s->steps, TRIALS) != 0.0) return error;
+        has_nodes = find_between(end, s, work);
+        place(end, y, work->w); /* its geometry again */
+        ratio_at(y, work, s);
+        if (!has_nodes) return error;
+    }
     *is_told = 1;
     for (size_t k = NQ - WORKS; k != NQ; ++k) {
         const double size = least + larger(fabs(s->y[k]), fabs(y[k]));
         const double ends = 0.5 * (rate[k] + f[k]), inner = 0.5 * (one[k] + other[k]);
         const double more = 49.0 / 90.0 * h * (inner - half[k] - 3.0 / 7.0 * (ends - half[k]));
         const double coarse = h * (ends - half[k]) / 3.0;
-        const double root = sqrt(more * more + coarse * coarse);
-        if (root > 0.0) told = larger(more * more / root / size, told);
+        const double square = more * more + coarse * coarse;
+        if (square > 0.0) told = larger(EVEN * fabs(more) * (more * more / square) / size, told);
+        const double slope = 0.5 * (f[k] - rate[k]);
+        const double odd = 0.5 * (other[k] - one[k]) - ODD_PLACE * slope;
+        const double squares = odd * odd + slope * slope * ODD_PART;
+        if (squares > 0.0) told = larger(ODD * h * fabs(odd) * (odd * odd / squares) / size, told);
         most = larger(fabs(more), most);
+        missed = larger(fabs(more) / size, missed);
         y[k] += more;
     }
+    s->simpson = larger(missed / settings->tolerance, s->simpson);
     if (error < SURE) {
         s->work_error += most / h * s->untold;
         s->untold = 0.0;
     }
-    return told / settings->tolerance;
+    return larger(told / settings->tolerance, FADING * s->error);
 }
 
 /* keeps a position, at or behind the time that is asked for */
 static void accept_position(double end, double asked, Work *work, State *s)
 {
     const double h = end - s->time;
-    const Position last = end_of(work);
+    const Position last = position_at(1, work);
     double *f_before = work->k[0];
     s->time_before = end > asked ? s->time : end;
     s->time = end;
@@ -214,10 +261,11 @@ static void accept_position(double end, double asked, Work *work, State *s)
 static double watched_end(
     const Settings *settings, double end, double part, Look *look, State *s, Work *work)
 {
-    const Position last = end_of(work);
+    const Position last = position_at(1, work);
     look_into(settings, methods, 0, end - s->time, last.y, s->f, last.f, look, s, work);
-    const double told = N_NARROW > 0 ? told_end(end, look, s, work) : end;
     const double seen = seen_end(end, look, s, work);
+    const int is_cut = seen < end && part <= 1.0;
+    const double told = N_NARROW > 0 ? told_end(is_cut ? seen : end, look, s, work) : end;
     if (look->pole) return cut_at(end_before_pole(look, s), look);
     if (part > 1.0) {
         look->is_untold = look->is_untold || told < end;
@@ -226,14 +274,25 @@ static double watched_end(
     return seen <= told && seen < end ? cut_at(seen, look) : smaller(told, seen);
 }
 
+/* how much longer than a step the next one is, or that which is tried in its place */
+static double following(double error, double rough, int is_good, int is_told)
+{
+    const double by_shape = rough > 0.0 ? 0.9 / sqrt(rough) : 2.0;
+    if (!is_good) return 1.0 < rough && rough < INFINITY ? larger(0.2, by_shape) : 0.5;
+    if (!isfinite(error)) return 0.5;
+    const double by_work = error > 0.0 ? 0.9 * pow(error, is_told ? -1.0 / 9.0 : -1.0 / 5.0) : 2.0;
+    return larger(0.2, smaller(2.0, smaller(by_shape, by_work)));
+}
+
 /* the next position of a motion that drivers determine, at most at the time that is asked for.
  * Steps are halved until they are smooth. Where rows are nearly dependent at the end, it is
  * put elsewhere: before that position as long as possible, then behind it, also behind the
  * time that is asked for */
 static int driven_step(const Settings *settings, double asked, State *s, Work *work)
 {
-    double drift = 0.0, part = 1.0;
+    double drift = 0.0, rough = 0.0, part = 1.0;
     double longest = settings->largest_step;
+    const int tells_works = HAS_ENERGIES || settings->checks; /* in rows, or the ledger */
     Look look = { .cut = s->time, .is_kept = 1 };
     if (s->step_size > 0.0) longest = smaller(s->step_size, longest);
     for (;;) {
@@ -241,17 +300,19 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         const double whole = is_last ? asked - s->time : longest;
         const double end = is_last && part == 1.0 ? asked : s->time + part * whole;
         if (!(end - s->time > SMALLEST * larger(fabs(s->time), fabs(asked)))) return STEP_TOO_SMALL;
-        const int good = reach(end, part <= 1.0, s, work, &drift);
+        const int has_nodes = part <= 1.0 && tells_works && s->simpson >= SURE;
+        const Part *ways = part > 1.0 ? leap : has_nodes ? nodes : halves;
+        const size_t n = part > 1.0 ? 1 : has_nodes ? 4 : 2;
+        const int good = reach(end, ways, n, s, work, &drift, &rough);
         const double ratio = pivot_ratio(work, s);
-        double error = 0.0, factor = 2.0, moved = 0.0;
+        double error = 0.0, moved = 0.0;
         int is_told = 0;
-        /* rows or the ledger tell the work */
-        if (good && part <= 1.0 && (HAS_ENERGIES || settings->checks)) {
-            error = sum_works(settings, end, s, work, &is_told);
-            if (WORKS > 0 && settings->checks) moved = energy_moved(work->w, end_of(work).y, s);
+        if (good && part <= 1.0 && tells_works) {
+            error = sum_works(settings, end, has_nodes, s, work, &is_told);
+            if (WORKS > 0 && settings->checks)
+                moved = energy_moved(work->w, position_at(1, work).y, s);
         }
-        const double order = is_told ? 7.0 : 5.0;
-        if (error != 0.0) factor = smaller(2.0, larger(0.2, 0.9 * pow(error, -1.0 / order)));
+        const double factor = following(error, rough, good, is_told);
         if (ratio < WEAK * s->largest_pivot_ratio && part < FURTHEST) {
             s->avoided += 1;
             part = part == 0.5 ? 1.25 : part <= 1.0 ? part - 0.25 : 1.25 * part;
@@ -259,7 +320,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         }
         if (!good || !(error <= 1.0)) {
             s->rejected += 1;
-            longest = (good && isfinite(error) ? factor : 0.5) * whole;
+            longest = (part <= 1.0 ? factor : 0.5) * whole;
             part = 1.0;
             continue;
         }
@@ -286,7 +347,8 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         s->drift = larger(s->drift, drift);
         s->energy_moved = larger(s->energy_moved, moved);
         s->untold += is_told ? 0.0 : end - s->time;
-        s->step_size = is_last ? larger(s->step_size, factor * longest) : factor * longest;
+        s->step_size = larger(is_last ? s->step_size : 0.0, factor * whole);
+        s->error = is_told ? error : 0.0;
         accept_position(end, asked, work, s);
         return GOOD;
     }

@@ -36,6 +36,8 @@ from .settings import Status
 from .stepper import energy_moved, note_motion, usual_energy, usual_rate
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy.typing as npt
 
     from .scene import Work
@@ -63,10 +65,23 @@ COUNTABLE = 1.0
 #: many steps it is tried even so.
 SURE = 1e-3
 TRIALS = 64.0
-#: What it left counts from step to step by this part: at a turning point of the rate it is small.
+#: What a rule left counts from step to step by this part: at a turning point of the rate it is
+#: small.
 FADING = 0.5
 #: A node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2.
 LOBATTO = 0.17267316464601143
+#: Its error goes with the cube of what it changes, over the square of what Simpson's rule does: so
+#: it is twice that of a sine. Where even powers of time change nothing by chance, odd ones do:
+#: where its nodes in the half of a step around the middle are, the square of what a cubic
+#: polynomial is off a straight line there, and what that counts.
+EVEN = 0.2
+ODD_PLACE = 0.6546536707079772
+ODD_PART = 0.14
+ODD = 4e-4
+#: Up to which parts of a step positions are found in turn, and where each is kept.
+LEAP = ((1.0, 1),)
+HALVES = ((0.5, 0), (1.0, 1))
+NODES = ((LOBATTO, 2), (0.5, 0), (1.0 - LOBATTO, 3), (1.0, 1))
 
 
 class Position(NamedTuple):
@@ -90,26 +105,28 @@ def predict_and_correct(
     to.y[scene.nq :] = v + h * v_dot
     w.displace(None)
     to.y[: scene.nq] = w.q
-    first = project(t, 0.0, to.y, None, to.f, work, state)
-    if scene.fits:  # no prediction tells how far drivers turn
-        counted = slice(*scene.counted)
-        if not bool(np.all(np.abs(to.y[counted] - start.y[counted]) < COUNTABLE)):
-            return -1.0
-    return first
+    return project(t, 0.0, to.y, None, to.f, work, state)
 
 
-def is_smooth(h: float, drift: float, start: Position, to: Position, work: Work) -> bool:
-    """Return whether a step went on smoothly.
+def roughness(h: float, drift: float, start: Position, to: Position, work: Work) -> float:
+    """Return how far a step is from a smooth one: that is at most one.
 
     The prediction met the constraints, and the accelerations explain the change of the velocities;
-    on another branch they do not.
+    on another branch they do not. It goes with the square of h. Where no position was found it is
+    infinite.
     """
     if drift < 0.0:
-        return False
-    nq, size_of = work.scene.nq, work.w.size_of
+        return math.inf
+    scene, size_of = work.scene, work.w.size_of
+    nq = scene.nq
     way = h * larger(size_of(start.y[nq:]), size_of(to.y[nq:]))
     change = h * (to.y[nq:] - start.y[nq:] - 0.5 * h * (start.f[nq:] + to.f[nq:]))
-    return larger(drift, size_of(change)) <= larger(NEGLIGIBLE, FAITHFUL * way)
+    rough = larger(drift, size_of(change)) / larger(NEGLIGIBLE, FAITHFUL * way)
+    if scene.fits:  # no prediction tells how far drivers turn
+        counted = slice(*scene.counted)
+        turn = float(np.max(np.abs(to.y[counted] - start.y[counted]), initial=0.0)) / COUNTABLE
+        rough = larger(rough, turn * turn)
+    return rough
 
 
 def is_explained(h: float, start: Position, half: Position, last: Position, work: Work) -> bool:
@@ -144,73 +161,86 @@ def may_leap(
     return is_near and is_long
 
 
-def middle_of(work: Work) -> Position:
-    """Return where the position in the middle of a step is kept."""
-    return Position(work.k[0], work.k[1])
+def position_at(place: int, work: Work) -> Position:
+    """Return where a position of a step is kept: that of its middle, its end, two between."""
+    return Position(work.k[2 * place], work.k[2 * place + 1])
 
 
-def end_of(work: Work) -> Position:
-    """Return where the position at the end of a step is kept."""
-    return Position(work.k[2], work.k[3])
+def reach(
+    end: float, parts: Sequence[tuple[float, int]], state: State, work: Work
+) -> tuple[float, float]:
+    """Go on to the end in parts, or in one leap.
 
+    Powers at the ends and in the middle are summed by Simpson's rule to the works.
 
-def reach(end: float, state: State, work: Work, *, in_halves: bool) -> float:
-    """Go on to the end in two halves, or in one leap; return the first correction, or -1.
+    Parameters
+    ----------
+    end : float [s]
+        The time there.
+    parts : sequence of (float, int)
+        Up to which part of the step each goes, and where its position is kept.
 
-    It is -1 if that was not smooth. The halves are summed by Simpson's rule to the work.
+    Returns
+    -------
+    drift : float
+        The first correction, or -1 if that was not smooth.
+    rough : float
+        The largest :func:`roughness` of the parts, as far as it went.
     """
-    start, half, last = Position(state.y, state.f), middle_of(work), end_of(work)
-    h = 0.5 * (end - state.time) if in_halves else end - state.time
-    first, middle, before = 0.0, 0.0, start
+    start, half, last = Position(state.y, state.f), position_at(0, work), position_at(1, work)
+    h, is_leap = end - state.time, len(parts) == 1
+    gone, before, ratio = 0.0, start, state.position_ratio
+    drift, rough = 0.0, 0.0
     forget_trials(work)
-    state.has_branch_point = 0.0 if in_halves else 1.0  # a leap is one over such a place
-    if in_halves:
-        first = predict_and_correct(state.time + h, h, start, half, work, state)
-        if not is_smooth(h, first, start, half, work):
-            return -1.0
-        middle = pivot_ratio(work, state)
-        if middle < WEAK * state.largest_pivot_ratio:
-            return -1.0
-        if may_leap(h, state.position_ratio, middle, half, state, work):
-            return -1.0
-        before = half
-    second = predict_and_correct(end, h, before, last, work, state)
-    if not is_smooth(h, second, before, last, work):
-        return -1.0
-    if in_halves and may_leap(h, middle, pivot_ratio(work, state), last, state, work):
-        return -1.0
-    if work.scene.fits and in_halves and not is_explained(h, start, half, last, work):
-        return -1.0
+    state.has_branch_point = 1.0 if is_leap else 0.0  # a leap is one over such a place
+    for x, place in parts:
+        way, to = (x - gone) * h, position_at(place, work)
+        time = end if x == 1.0 else state.time + x * h
+        first = predict_and_correct(time, way, before, to, work, state)
+        rough = larger(roughness(way, first, before, to, work), rough)
+        if not rough <= 1.0:
+            return -1.0, rough
+        there = pivot_ratio(work, state)
+        if x < 1.0 and there < WEAK * state.largest_pivot_ratio:
+            return -1.0, rough
+        if not is_leap and may_leap(way, ratio, there, to, state, work):
+            return -1.0, rough
+        gone, before, ratio, drift = x, to, there, larger(first, drift)
+    if work.scene.fits and not is_leap and not is_explained(0.5 * h, start, half, last, work):
+        return -1.0, rough
     done = slice(work.scene.nq - work.scene.works, work.scene.nq)
-    if in_halves:
-        rates = start.f[done] + 4.0 * half.f[done] + last.f[done]
-        last.y[done] = start.y[done] + h / 3.0 * rates
-    else:
+    if is_leap:
         last.y[done] = start.y[done] + h / 2.0 * (start.f[done] + last.f[done])
-    return larger(first, second)
+    else:
+        rates = start.f[done] + 4.0 * half.f[done] + last.f[done]
+        last.y[done] = start.y[done] + h / 6.0 * rates
+    return drift, rough
 
 
-def derivative_at(x: float, end: float, state: State, work: Work) -> Array | None:
-    """Return the powers at a part x of the way of a step; None where they cannot be had."""
-    h, start, to = end - state.time, Position(state.y, state.f), Position(work.k[4], work.k[5])
-    before, gone = (start, 0.0) if x < 0.5 else (middle_of(work), 0.5)
-    way = (x - gone) * h
-    drift = predict_and_correct(state.time + x * h, way, before, to, work, state)
-    if not is_smooth(way, drift, before, to, work):
-        return None
-    if pivot_ratio(work, state) < WEAK * state.largest_pivot_ratio:
-        return None
-    return to.f[work.scene.nq - work.scene.works : work.scene.nq].copy()
+def find_between(end: float, state: State, work: Work) -> bool:
+    """Find the positions of a step in halves at the other nodes; return whether they are."""
+    h = end - state.time
+    start, half = Position(state.y, state.f), position_at(0, work)
+    for x, place, before, gone in ((LOBATTO, 2, start, 0.0), (1.0 - LOBATTO, 3, half, 0.5)):
+        way, to = (x - gone) * h, position_at(place, work)
+        drift = predict_and_correct(state.time + x * h, way, before, to, work, state)
+        if not roughness(way, drift, before, to, work) <= 1.0:
+            return False
+        if pivot_ratio(work, state) < WEAK * state.largest_pivot_ratio:
+            return False
+    return True
 
 
 def least_size_of_works(h: float, state: State, work: Work) -> float:
     """Return what errors of works are compared with in a step of length h, beside the works [J]."""
     work.w.run("energy")
-    rate = usual_rate(h, end_of(work).y, state, work)
+    rate = usual_rate(h, position_at(1, work).y, state, work)
     return usual_energy(rate, work.scene) + float(work.w.energies[0])
 
 
-def sum_works(s: Settings, end: float, state: State, work: Work) -> tuple[float, bool]:
+def sum_works(
+    s: Settings, end: float, state: State, work: Work, *, has_nodes: bool
+) -> tuple[float, bool]:
     """Sum the works of a step by a better rule than Simpson's, unless that is good enough.
 
     What Simpson's rule leaves is about the square of what trapezoids leave, each compared with what
@@ -230,36 +260,44 @@ def sum_works(s: Settings, end: float, state: State, work: Work) -> tuple[float,
     if scene.works == 0:
         return 0.0, True
     done = slice(scene.nq - scene.works, scene.nq)
-    rate, half, f = state.f[done], middle_of(work).f[done], end_of(work).f[done]
-    before, after = np.abs(state.y[done]), np.abs(end_of(work).y[done])
+    rate, half, f = state.f[done], position_at(0, work).f[done], position_at(1, work).f[done]
+    before, after = np.abs(state.y[done]), np.abs(position_at(1, work).y[done])
     sizes = least_size_of_works(h, state, work) + np.maximum(before, after)
     left = (2.0 * half - rate - f) / 6.0
     way = np.abs(rate) + 2.0 * np.abs(half) + np.abs(f)
     relative = left / np.where(way > 0.0, way, 1.0)
     most = larger(float(np.max(0.5 * h * left * relative / sizes)), 0.0)
     error = state.simpson = larger(most / s.tolerance, FADING * state.simpson)
-    if error < SURE and math.fmod(state.steps, TRIALS) != 0.0:
-        return error, False
-    one, other = (derivative_at(x, end, state, work) for x in (LOBATTO, 1.0 - LOBATTO))
-    work.w.place(end, end_of(work).y)  # its geometry again
-    ratio_at(end_of(work).y[: scene.nq], work, state)
-    if one is None or other is None:
-        return error, False
+    if not has_nodes:
+        if error < SURE and math.fmod(state.steps, TRIALS) != 0.0:
+            return error, False
+        has_nodes = find_between(end, state, work)
+        work.w.place(end, position_at(1, work).y)  # its geometry again
+        ratio_at(position_at(1, work).y[: scene.nq], work, state)
+        if not has_nodes:
+            return error, False
+    one, other = (position_at(place, work).f[done] for place in (2, 3))
     ends = 0.5 * (rate + f)
     more = 49.0 / 90.0 * h * (0.5 * (one + other) - half - 3.0 / 7.0 * (ends - half))
     if error < SURE:
         state.work_error += float(np.max(np.abs(more))) / h * state.untold
         state.untold = 0.0
     coarse = h * (ends - half) / 3.0
-    root = np.sqrt(more * more + coarse * coarse)
-    error_of = more * more / np.where(root > 0.0, root, 1.0)
-    end_of(work).y[done] += more
-    return float(np.max(error_of / sizes)) / s.tolerance, True
+    square = more * more + coarse * coarse
+    even_left = EVEN * np.abs(more) * (more * more / np.where(square > 0.0, square, 1.0))
+    slope = 0.5 * (f - rate)
+    odd = 0.5 * (other - one) - ODD_PLACE * slope
+    square = odd * odd + slope * slope * ODD_PART
+    odd_left = ODD * h * np.abs(odd) * (odd * odd / np.where(square > 0.0, square, 1.0))
+    position_at(1, work).y[done] += more
+    state.simpson = larger(float(np.max(np.abs(more) / sizes)) / s.tolerance, state.simpson)
+    told = larger(float(np.max(even_left / sizes)), float(np.max(odd_left / sizes)))
+    return larger(told / s.tolerance, FADING * state.error), True
 
 
 def accept_position(end: float, asked: float, state: State, work: Work) -> None:
     """Keep a position, at or behind the time that is asked for."""
-    h, last, f_before = end - state.time, end_of(work), state.f.copy()
+    h, last, f_before = end - state.time, position_at(1, work), state.f.copy()
     state.time_before = state.time if end > asked else end
     state.time = end
     state.steps += 1
@@ -277,16 +315,28 @@ def watched_end(s: Settings, end: float, part: float, look: Look) -> float:
 
     One that leaps over a place stays where it is.
     """
-    last = end_of(look.work)
+    last = position_at(1, look.work)
     look_into(s, METHODS[0], end - look.state.time, last.y, last.f, look, has_stages=False)
-    told = told_end(end, look) if look.work.scene.has_narrow else end
     seen = seen_end(end, look)
+    is_cut = seen < end and part <= 1.0
+    told = told_end(seen if is_cut else end, look) if look.work.scene.has_narrow else end
     if look.pole:
         return cut_at(end_before_pole(look), look)
     if part > 1.0:
         look.is_untold = look.is_untold or told < end
         return end
     return cut_at(seen, look) if seen <= told and seen < end else smaller(told, seen)
+
+
+def following(error: float, rough: float, *, is_good: bool, is_told: bool) -> float:
+    """Return how much longer than a step the next one is, or that which is tried in its place."""
+    by_shape = 0.9 / math.sqrt(rough) if rough > 0.0 else 2.0
+    if not is_good:
+        return larger(0.2, by_shape) if 1.0 < rough < math.inf else 0.5
+    if not math.isfinite(error):
+        return 0.5
+    by_work = 0.9 * error ** (-1.0 / (9.0 if is_told else 5.0)) if error > 0.0 else 2.0
+    return larger(0.2, smaller(2.0, smaller(by_shape, by_work)))
 
 
 def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
@@ -297,7 +347,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     is asked for.
     """
     part, longest = 1.0, s.largest_step
-    has_energies = "energies" in work.scene.parts
+    tells_works = "energies" in work.scene.parts or bool(s.checks)  # in rows, or the ledger
     look = Look(state, work, state.time)
     if state.step_size > 0.0:
         longest = smaller(state.step_size, longest)
@@ -307,22 +357,22 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         end = asked if is_last and part == 1.0 else state.time + part * whole
         if not end - state.time > SMALLEST * larger(abs(state.time), abs(asked)):
             return Status.STEP_TOO_SMALL
-        drift = reach(end, state, work, in_halves=part <= 1.0)
+        parts = LEAP if part > 1.0 else NODES if tells_works and state.simpson >= SURE else HALVES
+        drift, rough = reach(end, parts, state, work)
         is_good, error, is_told, moved = drift >= 0.0, 0.0, False, 0.0
         ratio = pivot_ratio(work, state)
-        if is_good and part <= 1.0 and (has_energies or s.checks):  # these tell the work
-            error, is_told = sum_works(s, end, state, work)
+        if is_good and part <= 1.0 and tells_works:
+            error, is_told = sum_works(s, end, state, work, has_nodes=parts is NODES)
             if work.scene.works > 0 and s.checks:
-                moved = energy_moved(end_of(work).y, work, state)
-        order = 7.0 if is_told else 5.0
-        factor = 2.0 if error == 0.0 else smaller(2.0, larger(0.2, 0.9 * error ** (-1.0 / order)))
+                moved = energy_moved(position_at(1, work).y, work, state)
+        factor = following(error, rough, is_good=is_good, is_told=is_told)
         is_weak = ratio < WEAK * state.largest_pivot_ratio
         if is_weak and part < FURTHEST:
             state.avoided += 1
             part = 1.25 if part == 0.5 else part - 0.25 if part <= 1.0 else 1.25 * part
         elif not is_good or not error <= 1.0:
             state.rejected += 1
-            longest, part = (factor if is_good and math.isfinite(error) else 0.5) * whole, 1.0
+            longest, part = (factor if part <= 1.0 else 0.5) * whole, 1.0
         else:
             seen = watched_end(s, end, part, look) if work.scene.sees else end
             why = why_stopped(seen, look)
@@ -346,6 +396,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     state.drift = larger(state.drift, drift)
     state.energy_moved = larger(state.energy_moved, moved)
     state.untold += 0.0 if is_told else end - state.time
-    state.step_size = larger(state.step_size, factor * longest) if is_last else factor * longest
+    state.step_size = larger(state.step_size if is_last else 0.0, factor * whole)
+    state.error = error if is_told else 0.0
     accept_position(end, asked, state, work)
     return Status.GOOD

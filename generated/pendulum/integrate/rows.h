@@ -104,6 +104,7 @@ static int write_row(
         if (ACCELERATES || settings->checks) find_geometry(work, s);
     } else {
         interpolate(m, x, s, y);
+        if (has_led_works(m) && !is_driven) add_led_works(x, s, y);
         const double vague = (is_driven ? WEAK : VAGUE) * s->largest_pivot_ratio;
         double drift = 0.0;
         const int can = project(t, 0.0, y, NULL, NULL, work, s, &drift);

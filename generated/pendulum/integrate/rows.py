@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger
-from .dense_output import differentiate, interpolate
+from .dense_output import add_led_works, differentiate, has_led_works, interpolate
 from .methods import METHODS
 from .pivot_monitor import VAGUE, WEAK, pivot_ratio
 from .projection import accelerate, project, ratio_at
@@ -124,6 +124,8 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
     else:
         x = (t - state.time_before) / h
         interpolate(m, x, state, y)
+        if has_led_works(m, scene) and s.method < len(METHODS):
+            add_led_works(x, scene, state, y)
         vague = (VAGUE if s.method < len(METHODS) else WEAK) * state.largest_pivot_ratio
         drift = project(t, 0.0, y, None, None, work, state)
         can = drift >= 0.0

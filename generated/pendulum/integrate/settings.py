@@ -107,6 +107,7 @@ class Doubt(IntFlag):
     DRIFT = 32
     ROW_DRIFT = 64
     BRANCH_POINTS = 128
+    NARROW = 256
 
 
 #: Why a run did not start, or does not go on.

@@ -10,7 +10,7 @@ import numpy as np
 from .arithmetic import larger, smaller
 from .continuation import continue_parameters, is_possible, stay_closed
 from .crossing import first_without_value
-from .dense_output import prepare_dense
+from .dense_output import add_led_rows, has_led_works, prepare_dense
 from .given import LEAST_TOLERANCE
 from .kinematics import driven_step
 from .methods import METHODS
@@ -267,6 +267,8 @@ class Solver:
             status = step(m, settings, asked, target, s, work)
         if status == Status.GOOD and asked < s.time:
             prepare_dense(m, work, s)
+            if has_led_works(m, self.scene):
+                add_led_rows(s, work)
         return status
 
     def evaluate(

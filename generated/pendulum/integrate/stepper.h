@@ -19,6 +19,10 @@
  * far, where it is rounding */
 #define FORGIVEN 0.5
 #define CLEAR 1e-3
+/* what a step may be off the constraints, in tolerances, and the least of these: half of what is
+ * trusted. Estimates can be blind where bodies turn by some radians in a step, this is not */
+#define MOST_DRIFT 50.0
+#define LEAST_DRIFT 1e-11
 /* what the worse of two estimates counts, of a step from a switch to the next: such steps begin
  * and end at the same phases of a force that repeats, so that their errors have one sign and add
  * up, and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
@@ -40,10 +44,12 @@
 #define LONGEST 0.75
 #define LOOSE 1e-3
 #define LONGEST_OF_ALL 1.2
-/* both where drivers determine the motion: what they lead has no error that keeps steps short */
+#define LEVEL 0.999
+/* what drivers lead has no error that keeps steps short: all three where they determine the motion.
+ * Beside such a place ratios, which go with the square of the distance, are not as level as that */
 #define LOOSE_LED 1e-5
 #define LONGEST_LED 0.3
-#define LEVEL 0.999
+#define LEVEL_LED 0.5
 /* a step is not made shorter than this to find its branch */
 #define STILL_LONG 1e-4
 /* a step is this much shorter than what would meet the tolerance */
@@ -139,6 +145,14 @@ static double estimate(const Method *m, const double *row, const Trial *trial, c
         sum += (error[i] / size) * (error[i] / size);
     }
     return sqrt(sum / (double)(2 * NV)) / tolerance;
+}
+
+/* whether what a step is off the constraints tells of its error: neither drivers nor rows that take
+ * over lead it there, and it is no rounding */
+static int tells_drift(const Trial *trial, const State *s)
+{
+    if (HAS_DRIVERS || HAS_ROW_SWITCH) return 0;
+    return trial->least_ratio >= CLEAR * s->largest_pivot_ratio;
 }
 
 /* the error of a step, in units of the tolerance; locked from a switch to the next */
@@ -256,8 +270,10 @@ static int may_end_elsewhere(
     const int is_free = !(settings->fixed_step > 0.0);
     const int is_loose = settings->tolerance > (IS_DRIVEN ? LOOSE_LED : LOOSE);
     const double first = s->position_ratio, last = trial->last_ratio;
-    const int is_steady = trial->least_ratio > LEVEL * larger(first, trial->most_ratio);
-    const double longest = IS_DRIVEN ? LONGEST_LED : LONGEST_OF_ALL;
+    const double largest = larger(first, trial->most_ratio);
+    const int is_steady = trial->least_ratio > LEVEL * largest;
+    const int is_led = IS_DRIVEN && !(trial->least_ratio > LEVEL_LED * largest);
+    const double longest = is_led ? LONGEST_LED : LONGEST_OF_ALL;
     if (is_free && is_loose && !is_steady && way_of(trial, s, work) > longest) return 1;
     const double most = s->largest_pivot_ratio;
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
@@ -342,6 +358,10 @@ static int step(
             const int is_locked = trial.is_last && s->time == s->switched &&
                                   (end == s->limit || end == look.cut);
             trial.error = local_error(m, &trial, is_locked, s, work, settings->tolerance);
+            if (tells_drift(&trial, s)) {
+                const double most = MOST_DRIFT * larger(settings->tolerance, LEAST_DRIFT);
+                trial.error = larger(trial.drift / most, trial.error);
+            }
         }
         const int is_vague = N_SEEN > 0 && is_fixed && good &&
                              !(local_error(m, &trial, 0, s, work, LEAST_PART) <= 1.0);
@@ -384,12 +404,6 @@ static int step(
             look_into(settings, m, has_stages, h, work->y, s->f, f, &look, s, work);
             look.least_part = is_kept && !is_vague ? 0.0 : LEAST_PART;
             look.is_kept = is_kept;
-            double to = last;
-            if (N_NARROW > 0 && is_kept && shorter++ < MOST_SHORTER) {
-                to = told_end(last, &look, s, work);
-            } else if (N_NARROW > 0 && is_kept) { /* it cannot be shorter for that */
-                look.is_untold = !are_narrow_told(s->time, last, &look, s, work);
-            }
             /* one that leads beyond its end stays as it is */
             double seen = is_beyond ? last : seen_end(last, &look, s, work);
             if (look.pole && !has_stages && make_dense_stages(m, &trial, work, s)) {
@@ -399,6 +413,16 @@ static int step(
             if (look.pole) seen = end_before_pole(&look, s);
             const int why = why_stopped(seen, &look, s);
             if (why != GOOD) return why;
+            const double told = smaller(seen, last); /* what follows a cut is seen later */
+            double to = last;
+            if (N_NARROW > 0 && is_kept && shorter++ < MOST_SHORTER) {
+                const double there = told_end(told, &look, s, work);
+                if (there < told) to = there;
+            } else if (N_NARROW > 0 && is_kept) { /* it cannot be shorter for that */
+                look.is_untold = look.is_untold ||
+                                 (!are_narrow_told(s->time, told, &look, s, work) &&
+                                     !is_at_pole(1, s->time, told, &look, s, work));
+            }
             if (seen <= to && seen < last) {
                 to = end = cut_at(seen, &look);
             } else if (EVENTS > 0 && is_kept && last == look.cut && polished++ < MOST_POLISHED) {

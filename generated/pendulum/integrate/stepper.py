@@ -16,6 +16,7 @@ from .crossing import (
     are_narrow_told,
     cut_at,
     end_before_pole,
+    is_at_pole,
     look_into,
     note_crossings,
     note_unresolved,
@@ -73,6 +74,10 @@ NEAR = 1e-3
 #: far, where it is rounding.
 FORGIVEN = 0.5
 CLEAR = 1e-3
+#: What a step may be off the constraints, in tolerances, and the least of these: half of what is
+#: trusted. Estimates can be blind where bodies turn by some radians in a step, this is not.
+MOST_DRIFT = 50.0
+LEAST_DRIFT = 1e-11
 #: What the worse of two estimates counts, of a step from a switch to the next: such steps begin and
 #: end at the same phases of a force that repeats, so that their errors have one sign and add up,
 #: and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
@@ -94,10 +99,12 @@ FAR = 0.5
 LONGEST = 0.75
 LOOSE = 1e-3
 LONGEST_OF_ALL = 1.2
-#: Both where drivers determine the motion: what they lead has no error that keeps steps short.
+LEVEL = 0.999
+#: What drivers lead has no error that keeps steps short: all three where they determine the motion.
+#: Beside such a place ratios, which go with the square of the distance, are not as level as that.
 LOOSE_LED = 1e-5
 LONGEST_LED = 0.3
-LEVEL = 0.999
+LEVEL_LED = 0.5
 #: A step is not made shorter than this to find its branch.
 STILL_LONG = 1e-4
 #: A step is this much shorter than what would meet the tolerance.
@@ -223,6 +230,16 @@ def estimate(
     return math.sqrt(mean_square(every, 2 * nv)) / tolerance
 
 
+def tells_drift(trial: Trial, state: State, work: Work) -> bool:
+    """Return whether what a step is off the constraints tells of its error.
+
+    Neither drivers nor rows that take over lead it there, and it is no rounding.
+    """
+    if work.scene.has_drivers or work.all is not None:
+        return False
+    return trial.least_ratio >= CLEAR * state.largest_pivot_ratio
+
+
 def local_error(
     m: Method, trial: Trial, state: State, work: Work, tolerance: float, *, is_locked: bool = False
 ) -> float:
@@ -344,8 +361,10 @@ def may_end_elsewhere(
     is_free = not settings.fixed_step > 0.0
     is_loose = settings.tolerance > (LOOSE_LED if work.scene.is_driven else LOOSE)
     first, last, most = state.position_ratio, trial.last_ratio, state.largest_pivot_ratio
-    is_steady = trial.least_ratio > LEVEL * larger(first, trial.most_ratio)
-    longest = LONGEST_LED if work.scene.is_driven else LONGEST_OF_ALL
+    largest = larger(first, trial.most_ratio)
+    is_steady = trial.least_ratio > LEVEL * largest
+    is_led = work.scene.is_driven and not trial.least_ratio > LEVEL_LED * largest
+    longest = LONGEST_LED if is_led else LONGEST_OF_ALL
     if is_free and is_loose and not is_steady and way_of(trial, state, work) > longest:
         return True
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
@@ -438,6 +457,9 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
         if not is_fixed and is_good:
             is_locked = is_last and state.time == state.switched and end in {state.limit, look.cut}
             trial.error = local_error(m, trial, state, work, s.tolerance, is_locked=is_locked)
+            if tells_drift(trial, state, work):
+                most = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
+                trial.error = larger(trial.drift / most, trial.error)
         is_vague = (
             work.scene.sees
             and is_fixed
@@ -481,11 +503,6 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
             look.least_part = 0.0 if is_kept and not is_vague else LEAST_PART
             look.is_kept = is_kept
-            to = last
-            if work.scene.has_narrow and is_kept and shorter < MOST_SHORTER:
-                to, shorter = told_end(last, look), shorter + 1
-            elif work.scene.has_narrow and is_kept:  # it cannot be shorter for that
-                look.is_untold = not are_narrow_told(state.time, last, look)
             # one that leads beyond its end stays as it is
             seen = last if is_beyond else seen_end(last, look)
             if look.pole and not has_stages and make_dense_stages(m, trial, work, state):
@@ -496,6 +513,15 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             why = why_stopped(seen, look)
             if why != Status.GOOD:
                 return why
+            told = smaller(seen, last)  # what follows a cut is seen later
+            to = last
+            if work.scene.has_narrow and is_kept and shorter < MOST_SHORTER:
+                there, shorter = told_end(told, look), shorter + 1
+                to = there if there < told else last
+            elif work.scene.has_narrow and is_kept:  # it cannot be shorter for that
+                is_told = are_narrow_told(state.time, told, look)
+                is_told = is_told or is_at_pole(state.time, told, look, in_between=True)
+                look.is_untold = look.is_untold or not is_told
             if seen <= to and seen < last:
                 to = end = cut_at(seen, look)
             elif has_events and is_kept and last == look.cut and polished < MOST_POLISHED:

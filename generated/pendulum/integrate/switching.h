@@ -24,6 +24,8 @@
 #define FAR_BESIDE 1e-6
 #define BESIDE 1e-7
 #define EQUAL 1e-12
+/* how far behind a switch a force has a value, in parts of the time, if it has one */
+#define FURTHEST_BEHIND 1e-12
 #define BENDING 4.0
 /* samples of an interval, by pieces between them */
 #define PIECES 4
@@ -203,6 +205,18 @@ static void find_switch(double end, State *s, Work *work)
     s->limit = s->behind = N_SWITCHES == 0 && first == end ? HUGE_VAL : first;
 }
 
+/* puts bodies behind a switch, or so little further that a force has a value that is infinite at
+ * it, as log|t - 5| is */
+static int is_put_behind(double span, State *s, Work *work)
+{
+    for (double further = SMALLEST; further < FURTHEST_BEHIND; further *= FURTHER) {
+        forget_trials(work);
+        if (project(s->time, 0.0, s->y, s->low, s->f, work, s, NULL)) return 1;
+        s->time = s->switched = s->switched + further * span;
+    }
+    return 0;
+}
+
 /* goes over the switch that a step has come to, and finds the next one. What is before it and what
  * is behind it is told by formulas on that side; nothing moves in between. Drivers that jump
  * there lead no further */
@@ -220,8 +234,7 @@ static int meet_switches(double end, State *s, Work *work)
             memset(s->dense, 0, sizeof s->dense);
             s->time_before = s->time;
             s->time = s->switched = smaller(s->behind, end);
-            forget_trials(work);
-            if (!project(s->time, 0.0, s->y, s->low, s->f, work, s, NULL)) return NOT_PROJECTED;
+            if (!is_put_behind(span, s, work)) return NOT_PROJECTED;
         } else {
             find_switch(end, s, work);
             if (s->limit - s->time <= SMALLEST * larger(fabs(s->time), fabs(end))) {
@@ -281,10 +294,7 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
     const double start = s->time, whole = smaller(h, end - start);
     s->longest = larger(FORGETTING * s->longest, smaller(whole, GROWTH * s->stride));
     const double last_step = start - s->time_before;
-    if (s->short_steps > MOST_SHORT && last_step < LONG * s->longest) {
-        note_unresolved(start, s);
-        return end;
-    }
+    const int is_tired = s->short_steps > MOST_SHORT && last_step < LONG * s->longest;
     double first = start, allowed = whole, width = whole / part;
     size_t n = 0;
     for (; n != MOST_INTERVALS; ++n) {
@@ -299,8 +309,10 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
         if (!(first < start + allowed)) break;
         width = 2.0 * width;
     }
-    if (n == MOST_INTERVALS) note_unresolved(start, s);
-    s->short_steps = allowed < SHORT * s->longest ? s->short_steps + 1 : 0;
+    if (n == MOST_INTERVALS || (is_tired && allowed < whole)) note_unresolved(start, s);
+    if (is_tired) return end;
+    if (!(allowed < SHORT * s->longest)) s->short_steps = 0;
+    else if (allowed < whole) s->short_steps += 1; /* others are short by their error */
     if (!(allowed < whole)) return end;
     /* in equal steps: what is left of the way must be none too short */
     return start + whole / ceil(whole / allowed);

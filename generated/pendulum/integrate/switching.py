@@ -17,6 +17,7 @@ from .arithmetic import larger, smaller
 from .crossing import (
     EXPLAINED,
     FINEST,
+    FURTHER,
     NOTHING,
     SMALLEST,
     largest,
@@ -54,6 +55,8 @@ LONG = 0.1
 FAR_BESIDE = 1e-6
 BESIDE = 1e-7
 EQUAL = 1e-12
+#: How far behind a switch a force has a value, in parts of the time, if it has one.
+FURTHEST_BEHIND = 1e-12
 #: How much the third derivative may be beyond that on the sides.
 BENDING = 4.0
 #: Samples of an interval, by pieces between them.
@@ -215,6 +218,21 @@ def find_switch(end: float, state: State, work: Work) -> None:
     state.limit = state.behind = math.inf if not has_switches and first == end else first
 
 
+def is_put_behind(span: float, state: State, work: Work) -> bool:
+    """Put bodies behind a switch, and return whether forces have values there.
+
+    They are put so little further that one has that is infinite at the switch, as log|t - 5| is.
+    """
+    further = SMALLEST
+    while further < FURTHEST_BEHIND:
+        forget_trials(work)
+        if project(state.time, 0.0, state.y, state.low, state.f, work, state) >= 0.0:
+            return True
+        state.time = state.switched = state.switched + further * span
+        further *= FURTHER
+    return False
+
+
 def meet_switches(end: float, state: State, work: Work) -> Status:
     """Go over the switch that a step has come to, and find the next one.
 
@@ -232,8 +250,7 @@ def meet_switches(end: float, state: State, work: Work) -> Status:
             state.dense[:] = 0.0
             state.time_before = state.time
             state.time = state.switched = smaller(state.behind, end)
-            forget_trials(work)
-            if project(state.time, 0.0, state.y, state.low, state.f, work, state) < 0.0:
+            if not is_put_behind(span, state, work):
                 return Status.NOT_PROJECTED
         else:
             find_switch(end, state, work)
@@ -281,11 +298,9 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
     start = first = state.time
     allowed = whole = smaller(h, end - start)
     state.longest = larger(FORGETTING * state.longest, smaller(whole, GROWTH * state.stride))
-    last_step = start - state.time_before
-    if state.short_steps > MOST_SHORT and last_step < LONG * state.longest:
-        note_unresolved(start, state)
-        return end
-    width = whole / part
+    last_step, width = start - state.time_before, whole / part
+    is_tired = state.short_steps > MOST_SHORT and last_step < LONG * state.longest
+    is_untold = False
     for _ in range(MOST_INTERVALS):
         last = first + width
         is_good = is_resolved(first, last, work.w)
@@ -299,8 +314,15 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
             break
         width = 2.0 * width
     else:
+        is_untold = True
+    if is_untold or (is_tired and allowed < whole):
         note_unresolved(start, state)
-    state.short_steps = state.short_steps + 1 if allowed < SHORT * state.longest else 0
+    if is_tired:
+        return end
+    if not allowed < SHORT * state.longest:
+        state.short_steps = 0
+    elif allowed < whole:  # others are short by their error
+        state.short_steps += 1
     if not allowed < whole:
         return end
     # in equal steps: what is left of the way must be none too short

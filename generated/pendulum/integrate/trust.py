@@ -155,9 +155,6 @@ class Trust:
             yield f"redundant rows miss {shortly(self.missed)}"
         if self.pivot_ratio is not None:
             yield f"smallest pivot {shortly(self.pivot_ratio)}"
-        if self.unresolved:
-            count = f"{self.unresolved} step{'s' * (self.unresolved > 1)}"
-            yield f"narrow forces may be passed over in {count}"
         if self.stillness is not None:
             part = shortly(self.stillness)
             yield f"bodies move by {part} of a length or rad a step, less than this tolerance tells"
@@ -242,6 +239,7 @@ def judge(
         doubts |= beyond(single["row_drift"], off, Doubt.ROW_DRIFT)
     if settings.method != len(METHODS):
         doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
+    doubts |= beyond(single["unresolved"], 0.0, Doubt.NARROW)
     return Verdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
 
 
@@ -302,6 +300,7 @@ def trust_of(
         Doubt.BRANCH_POINTS: f"{count:.0f} step{'s' * (count > 1)} went by a singular"
         f" configuration, the first to t = {single['branch_point_time']:.6g} s: the motion may be"
         f" that of another branch, try {advice}",
+        Doubt.NARROW: untold(single, advice),
     }
     problems = [text for doubt, text in reasons.items() if doubt & verdict.doubts]
     if error is not None and error.unknown_from is not None:
@@ -322,6 +321,16 @@ def trust_of(
         error=error,
         limit=verdict.limit,
         problems=tuple(problems),
+    )
+
+
+def untold(single: Mapping[str, float], advice: str) -> str:
+    """Steps over which no bounds tell how formulas vary, and what to do."""
+    count = single["unresolved"]
+    return (
+        f"narrow forces may be passed over in {count:.0f} step{'s' * (count > 1)}, the last from"
+        f" t = {single['unresolved_time']:.9g} s on, where bounds do not tell how formulas vary:"
+        f" try {advice}, or another way to write them"
     )
 
 

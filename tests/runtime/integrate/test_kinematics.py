@@ -166,7 +166,10 @@ def test_a_step_is_looked_into_from_where_it_begins(
     looked: list[Any] = []
     monkeypatch.setattr(kinematics, "look_into", lambda *given, has_stages: looked.append(given))
     look = Look(state, work, state.time)
-    monkeypatch.setattr(kinematics, "told_end", lambda *given: told if given == (3.0, look) else 0)
+    to = seen if part <= 1.0 else 3.0  # what follows a cut is seen later
+    monkeypatch.setattr(
+        kinematics, "told_end", lambda *given: min(told, to) if given == (to, look) else 0
+    )
     monkeypatch.setattr(kinematics, "seen_end", lambda *given: seen if given == (3.0, look) else 0)
     look.crosses = np.zeros(1, bool)
     assert watched_end(ANY, 3.0, part, look) == wanted

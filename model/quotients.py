@@ -1,0 +1,296 @@
+"""Quotients that are 0/0 somewhere and have a limit there, as sin(x)/x: what bounds them.
+
+Intervals tell nothing of a quotient N/D where D may be zero. Where N and D are zero with z, and so
+are their derivatives by z before the k-th, both are divided by zᵏ: with Taylor's theorem N/zᵏ is
+a + b z + r z², where r is between values of N⁽ᵏ⁺²⁾/(k + 2)! from zero to z, and r' between those of
+N⁽ᵏ⁺³⁾/(k + 3)!. So are D/zᵏ and the quotient of both.
+"""
+
+from __future__ import annotations
+
+from itertools import chain
+from math import factorial
+from typing import TYPE_CHECKING, NamedTuple
+
+from kousoku.model.derivative import derivative
+from kousoku.model.enclosure import Bounds, enclosure, product_of
+from kousoku.model.polynomials import polynomial_of
+from kousoku.model.terms import (
+    ONE,
+    ZERO,
+    Apply,
+    Function,
+    Name,
+    Number,
+    add,
+    apply,
+    div,
+    mul,
+    names_of,
+    neg,
+    number,
+    ordered,
+    power,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Mapping
+
+    from kousoku.model.terms import Expression
+
+#: The names of z, of the quotient itself, and of what is left of a series of two.
+PLACE, ITSELF, REST = ".z", ".itself", ".rest"
+#: The highest power of z that is divided by.
+HIGHEST = 3
+#: What functions are of zero; of others that is not known.
+AT_ZERO = {
+    **dict.fromkeys((Function.SIN, Function.TAN, Function.ASIN, Function.ATAN), ZERO),
+    Function.COS: ONE,
+    Function.EXP: ONE,
+}
+
+
+#: What bounds names.
+Spans = dict[str, Bounds]
+
+
+class Quotient(NamedTuple):
+    """A quotient that is 0/0 where z is zero.
+
+    Parameters
+    ----------
+    name : str
+        What stands for it in formulas; its rate follows that.
+    whole : Expression
+        As it is written.
+    place : Expression
+        z.
+    above, below : Expression
+        What is divided and by what, of :data:`PLACE`.
+    order : int
+        Of z: both are divided by that power of it.
+    """
+
+    name: str
+    whole: Expression
+    place: Expression
+    above: Expression
+    below: Expression
+    order: int
+
+    @property
+    def rate(self) -> str:
+        """The name of its rate."""
+        return f"{self.name}.rate"
+
+    def bounds(self, rate: Expression, speed: Expression, spans: Mapping[str, Bounds]) -> Spans:
+        """Bounds of it and its rate.
+
+        Parameters
+        ----------
+        rate, speed : Expression
+            The rate of it as it is written, and that of z.
+        spans : mapping of str to Bounds
+            What bounds each name that varies.
+        """
+        place = enclosure(self.place, spans)
+        ends = (apply(Function.MIN, place.least, ZERO), apply(Function.MAX, place.most, ZERO))
+        near = {
+            PLACE: place,
+            **self._rests(self.above, 0, ends),
+            **self._rests(self.below, 1, ends),
+        }
+        (a, da), (b, db) = (self._series(one, k) for k, one in enumerate((self.above, self.below)))
+        near[ITSELF] = value = self._both(
+            enclosure(self.whole, spans), enclosure(div(a, b), near), place
+        )
+        slope = enclosure(div(add(da, neg(mul(Name(ITSELF), db))), b), near)
+        moved = product_of(slope, enclosure(speed, spans))
+        return {self.name: value, self.rate: self._both(enclosure(rate, spans), moved, place)}
+
+    def _series(self, formula: Expression, k: int) -> tuple[Expression, Expression]:
+        """One of both divided by a power of z, to the second power, and its derivative."""
+        a, b = coefficients(formula, self.order + 2)[self.order :]
+        z, rest, slope = Name(PLACE), Name(f"{REST}{k}"), Name(f"{REST}{k}.slope")
+        square = power(z, number(2))
+        if _is_short(formula, self.order):
+            return add(a, mul(b, z)), b
+        return (
+            add(a, mul(b, z), mul(rest, square)),
+            add(b, mul(number(2), mul(rest, z)), mul(slope, square)),
+        )
+
+    def _rests(self, formula: Expression, k: int, ends: tuple[Expression, Expression]) -> Spans:
+        """Bounds of the factor of z² in it, and of the derivative of that."""
+        if _is_short(formula, self.order):
+            return {}
+        found: Spans = {}
+        for n, name in enumerate((f"{REST}{k}", f"{REST}{k}.slope"), self.order + 2):
+            bounds = enclosure(_derived(formula, n), {PLACE: Bounds(*ends)})
+            found[name] = Bounds(*(div(one, number(factorial(n))) for one in bounds))
+        return found
+
+    def _both(self, far: Bounds, near: Bounds, place: Bounds) -> Bounds:
+        """Bounds that meet two others, of which the first hold where z has a sign."""
+        sign = apply(Function.MAX, mul(place.least, place.most), ZERO)
+        none = add(div(sign, sign), number(-1))  # no number where z has no sign: none is left out
+        return Bounds(
+            apply(Function.MAX, add(far.least, none), near.least),
+            apply(Function.MIN, add(far.most, none), near.most),
+        )
+
+
+def without_quotients(
+    formula: Expression, varying: Collection[str]
+) -> tuple[Expression, tuple[Quotient, ...]]:
+    """Formula with names for its quotients that have a limit where they are 0/0.
+
+    Parameters
+    ----------
+    formula : Expression
+        The formula.
+    varying : collection of str
+        Names that change in a run.
+    """
+    known: dict[int, Expression] = {}
+    found: dict[Expression, Quotient] = {}
+    for part in ordered(formula):
+        if not isinstance(part, Apply):
+            known[id(part)] = part
+            continue
+        known[id(part)] = apply(part.function, *(known[id(arg)] for arg in part.args))
+        same = known[id(part)]
+        if isinstance(same, Apply) and same.function is Function.DIV:
+            names = {*varying, *(one.name for one in found.values())}
+            known[id(part)] = _named(same, names, found)
+    return known[id(formula)], tuple(found.values())
+
+
+def _named(part: Apply, varying: Collection[str], found: dict[Expression, Quotient]) -> Expression:
+    """Quotient with a name for what has a limit in it, if something has."""
+    above, below = ([*_factors(one)] for one in part.args)
+    for place in _places(part.args[1], varying):
+        own, other = (_apart(one, place, varying) for one in (above, below))
+        order = _order(own[0], other[0])
+        if order is None:
+            continue
+        whole = div(own[1], other[1])
+        name = found[whole].name if whole in found else f".quotient{len(found)}"
+        found.setdefault(whole, Quotient(name, whole, place, own[0], other[0], order))
+        return div(mul(own[2], Name(name)), other[2])
+    return part
+
+
+def _places(below: Expression, varying: Collection[str]) -> Iterator[Expression]:
+    """What may be zero where a formula is."""
+    for part in reversed(ordered(below)):
+        if not isinstance(part, Number) and not set(varying).isdisjoint(names_of(part)):
+            yield part
+
+
+def _factors(part: Expression) -> Iterator[Expression]:
+    if isinstance(part, Apply) and part.function is Function.MUL:
+        for one in part.args:
+            yield from _factors(one)
+    else:
+        yield part
+
+
+def _apart(
+    factors: list[Expression], place: Expression, varying: Collection[str]
+) -> tuple[Expression, Expression, Expression]:
+    """Factors that depend on z alone: of z, and as they are; and the others."""
+    of_place: list[Expression] = []
+    own: list[Expression] = []
+    others: list[Expression] = []
+    for one in factors:
+        same = _of_place(one, place, varying)
+        if set(varying).isdisjoint(names_of(same)):
+            of_place.append(same)
+            own.append(one)
+        else:
+            others.append(one)
+    return mul(*of_place), mul(*own), mul(*others)
+
+
+def _of_place(formula: Expression, place: Expression, varying: Collection[str]) -> Expression:
+    """Formula with z in it, also where z is linear in the only name that varies."""
+    same = _replaced(formula, place, Name(PLACE))
+    names = [one for one in names_of(place) if one in varying]
+    line = polynomial_of(place)
+    if set(varying).isdisjoint(names_of(same)) or len(names) != 1 or line is None:
+        return same
+    if line.variables != (Name(names[0]),) or max(line.terms, default=(0,)) != (1,):
+        return same
+    start, slope = (line.terms.get((n,)) for n in range(2))
+    assert slope is not None
+    value = div(add(Name(PLACE), number(-(start or 0))), Number(slope))
+    return _replaced(same, Name(names[0]), value)
+
+
+def _replaced(formula: Expression, part: Expression, by: Expression) -> Expression:
+    """Formula with another in place of a part, its numbers folded."""
+    known: dict[int, Expression] = {}
+    for one in ordered(formula):
+        if one == part:
+            known[id(one)] = by
+        elif isinstance(one, Apply):
+            known[id(one)] = _value(one.function, [known[id(arg)] for arg in one.args])
+        else:
+            known[id(one)] = one
+    return known[id(formula)]
+
+
+def _value(function: Function, args: list[Expression]) -> Expression:
+    """Function of formulas, also of zero."""
+    if args == [ZERO] and function in AT_ZERO:
+        return AT_ZERO[function]
+    if function is Function.LOG and args == [ONE]:
+        return ZERO
+    if function is Function.POW and args[0] == ZERO:
+        exponent = args[1]
+        is_positive = isinstance(exponent, Number) and exponent.value > 0
+        return ZERO if is_positive else Apply(function, tuple(args))
+    if function is Function.DIV and args[1] == ZERO:
+        return Apply(function, tuple(args))
+    return apply(function, *args)
+
+
+def _order(above: Expression, below: Expression) -> int | None:
+    """Power of z that below has, if above has it, too."""
+    if below == ONE:
+        return None
+    pairs = zip(*(coefficients(one, HIGHEST + 3) for one in (above, below)), strict=True)
+    order = next((k for k, pair in enumerate(pairs) if pair != (ZERO, ZERO)), 0)
+    found = [coefficients(one, order + 2) for one in (above, below)]
+    if not 0 < order <= HIGHEST or found[1][order] == ZERO:
+        return None
+    return order if all(map(_has_value, chain(*found))) else None
+
+
+def coefficients(formula: Expression, count: int) -> list[Expression]:
+    """First factors of powers of z, from the zeroth on."""
+    values = (_replaced(_derived(formula, n), Name(PLACE), ZERO) for n in range(count))
+    return [div(one, number(factorial(n))) for n, one in enumerate(values)]
+
+
+def _derived(formula: Expression, count: int) -> Expression:
+    for _ in range(count):
+        formula = derivative(formula, PLACE)
+    return formula
+
+
+def _is_short(formula: Expression, order: int) -> bool:
+    """Whether a formula is a polynomial in z that ends behind the order and one more."""
+    return _derived(formula, order + 2) == ZERO
+
+
+def _has_value(formula: Expression) -> bool:
+    """Whether nothing in a formula without z is divided by zero."""
+    for part in ordered(formula):
+        if isinstance(part, Apply):
+            a, b = part.args[0], part.args[-1]
+            is_power = part.function in {Function.POW, Function.LOG, Function.SQRT}
+            if (part.function is Function.DIV and b == ZERO) or (is_power and a == ZERO):
+                return False
+    return True
