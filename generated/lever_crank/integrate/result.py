@@ -57,6 +57,8 @@ if TYPE_CHECKING:
         unresolved_time: float | None
         branch_points: int
         branch_point_time: float | None
+        meetings: int
+        meeting_time: float | None
         fallbacks: int
         fallback_time: float | None
         refinements: int

@@ -2,14 +2,23 @@
  * near. */
 
 /* what rows may be off a smooth way, in lengths and radians. A gap between branches of as much as
- * that, times the distance at which it is looked for, is none: about 1e-12 */
+ * that, times the distance at which it is looked for, is none: about 1e-14, which is rounding */
 #define OFF_WAY 1e-9
-/* how far beside the place where branches meet that is seen, in a step, and how much nearer each
- * time */
+#define NO_GAP 1e-14
+/* how far beside the place where branches meet that is seen, in a step; how much nearer each time,
+ * and in lengths and radians at last; how often */
 #define ASIDE 0.03
 #define NEARER 0.1
-/* what rows may be off, of the distance from such a place, where that is not in a step */
+#define NEAREST 1e-5
+#define MOST_LOOKS 12
+/* what rows may be off, of the distance from such a place, where that is not in a step; and how
+ * many times larger one root at the ends may be than the other: drivers that turn back hide one */
 #define AWAY 1e-2
+#define EVEN 2.0
+
+/* what is known of a step: it may end on another branch, it stays on its own, or goes straight on
+ * where another one meets it, or comes nearer than rounding tells */
+enum { LEAPS, STAYS, MEETS };
 
 /* Newton's polynomial through n coordinates at parts x of a step: q at a part of it */
 static void follow_way(size_t n, const double *x, double c[][ROOM(NQ)], double part, double *q)
@@ -35,50 +44,56 @@ static void begin_way(double h, const double *y_before, const double *f_before, 
     }
 }
 
-/* brings a place of the way at a part of a step onto the constraints, through which it leads then;
- * how far off it was, negative where it cannot be brought */
-static double bend_way(size_t n, double *x, double c[][ROOM(NQ)], double t, double part,
+/* brings a place of the way at a part of a step onto the constraints, if it is off: the way leads
+ * through it then; how far off it was, negative where it cannot be brought */
+static double bend_way(size_t *count, double *x, double c[][ROOM(NQ)], double t, double part,
     double *ratio, Work *work, State *s)
 {
     double *w = work->w, *q = work->scratch, product = 1.0;
+    const size_t n = *count;
     follow_way(n, x, c, part, q);
     w[W_T] = t;
-    *ratio = ratio_at(q, work, s);
+    ratio_at(q, work, s);
+    *ratio = branch_ratio(work, s);
     correct_position(work);
     s->factorisations += 1;
     s->corrections += 1;
     const double off = size_of(w + W_DQ);
-    if (!(off <= OFF_WAY)) { /* else that changes neither the way nor the ratio */
-        displace(w, NULL);
-        if (!(project_position(OFF_WAY * OFF_WAY, work, NULL, s) >= 0.0)) return -1.0;
-        *ratio = pivot_ratio(work, s);
-    }
+    if (off <= OFF_WAY) return off;
+    displace(w, NULL);
+    if (n == WAY || !(project_position(OFF_WAY * OFF_WAY, work, NULL, s) >= 0.0)) return -1.0;
+    *ratio = branch_ratio(work, s);
     for (size_t k = 0; k < n; ++k) product *= part - x[k];
     for (size_t i = 0; i < NQ; ++i) c[n][i] = (w[W_Q + i] - q[i]) / product;
     x[n] = part;
+    *count += 1;
     return off;
 }
 
-/* whether a step of length h to y and f stays on its branch. Roots of pivot ratios go with the
- * distance from a place where branches meet, about at a part of the step and with a slope. Where
- * they do meet the way leads straight on: it is smooth, and rows hold all along, as near to the
- * place as one looks. Where they miss each other by little, rows do not hold on the way from one to
- * the other, the less the nearer to the place: ways over there bend sharply, and end elsewhere */
-static int stays_on_branch(
+/* what is known of a step of length h to y and f. Roots of pivot ratios go with the distance from
+ * a place where branches meet, about at a part of the step and with a slope. Where they do meet
+ * the way leads straight on: it is smooth, and rows hold all along, as near to the place as one
+ * looks. Where they miss each other by little, rows do not hold on the way from one to the other,
+ * the less the nearer to the place: ways over there bend sharply, and end elsewhere */
+static int follow_branch(
     double h, const double *y, const double *f, double part, double slope, Work *work, State *s)
 {
     double x[WAY], beside = ASIDE, roots[2], off[2], farthest = 0.0, nearest = HUGE_VAL;
+    const double way = h * larger(size_of(s->y + NQ), size_of(y + NQ));
+    const double before = sqrt(fabs(s->position_ratio)), after = slope - before;
+    const int is_even = !IS_DRIVEN || larger(before, after) <= EVEN * smaller(before, after);
+    size_t n = 4;
     forget_trials(work);
     begin_way(h, s->y, s->f, y, f, x, work->way);
-    for (size_t n = 4; n < WAY; n += 2) {
+    for (size_t look = 0; look != MOST_LOOKS; ++look) {
         for (size_t side = 0; side < 2; ++side) {
             const double there = part + (side ? beside : -beside), t = s->time + there * h;
-            off[side] = bend_way(n + side, x, work->way, t, there, &roots[side], work, s);
-            if (!(off[side] >= 0.0)) return 0;
+            off[side] = bend_way(&n, x, work->way, t, there, &roots[side], work, s);
+            if (!(off[side] >= 0.0)) return LEAPS;
             /* rows that were left out took over, and hold it */
             if (HAS_ROW_SWITCH && work->all.is_on != 0.0 &&
                 roots[side] > FALL_BACK * s->largest_pivot_ratio)
-                return 1;
+                return STAYS;
             roots[side] = sqrt(roots[side]);
             farthest = larger(farthest, off[side]);
             nearest = smaller(nearest, roots[side]);
@@ -89,11 +104,24 @@ static int stays_on_branch(
         part -= is_between ? beside * change / sum : beside * sum / change;
         const int is_inside = part > 0.0 && part < 1.0;
         if (!is_between && is_inside) continue; /* the place is farther away */
-        const int is_on = larger(off[0], off[1]) <= OFF_WAY;
-        if (is_on) return is_between || farthest <= AWAY * nearest;
+        const int is_on = larger(off[0], off[1]) <= larger(OFF_WAY, NO_GAP / (beside * way));
+        if (is_on && !is_between) return is_even && farthest <= AWAY * nearest ? STAYS : LEAPS;
+        if (is_on && beside * way <= NEAREST) return MEETS;
         if (is_between) slope = sum / (2.0 * beside);
         if (!is_inside) part = part > 0.5 ? 1.0 : 0.0;
         beside *= NEARER;
     }
-    return 0;
+    return LEAPS;
+}
+
+/* notes what is known of a step to a time: that it may have leapt, or that branches meet */
+static void note_branch(double time, int found, State *s)
+{
+    if (found == LEAPS) {
+        if (s->branch_points == 0.0) s->branch_point_time = time;
+        s->branch_points += 1;
+    } else if (found == MEETS) {
+        if (s->meetings == 0.0) s->meeting_time = time;
+        s->meetings += 1;
+    }
 }

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger, smaller
-from .pivot_monitor import pivot_ratio
+from .pivot_monitor import branch_ratio
 from .projection import correct_position, project_position, ratio_at
 from .row_switch import FALL_BACK, forget_trials
 from .scene import WAY
@@ -28,13 +28,22 @@ if TYPE_CHECKING:
     Array = npt.NDArray[np.float64]
 
 #: What rows may be off a smooth way, in lengths and radians. A gap between branches of as much as
-#: that, times the distance at which it is looked for, is none: about 1e-12.
+#: that, times the distance at which it is looked for, is none: about 1e-14, which is rounding.
 OFF_WAY = 1e-9
-#: How far beside the place where branches meet that is seen, in a step; how much nearer each time.
+NO_GAP = 1e-14
+#: How far beside the place where branches meet that is seen, in a step; how much nearer each time,
+#: and in lengths and radians at last; how often.
 ASIDE = 0.03
 NEARER = 0.1
-#: What rows may be off, of the distance from such a place, where that is not in a step.
+NEAREST = 1e-5
+MOST_LOOKS = 12
+#: What rows may be off, of the distance from such a place, where that is not in a step; and how
+#: many times larger one root at the ends may be than the other: drivers that turn back hide one.
 AWAY = 1e-2
+EVEN = 2.0
+#: What is known of a step: it may end on another branch, it stays on its own, or goes straight on
+#: where another one meets it, or comes nearer than rounding tells.
+LEAPS, STAYS, MEETS = 0, 1, 2
 
 
 def follow_way(x: list[float], c: list[Array], part: float) -> Array:
@@ -57,7 +66,9 @@ def begin_way(
 def bend_way(
     x: list[float], c: list[Array], t: float, part: float, work: Work, state: State
 ) -> tuple[float, float]:
-    """Bring a place of the way at a part of a step onto the constraints; it leads through it then.
+    """Bring a place of the way at a part of a step onto the constraints, if it is off.
+
+    The way leads through it then.
 
     Returns
     -------
@@ -68,16 +79,18 @@ def bend_way(
     """
     w, q = work.w, follow_way(x, c, part)
     w.t[0] = t
-    ratio = ratio_at(q, work, state)
+    ratio_at(q, work, state)
+    ratio = branch_ratio(work, state)
     correct_position(work)
     state.factorisations += 1
     state.corrections += 1
     off = w.size_of(w.dq)
-    if not off <= OFF_WAY:  # else that changes neither the way nor the ratio
-        w.displace(None)
-        if not project_position(OFF_WAY * OFF_WAY, work, None, state) >= 0.0:
-            return -1.0, 0.0
-        ratio = pivot_ratio(work, state)
+    if off <= OFF_WAY:
+        return off, ratio
+    w.displace(None)
+    if len(c) == WAY or not project_position(OFF_WAY * OFF_WAY, work, None, state) >= 0.0:
+        return -1.0, 0.0
+    ratio = branch_ratio(work, state)
     product = 1.0
     for node in x:
         product *= part - node
@@ -86,27 +99,32 @@ def bend_way(
     return off, ratio
 
 
-def stays_on_branch(
+def follow_branch(
     h: float, y: Array, f: Array, part: float, slope: float, work: Work, state: State
-) -> bool:
-    """Return whether a step of length h to y and f stays on its branch.
+) -> int:
+    """Return what is known of a step of length h to y and f: LEAPS, STAYS or MEETS.
 
     About at a part of it, with a slope of the roots of pivot ratios, branches meet, or nearly.
     """
     forget_trials(work)
-    x, c = begin_way(h, state.y, state.f, y, f, work.scene.nq)
+    nq, size_of = work.scene.nq, work.w.size_of
+    x, c = begin_way(h, state.y, state.f, y, f, nq)
+    way = h * larger(size_of(state.y[nq:]), size_of(y[nq:]))
+    before = math.sqrt(abs(state.position_ratio))
+    low, high = smaller(before, slope - before), larger(before, slope - before)
+    is_even = high <= EVEN * low or not work.scene.is_driven
     beside = ASIDE
     farthest, nearest = 0.0, math.inf
-    for _ in range(4, WAY, 2):
+    for _ in range(MOST_LOOKS):
         roots, worst = [], 0.0
         for side in (-beside, beside):
             there = part + side
             off, ratio = bend_way(x, c, state.time + there * h, there, work, state)
             if not off >= 0.0:
-                return False
+                return LEAPS
             takes_over = work.all is not None and work.all.is_on
             if takes_over and ratio > FALL_BACK * state.largest_pivot_ratio:
-                return True  # rows that were left out hold it
+                return STAYS  # rows that were left out hold it
             roots.append(math.sqrt(ratio))
             worst = larger(worst, off)
             farthest = larger(farthest, off)
@@ -119,11 +137,26 @@ def stays_on_branch(
         is_inside = 0.0 < part < 1.0
         if not is_between and is_inside:
             continue  # the place is farther away
-        if worst <= OFF_WAY:
-            return is_between or farthest <= AWAY * nearest
+        is_on = worst <= larger(OFF_WAY, NO_GAP / (beside * way))
+        if is_on and not is_between:
+            return STAYS if is_even and farthest <= AWAY * nearest else LEAPS
+        if is_on and beside * way <= NEAREST:
+            return MEETS
         if is_between:
             slope = total / (2.0 * beside)
         if not is_inside:
             part = 1.0 if part > 0.5 else 0.0
         beside *= NEARER
-    return False
+    return LEAPS
+
+
+def note_branch(time: float, found: int, state: State) -> None:
+    """Note what is known of a step to a time: that it may have leapt, or that branches meet."""
+    if found == LEAPS:
+        if state.branch_points == 0.0:
+            state.branch_point_time = time
+        state.branch_points += 1
+    elif found == MEETS:
+        if state.meetings == 0.0:
+            state.meeting_time = time
+        state.meetings += 1

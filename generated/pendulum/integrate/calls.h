@@ -37,7 +37,8 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     if (!project(time, 0.0, s->y, s->low, s->f, work, s, NULL)) return NOT_ASSEMBLED;
     note_lost_digits(work, s);
     note_largest_pivot(work, s);
-    s->least_pivot_ratio = s->position_ratio = pivot_ratio(work, s);
+    s->least_pivot_ratio = pivot_ratio(work, s);
+    s->position_ratio = s->usual_ratio = branch_ratio(work, s);
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, s->least_pivot_ratio);
     energy(work->w);
     s->energy = energy_balance(work->w, s);

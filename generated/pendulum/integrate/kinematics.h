@@ -2,17 +2,22 @@
 
 /* what a prediction may miss: a part of the way of a step, and what always may */
 #define FAITHFUL 0.02
-#define NEGLIGIBLE 1e-6
-/* the part of the way of a step that velocities may not explain: a driver jumps */
+#define NEGLIGIBLE 1e-9
+/* the part of the way of a step that velocities may not explain, and what always may: a driver
+ * jumps */
 #define UNEXPLAINED 1e-3
-/* pivot ratios that are smaller than this part of the largest may grow or shrink by so much in each
- * half of a step: beside a singular configuration there is another branch. No check is made of
- * halves in which bodies move less than this, in lengths and radians */
-#define SMALL_PIVOT 0.5
+#define NO_JUMP 1e-6
+/* ratios that tell branches may grow or shrink by so much in each half of a step: beside a singular
+ * configuration there is another branch. So they tell it where bodies move less than this in a
+ * half, in lengths and radians: the angle between two of them turns by twice as much, and the root
+ * of the ratio goes with its sine. Halves are no shorter than that */
 #define MOST_GROWTH 2.0
-#define FINEST_WAY 1e-4
-/* how far behind a position where rows are nearly dependent a step is tried, in its length */
+#define LONGEST_WAY 0.6
+#define FINEST_WAY 1e-6
+/* how far behind a position where rows are nearly dependent a step is tried, in its length; where
+ * branches do not meet there, positions in between may have ratios this much smaller */
 #define FURTHEST 8.0
+#define DEEPER 1e-3
 /* the largest turn of a step: angles count their turns [rad] */
 #define COUNTABLE 1.0
 /* what Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
@@ -90,7 +95,7 @@ static int is_explained(double h, Position start, Position half, Position last)
 {
     const double fastest = larger(
         larger(size_of(start.y + NQ), size_of(half.y + NQ)), size_of(last.y + NQ));
-    const double most = larger(NEGLIGIBLE, UNEXPLAINED * 2.0 * h * fastest);
+    const double most = larger(NO_JUMP, UNEXPLAINED * 2.0 * h * fastest);
     for (size_t k = 0; k < NQ; ++k) {
         const double rates = start.f[k] + 4.0 * half.f[k] + last.f[k];
         const double left = last.y[k] - start.y[k] - h / 3.0 * rates;
@@ -99,17 +104,26 @@ static int is_explained(double h, Position start, Position half, Position last)
     return 1;
 }
 
-/* whether half a step of length h may leap over a singular configuration onto another branch: the
- * ratio of pivots goes with the square of the distance from it, which changes at a steady rate; no
+/* what tells branches, negative where all rows are solved for: that is another number */
+static double told_ratio(const Work *work, const State *s)
+{
+    const double ratio = branch_ratio(work, s);
+    return HAS_ROW_SWITCH && work->all.is_on != 0.0 ? -ratio : ratio;
+}
+
+/* whether half a step of length h may leap over a singular configuration onto another branch: what
+ * tells branches goes with the square of the distance from it, which changes at a steady rate; no
  * half passes zero where it and those beside it change the ratio by a small factor. What is too
- * short to be halved is noted: no branch is known there */
+ * short to be halved is noted: it is looked at */
 static int may_leap(double h, double before, double after, Position last, State *s)
 {
-    const double low = smaller(before, after), high = larger(before, after);
-    const int is_near = low < SMALL_PIVOT * s->largest_pivot_ratio && high > MOST_GROWTH * low;
-    const int is_long = h * size_of(last.y + NQ) > FINEST_WAY;
-    if (is_near && !is_long) s->has_branch_point = 1.0;
-    return is_near && is_long;
+    const double low = smaller(fabs(before), fabs(after));
+    const double high = larger(fabs(before), fabs(after));
+    const int is_near = high > MOST_GROWTH * low && (before < 0.0) == (after < 0.0);
+    const double way = h * size_of(last.y + NQ);
+    if (is_near && !(way > FINEST_WAY)) s->is_near = 1.0;
+    const int is_long = HAS_REFINEMENT && way > LONGEST_WAY && low < LEVEL * high;
+    return is_long || (is_near && way > FINEST_WAY);
 }
 
 /* where a position of a step is kept: that of its middle, its end, two between */
@@ -131,7 +145,7 @@ static int reach(
     double gone = 0.0, ratio = s->position_ratio, first = 0.0;
     *drift = *rough = 0.0;
     forget_trials(work);
-    s->has_branch_point = is_leap ? 1.0 : 0.0; /* a leap is one over such a place */
+    s->is_near = is_leap ? 1.0 : 0.0; /* a leap goes over such a place */
     for (const Part *part = ways; part != ways + n; ++part) {
         const Position to = position_at(part->place, work);
         const double way = (part->x - gone) * h;
@@ -142,8 +156,8 @@ static int reach(
         }
         *rough = larger(roughness(way, first, before, to, work->scratch), *rough);
         if (!(*rough <= 1.0)) return 0;
-        const double there = pivot_ratio(work, s);
-        if (part->x < 1.0 && there < WEAK * s->largest_pivot_ratio) return 0;
+        if (part->x < 1.0 && pivot_ratio(work, s) < WEAK * s->largest_pivot_ratio) return 0;
+        const double there = told_ratio(work, s);
         if (!is_leap && may_leap(way, ratio, there, to, s)) return 0;
         gone = part->x;
         before = to;
@@ -156,6 +170,19 @@ static int reach(
                                           : h / 6.0 * (start.f[k] + 4.0 * half.f[k] + last.f[k]));
     }
     return 1;
+}
+
+/* whether a step to an end may lead onto another branch: LEAPS, STAYS or MEETS */
+static int branch_at(double end, State *s, Work *work)
+{
+    if (!(HAS_REFINEMENT && s->is_near > 0.0)) return STAYS;
+    const Position last = position_at(1, work);
+    const double first = sqrt(fabs(s->position_ratio)), after = sqrt(branch_ratio(work, s));
+    const double part = meeting_part(first, after), h = end - s->time;
+    const int found = follow_branch(h, last.y, last.f, part, first + after, work, s);
+    place(end, last.y, work->w); /* its geometry again */
+    ratio_at(last.y, work, s);
+    return found;
 }
 
 /* finds the positions of a step in halves at the other nodes; whether they are */
@@ -256,6 +283,19 @@ static void accept_position(double end, double asked, Work *work, State *s)
     }
 }
 
+/* notes the pivot ratio of a position that is kept, and what tells branches there; where it is weak
+ * later ones are compared with what it is, or less where it is deep */
+static void note_ratios(double ratio, double end, int is_deep, State *s, const Work *work)
+{
+    note_pivot_ratio(ratio, end, s);
+    if (ratio < WEAK * s->largest_pivot_ratio)
+        s->largest_pivot_ratio = ratio / WEAK * (is_deep ? DEEPER : 1.0);
+    s->largest_pivot_ratio = larger(s->largest_pivot_ratio, ratio);
+    note_largest_pivot(work, s);
+    s->position_ratio = told_ratio(work, s);
+    s->usual_ratio = larger(s->usual_ratio, s->position_ratio);
+}
+
 /* where a position to an end must be, so that forces between are told, and events; one that leaps
  * over a place stays where it is */
 static double watched_end(
@@ -291,6 +331,7 @@ static double following(double error, double rough, int is_good, int is_told)
 static int driven_step(const Settings *settings, double asked, State *s, Work *work)
 {
     double drift = 0.0, rough = 0.0, part = 1.0;
+    int is_deep = 0;
     double longest = settings->largest_step;
     const int tells_works = HAS_ENERGIES || settings->checks; /* in rows, or the ledger */
     Look look = { .cut = s->time, .is_kept = 1 };
@@ -313,15 +354,20 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
                 moved = energy_moved(work->w, position_at(1, work).y, s);
         }
         const double factor = following(error, rough, good, is_told);
-        if (ratio < WEAK * s->largest_pivot_ratio && part < FURTHEST) {
+        const int is_avoided = part < FURTHEST && !is_deep && ratio < WEAK * s->largest_pivot_ratio;
+        const int is_fit = good && error <= 1.0 && !is_avoided;
+        const int branch = is_fit ? branch_at(end, s, work) : STAYS;
+        const int is_leap = part > 1.0 && branch == LEAPS;
+        if (is_avoided) {
             s->avoided += 1;
             part = part == 0.5 ? 1.25 : part <= 1.0 ? part - 0.25 : 1.25 * part;
             continue;
         }
-        if (!good || !(error <= 1.0)) {
+        if (!is_fit || is_leap) {
             s->rejected += 1;
-            longest = (part <= 1.0 ? factor : 0.5) * whole;
+            longest = (is_leap ? 1.0 : part <= 1.0 ? factor : 0.5) * whole;
             part = 1.0;
+            is_deep = is_deep || is_leap;
             continue;
         }
         if (N_SEEN > 0) {
@@ -337,13 +383,8 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
             note_crossings(end, &look, s, work);
             if (look.is_untold) note_unresolved(s->time, s);
         }
-        note_pivot_ratio(ratio, end, s);
-        note_branch_point(end, s->has_branch_point > 0.0, s);
-        s->position_ratio = ratio;
-        s->largest_pivot_ratio = ratio < WEAK * s->largest_pivot_ratio
-                                     ? ratio / WEAK
-                                     : larger(s->largest_pivot_ratio, ratio);
-        note_largest_pivot(work, s);
+        note_branch(end, branch, s);
+        note_ratios(ratio, end, is_deep, s, work);
         s->drift = larger(s->drift, drift);
         s->energy_moved = larger(s->energy_moved, moved);
         s->untold += is_told ? 0.0 : end - s->time;

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .arithmetic import larger, smaller
+from .branches import LEAPS, STAYS, follow_branch, note_branch
 from .crossing import (
     FINEST,
     SMALLEST,
@@ -25,7 +26,7 @@ from .dense_output import hermite_cubic
 from .methods import METHODS
 from .pivot_monitor import (
     WEAK,
-    note_branch_point,
+    branch_ratio,
     note_largest_pivot,
     note_pivot_ratio,
     pivot_ratio,
@@ -33,7 +34,14 @@ from .pivot_monitor import (
 from .projection import project, ratio_at
 from .row_switch import forget_trials
 from .settings import Status
-from .stepper import energy_moved, note_motion, usual_energy, usual_rate
+from .stepper import (
+    LEVEL,
+    energy_moved,
+    meeting_part,
+    note_motion,
+    usual_energy,
+    usual_rate,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,17 +56,22 @@ if TYPE_CHECKING:
 
 #: What a prediction may miss: a part of the way of a step, and what always may.
 FAITHFUL = 0.02
-NEGLIGIBLE = 1e-6
-#: The part of the way of a step that velocities may not explain: a driver jumps.
+NEGLIGIBLE = 1e-9
+#: The part of the way of a step that velocities may not explain, and what always may: a driver
+#: jumps.
 UNEXPLAINED = 1e-3
-#: Pivot ratios that are smaller than this part of the largest may grow or shrink by so much in each
-#: half of a step: beside a singular configuration there is another branch. No check is made of
-#: halves in which bodies move less than this, in lengths and radians.
-SMALL_PIVOT = 0.5
+NO_JUMP = 1e-6
+#: Ratios that tell branches may grow or shrink by so much in each half of a step: beside a singular
+#: configuration there is another branch. So they tell it where bodies move less than this in a
+#: half, in lengths and radians: the angle between two of them turns by twice as much, and the root
+#: of the ratio goes with its sine. Halves are no shorter than that.
 MOST_GROWTH = 2.0
-FINEST_WAY = 1e-4
-#: How far behind a position where rows are nearly dependent a step is tried, in its length.
+LONGEST_WAY = 0.6
+FINEST_WAY = 1e-6
+#: How far behind a position where rows are nearly dependent a step is tried, in its length; where
+#: branches do not meet there, positions in between may have ratios this much smaller.
 FURTHEST = 8.0
+DEEPER = 1e-3
 #: The largest turn of a step: angles count their turns [rad].
 COUNTABLE = 1.0
 #: What Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
@@ -141,7 +154,13 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
     left = last.y[:nq] - start.y[:nq] - h / 3.0 * rates
     fastest = larger(larger(size_of(start.y[nq:]), size_of(half.y[nq:])), size_of(last.y[nq:]))
     miss = float(np.max(np.abs(left) / scene.floors))
-    return miss <= larger(NEGLIGIBLE, UNEXPLAINED * 2.0 * h * fastest)
+    return miss <= larger(NO_JUMP, UNEXPLAINED * 2.0 * h * fastest)
+
+
+def told_ratio(work: Work, state: State) -> float:
+    """Return what tells branches, negative where all rows are solved for: another number."""
+    ratio = branch_ratio(work, state)
+    return -ratio if work.all is not None and work.all.is_on else ratio
 
 
 def may_leap(
@@ -149,16 +168,17 @@ def may_leap(
 ) -> bool:
     """Return whether half a step of length h may leap over a singular configuration.
 
-    There is another branch behind it. The ratio of pivots goes with the square of the distance from
+    There is another branch behind it. What tells branches goes with the square of the distance from
     it, which changes at a steady rate: no half passes zero where it and those beside it change the
-    ratio by a small factor. What is too short to be halved is noted: no branch is known there.
+    ratio by a small factor. What is too short to be halved is noted: it is looked at.
     """
-    low, high = smaller(before, after), larger(before, after)
-    is_near = low < SMALL_PIVOT * state.largest_pivot_ratio and high > MOST_GROWTH * low
-    is_long = h * work.w.size_of(last.y[work.scene.nq :]) > FINEST_WAY
-    if is_near and not is_long:
-        state.has_branch_point = 1.0
-    return is_near and is_long
+    low, high = smaller(abs(before), abs(after)), larger(abs(before), abs(after))
+    is_near = high > MOST_GROWTH * low and (before < 0.0) == (after < 0.0)
+    way = h * work.w.size_of(last.y[work.scene.nq :])
+    if is_near and not way > FINEST_WAY:
+        state.is_near = 1.0
+    is_long = way > LONGEST_WAY and low < LEVEL * high and work.scene.has_refinement
+    return is_long or (is_near and way > FINEST_WAY)
 
 
 def position_at(place: int, work: Work) -> Position:
@@ -192,7 +212,7 @@ def reach(
     gone, before, ratio = 0.0, start, state.position_ratio
     drift, rough = 0.0, 0.0
     forget_trials(work)
-    state.has_branch_point = 1.0 if is_leap else 0.0  # a leap is one over such a place
+    state.is_near = 1.0 if is_leap else 0.0  # a leap goes over such a place
     for x, place in parts:
         way, to = (x - gone) * h, position_at(place, work)
         time = end if x == 1.0 else state.time + x * h
@@ -200,9 +220,9 @@ def reach(
         rough = larger(roughness(way, first, before, to, work), rough)
         if not rough <= 1.0:
             return -1.0, rough
-        there = pivot_ratio(work, state)
-        if x < 1.0 and there < WEAK * state.largest_pivot_ratio:
+        if x < 1.0 and pivot_ratio(work, state) < WEAK * state.largest_pivot_ratio:
             return -1.0, rough
+        there = told_ratio(work, state)
         if not is_leap and may_leap(way, ratio, there, to, state, work):
             return -1.0, rough
         gone, before, ratio, drift = x, to, there, larger(first, drift)
@@ -215,6 +235,19 @@ def reach(
         rates = start.f[done] + 4.0 * half.f[done] + last.f[done]
         last.y[done] = start.y[done] + h / 6.0 * rates
     return drift, rough
+
+
+def branch_at(end: float, state: State, work: Work) -> int:
+    """Return whether a step to an end may lead onto another branch: LEAPS, STAYS or MEETS."""
+    if not (state.is_near > 0.0 and work.scene.has_refinement):
+        return STAYS
+    last = position_at(1, work)
+    first, after = math.sqrt(abs(state.position_ratio)), math.sqrt(branch_ratio(work, state))
+    part, h = meeting_part(first, after), end - state.time
+    found = follow_branch(h, last.y, last.f, part, first + after, work, state)
+    work.w.place(end, last.y)  # its geometry again
+    ratio_at(last.y[: work.scene.nq], work, state)
+    return found
 
 
 def find_between(end: float, state: State, work: Work) -> bool:
@@ -310,6 +343,20 @@ def accept_position(end: float, asked: float, state: State, work: Work) -> None:
         hermite_cubic(h, state.y, f_before, state.f, state)
 
 
+def note_ratios(ratio: float, end: float, state: State, work: Work, *, is_deep: bool) -> None:
+    """Note the pivot ratio of a position that is kept, and what tells branches there.
+
+    Where it is weak later ones are compared with what it is, or less where it is deep.
+    """
+    note_pivot_ratio(ratio, end, state)
+    if ratio < WEAK * state.largest_pivot_ratio:
+        state.largest_pivot_ratio = ratio / WEAK * (DEEPER if is_deep else 1.0)
+    state.largest_pivot_ratio = larger(state.largest_pivot_ratio, ratio)
+    note_largest_pivot(work, state)
+    state.position_ratio = told_ratio(work, state)
+    state.usual_ratio = larger(state.usual_ratio, state.position_ratio)
+
+
 def watched_end(s: Settings, end: float, part: float, look: Look) -> float:
     """Return where a position to an end must be, so that forces between are told, and events.
 
@@ -346,11 +393,10 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     elsewhere: before that position as long as possible, then behind it, also behind the time that
     is asked for.
     """
-    part, longest = 1.0, s.largest_step
+    part, is_deep = 1.0, False
+    longest = smaller(state.step_size, s.largest_step) if state.step_size > 0.0 else s.largest_step
     tells_works = "energies" in work.scene.parts or bool(s.checks)  # in rows, or the ledger
     look = Look(state, work, state.time)
-    if state.step_size > 0.0:
-        longest = smaller(state.step_size, longest)
     while True:
         is_last = state.time + 1.0000001 * longest >= asked
         whole = asked - state.time if is_last else longest
@@ -366,13 +412,17 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             if work.scene.works > 0 and s.checks:
                 moved = energy_moved(position_at(1, work).y, work, state)
         factor = following(error, rough, is_good=is_good, is_told=is_told)
-        is_weak = ratio < WEAK * state.largest_pivot_ratio
-        if is_weak and part < FURTHEST:
+        is_avoided = part < FURTHEST and not is_deep and ratio < WEAK * state.largest_pivot_ratio
+        is_fit = is_good and error <= 1.0 and not is_avoided
+        branch = branch_at(end, state, work) if is_fit else STAYS
+        is_leap = part > 1.0 and branch == LEAPS
+        if is_avoided:
             state.avoided += 1
             part = 1.25 if part == 0.5 else part - 0.25 if part <= 1.0 else 1.25 * part
-        elif not is_good or not error <= 1.0:
+        elif not is_fit or is_leap:
             state.rejected += 1
-            longest, part = (factor if part <= 1.0 else 0.5) * whole, 1.0
+            longest = (1.0 if is_leap else factor if part <= 1.0 else 0.5) * whole
+            part, is_deep = 1.0, is_deep or is_leap
         else:
             seen = watched_end(s, end, part, look) if work.scene.sees else end
             why = why_stopped(seen, look)
@@ -386,13 +436,8 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         note_crossings(end, look)
         if look.is_untold:
             note_unresolved(state.time, state)
-    note_pivot_ratio(ratio, end, state)
-    note_branch_point(end, state, is_there=state.has_branch_point > 0.0)
-    state.position_ratio = ratio
-    state.largest_pivot_ratio = (
-        ratio / WEAK if is_weak else larger(state.largest_pivot_ratio, ratio)
-    )
-    note_largest_pivot(work, state)
+    note_branch(end, branch, state)
+    note_ratios(ratio, end, state, work, is_deep=is_deep)
     state.drift = larger(state.drift, drift)
     state.energy_moved = larger(state.energy_moved, moved)
     state.untold += 0.0 if is_told else end - state.time

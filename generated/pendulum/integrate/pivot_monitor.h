@@ -6,6 +6,10 @@
 /* one this much smaller: small errors of positions decide about velocities and accelerations */
 #define VAGUE 1e-8
 
+/* whether drivers and joints leave no freedom; where bodies are put onto joints, the rows of these
+ * are checked only */
+enum { IS_DRIVEN = HAS_DRIVERS && (FITS ? NCHECK : NC) == NV };
+
 /* the smallest and the largest inverse of the pivots in the workspace; 0 if one is not positive, or
  * not finite */
 static int inverse_pivots(const double *w, double *least, double *most)
@@ -43,13 +47,38 @@ static double pivot_ratio(const Work *work, const State *s)
     return (s->least_inverse_pivot > 0.0 ? smaller(least, s->least_inverse_pivot) : least) / most;
 }
 
-/* keeps the largest pivot of all steps: alone it would tell nothing of a single row */
+/* keeps the largest pivot of all steps: alone it would tell nothing of a single row; where drivers
+ * lead the first ones of all rows */
 static void note_largest_pivot(const Work *work, State *s)
 {
     double least, most;
+    const int has_usual = IS_DRIVEN && s->usual_pivots[0] != 0.0;
     if (NC == 0 || !inverse_pivots(work->w, &least, &most)) return;
     s->least_inverse_pivot = s->least_inverse_pivot > 0.0 ? smaller(least, s->least_inverse_pivot)
                                                           : least;
+    for (size_t k = 0; IS_DRIVEN && !has_usual && k != NC; ++k) {
+        s->usual_pivots[k] = 1.0 / work->w[W_PIVOTS + k];
+    }
+}
+
+/* what goes with the square of the distance from a place where branches meet: the pivot ratio.
+ * Where drivers lead C_q is square, and all pivots together tell the square of its determinant,
+ * beside that at the start: a smooth number that is zero there, and tells of it from afar, where
+ * the smallest pivot may be another one */
+static double branch_ratio(const Work *work, const State *s)
+{
+    double least, most, product = 1.0;
+    const int has_all = HAS_ROW_SWITCH && work->all.is_on != 0.0;
+    if (!IS_DRIVEN || NC == 0 || s->usual_pivots[0] == 0.0 || has_all) return pivot_ratio(work, s);
+    if (!inverse_pivots(work->w, &least, &most)) return 0.0;
+    for (size_t k = 0; k != NC; ++k) product *= work->w[W_PIVOTS + k] * s->usual_pivots[k];
+    return 1.0 / product;
+}
+
+/* the largest so far of what tells branches */
+static double usual_ratio(const State *s)
+{
+    return IS_DRIVEN ? s->usual_ratio : s->largest_pivot_ratio;
 }
 
 /* keeps the smallest pivot ratio, and when that was */
@@ -58,16 +87,4 @@ static void note_pivot_ratio(double ratio, double t, State *s)
     if (!(ratio < s->least_pivot_ratio)) return;
     s->least_pivot_ratio = ratio;
     s->least_pivot_ratio_time = t;
-}
-
-/* whether drivers and joints leave no freedom; where bodies are put onto joints, the rows of these
- * are checked only */
-enum { IS_DRIVEN = HAS_DRIVERS && (FITS ? NCHECK : NC) == NV };
-
-/* notes a step to a time if branches meet so near to it that none is known */
-static void note_branch_point(double time, int is_there, State *s)
-{
-    if (!is_there) return;
-    if (s->branch_points == 0.0) s->branch_point_time = time;
-    s->branch_points += 1;
 }

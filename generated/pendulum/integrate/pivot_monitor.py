@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .arithmetic import smaller
 
 if TYPE_CHECKING:
@@ -43,11 +45,39 @@ def pivot_ratio(work: Work, state: State) -> float:
 
 
 def note_largest_pivot(work: Work, state: State) -> None:
-    """Keep the largest pivot of all steps: alone it would tell nothing of a single row."""
+    """Keep the largest pivot of all steps: alone it would tell nothing of a single row.
+
+    Where drivers lead the first ones of all rows are kept.
+    """
     found = inverse_pivots(work) if work.scene.nc > 0 else None
-    if found is not None:
-        known = state.least_inverse_pivot
-        state.least_inverse_pivot = smaller(found[0], known) if known > 0.0 else found[0]
+    if found is None:
+        return
+    known = state.least_inverse_pivot
+    state.least_inverse_pivot = smaller(found[0], known) if known > 0.0 else found[0]
+    usual = state.usual_pivots[: work.scene.nc]
+    if work.scene.is_driven and usual[0] == 0.0:
+        usual[:] = 1.0 / work.w.pivots
+
+
+def branch_ratio(work: Work, state: State) -> float:
+    """Return what goes with the square of the distance from a place where branches meet.
+
+    That is the pivot ratio. Where drivers lead C_q is square, and all pivots together tell the
+    square of its determinant, beside that at the start: a smooth number that is zero there, and
+    tells of it from afar, where the smallest pivot may be another one.
+    """
+    usual = state.usual_pivots[: work.scene.nc]
+    is_square = work.scene.is_driven and len(usual) > 0 and usual[0] > 0.0
+    if not is_square or (work.all is not None and work.all.is_on):
+        return pivot_ratio(work, state)
+    if inverse_pivots(work) is None:
+        return 0.0
+    return 1.0 / float(np.cumprod(work.w.pivots * usual)[-1])
+
+
+def usual_ratio(work: Work, state: State) -> float:
+    """Return the largest so far of what tells branches."""
+    return state.usual_ratio if work.scene.is_driven else state.largest_pivot_ratio
 
 
 def note_pivot_ratio(ratio: float, t: float, state: State) -> None:
@@ -55,11 +85,3 @@ def note_pivot_ratio(ratio: float, t: float, state: State) -> None:
     if ratio < state.least_pivot_ratio:
         state.least_pivot_ratio = ratio
         state.least_pivot_ratio_time = t
-
-
-def note_branch_point(time: float, state: State, *, is_there: bool) -> None:
-    """Note a step to a time if branches meet so near to it that none is known."""
-    if is_there:
-        if state.branch_points == 0.0:
-            state.branch_point_time = time
-        state.branch_points += 1

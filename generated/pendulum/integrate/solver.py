@@ -14,7 +14,7 @@ from .dense_output import add_led_rows, has_led_works, prepare_dense
 from .given import LEAST_TOLERANCE
 from .kinematics import driven_step
 from .methods import METHODS
-from .pivot_monitor import note_largest_pivot, pivot_ratio
+from .pivot_monitor import branch_ratio, note_largest_pivot, pivot_ratio
 from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import energy_balance, find_reactions, write_row
@@ -107,7 +107,8 @@ class Solver:
             return Status.NOT_ASSEMBLED
         note_lost_digits(work, s)
         note_largest_pivot(work, s)
-        s.least_pivot_ratio = s.position_ratio = pivot_ratio(work, s)
+        s.least_pivot_ratio = pivot_ratio(work, s)
+        s.position_ratio = s.usual_ratio = branch_ratio(work, s)
         s.largest_pivot_ratio = larger(s.largest_pivot_ratio, s.least_pivot_ratio)
         work.w.run("energy")
         s.energy = energy_balance(work, s)

@@ -39,17 +39,12 @@
 #define BESIDE_IT 1e-3
 #define FAR 0.5
 /* such steps are no longer than this, in lengths and radians: how ratios go is not known over
- * longer ones. At tolerances above that none is longer than this: stages may pass by such a place,
- * unless ratios are as level as this */
+ * longer ones. At tolerances above that, and where drivers determine the motion, none is longer
+ * than this: stages may pass by such a place, unless ratios are as level as this */
 #define LONGEST 0.75
 #define LOOSE 1e-3
 #define LONGEST_OF_ALL 1.2
 #define LEVEL 0.999
-/* what drivers lead has no error that keeps steps short: all three where they determine the motion.
- * Beside such a place ratios, which go with the square of the distance, are not as level as that */
-#define LOOSE_LED 1e-5
-#define LONGEST_LED 0.3
-#define LEVEL_LED 0.5
 /* a step is not made shorter than this to find its branch */
 #define STILL_LONG 1e-4
 /* a step is this much shorter than what would meet the tolerance */
@@ -71,7 +66,8 @@ typedef struct {
     double inner_ratio, inner;      /* that of one inside, and at which part of the step it is */
     double dip_ratio, dip;          /* the same of the smallest inside */
     double last_ratio;              /* that of the end */
-    int leaps;                      /* whether it may end on another branch */
+    double end_ratio, top_ratio;    /* what tells branches there, and the largest of all stages */
+    int branch;                     /* whether it may end on another branch: see branches.h */
     int is_last;                    /* whether it ends at the last time */
 } Trial;
 
@@ -204,12 +200,14 @@ static int make_stages(const Method *m, double tolerance, Trial *trial, Work *wo
         trial->last_ratio = last_ratio(work, s);
         trial->least_ratio = smaller(trial->least_ratio, trial->last_ratio);
         trial->most_ratio = larger(trial->most_ratio, trial->last_ratio);
+        trial->end_ratio = branch_ratio(work, s);
+        trial->top_ratio = larger(trial->top_ratio, trial->end_ratio);
         if (trial->inner == 0.0 && m->c[n] >= INSIDE) {
-            trial->inner_ratio = trial->last_ratio;
+            trial->inner_ratio = trial->end_ratio;
             trial->inner = m->c[n];
         }
-        if (m->c[n] < 1.0 && trial->last_ratio < trial->dip_ratio) {
-            trial->dip_ratio = trial->last_ratio;
+        if (m->c[n] < 1.0 && trial->end_ratio < trial->dip_ratio) {
+            trial->dip_ratio = trial->end_ratio;
             trial->dip = m->c[n];
         }
     }
@@ -230,19 +228,19 @@ static int make_dense_stages(const Method *m, Trial *trial, Work *work, State *s
 /* the least of a parabola through pivot ratios of a step, and of those of its stages */
 static double least_of_parabola(const Trial *trial, const State *s)
 {
-    const double first = s->position_ratio, last = trial->last_ratio, x = trial->inner;
+    const double first = s->position_ratio, last = trial->end_ratio, x = trial->inner;
     const double bend = ((trial->inner_ratio - first) / x - (last - first)) / (x - 1.0);
     const double slope = last - first - bend;
     const int is_inside = slope < 0.0 && 0.0 < 2.0 * bend + slope;
-    const double least = is_inside ? first - slope * slope / (4.0 * bend) : 1.0;
-    return smaller(least, trial->least_ratio);
+    const double least = is_inside ? first - slope * slope / (4.0 * bend) : last;
+    return smaller(least, smaller(trial->dip_ratio, last));
 }
 
 /* whether it sinks to a part of those at the ends */
 static int sinks(double part, const Trial *trial, const State *s)
 {
-    const double ends = larger(s->position_ratio, trial->last_ratio);
-    return least_of_parabola(trial, s) < part * smaller(ends, s->largest_pivot_ratio);
+    const double ends = larger(s->position_ratio, trial->end_ratio);
+    return least_of_parabola(trial, s) < part * smaller(ends, usual_ratio(s));
 }
 
 /* how far bodies move in a step, in lengths and radians */
@@ -251,40 +249,42 @@ static double way_of(const Trial *trial, const State *s, const Work *work)
     return trial->h * larger(size_of(s->y + NQ), size_of(work->y + NQ));
 }
 
-/* at which part of a step roots of ratios, which go with the distance from a place where branches
- * meet, tell that this is: a stage with a small one stands before or behind it */
-static double meeting_part(int is_dip, const Trial *trial, const State *s)
+/* at which part of a step roots of ratios at its ends, which go with the distance from a place
+ * where branches meet, tell that this is */
+static double meeting_part(double first, double last)
 {
-    const double first = sqrt(s->position_ratio), last = sqrt(trial->last_ratio);
-    const double dip = sqrt(trial->dip_ratio), x = trial->dip;
-    const double part = first + last > 0.0 ? first / (first + last) : 0.5;
-    if (!is_dip) return part;
-    return part > x ? x + (1.0 - x) * dip / (dip + last) : x * first / (first + dip);
+    return first + last > 0.0 ? first / (first + last) : 0.5;
 }
 
-/* whether a step may end on another branch */
-static int may_end_elsewhere(
+/* the same if a stage has a small one: before or behind it */
+static double dipping_part(double first, double last, const Trial *trial)
+{
+    const double dip = sqrt(trial->dip_ratio), x = trial->dip;
+    return meeting_part(first, last) > x ? x + (1.0 - x) * dip / (dip + last)
+                                         : x * first / (first + dip);
+}
+
+/* whether a step may end on another branch: LEAPS, STAYS or MEETS */
+static int branch_of(
     const Method *m, const Settings *settings, const Trial *trial, Work *work, State *s)
 {
-    if (!HAS_REFINEMENT) return 0;
+    if (!HAS_REFINEMENT) return STAYS;
     const int is_free = !(settings->fixed_step > 0.0);
-    const int is_loose = settings->tolerance > (IS_DRIVEN ? LOOSE_LED : LOOSE);
-    const double first = s->position_ratio, last = trial->last_ratio;
-    const double largest = larger(first, trial->most_ratio);
-    const int is_steady = trial->least_ratio > LEVEL * largest;
-    const int is_led = IS_DRIVEN && !(trial->least_ratio > LEVEL_LED * largest);
-    const double longest = is_led ? LONGEST_LED : LONGEST_OF_ALL;
-    if (is_free && is_loose && !is_steady && way_of(trial, s, work) > longest) return 1;
-    const double most = s->largest_pivot_ratio;
+    const int is_loose = IS_DRIVEN || settings->tolerance > LOOSE;
+    const double first = s->position_ratio, last = trial->end_ratio;
+    const double top = larger(first, trial->top_ratio);
+    const int is_steady = smaller(trial->dip_ratio, last) > LEVEL * top;
+    if (is_free && is_loose && !is_steady && way_of(trial, s, work) > LONGEST_OF_ALL) return LEAPS;
+    const double most = usual_ratio(s);
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
     const int is_sinking = is_dip || sinks(SINKS, trial, s);
-    if (!is_sinking && !(smaller(first, last) < BESIDE_IT * most)) return 0;
+    if (!is_sinking && !(smaller(first, last) < BESIDE_IT * most)) return STAYS;
     const double way = way_of(trial, s, work);
-    if (!is_sinking && !(way > FAR * sqrt(larger(first, last) / most))) return 0;
-    if (is_free && way > LONGEST) return 1;
-    const double part = meeting_part(is_dip, trial, s), slope = sqrt(first) + sqrt(last);
-    const double *f = work->k[m->stages];
-    return !stays_on_branch(trial->h, work->y, f, part, slope, work, s);
+    if (!is_sinking && !(way > FAR * sqrt(larger(first, last) / most))) return STAYS;
+    if (is_free && way > LONGEST) return LEAPS;
+    const double before = sqrt(first), after = sqrt(last), *f = work->k[m->stages];
+    const double part = is_dip ? dipping_part(before, after, trial) : meeting_part(before, after);
+    return follow_branch(trial->h, work->y, f, part, before + after, work, s);
 }
 
 /* keeps a step, and says how long the next one is: a proportional and integral controller */
@@ -305,8 +305,9 @@ static void accept(
     s->time_before = s->time;
     s->time = trial->is_last ? end : s->time + h;
     s->steps += 1;
-    note_branch_point(s->time, trial->leaps, s);
-    s->position_ratio = trial->last_ratio;
+    note_branch(s->time, trial->branch, s);
+    s->position_ratio = trial->end_ratio;
+    s->usual_ratio = larger(s->usual_ratio, trial->end_ratio);
     note_motion(h, work->y, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(s->y, work->y, NY * sizeof *s->y);
@@ -329,7 +330,8 @@ static int step(
     const double limit = end;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
-        Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .dip_ratio = HUGE_VAL };
+        Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .branch = STAYS };
+        trial.dip_ratio = HUGE_VAL;
         double h = is_fixed && avoided == 0 ? settings->fixed_step
                                             : smaller(s->step_size, settings->largest_step);
         trial.is_last = !is_beyond && s->time + 1.0000001 * h >= end;
@@ -389,8 +391,9 @@ static int step(
         }
         if (is_fixed && !is_whole) return NOT_PROJECTED;
         if (is_whole && trial.error <= 1.0) {
-            trial.leaps = may_end_elsewhere(m, settings, &trial, work, s);
-            if (trial.leaps && !is_fixed) is_whole = !(way_of(&trial, s, work) > STILL_LONG);
+            trial.branch = branch_of(m, settings, &trial, work, s);
+            if (trial.branch == LEAPS && !is_fixed)
+                is_whole = !(way_of(&trial, s, work) > STILL_LONG);
         }
         if (!is_whole) trial.error = 1e3;
         double by_error = 0.2;

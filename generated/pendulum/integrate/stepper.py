@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger, mean_square, rounding_of_sum, smaller
-from .branches import stays_on_branch
+from .branches import LEAPS, STAYS, follow_branch, note_branch
 from .crossing import (
     SMALLEST,
     Look,
@@ -29,9 +29,10 @@ from .dense_output import combine
 from .pivot_monitor import (
     VAGUE,
     WEAK,
-    note_branch_point,
+    branch_ratio,
     note_largest_pivot,
     note_pivot_ratio,
+    usual_ratio,
 )
 from .projection import (
     displacement_of,
@@ -94,17 +95,12 @@ DIPS = 0.75
 BESIDE_IT = 1e-3
 FAR = 0.5
 #: Such steps are no longer than this, in lengths and radians: how ratios go is not known over
-#: longer ones. At tolerances above that none is longer than this: stages may pass by such a place,
-#: unless ratios are as level as this.
+#: longer ones. At tolerances above that, and where drivers determine the motion, none is longer
+#: than this: stages may pass by such a place, unless ratios are as level as this.
 LONGEST = 0.75
 LOOSE = 1e-3
 LONGEST_OF_ALL = 1.2
 LEVEL = 0.999
-#: What drivers lead has no error that keeps steps short: all three where they determine the motion.
-#: Beside such a place ratios, which go with the square of the distance, are not as level as that.
-LOOSE_LED = 1e-5
-LONGEST_LED = 0.3
-LEVEL_LED = 0.5
 #: A step is not made shorter than this to find its branch.
 STILL_LONG = 1e-4
 #: A step is this much shorter than what would meet the tolerance.
@@ -135,12 +131,14 @@ class Trial:
         The energy that has moved at its end, where rows are checked.
     least_ratio, most_ratio, last_ratio : float
         Of the pivot ratios of its stages, and that of the end.
+    end_ratio, top_ratio : float
+        What tells branches at the end, see ``pivot_monitor.py``, and the largest of all stages.
     inner_ratio, inner : float
-        That of a stage inside, and at which part of the step it is; 0 where there is none yet.
+        The same of a stage inside, and at which part of the step it is; 0 where there is none yet.
     dip_ratio, dip : float
         The same of the smallest inside.
-    leaps : bool
-        Whether it may end on another branch.
+    branch : int
+        Whether it may end on another branch, see ``branches.py``.
     """
 
     h: float
@@ -151,11 +149,13 @@ class Trial:
     least_ratio: float = 1.0
     most_ratio: float = 0.0
     last_ratio: float = 1.0
+    end_ratio: float = 1.0
+    top_ratio: float = 0.0
     inner_ratio: float = 0.0
     inner: float = 0.0
     dip_ratio: float = math.inf
     dip: float = 0.0
-    leaps: bool = False
+    branch: int = STAYS
 
 
 def add_to_start(start: Array, y: Array, low: Array | None) -> None:
@@ -298,10 +298,12 @@ def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: St
         trial.last_ratio = last_ratio(work, state)
         trial.least_ratio = smaller(trial.least_ratio, trial.last_ratio)
         trial.most_ratio = larger(trial.most_ratio, trial.last_ratio)
+        trial.end_ratio = branch_ratio(work, state)
+        trial.top_ratio = larger(trial.top_ratio, trial.end_ratio)
         if trial.inner == 0.0 and m.c[n] >= INSIDE:
-            trial.inner_ratio, trial.inner = trial.last_ratio, m.c[n]
-        if m.c[n] < 1.0 and trial.last_ratio < trial.dip_ratio:
-            trial.dip_ratio, trial.dip = trial.last_ratio, m.c[n]
+            trial.inner_ratio, trial.inner = trial.end_ratio, m.c[n]
+        if m.c[n] < 1.0 and trial.end_ratio < trial.dip_ratio:
+            trial.dip_ratio, trial.dip = trial.end_ratio, m.c[n]
         if trial.drift < 0.0:
             return
 
@@ -318,18 +320,18 @@ def make_dense_stages(m: Method, trial: Trial, work: Work, state: State) -> bool
 
 def least_of_parabola(trial: Trial, state: State) -> float:
     """Return the least of a parabola through pivot ratios of a step, and of those of its stages."""
-    first, last, x = state.position_ratio, trial.last_ratio, trial.inner
+    first, last, x = state.position_ratio, trial.end_ratio, trial.inner
     bend = ((trial.inner_ratio - first) / x - (last - first)) / (x - 1.0)
     slope = last - first - bend
     is_inside = slope < 0.0 < 2.0 * bend + slope
-    least = first - slope * slope / (4.0 * bend) if is_inside else 1.0
-    return smaller(least, trial.least_ratio)
+    least = first - slope * slope / (4.0 * bend) if is_inside else last
+    return smaller(least, smaller(trial.dip_ratio, last))
 
 
-def sinks(part: float, trial: Trial, state: State) -> bool:
+def sinks(part: float, trial: Trial, state: State, work: Work) -> bool:
     """Return whether that sinks to a part of those at the ends."""
-    ends = larger(state.position_ratio, trial.last_ratio)
-    return least_of_parabola(trial, state) < part * smaller(ends, state.largest_pivot_ratio)
+    ends = larger(state.position_ratio, trial.end_ratio)
+    return least_of_parabola(trial, state) < part * smaller(ends, usual_ratio(work, state))
 
 
 def way_of(trial: Trial, state: State, work: Work) -> float:
@@ -338,48 +340,44 @@ def way_of(trial: Trial, state: State, work: Work) -> float:
     return trial.h * larger(size_of(state.y[nq:]), size_of(work.y[nq:]))
 
 
-def meeting_part(trial: Trial, state: State, *, is_dip: bool) -> float:
+def meeting_part(first: float, last: float) -> float:
     """Return at which part of a step branches seem to meet.
 
-    Roots of ratios, which go with the distance from there, tell that: a stage with a small one
-    stands before or behind it.
+    Roots of ratios at its ends, which go with the distance from there, tell that.
     """
-    first, last = math.sqrt(state.position_ratio), math.sqrt(trial.last_ratio)
-    part = first / (first + last) if first + last > 0.0 else 0.5
-    if not is_dip:
-        return part
+    return first / (first + last) if first + last > 0.0 else 0.5
+
+
+def dipping_part(first: float, last: float, trial: Trial) -> float:
+    """Return at which part of a step that is if a stage has a small ratio: before or behind it."""
     dip, x = math.sqrt(trial.dip_ratio), trial.dip
-    return x + (1.0 - x) * dip / (dip + last) if part > x else x * first / (first + dip)
+    if meeting_part(first, last) > x:
+        return x + (1.0 - x) * dip / (dip + last)
+    return x * first / (first + dip)
 
 
-def may_end_elsewhere(
-    m: Method, settings: Settings, trial: Trial, work: Work, state: State
-) -> bool:
-    """Return whether a step may end on another branch."""
+def branch_of(m: Method, settings: Settings, trial: Trial, work: Work, state: State) -> int:
+    """Return whether a step may end on another branch: LEAPS, STAYS or MEETS."""
     if not work.scene.has_refinement:
-        return False
+        return STAYS
     is_free = not settings.fixed_step > 0.0
-    is_loose = settings.tolerance > (LOOSE_LED if work.scene.is_driven else LOOSE)
-    first, last, most = state.position_ratio, trial.last_ratio, state.largest_pivot_ratio
-    largest = larger(first, trial.most_ratio)
-    is_steady = trial.least_ratio > LEVEL * largest
-    is_led = work.scene.is_driven and not trial.least_ratio > LEVEL_LED * largest
-    longest = LONGEST_LED if is_led else LONGEST_OF_ALL
-    if is_free and is_loose and not is_steady and way_of(trial, state, work) > longest:
-        return True
+    is_loose = work.scene.is_driven or settings.tolerance > LOOSE
+    first, last, most = state.position_ratio, trial.end_ratio, usual_ratio(work, state)
+    is_steady = smaller(trial.dip_ratio, last) > LEVEL * larger(first, trial.top_ratio)
+    if is_free and is_loose and not is_steady and way_of(trial, state, work) > LONGEST_OF_ALL:
+        return LEAPS
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
-    is_sinking = is_dip or sinks(SINKS, trial, state)
+    is_sinking = is_dip or sinks(SINKS, trial, state, work)
     if not is_sinking and not smaller(first, last) < BESIDE_IT * most:
-        return False
+        return STAYS
     way = way_of(trial, state, work)
     if not is_sinking and not way > FAR * math.sqrt(larger(first, last) / most):
-        return False
+        return STAYS
     if is_free and way > LONGEST:
-        return True
-    part = meeting_part(trial, state, is_dip=is_dip)
-    slope = math.sqrt(first) + math.sqrt(last)
-    f = work.k[m.stages]
-    return not stays_on_branch(trial.h, work.y, f, part, slope, work, state)
+        return LEAPS
+    before, after, f = math.sqrt(first), math.sqrt(last), work.k[m.stages]
+    part = dipping_part(before, after, trial) if is_dip else meeting_part(before, after)
+    return follow_branch(trial.h, work.y, f, part, before + after, work, state)
 
 
 def accept(
@@ -401,8 +399,9 @@ def accept(
     state.time_before = state.time
     state.time = end if trial.is_last else state.time + h
     state.steps += 1
-    note_branch_point(state.time, state, is_there=trial.leaps)
-    state.position_ratio = trial.last_ratio
+    note_branch(state.time, trial.branch, state)
+    state.position_ratio = trial.end_ratio
+    state.usual_ratio = larger(state.usual_ratio, trial.end_ratio)
     note_motion(h, work.y, state, work)
     state.y_before[:] = state.y
     state.y[:] = work.y
@@ -489,8 +488,8 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
         if is_fixed and not is_whole:
             return Status.NOT_PROJECTED
         if is_whole and trial.error <= 1.0:
-            trial.leaps = may_end_elsewhere(m, s, trial, work, state)
-            if trial.leaps and not is_fixed:
+            trial.branch = branch_of(m, s, trial, work, state)
+            if trial.branch == LEAPS and not is_fixed:
                 is_whole = not way_of(trial, state, work) > STILL_LONG
         if not is_whole:
             trial.error = 1e3

@@ -76,8 +76,7 @@ static void judge(const Settings *settings, const State *s, Verdict *verdict)
         doubts |= beyond(s->drift, off, PUBLIC(DOUBT_DRIFT));
         doubts |= beyond(s->row_drift, off, PUBLIC(DOUBT_ROW_DRIFT));
     }
-    if (settings->method != METHODS)
-        doubts |= beyond(s->branch_points, 0.0, PUBLIC(DOUBT_BRANCH_POINTS));
+    doubts |= beyond(s->branch_points, 0.0, PUBLIC(DOUBT_BRANCH_POINTS));
     doubts |= beyond(s->unresolved, 0.0, PUBLIC(DOUBT_NARROW));
     *verdict = (Verdict){ doubts, limit, off, energy_limit, work_limit, constraints, missed };
 }

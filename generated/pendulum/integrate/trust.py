@@ -101,8 +101,10 @@ class Trust:
         that is so little that the tolerance does not tell the energy that moves from what steps
         lose: at rest, or in a motion too small for this tolerance. Else None.
     branch_point_time : float or None [s]
-        When the motion first went so near to where branches of it meet that rounding, or the length
-        of steps, decides which of them goes on.
+        When the motion first went so near to another branch of it that the length of steps may have
+        decided which of them goes on.
+    meeting_time : float or None [s]
+        When it first went straight on where branches meet, or come nearer than rounding tells.
     error : kousoku.runtime.error_estimate.ErrorEstimate or None
         Of all rows, where that was wanted.
     limit : float
@@ -126,6 +128,7 @@ class Trust:
     unresolved: int
     stillness: float | None
     branch_point_time: float | None
+    meeting_time: float | None
     error: Any
     limit: float
     problems: tuple[str, ...]
@@ -160,7 +163,9 @@ class Trust:
             yield f"bodies move by {part} of a length or rad a step, less than this tolerance tells"
         if self.branch_point_time is not None:
             when = shortly(self.branch_point_time, 6)
-            yield f"branch not known beyond t = {when} s, where others meet it"
+            yield f"branch not known beyond t = {when} s, where another one comes near"
+        if self.meeting_time is not None:
+            yield f"branches meet at t = {shortly(self.meeting_time, 6)} s"
         yield "error not estimated" if self.error is None else str(self.error)
 
     def __str__(self) -> str:
@@ -237,8 +242,7 @@ def judge(
     if is_free:  # else corrections take away all of the error of a step or row
         doubts |= beyond(single["drift"], off, Doubt.DRIFT)
         doubts |= beyond(single["row_drift"], off, Doubt.ROW_DRIFT)
-    if settings.method != len(METHODS):
-        doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
+    doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
     doubts |= beyond(single["unresolved"], 0.0, Doubt.NARROW)
     return Verdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
 
@@ -318,6 +322,7 @@ def trust_of(
         unresolved=int(single["unresolved"]),
         stillness=single["fastest"] * single["stride"] if is_still else None,
         branch_point_time=single["branch_point_time"] if single["branch_points"] else None,
+        meeting_time=single["meeting_time"] if single["meetings"] else None,
         error=error,
         limit=verdict.limit,
         problems=tuple(problems),
