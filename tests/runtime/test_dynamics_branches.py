@@ -84,6 +84,20 @@ def test_where_branches_do_meet_motions_go_straight_on_and_are_trusted(
     assert np.abs(motion.position["coupler_1"] - first - [1, 0, 0]).max() < 1e-9
 
 
+@pytest.mark.parametrize("gap", [1e-13, 4e-13])
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_bodies_are_carried_over_gaps_that_numbers_of_a_scene_are_rounded_to(
+    load: Load, method: Any, gap: float
+) -> None:
+    """A parallelogram in kilometres has such gaps in metres: it stopped there, or crept."""
+    motion = load(turned_by_a_torque(gap)).simulate(1.0, tolerance=1e-8, method=method)
+    crank, rocker = end_of(motion, "crank", CRANK), end_of(motion, "rocker", CRANK)
+    assert np.abs(rocker - crank - [3.0, 0.0]).max() < 1e-5
+    assert motion.ledger.steps < 200
+    assert motion.ledger.trust.is_trusted
+    assert "branches meet at t = " in str(motion.ledger.trust)
+
+
 def test_steps_of_a_fixed_length_tell_that_they_leapt(load: Load) -> None:
     motion = load(turned_by_a_torque(1e-6)).simulate(1.0, step=0.02, method="dopri5")
     assert off_branch(motion, 1e-6) > 0.1
