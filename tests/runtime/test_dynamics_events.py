@@ -723,3 +723,73 @@ def test_initial_values_lead_away_from_where_an_event_has_no_value(
         solver.simulate(0.1, samples=2)
     run = solver.simulate(0.1, samples=2, initial={"x": 0.5})
     assert run.ledger.trust.is_trusted
+
+
+CARS = """
+name = "cars"
+unit = "m"
+outputs = ["energies"]
+[bodies.a]
+position = [0, 0, 0]
+velocity = [10, 0, 0]
+mass = 1
+point = true
+[bodies.b]
+position = [30, 0, 0]
+mass = 3
+point = true
+[parameters]
+radius = 1.0
+hard = 1e5
+[forces.bumper]
+type = "spring_damper"
+bodies = ["a", "b"]
+points = [[0, 0, 0], [0, 0, 0]]
+free_length = "radius"
+tension = "-hard*max(0, -x)"
+"""
+ROOT = """
+name = "root"
+unit = "m"
+outputs = ["energies"]
+[bodies.b]
+position = [1, 0, 0]
+mass = 1
+point = true
+[coordinates]
+x = { body = "b", along = [1, 0, 0] }
+[forces.f]
+type = "along"
+coordinate = "x"
+force = "-sign(x)*sqrt(abs(x))"
+"""
+
+
+@pytest.mark.parametrize("way", WAYS[:2], ids=str)
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-9])
+def test_bodies_that_touch_by_their_distance_do_not_pass_through_each_other(
+    solver_of: Callable[..., Any], way: dict[str, Any], tolerance: float
+) -> None:
+    """Only stages of the polynomial may meet the contact, which throws it off: no root is in it."""
+    solver, random_ = solver_of(CARS), random.Random(3)
+    for _ in range(40):
+        given = {"radius": random_.uniform(0.1, 3.0), "hard": 10.0 ** random_.uniform(3.0, 8.0)}
+        options = {**way, "tolerance": tolerance}
+        run = solver.simulate(5.3, samples=2, parameters=given, **options)
+        ends = [run.velocity[name][-1, 0] for name in "ab"]
+        assert ends == pytest.approx([-5.0, 5.0], abs=3e3 * tolerance), given
+        assert run.ledger.trust.is_trusted
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("way", WAYS[:2], ids=str)
+def test_forces_that_begin_as_a_root_do_not_stop_a_body(
+    solver_of: Callable[..., Any], target: str, way: dict[str, Any]
+) -> None:
+    run = solver_of(ROOT, target).simulate(10.0, samples=101, **way)
+    x, v = run.position["b"][:, 0], run.velocity["b"][:, 0]
+    assert v**2 / 2 + 2 / 3 * abs(x) ** 1.5 == pytest.approx(2 / 3, abs=1e-5)
+    assert np.ptp(x) > 1.9
+    assert run.ledger.trust.is_trusted
+    assert run.ledger.steps < 300

@@ -147,7 +147,7 @@ def test_rows_that_small_errors_of_positions_decide_about_are_told_by_the_polyno
 
     With this tolerance no stage lands beside the line, which would lose digits of the polynomial.
     """
-    run = passed(solver, NEARER, tolerance=5e-11)
+    run = passed(solver, NEARER, tolerance=4e-11)
     motion = run.motion()
     rows = slice(1, 1 + len(NEARER))
     x, y = motion.position["coupler_0"][rows, :2].T

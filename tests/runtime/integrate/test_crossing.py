@@ -32,6 +32,7 @@ def looked_at(
     monkeypatch.setattr(crossing, "bound_seen", bound_seen)
     look: Any = SimpleNamespace(
         state=SimpleNamespace(sides=np.zeros(0)),
+        has_error=False,
         work=SimpleNamespace(w=SimpleNamespace(narrow=np.zeros(4))),
     )
     return are_narrow_told(1.0, 3.0, look), pairs
