@@ -20,6 +20,9 @@
 #define DOUBT 2.0
 /* how much bounds may exceed what samples tell; what always may be left, by the size of a part */
 #define EXPLAINED 2.0
+/* how much the variation of a part may, as its bounds tell, of what samples show: a hill between
+ * them goes up and down, and has twice of it */
+#define SHOWN 1.5
 #define NOTHING 1e-12
 /* a part that changes by less than this part of it in an interval needs no samples */
 #define STEADY 0.5
@@ -76,15 +79,16 @@ typedef struct {
 
 /* a step that is looked at, whose polynomial is in the state: what values are known to, in the
  * motion and in its polynomial, which functions cross, where it was cut, and at which part of it at
- * least, whether samples leave open how narrow parts vary somewhere in it, whether it is kept if
- * nothing cuts it, the event without a value right behind its start, counted from 1, the function
+ * least, whether samples leave open how narrow parts vary somewhere in it, whether it has an error,
+ * whether it is kept if nothing cuts it, the event without a value right behind its start, counted from 1, the function
  * that is zero in it where a force is infinite, counted likewise, when that is, by what rates
  * change in it, in the mean, and at most */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
     double pole_time, bend[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
-    int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold, is_kept, lost, pole;
+    int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold, has_error;
+    int is_kept, lost, pole;
 } Look;
 
 /* whether what is a at the start of h and b at its end is positive between: no less than lines from
@@ -155,6 +159,28 @@ static void look_at(double time, const Look *look, const State *s, Work *work, N
         if (!is_slow && speed * speed > far * look->pull[k / 2]) noise[k] = look->rounding[k];
     }
     see_at(noise, time, work->w, node);
+}
+
+/* when a stage of the polynomial alone is beyond a switch that this one does not meet until seen,
+ * as in a contact that all stages of the step passed by: what acts there has thrown it off, and it
+ * tells nothing; seen, if none is */
+static double stage_beyond(double seen, const Look *look, const State *s, Work *work)
+{
+    const Method *m = look->m;
+    Node node;
+    for (size_t n = m->stages + 1; n < m->all; ++n) {
+        const double time = look->start + m->c[n] * look->h;
+        if (!(time < seen)) continue;
+        combine(n, m->a + n * (n - 1) / 2, s->y, look->h, work->k, work->scratch);
+        place(time, work->scratch, work->w);
+        measure(work->w);
+        memcpy(node.read, work->w + W_MEASURES, N_READ * sizeof *node.read);
+        see_at(look->noise, time, work->w, &node);
+        for (size_t k = 0; k != N_SWITCHING; ++k) {
+            if (s->sides[k] != 0.0 && side_at(&node, k) == -(int)s->sides[k]) return time;
+        }
+    }
+    return seen;
 }
 
 /* by how much a second derivative is further from the mean of a step than that of a parabola, as
@@ -648,19 +674,20 @@ static void note_crossings(double end, const Look *look, State *s, Work *work)
     }
 }
 
-/* whether samples between two times tell how parts vary: their rates change as little, or their
- * bounds leave them nearly what they are */
+/* whether samples between two times tell how parts vary: their rates change as little, or bounds
+ * leave them nearly what they are, or, where an error tells of what they change by, no more than
+ * samples show, as of a root at whose end no rate is bounded */
 static int are_narrow_told(double start, double end, const Look *look, const State *s, Work *work)
 {
     double least[ROOM(N_NARROW)], most[ROOM(N_NARROW)], low[ROOM(N_NARROW)], high[ROOM(N_NARROW)];
-    double change[ROOM(N_NARROW)], band[ROOM(N_NARROW)];
+    double change[ROOM(N_NARROW)], reach[ROOM(N_NARROW)], band[ROOM(N_NARROW)];
     const double h = (end - start) / CELLS;
     Node a, b;
     look_at(start, look, s, work, &a);
     for (size_t k = 0; k != N_NARROW; ++k) {
         least[k] = most[k] = low[k] = high[k] = middle(&a, N_CROSSINGS + k);
         band[k] = half_width(&a, N_CROSSINGS + k);
-        change[k] = 0.0;
+        change[k] = reach[k] = 0.0;
     }
     for (int cell = 1; cell <= CELLS; ++cell) {
         look_at(start + cell * h, look, s, work, &b);
@@ -674,13 +701,15 @@ static int are_narrow_told(double start, double end, const Look *look, const Sta
             high[k] = larger(bounds[1], high[k]);
             band[k] = larger(half_width(&b, N_CROSSINGS + k), band[k]);
             change[k] += h * (bounds[3] - bounds[2]);
+            reach[k] += bounds[1] - bounds[0];
         }
         a = b;
     }
     for (size_t k = 0; k != N_NARROW; ++k) {
         const double range = most[k] - least[k], largest = larger(-least[k], most[k]);
         const double nothing = band[k] + NOTHING * larger(largest, 1.0);
-        const int is_explained = change[k] <= EXPLAINED * range + nothing;
+        const int is_shown = look->has_error && reach[k] <= SHOWN * range + nothing;
+        const int is_explained = is_shown || change[k] <= EXPLAINED * range + nothing;
         if (!is_explained && !(high[k] - low[k] <= STEADY * largest + nothing)) return 0;
     }
     return 1;
@@ -716,7 +745,7 @@ static double told_end(double end, Look *look, const State *s, Work *work)
         const double last = smaller(first + width, end);
         const int is_there = is_at_pole(0, first, last, look, s, work);
         const int good = !is_there && are_narrow_told(first, last, look, s, work);
-        if (!good && !is_there && width > FINEST * whole) {
+        if (!good && !is_there && width > FINEST * look->h) {
             width = 0.5 * width;
             continue;
         }

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger, smaller
-from .dense_output import add_dense_rows, hermite_cubic, interpolate
+from .dense_output import add_dense_rows, combine, hermite_cubic, interpolate
 from .settings import ACTIONS, Status
 
 if TYPE_CHECKING:
@@ -43,6 +43,9 @@ MOST_LOOKS = 512
 DOUBT = 2.0
 #: How much bounds may exceed what samples tell; what always may be left, by the size of a part.
 EXPLAINED = 2.0
+#: How much the variation of a part may, as its bounds tell, of what samples show: a hill between
+#: them goes up and down, and has twice of it.
+SHOWN = 1.5
 NOTHING = 1e-12
 #: A part that changes by less than this part of it in an interval needs no samples.
 STEADY = 0.5
@@ -146,6 +149,8 @@ class Look:
         Which functions cross, and crossed where it was cut.
     is_untold : bool
         Whether samples leave open how narrow parts vary somewhere in it.
+    has_error : bool
+        Whether an error tells how much of it is missed.
     is_kept : bool
         Whether it is kept if nothing cuts it.
     lost : int
@@ -171,6 +176,7 @@ class Look:
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
     is_untold: bool = False
+    has_error: bool = False
     is_kept: bool = True
     lost: int = 0
     pole: int = 0
@@ -234,6 +240,28 @@ def see_at(read: Array, noise: Array, time: float, w: Workspace) -> Node:
     w.run("crossing")
     least, most = w.seen.reshape(-1, 4).T[:2].copy()
     return Node(time, read, least, most)
+
+
+def stage_beyond(seen: float, look: Look) -> float:
+    """Return when a stage of the polynomial alone is beyond a switch that this one does not meet.
+
+    So it is in a contact that all stages of the step passed by: what acts there has thrown the
+    polynomial off, and it tells nothing. If none is, that is until when it was seen.
+    """
+    m, state, work, n_poles = look.m, look.state, look.work, look.work.scene.n_poles
+    n = len(state.sides) - n_poles
+    for k in range(m.stages + 1, m.all):
+        time = look.start + m.c[k] * look.h
+        if not time < seen:
+            continue
+        combine(k, m.a[k], state.y, look.h, work.k, work.scratch)
+        work.w.place(time, work.scratch)
+        work.w.run("measure")
+        node = see_at(work.w.measures.reshape(-1, 2).copy(), look.noise, time, work.w)
+        sides = state.sides[:n]
+        if np.any((sides != 0.0) & (side_at(node)[:n] == -sides)):
+            return time
+    return seen
 
 
 def look_into(
@@ -659,23 +687,27 @@ def note_crossings(end: float, look: Look) -> None:
 def are_narrow_told(start: float, end: float, look: Look) -> bool:
     """Return whether samples between two times tell how parts vary.
 
-    Their rates change as little, or their bounds leave them nearly what they are.
+    Their rates change as little, or bounds leave them nearly what they are, or, where an error
+    tells of what they change by, no more than samples show, as of a root at whose end no rate is
+    bounded.
     """
     h, first = (end - start) / CELLS, len(look.state.sides)
     n = slice(first, first + len(look.work.w.narrow) // 4)
     a = look_at(start, look)
     least = most = low = high = middle(a)[n]
-    band, change = half_width(a)[n], np.zeros(len(least))
+    band, change, reach = half_width(a)[n], np.zeros(len(least)), np.zeros(len(least))
     for cell in range(1, CELLS + 1):
         b = look_at(start + cell * h, look)
         below, above, slowest, fastest = bound_seen(a, b, look)[:, n]
         least, most = smallest(middle(b)[n], least), largest(middle(b)[n], most)
         low, high = smallest(below, low), largest(above, high)
         band, change = largest(half_width(b)[n], band), change + h * (fastest - slowest)
+        reach = reach + (above - below)
         a = b
     size = largest(-least, most)
     nothing = band + NOTHING * np.where(size > 1.0, size, 1.0)
-    is_explained = change <= EXPLAINED * (most - least) + nothing
+    is_shown = (reach <= SHOWN * (most - least) + nothing) & look.has_error
+    is_explained = is_shown | (change <= EXPLAINED * (most - least) + nothing)
     return bool(np.all(is_explained | (high - low <= STEADY * size + nothing)))
 
 
@@ -709,7 +741,7 @@ def told_end(end: float, look: Look) -> float:
         last = smaller(first + width, end)
         is_there = is_at_pole(first, last, look, in_between=False)
         is_good = not is_there and are_narrow_told(first, last, look)
-        if not (is_good or is_there) and width > FINEST * whole:
+        if not (is_good or is_there) and width > FINEST * look.h:
             width = 0.5 * width
             continue
         if is_good:

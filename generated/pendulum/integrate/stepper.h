@@ -325,8 +325,8 @@ static int step(
     const double weak = is_fixed ? VAGUE : WEAK; /* ratios below this, where usual ones are 1 */
     int rejected = 0, avoided = 0, is_beyond = 0;
     double best = -1.0, best_h = 0.0; /* of the lengths that were tried near dependent rows */
-    Look look = { .cut = s->time };
-    int shorter = 0, is_guessed = 0, polished = 0;
+    Look look = { .cut = s->time, .has_error = !is_fixed };
+    int shorter = 0, thrown = 0, is_guessed = 0, polished = 0;
     const double limit = end;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
@@ -425,6 +425,11 @@ static int step(
                 look.is_untold = look.is_untold ||
                                  (!are_narrow_told(s->time, told, &look, s, work) &&
                                      !is_at_pole(1, s->time, told, &look, s, work));
+            }
+            if (has_stages && !is_beyond && last != look.cut) { /* at a cut rounding decides */
+                const double beyond = stage_beyond(told, &look, s, work);
+                if (beyond < told && thrown++ < MOST_SHORTER) to = smaller(to, beyond);
+                else if (beyond < told) look.is_untold = 1;
             }
             if (seen <= to && seen < last) {
                 to = end = cut_at(seen, &look);

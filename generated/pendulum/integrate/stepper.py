@@ -22,6 +22,7 @@ from .crossing import (
     note_unresolved,
     polished_cut,
     seen_end,
+    stage_beyond,
     told_end,
     why_stopped,
 )
@@ -420,7 +421,8 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
     weak = VAGUE if is_fixed else WEAK  # ratios below this, where usual ones are 1
     avoided, was_rejected, is_beyond = 0, False, False
     best, best_h = -1.0, 0.0  # of the lengths that were tried near dependent rows
-    look, shorter, is_guessed = Look(state, work, state.time), 0, False
+    look = Look(state, work, state.time, has_error=not is_fixed)
+    shorter, thrown, is_guessed = 0, 0, False
     limit, polished = end, 0
     work.k[0] = state.f
     while True:
@@ -521,6 +523,12 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
                 is_told = are_narrow_told(state.time, told, look)
                 is_told = is_told or is_at_pole(state.time, told, look, in_between=True)
                 look.is_untold = look.is_untold or not is_told
+            if has_stages and not is_beyond and last != look.cut:  # at a cut rounding decides
+                beyond = stage_beyond(told, look)
+                if beyond < told and thrown < MOST_SHORTER:
+                    to, thrown = smaller(to, beyond), thrown + 1
+                elif beyond < told:
+                    look.is_untold = True
             if seen <= to and seen < last:
                 to = end = cut_at(seen, look)
             elif has_events and is_kept and last == look.cut and polished < MOST_POLISHED:
