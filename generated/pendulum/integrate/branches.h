@@ -13,11 +13,11 @@
 #define ASIDE 0.03
 #define NEARER 0.1
 #define NEAREST 1e-5
-#define MOST_LOOKS 12
+#define MOST_APPROACHES 12
 /* what rows may be off, of the distance from such a place, where that is not in a step; and how
  * many times larger one root at the ends may be than the other: drivers that turn back hide one */
 #define AWAY 1e-2
-#define EVEN 2.0
+#define ALIKE 2.0
 
 /* what is known of a step: it may end on another branch, it stays on its own, or goes straight on
  * where another one meets it, or comes nearer than rounding tells */
@@ -85,11 +85,11 @@ static int follow_branch(
     const double way = h * larger(size_of(s->y + NQ), size_of(y + NQ));
     const double before = sqrt(fabs(s->position_ratio)), after = slope - before;
     const double no_gap = IS_DRIVEN ? NO_GAP : FREE_GAP;
-    const int is_even = !IS_DRIVEN || larger(before, after) <= EVEN * smaller(before, after);
+    const int is_even = !IS_DRIVEN || larger(before, after) <= ALIKE * smaller(before, after);
     size_t n = 4;
     forget_trials(work);
     begin_way(h, s->y, s->f, y, f, x, work->way);
-    for (size_t look = 0; look != MOST_LOOKS; ++look) {
+    for (size_t look = 0; look != MOST_APPROACHES; ++look) {
         for (size_t side = 0; side < 2; ++side) {
             const double there = part + (side ? beside : -beside), t = s->time + there * h;
             off[side] = bend_way(&n, x, work->way, t, there, &roots[side], work, s);

@@ -39,11 +39,11 @@ FREE_GAP = 1e-12
 ASIDE = 0.03
 NEARER = 0.1
 NEAREST = 1e-5
-MOST_LOOKS = 12
+MOST_APPROACHES = 12
 #: What rows may be off, of the distance from such a place, where that is not in a step; and how
 #: many times larger one root at the ends may be than the other: drivers that turn back hide one.
 AWAY = 1e-2
-EVEN = 2.0
+ALIKE = 2.0
 #: What is known of a step: it may end on another branch, it stays on its own, or goes straight on
 #: where another one meets it, or comes nearer than rounding tells.
 LEAPS, STAYS, MEETS = 0, 1, 2
@@ -116,10 +116,10 @@ def follow_branch(
     before = math.sqrt(abs(state.position_ratio))
     low, high = smaller(before, slope - before), larger(before, slope - before)
     no_gap = NO_GAP if work.scene.is_driven else FREE_GAP
-    is_even = high <= EVEN * low or not work.scene.is_driven
+    is_even = high <= ALIKE * low or not work.scene.is_driven
     beside = ASIDE
     farthest, nearest = 0.0, math.inf
-    for _ in range(MOST_LOOKS):
+    for _ in range(MOST_APPROACHES):
         roots, worst = [], 0.0
         for side in (-beside, beside):
             there = part + side
