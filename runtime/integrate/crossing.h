@@ -80,9 +80,9 @@ typedef struct {
 /* a step that is looked at, whose polynomial is in the state: what values are known to, in the
  * motion and in its polynomial, which functions cross, where it was cut, and at which part of it at
  * least, whether samples leave open how narrow parts vary somewhere in it, whether it has an error,
- * whether it is kept if nothing cuts it, the event without a value right behind its start, counted from 1, the function
- * that is zero in it where a force is infinite, counted likewise, when that is, by what rates
- * change in it, in the mean, and at most */
+ * whether it is kept if nothing cuts it, the event without a value right behind its start, counted
+ * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
+ * is, by what rates change in it, in the mean, and at most */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
