@@ -151,7 +151,7 @@ static int reach(
         const double way = (part->x - gone) * h;
         const double time = part->x == 1.0 ? end : s->time + part->x * h;
         if (!predict_and_correct(time, way, before, to, work, s, &first)) {
-            *rough = INFINITY;
+            *rough = HUGE_VAL;
             return 0;
         }
         *rough = larger(roughness(way, first, before, to, work->scratch), *rough);
@@ -318,7 +318,7 @@ static double watched_end(
 static double following(double error, double rough, int is_good, int is_told)
 {
     const double by_shape = rough > 0.0 ? 0.9 / sqrt(rough) : 2.0;
-    if (!is_good) return 1.0 < rough && rough < INFINITY ? larger(0.2, by_shape) : 0.5;
+    if (!is_good) return 1.0 < rough && rough < HUGE_VAL ? larger(0.2, by_shape) : 0.5;
     if (!isfinite(error)) return 0.5;
     const double by_work = error > 0.0 ? 0.9 * pow(error, is_told ? -1.0 / 9.0 : -1.0 / 5.0) : 2.0;
     return larger(0.2, smaller(2.0, smaller(by_shape, by_work)));

@@ -626,6 +626,6 @@ QUESTION = Question(
     faults=(
         Fault("a reader that runs formulas as Python", evaluated, "formulas 1 0 20"),
         Fault("manifests whose digest is believed", believed, "manifests 1 0 30"),
-        Fault("saved runs whose layout is believed", raw, "runs 1 0 120"),
+        Fault("saved runs whose layout is believed", raw, "runs 1 0 300"),
     ),
 )

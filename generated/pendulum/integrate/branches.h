@@ -2,12 +2,9 @@
  * near. */
 
 /* what rows may be off a smooth way, in lengths and radians. A gap between branches of as much as
- * that, times the distance at which it is looked for, is none: about 1e-14, which is rounding of
- * the motion; where bodies move freely their momentum leads across what numbers of a scene that are
- * written in other units are rounded to */
+ * that, times the distance at which it is looked for, is none: about 1e-14, which is rounding */
 #define OFF_WAY 1e-9
 #define NO_GAP 1e-14
-#define FREE_GAP 1e-12
 /* how far beside the place where branches meet that is seen, in a step; how much nearer each time,
  * and in lengths and radians at last; how often */
 #define ASIDE 0.03
@@ -84,7 +81,6 @@ static int follow_branch(
     double x[WAY], beside = ASIDE, roots[2], off[2], farthest = 0.0, nearest = HUGE_VAL;
     const double way = h * larger(size_of(s->y + NQ), size_of(y + NQ));
     const double before = sqrt(fabs(s->position_ratio)), after = slope - before;
-    const double no_gap = IS_DRIVEN ? NO_GAP : FREE_GAP;
     const int is_even = !IS_DRIVEN || larger(before, after) <= ALIKE * smaller(before, after);
     size_t n = 4;
     forget_trials(work);
@@ -108,9 +104,10 @@ static int follow_branch(
         part -= is_between ? beside * change / sum : beside * sum / change;
         const int is_inside = part > 0.0 && part < 1.0;
         if (!is_between && is_inside) continue; /* the place is farther away */
-        const int is_on = larger(off[0], off[1]) <= larger(OFF_WAY, no_gap / (beside * way));
+        const int is_on = larger(off[0], off[1]) <= larger(OFF_WAY, NO_GAP / (beside * way));
         if (is_on && !is_between) return is_even && farthest <= AWAY * nearest ? STAYS : LEAPS;
-        if (is_on && beside * way <= NEAREST) return MEETS;
+        /* momentum leads free bodies across gaps that numbers of a scene are rounded to */
+        if (is_on && (!IS_DRIVEN || beside * way <= NEAREST)) return MEETS;
         if (is_between) slope = sum / (2.0 * beside);
         if (!is_inside) part = part > 0.5 ? 1.0 : 0.0;
         beside *= NEARER;

@@ -31,9 +31,6 @@ if TYPE_CHECKING:
 #: that, times the distance at which it is looked for, is none: about 1e-14, which is rounding.
 OFF_WAY = 1e-9
 NO_GAP = 1e-14
-#: Where bodies move freely: their momentum leads across what numbers of a scene that are written
-#: in other units are rounded to.
-FREE_GAP = 1e-12
 #: How far beside the place where branches meet that is seen, in a step; how much nearer each time,
 #: and in lengths and radians at last; how often.
 ASIDE = 0.03
@@ -115,7 +112,6 @@ def follow_branch(
     way = h * larger(size_of(state.y[nq:]), size_of(y[nq:]))
     before = math.sqrt(abs(state.position_ratio))
     low, high = smaller(before, slope - before), larger(before, slope - before)
-    no_gap = NO_GAP if work.scene.is_driven else FREE_GAP
     is_even = high <= ALIKE * low or not work.scene.is_driven
     beside = ASIDE
     farthest, nearest = 0.0, math.inf
@@ -141,10 +137,11 @@ def follow_branch(
         is_inside = 0.0 < part < 1.0
         if not is_between and is_inside:
             continue  # the place is farther away
-        is_on = worst <= larger(OFF_WAY, no_gap / (beside * way))
+        is_on = worst <= larger(OFF_WAY, NO_GAP / (beside * way))
         if is_on and not is_between:
             return STAYS if is_even and farthest <= AWAY * nearest else LEAPS
-        if is_on and beside * way <= NEAREST:
+        # momentum leads free bodies across gaps that numbers of a scene are rounded to
+        if is_on and (not work.scene.is_driven or beside * way <= NEAREST):
             return MEETS
         if is_between:
             slope = total / (2.0 * beside)
