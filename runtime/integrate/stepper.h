@@ -325,7 +325,7 @@ static int step(
     const double weak = is_fixed ? VAGUE : WEAK; /* ratios below this, where usual ones are 1 */
     int rejected = 0, avoided = 0, is_beyond = 0;
     double best = -1.0, best_h = 0.0; /* of the lengths that were tried near dependent rows */
-    Look look = { .cut = s->time, .has_error = !is_fixed };
+    Look look = { .cut = s->time, .has_error = !is_fixed && N_SWITCHING > 0 };
     int shorter = 0, thrown = 0, is_guessed = 0, polished = 0;
     const double limit = end;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);

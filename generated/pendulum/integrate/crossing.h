@@ -675,8 +675,8 @@ static void note_crossings(double end, const Look *look, State *s, Work *work)
 }
 
 /* whether samples between two times tell how parts vary: their rates change as little, or bounds
- * leave them nearly what they are, or, where an error tells of what they change by, no more than
- * samples show, as of a root at whose end no rate is bounded */
+ * leave them nearly what they are, or, where formulas switch and an error tells of what they
+ * change by, no more than samples show, as of a root at whose end no rate is bounded */
 static int are_narrow_told(double start, double end, const Look *look, const State *s, Work *work)
 {
     double least[ROOM(N_NARROW)], most[ROOM(N_NARROW)], low[ROOM(N_NARROW)], high[ROOM(N_NARROW)];

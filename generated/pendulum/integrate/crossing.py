@@ -687,9 +687,9 @@ def note_crossings(end: float, look: Look) -> None:
 def are_narrow_told(start: float, end: float, look: Look) -> bool:
     """Return whether samples between two times tell how parts vary.
 
-    Their rates change as little, or bounds leave them nearly what they are, or, where an error
-    tells of what they change by, no more than samples show, as of a root at whose end no rate is
-    bounded.
+    Their rates change as little, or bounds leave them nearly what they are, or, where formulas
+    switch and an error tells of what they change by, no more than samples show, as of a root at
+    whose end no rate is bounded.
     """
     h, first = (end - start) / CELLS, len(look.state.sides)
     n = slice(first, first + len(look.work.w.narrow) // 4)

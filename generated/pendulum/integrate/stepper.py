@@ -421,7 +421,8 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
     weak = VAGUE if is_fixed else WEAK  # ratios below this, where usual ones are 1
     avoided, was_rejected, is_beyond = 0, False, False
     best, best_h = -1.0, 0.0  # of the lengths that were tried near dependent rows
-    look = Look(state, work, state.time, has_error=not is_fixed)
+    has_switches = len(state.sides) > work.scene.n_poles
+    look = Look(state, work, state.time, has_error=has_switches and not is_fixed)
     shorter, thrown, is_guessed = 0, 0, False
     limit, polished = end, 0
     work.k[0] = state.f
