@@ -20,7 +20,7 @@ POINTS = {"s_i_b", "s_j_b", *ORIGINS}
 """Constants that are a point of a body, or of the ground."""
 
 
-def is_ground_point(source: Instance | Coordinate, name: str) -> bool:
+def is_ground_point(source: Instance | Coordinate | ForceElement, name: str) -> bool:
     """Whether a constant is a point in frame O."""
     return name in POINTS and (source.i if "_i" in name else source.j) < 0
 
@@ -58,11 +58,9 @@ def extent(system: System) -> float:
     sources = (*system.constraints, *system.coordinates, *system.forces)
     for source in sources:
         for name, numbers in source.constants:
-            if name not in POINTS:
-                continue
-            if (source.i if "_i" in name else source.j) < 0:
+            if is_ground_point(source, name):
                 places.append(tuple(map(float, numbers)))
-            else:
+            elif name in POINTS:
                 lengths += (abs(float(x)) for x in numbers)
     lengths += (max(along) - min(along) for along in zip(*places, strict=True))
     bodies = ((float(max(body.inertia)), float(body.mass)) for body in system.bodies)

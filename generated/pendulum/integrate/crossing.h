@@ -98,13 +98,19 @@ static int stays_positive(double a, double b, double falls, double rises, double
     return a * rises - b * falls + falls * rises * h > 0.0;
 }
 
+/* what formulas read of y at a time */
+static void read_of(double time, const double *y, Work *work, double *read)
+{
+    place(time, y, work->w);
+    measure(work->w);
+    memcpy(read, work->w + W_MEASURES, N_READ * sizeof *read);
+}
+
 /* what formulas read at a time */
 static void read_at(double time, const Look *look, const State *s, Work *work, double *read)
 {
     interpolate(look->m, (time - look->start) / look->h, s, work->scratch);
-    place(time, work->scratch, work->w);
-    measure(work->w);
-    memcpy(read, work->w + W_MEASURES, N_READ * sizeof *read);
+    read_of(time, work->scratch, work, read);
 }
 
 /* what is seen at a time where formulas read what the node has, known to a noise */
@@ -172,9 +178,7 @@ static double stage_beyond(double seen, const Look *look, const State *s, Work *
         const double time = look->start + m->c[n] * look->h;
         if (!(time < seen)) continue;
         combine(n, m->a + n * (n - 1) / 2, s->y, look->h, work->k, work->scratch);
-        place(time, work->scratch, work->w);
-        measure(work->w);
-        memcpy(node.read, work->w + W_MEASURES, N_READ * sizeof *node.read);
+        read_of(time, work->scratch, work, node.read);
         see_at(look->noise, time, work->w, &node);
         for (size_t k = 0; k != N_SWITCHING; ++k) {
             if (s->sides[k] != 0.0 && side_at(&node, k) == -(int)s->sides[k]) return time;
@@ -292,9 +296,7 @@ static int first_without_value(const State *s, Work *work)
     const double exact[ROOM(N_READ)] = { 0.0 };
     Node node;
     if (EVENTS == 0) return 0;
-    place(s->time, s->y, work->w);
-    measure(work->w);
-    memcpy(node.read, work->w + W_MEASURES, N_READ * sizeof *node.read);
+    read_of(s->time, s->y, work, node.read);
     see_at(exact, s->time, work->w, &node);
     for (size_t k = 0; k != EVENTS; ++k) {
         if (!(isfinite(node.least[k]) && isfinite(node.most[k]))) return (int)k + 1;

@@ -198,14 +198,18 @@ def half_width(node: Node) -> Array:
     return np.multiply(0.5, node.most - node.least)
 
 
+def read_of(time: float, y: Array, w: Workspace) -> Array:
+    """Return what formulas read of y at a time."""
+    w.place(time, y)
+    w.run("measure")
+    found: Array = w.measures.reshape(-1, 2).copy()
+    return found
+
+
 def read_at(time: float, look: Look) -> Array:
     """Return what formulas read at a time."""
-    work = look.work
-    interpolate(look.m, (time - look.start) / look.h, look.state, work.scratch)
-    work.w.place(time, work.scratch)
-    work.w.run("measure")
-    found: Array = work.w.measures.reshape(-1, 2).copy()
-    return found
+    interpolate(look.m, (time - look.start) / look.h, look.state, look.work.scratch)
+    return read_of(time, look.work.scratch, look.work.w)
 
 
 def look_at(time: float, look: Look) -> Node:
@@ -255,9 +259,7 @@ def stage_beyond(seen: float, look: Look) -> float:
         if not time < seen:
             continue
         combine(k, m.a[k], state.y, look.h, work.k, work.scratch)
-        work.w.place(time, work.scratch)
-        work.w.run("measure")
-        node = see_at(work.w.measures.reshape(-1, 2).copy(), look.noise, time, work.w)
+        node = see_at(read_of(time, work.scratch, work.w), look.noise, time, work.w)
         sides = state.sides[:n]
         if np.any((sides != 0.0) & (side_at(node)[:n] == -sides)):
             return time
@@ -362,9 +364,7 @@ def first_without_value(state: State, work: Work) -> int:
     w, count = work.w, len(work.scene.events)
     if count == 0:
         return 0
-    w.place(state.time, state.y)
-    w.run("measure")
-    read = w.measures.reshape(-1, 2).copy()
+    read = read_of(state.time, state.y, w)
     node = see_at(read, np.zeros_like(read), state.time, w)
     is_finite = (np.isfinite(node.least) & np.isfinite(node.most))[:count]
     return 0 if is_finite.all() else int(np.argmin(is_finite)) + 1
