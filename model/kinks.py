@@ -17,6 +17,7 @@ from kousoku.model.terms import (
     neg,
     ordered,
     power,
+    replaced,
 )
 
 if TYPE_CHECKING:
@@ -121,7 +122,7 @@ def _is_smooth(
             return False
         if rate != 0 and abs(at(gap, -start / rate)) <= DIGITS * size:
             meetings.append(-start / rate)
-    first, second = (_with_side(law, part, side) for side in sides)
+    first, second = (replaced(law, part, side) for side in sides)
     size = CONTEXT.mpf(0)
     for _ in range(3):
         for meeting in meetings:
@@ -142,21 +143,8 @@ def _branches(gap: Expression) -> list[Expression]:
     for part in ordered(gap):
         if isinstance(part, Apply) and part.function in KINKS:
             sides = (*part.args, neg(part.args[0]))[:2]
-            return [one for side in sides for one in _branches(_with_side(gap, part, side))]
+            return [one for side in sides for one in _branches(replaced(gap, part, side))]
     return [gap]
-
-
-def _with_side(law: Expression, part: Apply, side: Expression) -> Expression:
-    """Return a formula with one side of a kink in place of it."""
-    known: dict[int, Expression] = {}
-    for one in ordered(law):
-        if one == part:
-            known[id(one)] = side
-        elif isinstance(one, Apply):
-            known[id(one)] = Apply(one.function, tuple(known[id(arg)] for arg in one.args))
-        else:
-            known[id(one)] = one
-    return known[id(law)]
 
 
 def _sizes(expression: Expression) -> Expression:

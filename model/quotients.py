@@ -31,6 +31,7 @@ from kousoku.model.terms import (
     number,
     ordered,
     power,
+    replaced,
 )
 
 if TYPE_CHECKING:
@@ -215,7 +216,7 @@ def _apart(
 
 def _of_place(formula: Expression, place: Expression, varying: Collection[str]) -> Expression:
     """Formula with z in it, also where z is linear in the only name that varies."""
-    same = _replaced(formula, place, Name(PLACE))
+    same = replaced(formula, place, Name(PLACE), _value)
     names = [one for one in names_of(place) if one in varying]
     line = polynomial_of(place)
     if set(varying).isdisjoint(names_of(same)) or len(names) != 1 or line is None:
@@ -225,34 +226,21 @@ def _of_place(formula: Expression, place: Expression, varying: Collection[str]) 
     start, slope = (line.terms.get((n,)) for n in range(2))
     assert slope is not None
     value = div(add(Name(PLACE), number(-(start or 0))), Number(slope))
-    return _replaced(same, Name(names[0]), value)
+    return replaced(same, Name(names[0]), value, _value)
 
 
-def _replaced(formula: Expression, part: Expression, by: Expression) -> Expression:
-    """Formula with another in place of a part, its numbers folded."""
-    known: dict[int, Expression] = {}
-    for one in ordered(formula):
-        if one == part:
-            known[id(one)] = by
-        elif isinstance(one, Apply):
-            known[id(one)] = _value(one.function, [known[id(arg)] for arg in one.args])
-        else:
-            known[id(one)] = one
-    return known[id(formula)]
-
-
-def _value(function: Function, args: list[Expression]) -> Expression:
+def _value(function: Function, args: tuple[Expression, ...]) -> Expression:
     """Function of formulas, also of zero."""
-    if args == [ZERO] and function in AT_ZERO:
+    if args == (ZERO,) and function in AT_ZERO:
         return AT_ZERO[function]
-    if function is Function.LOG and args == [ONE]:
+    if function is Function.LOG and args == (ONE,):
         return ZERO
     if function is Function.POW and args[0] == ZERO:
         exponent = args[1]
         is_positive = isinstance(exponent, Number) and exponent.value > 0
-        return ZERO if is_positive else Apply(function, tuple(args))
+        return ZERO if is_positive else Apply(function, args)
     if function is Function.DIV and args[1] == ZERO:
-        return Apply(function, tuple(args))
+        return Apply(function, args)
     return apply(function, *args)
 
 
@@ -270,7 +258,7 @@ def _order(above: Expression, below: Expression) -> int | None:
 
 def coefficients(formula: Expression, count: int) -> list[Expression]:
     """First factors of powers of z, from the zeroth on."""
-    values = (_replaced(_derived(formula, n), Name(PLACE), ZERO) for n in range(count))
+    values = (replaced(_derived(formula, n), Name(PLACE), ZERO, _value) for n in range(count))
     return [div(one, number(factorial(n))) for n, one in enumerate(values)]
 
 

@@ -296,6 +296,32 @@ def names_of(expression: Expression) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
+def replaced(
+    expression: Expression,
+    part: Expression,
+    by: Expression,
+    build: Callable[[Function, tuple[Expression, ...]], Expression] = Apply,
+) -> Expression:
+    """Formula with another in place of a part.
+
+    Parameters
+    ----------
+    expression, part, by : Expression
+        The formula, what is replaced wherever it stands, and what by.
+    build : callable
+        Makes a function of its arguments anew; left out, nothing is folded.
+    """
+    known: dict[int, Expression] = {}
+    for one in ordered(expression):
+        if one == part:
+            known[id(one)] = by
+        elif isinstance(one, Apply):
+            known[id(one)] = build(one.function, tuple(known[id(arg)] for arg in one.args))
+        else:
+            known[id(one)] = one
+    return known[id(expression)]
+
+
 def _term(given: Operand) -> Expression:
     return cast("Expression", given) if isinstance(given, Term) else number(given)
 
