@@ -47,6 +47,9 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
         momentum(work->w);
         memcpy(s->momenta, work->w + W_MOMENTA, MOMENTA * sizeof *s->momenta);
     }
+    coordinate(work->w);
+    for (size_t k = 0; k != NQ + N_SHOWN; ++k) s->lowest[k] = HUGE_VAL, s->highest[k] = -HUGE_VAL;
+    note_extent(s->y, work->w, s);
     if (NCHECK > NC && are_changed(s->parameters) && !stay_closed(s, work)) return NOT_CLOSED;
 #if HAS_RANK
     if (are_changed(s->parameters) && !keep_rank(s, work)) return DEPENDENT;

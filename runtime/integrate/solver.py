@@ -20,7 +20,7 @@ from .row_switch import note_usual_ratio
 from .rows import energy_balance, find_reactions, write_row
 from .scene import Work, Workspace, state_of
 from .settings import ACTIONS, Status
-from .stepper import first_step, step
+from .stepper import first_step, note_extent, step
 from .switching import even_end, meet_switches, resolved_step
 
 if TYPE_CHECKING:
@@ -115,6 +115,9 @@ class Solver:
         s.potential = work.w.energies[1]
         work.w.run("momentum")
         s.momenta[:] = work.w.momenta
+        work.w.run("coordinate")
+        s.lowest[:], s.highest[:] = math.inf, -math.inf
+        note_extent(s.y, work, s)
         are_changed = bool((s.parameters != self.scene.parameters).any())
         if len(work.w.C_left_out) > 0 and are_changed and not stay_closed(s, work):
             return Status.NOT_CLOSED

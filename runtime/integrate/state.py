@@ -191,6 +191,8 @@ class State:
     sides = Numbers("N_CROSSINGS", unit="-", meaning="1 or -1, side of each function; 0: not known")
     counts = Numbers("EVENTS", unit="-", meaning="how often each event was")
     fired = Numbers("EVENTS", unit="-", meaning="1 of an event that is still to be told")
+    lowest = Numbers("RANGED", unit="", meaning="of q, then of coordinates, at ends of steps")
+    highest = Numbers("RANGED", unit="", meaning="the same; under kinematics at the start")
 
     def __init__(self, numbers: Array, sizes: Mapping[str, int]) -> None:
         self.numbers = numbers
@@ -220,7 +222,8 @@ def fields(sizes: Mapping[str, int]) -> tuple[Field, ...]:
     Parameters
     ----------
     sizes : mapping of str to int
-        ``NY``, ``DENSE``, ``N_PARAMETERS``, ``MOMENTA``, ``NCHECK``, ``N_CROSSINGS``, ``EVENTS``.
+        ``NY``, ``DENSE``, ``N_PARAMETERS``, ``MOMENTA``, ``NCHECK``, ``N_CROSSINGS``, ``EVENTS``,
+        ``RANGED``.
     """
     known = {"LEVELS": LEVELS, **sizes}
     found: list[Field] = []
