@@ -41,7 +41,7 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     s->position_ratio = s->usual_ratio = branch_ratio(work, s);
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, s->least_pivot_ratio);
     energy(work->w);
-    s->energy = energy_balance(work->w, s);
+    s->energy = energy_balance(work->w, work->w + W_Q, s);
     s->potential = work->w[W_ENERGIES + 1];
     if (MOMENTA > 0) {
         momentum(work->w);

@@ -139,6 +139,7 @@ class State:
     stride = Number("s", "the longest step so far, or what moves a part of a length at the start")
     work_error = Number("J", "of works under kinematics, what Simpson's rule left unnoticed")
     simpson = Number("-", "error of works by Simpson's rule, in units of the tolerance, fading")
+    balance = Number("J", "energy that no work explains, at the last position under kinematics")
     untold = Number("s", "length of the steps since that was looked at")
     is_refined = Number("-", "1: accelerations are refined all along, 0.5: looked at, else 0")
     method = Number("-", "1 + the method; 0 before the first step")

@@ -116,6 +116,14 @@ static void note_extent(const double *end, const double *w, State *s)
 /* the energy of all bodies where they move at such a rate */
 static double usual_energy(double rate) { return MASS * (LENGTH * rate) * (LENGTH * rate) / 2.0; }
 
+/* the change of energy since the start that no work explains; works are in q */
+static double energy_balance(const double *w, const double *q, const State *s)
+{
+    double balance = w[W_ENERGIES] + w[W_ENERGIES + 1] - s->energy;
+    for (size_t k = NQ - WORKS; k != NQ; ++k) balance -= q[k];
+    return balance;
+}
+
 /* kinetic energy, change of potential energy since the start, and all works, which are in q; that
  * of every step counts, whatever rows are written */
 static double energy_moved(const double *w, const double *q, const State *s)

@@ -204,6 +204,14 @@ def usual_energy(rate: float, scene: Scene) -> float:
     return scene.mass * (scene.length * rate) * (scene.length * rate) / 2.0
 
 
+def energy_balance(q: Array, work: Work, state: State) -> float:
+    """Return the change of energy since the start that no work explains; works are in q."""
+    balance = work.w.energies[0] + work.w.energies[1] - state.energy
+    for done in q[work.scene.nq - work.scene.works : work.scene.nq]:
+        balance -= done
+    return float(balance)
+
+
 def energy_moved(q: Array, work: Work, state: State) -> float:
     """Return kinetic energy, change of potential energy since the start, and all works.
 
