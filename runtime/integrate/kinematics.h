@@ -293,7 +293,7 @@ typedef struct {
     int is_told;
 } Told;
 
-/* sums the works of a step, unless it leaps, and tells what its energy says of them */
+/* sums the works of a step better unless it leaps, and tells what its energy says of them */
 static void tell_works(const Settings *settings, double end, double weak, size_t parts, State *s,
     Work *work, Told *told)
 {
@@ -302,7 +302,7 @@ static void tell_works(const Settings *settings, double end, double weak, size_t
         told->error = sum_works(settings, end, weak, parts == 4, s, work, &told->is_told);
     else if (WORKS > 0) energy(work->w);
     if (WORKS == 0) return;
-    if (parts > 1) told->error = larger(unbalanced(settings, end - s->time, s, work), told->error);
+    told->error = larger(unbalanced(settings, end - s->time, s, work), told->error);
     if (settings->checks) told->moved = energy_moved(work->w, y, s);
     told->balance = energy_balance(work->w, y, s);
 }
@@ -393,11 +393,14 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         const double ratio = pivot_ratio(work, s);
         Told told = { 0.0, 0.0, 0.0, 0 };
         if (good && tells_works) tell_works(settings, end, weak, n, s, work, &told);
-        const double error = told.error, factor = following(error, rough, good, told.is_told);
+        const double error = part > 1.0 ? 0.0 : told.error; /* leaps sum no works well */
+        const double factor = following(error, rough, good, told.is_told);
         const int is_avoided = part < FURTHEST && !is_deep && ratio < WEAK * s->largest_pivot_ratio;
         const int is_fit = good && error <= 1.0 && !is_avoided;
         const int branch = is_fit ? branch_at(end, s, work) : STAYS;
-        const int is_leap = part > 1.0 && branch == LEAPS;
+        /* or one can go through, and works want that */
+        const int is_leap = part > 1.0 &&
+                            (branch == LEAPS || (branch == STAYS && told.error > 1.0));
         if (is_avoided) {
             s->avoided += 1;
             part = part == 0.5 ? 1.25 : part <= 1.0 ? part - 0.25 : 1.25 * part;

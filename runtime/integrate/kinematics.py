@@ -382,7 +382,7 @@ def tell_works(
     work: Work,
     parts: Sequence[tuple[float, int]],
 ) -> Told:
-    """Sum the works of a step, unless it leaps, and tell what its energy says of them."""
+    """Sum the works of a step better unless it leaps, and tell what its energy says of them."""
     scene, last = work.scene, position_at(1, work)
     error, is_told = 0.0, False
     if parts is not LEAP:
@@ -391,8 +391,7 @@ def tell_works(
         work.w.run("energy")
     if scene.works == 0:
         return Told(error, is_told)
-    if parts is not LEAP:
-        error = larger(unbalanced(s, end - state.time, state, work), error)
+    error = larger(unbalanced(s, end - state.time, state, work), error)
     moved = energy_moved(last.y, work, state) if s.checks else 0.0
     return Told(error, is_told, energy_balance(last.y, work, state), moved)
 
@@ -475,15 +474,16 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         parts = LEAP if part > 1.0 else NODES if tells_works and state.simpson >= SURE else HALVES
         weak = WEAK * (DEEPER if is_deep else 1.0)
         drift, rough = reach(end, parts, weak, state, work)
-        is_good, told = drift >= 0.0, Told()
-        ratio = pivot_ratio(work, state)
-        if is_good and tells_works:
-            told = tell_works(s, end, weak, state, work, parts)
-        factor = following(told.error, rough, is_good=is_good, is_told=told.is_told)
+        is_good, ratio = drift >= 0.0, pivot_ratio(work, state)
+        tells = is_good and tells_works
+        told = tell_works(s, end, weak, state, work, parts) if tells else Told()
+        error = told.error if part <= 1.0 else 0.0  # leaps sum no works well
+        factor = following(error, rough, is_good=is_good, is_told=told.is_told)
         is_avoided = part < FURTHEST and not is_deep and ratio < WEAK * state.largest_pivot_ratio
-        is_fit = is_good and told.error <= 1.0 and not is_avoided
+        is_fit = is_good and error <= 1.0 and not is_avoided
         branch = branch_at(end, state, work) if is_fit else STAYS
-        is_leap = part > 1.0 and branch == LEAPS
+        # or one can go through, and works want that
+        is_leap = part > 1.0 and (branch == LEAPS or (branch == STAYS and told.error > 1.0))
         if is_avoided:
             state.avoided += 1
             part = 1.25 if part == 0.5 else part - 0.25 if part <= 1.0 else 1.25 * part
@@ -510,7 +510,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     state.energy_moved = larger(state.energy_moved, told.moved)
     state.untold += 0.0 if told.is_told else end - state.time
     state.step_size = larger(state.step_size if is_last else 0.0, factor * whole)
-    state.error = told.error if told.is_told else 0.0
+    state.error = error if told.is_told else 0.0
     state.balance = told.balance
     accept_position(end, asked, state, work)
     return Status.GOOD
