@@ -398,7 +398,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         const int is_avoided = part < FURTHEST && !is_deep && ratio < WEAK * s->largest_pivot_ratio;
         const int is_fit = good && error <= 1.0 && !is_avoided;
         const int branch = is_fit ? branch_at(end, s, work) : STAYS;
-        /* or one can go through, and works want that */
+        /* onto another branch, or over what one can go through, as works want */
         const int is_leap = part > 1.0 &&
                             (branch == LEAPS || (branch == STAYS && told.error > 1.0));
         if (is_avoided) {

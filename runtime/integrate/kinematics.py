@@ -482,7 +482,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         is_avoided = part < FURTHEST and not is_deep and ratio < WEAK * state.largest_pivot_ratio
         is_fit = is_good and error <= 1.0 and not is_avoided
         branch = branch_at(end, state, work) if is_fit else STAYS
-        # or one can go through, and works want that
+        # onto another branch, or over what one can go through, as works want
         is_leap = part > 1.0 and (branch == LEAPS or (branch == STAYS and told.error > 1.0))
         if is_avoided:
             state.avoided += 1
