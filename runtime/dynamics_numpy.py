@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.runtime.dynamics_targets import open_same
 from kousoku.runtime.importing import import_source
-from kousoku.runtime.library import require_digest
 from kousoku.runtime.notice import say_once
 
 if TYPE_CHECKING:
@@ -108,7 +107,7 @@ def load_numpy(sources: Sources, reason: Exception | None = None) -> NumpySolver
         The module is not the manifest's.
     """
     solver: Solver = import_source(sources.folder, sources.files, NUMPY_SOURCE).SOLVER
-    require_digest(sources.folder, sources.manifest, NUMPY_SOURCE, solver.scene.digest)
+    sources.require_digest(NUMPY_SOURCE, solver.scene.digest)
     is_slow = solver.scene.nq > SLOW
     if reason is not None:
         cost = ", which takes 100 to 200 times as long" if is_slow else ""

@@ -9,17 +9,15 @@ from typing import TYPE_CHECKING, Any, Protocol, get_type_hints
 
 from kousoku.runtime.choice import choose
 from kousoku.runtime.integrate.settings import Settings
-from kousoku.runtime.sources import Sources
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-    from pathlib import Path
+    from collections.abc import Callable
 
     import numpy as np
     import numpy.typing as npt
 
-    from kousoku.model.manifest import Manifest
     from kousoku.runtime.choice import Target
+    from kousoku.runtime.sources import Sources
 
     Array = npt.NDArray[np.float64]
 
@@ -178,22 +176,13 @@ def _address(array: Array) -> ctypes.c_void_p:
     return array.ctypes.data_as(ctypes.c_void_p)
 
 
-def open_solver(
-    folder: Path,
-    manifest: Manifest,
-    files: Mapping[str, bytes],
-    target: Target,
-) -> SolverTarget:
+def open_target(sources: Sources, target: Target) -> SolverTarget:
     """Solver of a folder for a target.
 
     Parameters
     ----------
-    folder : Path
-        Where the files lie.
-    manifest : Manifest
-        What the folder promises.
-    files : mapping of str to bytes
-        Name and content, compared with the manifest.
+    sources : Sources
+        The files of the folder.
     target : {"auto", "c", "numpy"}
         ``"auto"`` takes C where a compiler and a cache can be had, and else NumPy after saying why
         in one line on the logger ``kousoku``.
@@ -209,11 +198,9 @@ def open_solver(
     """
     from kousoku.runtime.dynamics_numpy import NUMPY_SOURCE, load_numpy
 
-    sources = Sources(folder, manifest, files)
     return choose(
         target,
-        folder,
-        files,
+        sources,
         (C_SOURCE, lambda: _compiled(sources)),
         (NUMPY_SOURCE, lambda reason: load_numpy(sources, reason)),
     )
@@ -221,13 +208,12 @@ def open_solver(
 
 def open_same(sources: Sources, target: Target) -> SolverTarget:
     """Open the target that another process had; NumPy, and say so, where there is no compiler."""
-    folder, chosen = sources.place(), target if target == "numpy" else "auto"
-    return open_solver(folder, sources.manifest, sources.files, chosen)
+    return open_target(sources.placed(), target if target == "numpy" else "auto")
 
 
 def _compiled(sources: Sources) -> SolverTarget:
     from kousoku.runtime.library import compiled
     from kousoku.runtime.toolchain import find_toolchain
 
-    handle, _ = compiled(sources.manifest, sources.files, find_toolchain())
+    handle, _ = compiled(sources, find_toolchain())
     return CompiledSolver(handle, sources)

@@ -37,6 +37,7 @@ PARTS = (
     "dynamics/_segments.jinja",
     "dynamics/_straight_line.jinja",
     "dynamics/solver.py.jinja",
+    "dynamics/__init__.py.jinja",
 )
 #: The analysis that all scenes share: a folder of the runtime that goes along.
 LIBRARY = "kinematics"
