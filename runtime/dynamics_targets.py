@@ -1,16 +1,18 @@
-"""What computes the motion of a scene of bodies: the compiled solver, or the one in NumPy."""
+"""What computes the motion of a scene: the compiled solver, or the one in NumPy."""
 
 from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol, get_type_hints
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, get_type_hints
 
 from kousoku.runtime.choice import choose
+from kousoku.runtime.importing import import_source
 from kousoku.runtime.integrate.settings import Settings
 
 if TYPE_CHECKING:
+    import types
     from collections.abc import Callable
 
     import numpy as np
@@ -21,7 +23,10 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-C_SOURCE = "solver.c"
+#: The files of a scene's folder.
+C_SOURCE, NUMPY_SOURCE = "solver.c", "solver.py"
+
+Opened = TypeVar("Opened")
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,34 +104,35 @@ class _Settings(ctypes.Structure):
     _fields_ = tuple((name, _TYPES[kind]) for name, kind in get_type_hints(Settings).items())
 
 
+def exported(library: ctypes.CDLL, sources: Sources, name: str, result: Any = ctypes.c_int) -> Any:
+    """Function that the compiled solver of a scene exports, and what it returns."""
+    function = library[f"kousoku_{sources.manifest.package}_{name}"]
+    function.restype = result
+    return function
+
+
 class CompiledSolver:
-    """A scene's compiled solver, called through ctypes.
+    """The compiled solver of a scene of bodies.
 
     Parameters
     ----------
     library : ctypes.CDLL
         The loaded library.
     sources : Sources
-        What it was built of; its functions begin with ``kousoku_<package>``.
+        What it was built of.
     """
 
     name = "c"
 
     def __init__(self, library: ctypes.CDLL, sources: Sources) -> None:
-        self._library = library
+        self._function = partial(exported, library, sources)
         self.sources = sources
-        self._prefix = f"kousoku_{sources.manifest.package}_"
         self.state_size, self.work_size, self.row_size = (
             self._function(f"{part}_size", ctypes.c_size_t)() for part in ("state", "work", "row")
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
         return open_same, (self.sources, self.name)
-
-    def _function(self, name: str, result: Any = ctypes.c_int) -> Any:
-        function = self._library[self._prefix + name]
-        function.restype = result
-        return function
 
     def starter(
         self, time: float, q: Array, v: Array, parameters: Array, memory: Memory
@@ -177,7 +183,20 @@ def _address(array: Array) -> ctypes.c_void_p:
 
 
 def open_target(sources: Sources, target: Target) -> SolverTarget:
-    """Solver of a folder for a target.
+    """Solver of a scene of bodies for a target, see :func:`opened`."""
+    from kousoku.runtime.dynamics_numpy import load_numpy
+
+    in_c: Callable[[ctypes.CDLL, Sources], SolverTarget] = CompiledSolver
+    return opened(sources, target, in_c, load_numpy)
+
+
+def opened(
+    sources: Sources,
+    target: Target,
+    in_c: Callable[[ctypes.CDLL, Sources], Opened],
+    in_numpy: Callable[[Sources, Exception | None], Opened],
+) -> Opened:
+    """What computes a scene for a target.
 
     Parameters
     ----------
@@ -186,6 +205,10 @@ def open_target(sources: Sources, target: Target) -> SolverTarget:
     target : {"auto", "c", "numpy"}
         ``"auto"`` takes C where a compiler and a cache can be had, and else NumPy after saying why
         in one line on the logger ``kousoku``.
+    in_c : callable
+        Makes it of the compiled library.
+    in_numpy : callable
+        Makes it of ``solver.py``, given the reason if C was tried first.
 
     Raises
     ------
@@ -196,24 +219,36 @@ def open_target(sources: Sources, target: Target) -> SolverTarget:
     CacheError
         With ``target="c"``: the library cannot be kept.
     """
-    from kousoku.runtime.dynamics_numpy import NUMPY_SOURCE, load_numpy
 
-    return choose(
-        target,
-        sources,
-        (C_SOURCE, lambda: _compiled(sources)),
-        (NUMPY_SOURCE, lambda reason: load_numpy(sources, reason)),
-    )
+    def compiled_here() -> Opened:
+        from kousoku.runtime.library import compiled
+        from kousoku.runtime.toolchain import find_toolchain
+
+        library, _ = compiled(sources, find_toolchain())
+        return in_c(library, sources)
+
+    numpy = (NUMPY_SOURCE, lambda reason: in_numpy(sources, reason))
+    return choose(target, sources, (C_SOURCE, compiled_here), numpy)
 
 
 def open_same(sources: Sources, target: Target) -> SolverTarget:
-    """Open the target that another process had; NumPy, and say so, where there is no compiler."""
-    return open_target(sources.placed(), target if target == "numpy" else "auto")
+    """Open the target that another process had, see :func:`same`."""
+    return open_target(*same(sources, target))
 
 
-def _compiled(sources: Sources) -> SolverTarget:
-    from kousoku.runtime.library import compiled
-    from kousoku.runtime.toolchain import find_toolchain
+def same(sources: Sources, target: Target) -> tuple[Sources, Target]:
+    """Files and target that another process had; NumPy too, said so, where is no compiler."""
+    return sources.placed(), target if target == "numpy" else "auto"
 
-    handle, _ = compiled(sources, find_toolchain())
-    return CompiledSolver(handle, sources)
+
+def numpy_module(sources: Sources) -> types.ModuleType:
+    """Module ``solver.py`` of a folder.
+
+    Raises
+    ------
+    LoadError
+        The module is not the manifest's.
+    """
+    module = import_source(sources.folder, sources.files, NUMPY_SOURCE)
+    sources.require_digest(NUMPY_SOURCE, module.DIGEST)
+    return module

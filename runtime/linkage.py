@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import ctypes
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
-from kousoku.runtime.choice import choose
-from kousoku.runtime.dynamics_numpy import NUMPY_SOURCE
-from kousoku.runtime.dynamics_targets import C_SOURCE
-from kousoku.runtime.importing import import_source
+from kousoku.runtime.dynamics_targets import exported, numpy_module, opened, same
 from kousoku.runtime.kinematics.moving import Linkage
 from kousoku.runtime.kinematics.rows import RUN, empty_rows
 from kousoku.runtime.kinematics.solve import Solver
 from kousoku.runtime.kinematics.trajectory import Trajectory
-from kousoku.runtime.library import compiled
 from kousoku.runtime.notice import say_once
 from kousoku.runtime.options import ALL_OPTIONS
 from kousoku.runtime.sources import LINKAGE_LIBRARY, Sources
@@ -42,21 +39,21 @@ _TYPES: dict[str, Any] = {
 
 
 class CompiledLinkage(Solver):
-    """A linkage's compiled solver, called through ctypes.
+    """The compiled solver of a linkage.
 
     Parameters
     ----------
     library : ctypes.CDLL
         The loaded library.
     sources : Sources
-        What it was built of; its functions begin with ``kousoku_<package>``.
+        What it was built of.
     """
 
     name = "c"
 
     def __init__(self, library: ctypes.CDLL, sources: Sources) -> None:
         super().__init__()
-        self._library = library
+        self._function = partial(exported, library, sources)
         self.sources = sources
         self._segments: list[str] = sources.data["segments"]
 
@@ -79,11 +76,6 @@ class CompiledLinkage(Solver):
         """Run a segment on the workspace."""
         number = ctypes.c_size_t(self._segments.index(segment))
         self._function("evaluate", None)(number, slots.ctypes.data_as(ctypes.c_void_p))
-
-    def _function(self, name: str, result: Any = ctypes.c_int) -> Any:
-        function = self._library[f"kousoku_{self.sources.manifest.package}_{name}"]
-        function.restype = result
-        return function
 
 
 class NumpyLinkage(Solver):
@@ -230,25 +222,17 @@ def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
             f"{sources.folder} is not made from a linkage of nodes: it has no {LINKAGE_LIBRARY}"
         )
 
-    def in_c() -> LinkageSolver:
-        from kousoku.runtime.toolchain import find_toolchain
+    return LinkageSolver(opened(sources, target, CompiledLinkage, _numpy))
 
-        library, _ = compiled(sources, find_toolchain())
-        return LinkageSolver(CompiledLinkage(library, sources))
 
-    def in_numpy(reason: Exception | None) -> LinkageSolver:
-        if reason is not None:
-            say_once(f"kousoku uses the NumPy solver: {reason}")
-        module = import_source(sources.folder, sources.files, NUMPY_SOURCE)
-        sources.require_digest(NUMPY_SOURCE, module.DIGEST)
-        return LinkageSolver(NumpyLinkage(module.SOLVER, sources))
-
-    return choose(target, sources, (C_SOURCE, in_c), (NUMPY_SOURCE, in_numpy))
+def _numpy(sources: Sources, reason: Exception | None) -> CompiledLinkage | NumpyLinkage:
+    if reason is not None:
+        say_once(f"kousoku uses the NumPy solver: {reason}")
+    return NumpyLinkage(numpy_module(sources).SOLVER, sources)
 
 
 def _open_same(sources: Sources, target: Target) -> LinkageSolver:
-    """Open the target that another process had; NumPy, and say so, where there is no compiler."""
-    return open_linkage(sources.placed(), target if target == "numpy" else "auto")
+    return open_linkage(*same(sources, target))
 
 
 def solve(folder: str | Path, *, target: Target = "auto", **options: Any) -> Trajectory:
