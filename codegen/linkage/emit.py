@@ -62,7 +62,7 @@ def emit_linkage(program: Program, layout: Layout, more: Mapping[str, str]) -> d
     dict of str to str
         File name and text, the manifest last.
     """
-    scene, regions, slots = layout.system.scene, regions_of(program), slots_of(program)
+    scene, regions, slots = layout.assembly.scene, regions_of(program), slots_of(program)
     title = scene.title or f"the linkage {scene.name}"
     sizes = [len(block.unknowns) for block in layout.blocks]
     view = {

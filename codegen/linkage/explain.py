@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from kousoku.codegen.linkage.assemble import assemble
 from kousoku.codegen.linkage.generate import layout_of, program_of
-from kousoku.model.assemble import assemble
 from kousoku.model.text import counted, table
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def explain_linkage(scene: Scene) -> LinkageExplanation:
     layout = layout_of(assemble(scene))
     return LinkageExplanation(
         scene.name,
-        len(layout.system.inputs),
+        len(layout.assembly.inputs),
         tuple((len(x.unknowns), len(x.rows)) for x in layout.blocks),
         tuple((x.name, x.operations.total()) for x in program_of(layout).kernels),
     )
