@@ -180,9 +180,9 @@ class Mechanism:
         """
         if end is None and times is None:
             end = self._duration()
-        when: dict[str, Any] = {"end": end, "times": times, "samples": samples}
+        options |= {"end": end, "times": times, "samples": samples, "progress": progress}
         with self._passed_on():
-            return self.result_of(self.solver.in_time(when, progress, options))
+            return self.result_of(self.solver.in_time(**options))
 
     def _duration(self) -> float:
         duration = getattr(self.scene, "duration", None)

@@ -144,15 +144,6 @@ class DynamicsSolver:
         """Solver itself, as that of bodies, which alone have what is asked for."""
         return self
 
-    def in_time(
-        self,
-        when: Mapping[str, Any],
-        progress: Callable[[float, float], object] | None,
-        options: Mapping[str, Any],
-    ) -> Motion:
-        """Motion at times, see :meth:`simulate`."""
-        return self.simulate(**when, progress=progress, **options)
-
     def along_inputs(
         self, times: Callable[[int | None], Sequence[float]], options: Mapping[str, Any]
     ) -> Motion:
@@ -221,6 +212,9 @@ class DynamicsSolver:
             end = self.layout.duration
         chosen = times_of(self.name, end, times, samples, self.target.row_size)
         return self.begin(chosen, **options).finish(progress)
+
+    #: What the door calls: linkages say there which options are of bodies.
+    in_time = simulate
 
     def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
         """Run at time 0 that can be stopped and go on.

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.kinematics.mechanism import Array, Mechanism
     from kousoku.runtime.kinematics.rows import Rows, Run
 
-__all__ = ["LinkageSolver", "Trajectory", "load_scene", "solve"]
+__all__ = ["LinkageSolver", "Trajectory", "load_scene"]
 
 #: The types of numbers of ``solver.h``; all others point at numbers.
 _TYPES: dict[str, Any] = {
@@ -150,19 +150,16 @@ class LinkageSolver(Linkage):
         )
 
     def in_time(
-        self,
-        when: Mapping[str, Any],
-        progress: Callable[[float, float], object] | None,
-        options: Mapping[str, Any],
+        self, *, progress: Callable[[float, float], object] | None = None, **options: Any
     ) -> Trajectory:
-        """Motion at times, see :meth:`simulate`; it is done at once and tells no progress."""
+        """Motion in time, see :meth:`simulate`; it is done at once and tells no progress."""
         for name in options:
             if name in ALL_OPTIONS and name != "method":
                 raise SolveError(
                     f"{self.name}: {name} is an option of scenes of bodies; this one is a linkage"
                     " of nodes, whose options are method and limit"
                 )
-        return self.simulate(**when, **options)
+        return self.simulate(**options)
 
     def along_inputs(
         self, times: Callable[[int | None], Sequence[float]], options: Mapping[str, Any]
@@ -233,11 +230,6 @@ def _numpy(sources: Sources, reason: Exception | None) -> CompiledLinkage | Nump
 
 def _open_same(sources: Sources, target: Target) -> LinkageSolver:
     return open_linkage(*same(sources, target))
-
-
-def solve(folder: str | Path, *, target: Target = "auto", **options: Any) -> Trajectory:
-    """Load a scene's folder and solve it; options as of :meth:`LinkageSolver.solve`."""
-    return load_scene(folder, target=target).solve(**options)
 
 
 def record_of(run: Run, rows: Rows) -> Any:
