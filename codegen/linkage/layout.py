@@ -104,6 +104,13 @@ class Layout:
         return "angles" in self.assembly.scene.outputs
 
     @property
+    def left_out(self) -> tuple[int, ...]:
+        """The unknown coordinates that no block finds, as nothing that is wanted needs them."""
+        every = enumerate(self.assembly.coordinates)
+        unknown = (number for number, one in every if one.role is Role.UNKNOWN)
+        return tuple(number for number in unknown if number not in self.everywhere)
+
+    @property
     def size(self) -> int:
         """Count of slots."""
         return sum(region.size for region in self.regions.values())
