@@ -183,14 +183,14 @@ def _address(array: Array) -> ctypes.c_void_p:
 
 
 def open_target(sources: Sources, target: Target) -> SolverTarget:
-    """Solver of a scene of bodies for a target, see :func:`opened`."""
+    """Solver of a scene of bodies for a target, see :func:`open_either`."""
     from kousoku.runtime.dynamics_numpy import load_numpy
 
     in_c: Callable[[ctypes.CDLL, Sources], SolverTarget] = CompiledSolver
-    return opened(sources, target, in_c, load_numpy)
+    return open_either(sources, target, in_c, load_numpy)
 
 
-def opened(
+def open_either(
     sources: Sources,
     target: Target,
     in_c: Callable[[ctypes.CDLL, Sources], Opened],
@@ -232,12 +232,12 @@ def opened(
 
 
 def open_same(sources: Sources, target: Target) -> SolverTarget:
-    """Open the target that another process had, see :func:`same`."""
-    return open_target(*same(sources, target))
+    """Open the target that another process had, see :func:`on_this_machine`."""
+    return open_target(*on_this_machine(sources, target))
 
 
-def same(sources: Sources, target: Target) -> tuple[Sources, Target]:
-    """Files and target that another process had; NumPy too, said so, where is no compiler."""
+def on_this_machine(sources: Sources, target: Target) -> tuple[Sources, Target]:
+    """Files and target of another process as they can be had here: NumPy where is no compiler."""
     return sources.placed(), target if target == "numpy" else "auto"
 
 

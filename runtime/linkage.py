@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
-from kousoku.runtime.dynamics_targets import exported, numpy_module, opened, same
+from kousoku.runtime.dynamics_targets import exported, numpy_module, on_this_machine, open_either
 from kousoku.runtime.kinematics.moving import Linkage
 from kousoku.runtime.kinematics.rows import RUN, empty_rows
 from kousoku.runtime.kinematics.solve import Solver
@@ -97,6 +97,10 @@ class NumpyLinkage(Solver):
     def mechanism(self, data: Mapping[str, Any]) -> Mechanism:
         """What ``motion.json`` says of the mechanism."""
         return self._solver.mechanism(data)
+
+    def scene(self, data: Mapping[str, Any]) -> Run:
+        """What it says of the run that the scene asks for."""
+        return self._solver.scene(data)
 
     def solve(self, mechanism: Mechanism, run: Run) -> Rows:
         """Run the whole turn by the analysis of the folder."""
@@ -219,7 +223,7 @@ def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
             f"{sources.folder} is not made from a linkage of nodes: it has no {LINKAGE_LIBRARY}"
         )
 
-    return LinkageSolver(opened(sources, target, CompiledLinkage, _numpy))
+    return LinkageSolver(open_either(sources, target, CompiledLinkage, _numpy))
 
 
 def _numpy(sources: Sources, reason: Exception | None) -> CompiledLinkage | NumpyLinkage:
@@ -229,7 +233,7 @@ def _numpy(sources: Sources, reason: Exception | None) -> CompiledLinkage | Nump
 
 
 def _open_same(sources: Sources, target: Target) -> LinkageSolver:
-    return open_linkage(*same(sources, target))
+    return open_linkage(*on_this_machine(sources, target))
 
 
 def record_of(run: Run, rows: Rows) -> Any:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.runtime.dynamics import DynamicsSolver, open_dynamics
-from kousoku.runtime.linkage import LinkageSolver, open_linkage
 from kousoku.runtime.sources import Sources
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from kousoku.runtime.choice import Target
+    from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.linkage import LinkageSolver
 
-#: What both have: ``name``, ``target`` with its ``name`` and ``sources``, ``parameters``,
-#: ``counts``, ``in_time``, ``along_inputs``, and ``of_bodies`` for what bodies alone have.
-Solver = DynamicsSolver | LinkageSolver
+    #: What both have: ``name``, ``target`` with its ``name`` and ``sources``, ``parameters``,
+    #: ``counts``, ``in_time``, ``along_inputs``, and ``of_bodies`` for what bodies alone have.
+    Solver = DynamicsSolver | LinkageSolver
 
 
 def load_solver(folder: str | Path, *, target: Target = "auto") -> Solver:
@@ -35,4 +35,10 @@ def load_solver(folder: str | Path, *, target: Target = "auto") -> Solver:
         As of :func:`kousoku.runtime.dynamics.load_dynamics`.
     """
     sources = Sources.read(folder)
-    return (open_linkage if sources.is_linkage else open_dynamics)(sources, target)
+    if sources.is_linkage:
+        from kousoku.runtime.linkage import open_linkage
+
+        return open_linkage(sources, target)
+    from kousoku.runtime.dynamics import open_dynamics
+
+    return open_dynamics(sources, target)
