@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.model.errors import FreezeError
-from kousoku.model.terms import Function, Number, evaluated
+from kousoku.model.graph import Op
+from kousoku.model.terms import Number, evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -49,44 +50,44 @@ def to_graph(expression: Expression, graph: Graph, leaves: Mapping[str, int]) ->
             raise FreezeError(f"the name {part.name} has no node; there are {known}")
         return leaves[part.name]
 
-    def apply(function: Function, args: Sequence[int]) -> int:
-        return _bounded(graph, _apply(graph, function, args))
+    def apply(op: Op, args: Sequence[int]) -> int:
+        return _bounded(graph, _apply(graph, op, args))
 
     return evaluated(expression, leaf, apply)
 
 
-def _apply(graph: Graph, function: Function, args: Sequence[int]) -> int:
+def _apply(graph: Graph, op: Op, args: Sequence[int]) -> int:
     """Return the node of a function; what the graph does not have is composed."""
-    match function:
-        case Function.ADD:
+    match op:
+        case Op.ADD:
             return graph.sum(args)
-        case Function.POW:
+        case Op.POW:
             return _power(graph, *args)
-        case Function.MIN:
+        case Op.MIN:
             return graph.neg(graph.max(*(graph.neg(arg) for arg in args)))
-        case Function.MUL | Function.DIV | Function.ATAN2 | Function.MAX:
-            return int(getattr(graph, function.value)(*args))
+        case Op.MUL | Op.DIV | Op.ATAN2 | Op.MAX:
+            return int(getattr(graph, op.value)(*args))
         case _:
-            return _of_one(graph, function, args[0])
+            return _of_one(graph, op, args[0])
 
 
-def _of_one(graph: Graph, function: Function, x: int) -> int:
+def _of_one(graph: Graph, op: Op, x: int) -> int:
     one = graph.const(1)
-    match function:
-        case Function.TAN:
+    match op:
+        case Op.TAN:
             return graph.div(graph.sin(x), graph.cos(x))
-        case Function.ASIN:
+        case Op.ASIN:
             return graph.atan2(x, _arc(graph, x))
-        case Function.ACOS:
+        case Op.ACOS:
             return graph.atan2(_arc(graph, x), x)
-        case Function.ATAN:
+        case Op.ATAN:
             return graph.atan2(x, one)
-        case Function.SIGN:
+        case Op.SIGN:
             # Exactly ±1, and 0 at 0: no double but zero is smaller than the one it divides by.
             smallest = graph.const(SMALLEST_SUBNORMAL)
             return graph.div(x, graph.max(graph.abs(x), smallest))
         case _:
-            return int(getattr(graph, function.value)(x))
+            return int(getattr(graph, op.value)(x))
 
 
 def _arc(graph: Graph, x: int) -> int:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from kousoku.model.cache import cache_folder, write_atomically
 from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
-from kousoku.model.graph import Node, Op
+from kousoku.model.graph import GRAPH_OPS, Node, Op
 from kousoku.model.jsontext import to_text
 from kousoku.model.kernel import Kernel, Package
 from kousoku.model.own_kind import PREFIX, is_own, kind_name
@@ -248,6 +248,8 @@ def _node_from_data(text: str, position: int) -> Node:
     else:
         word, *args = text.split(" ")
         op = Op(word)
+        if op not in GRAPH_OPS:
+            raise ValueError(f"{word} is no operation of a kernel")
     return Node(op, args=tuple(_known_id(int(arg), position) for arg in args))
 
 

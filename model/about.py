@@ -13,11 +13,12 @@ from kousoku.model.design_numbers import with_numbers
 from kousoku.model.errors import ExpressionError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, state_names, texts_of, used_names
+from kousoku.model.graph import Op
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.quaternions import quaternion
 from kousoku.model.spatial import GROUND
 from kousoku.model.switching import may_jump
-from kousoku.model.terms import Apply, Function, names_of, ordered
+from kousoku.model.terms import Apply, names_of, ordered
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -124,7 +125,7 @@ def notes_of_events(scene: Scene) -> Iterator[str]:
 def _jumps(part: Expression) -> Iterator[Expression]:
     """Arguments of jumps: that of a sign, and of what stands over its size."""
     match part:
-        case Apply(Function.SIGN, (x,)) | Apply(Function.DIV, (_, Apply(Function.ABS, (x,)))):
+        case Apply(Op.SIGN, (x,)) | Apply(Op.DIV, (_, Apply(Op.ABS, (x,)))):
             yield x
 
 

@@ -24,11 +24,11 @@ from typing import TYPE_CHECKING
 from kousoku.model.angles import DEGREE, PI
 from kousoku.model.decode import LARGEST, unknown
 from kousoku.model.errors import ExpressionError
+from kousoku.model.graph import BINARY_OPS, Op
 from kousoku.model.polynomials import with_squares_apart
 from kousoku.model.terms import (
     ZERO,
     Apply,
-    Function,
     Name,
     Number,
     add,
@@ -51,10 +51,11 @@ DEEPEST = 60
 """Levels of the deepest formula: parentheses, and operations on what others give."""
 
 ARGUMENTS = {
-    function.value: 2 if function in {Function.ATAN2, Function.MIN, Function.MAX} else 1
-    for function in Function
-    if function not in {Function.ADD, Function.MUL, Function.DIV, Function.NEG, Function.POW}
-    if function not in {Function.LOG_SUM, Function.SHARE}
+    op.value: 2 if op in BINARY_OPS else 1
+    for op in (
+        *(Op.SIN, Op.COS, Op.TAN, Op.ASIN, Op.ACOS, Op.ATAN, Op.ATAN2),
+        *(Op.SQRT, Op.EXP, Op.LOG, Op.ABS, Op.SIGN, Op.MIN, Op.MAX),
+    )
 }
 """The functions that a formula may call, and how many arguments each takes."""
 
@@ -244,12 +245,12 @@ class _Parser:
         if len(args) != count and not (is_open and len(args) > count):
             wanted = f"{count} or more" if is_open else str(count)
             raise self.error(f"{token} of {len(args)} arguments; wanted {wanted}", start)
-        function = Function(token)
+        op = Op(token)
         if count == 1:
-            return self.settled(with_squares_apart(apply(function, *args)), start)
+            return self.settled(with_squares_apart(apply(op, *args)), start)
         value = args[0]
         for arg in args[1:]:
-            value = self.settled(apply(function, value, arg), start)
+            value = self.settled(apply(op, value, arg), start)
         return value
 
     def close(self, opened: int) -> None:

@@ -16,7 +16,13 @@ if TYPE_CHECKING:
 
 
 class Op(enum.Enum):
-    """The operations that every target can print."""
+    """The operations of kernels and formulas.
+
+    ``ADD`` of a formula takes two operands or more. A power whose exponent is a whole number is a
+    product, one with a half in it a square root of one; any other is exp(b log a) and wants a
+    positive a. ``SIGN`` is −1, 0 or 1. No text has the last two, log(eᵃ + eᵇ) and eˣ/(1 + eˣ):
+    they are what others are bounded by. Counts of operations are told in this order.
+    """
 
     CONST = "const"
     INPUT = "input"
@@ -25,24 +31,49 @@ class Op(enum.Enum):
     MUL = "mul"
     DIV = "div"
     NEG = "neg"
+    POW = "pow"
     SQRT = "sqrt"
     SIN = "sin"
     COS = "cos"
+    TAN = "tan"
+    ASIN = "asin"
+    ACOS = "acos"
+    ATAN = "atan"
     ATAN2 = "atan2"
     EXP = "exp"
     LOG = "log"
     ABS = "abs"
+    SIGN = "sign"
+    MIN = "min"
     MAX = "max"
+    LOG_SUM = "log_sum"
+    SHARE = "share"
 
     #: There is one object of each, and nodes are looked up by it: that of Enum is slow.
     __hash__ = object.__hash__
 
 
+#: Operations of formulas only: graphs are made of others that have the same value.
+COMPOSED_OPS = frozenset(
+    {
+        *(Op.POW, Op.TAN, Op.ASIN, Op.ACOS, Op.ATAN),
+        *(Op.SIGN, Op.MIN, Op.LOG_SUM, Op.SHARE),
+    }
+)
+
+#: Operations of graphs: every target can print them.
+GRAPH_OPS = frozenset(Op) - COMPOSED_OPS
+
 #: Operations that IEEE 754 rounds correctly: targets agree on them bit for bit.
 EXACT_OPS = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.NEG, Op.SQRT, Op.ABS})
 
 #: Operations of two operands.
-BINARY_OPS = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.ATAN2, Op.MAX})
+BINARY_OPS = frozenset(
+    {
+        *(Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.POW),
+        *(Op.ATAN2, Op.MIN, Op.MAX, Op.LOG_SUM),
+    }
+)
 
 
 class Node(NamedTuple):
@@ -248,7 +279,7 @@ class Graph:
 
 
 #: Those of :class:`Graph` by what they build, looked up faster than the values of an Enum.
-_METHODS = {op: op.value for op in Op}
+_METHODS = {op: op.value for op in GRAPH_OPS}
 
 
 def literal(value: Fraction) -> str:

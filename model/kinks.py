@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.derivative import derivative
+from kousoku.model.graph import Op
 from kousoku.model.switching import SMOOTH, even_root, may_be_zero
 from kousoku.model.terms import (
     Apply,
-    Function,
     Name,
     Number,
     add,
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.terms import Expression
 
-KINKS = (Function.ABS, Function.SIGN, Function.MIN, Function.MAX)
+KINKS = (Op.ABS, Op.SIGN, Op.MIN, Op.MAX)
 """Functions that do not have two derivatives everywhere."""
 
 DEEPEST = 6
@@ -54,7 +54,7 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Appl
         Those of the scene; others near them are looked at, too.
     """
     law, roots = _without_roots(law)
-    parts = [part for part in ordered(law) if isinstance(part, Apply) and part.function in KINKS]
+    parts = [part for part in ordered(law) if isinstance(part, Apply) and part.op in KINKS]
     if not parts:
         return None
     from kousoku.model.digits import CONTEXT  # noqa: PLC0415 (mpmath is for kinks only)
@@ -69,7 +69,7 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Appl
                 for place, (name, value) in enumerate(parameters.items(), 1)
             }
             if (
-                part.function is Function.SIGN
+                part.op is Op.SIGN
                 or _count(part) > DEEPEST
                 or not _is_smooth(law, part, sides, time, values)
             ):
@@ -88,11 +88,11 @@ def _without_roots(law: Expression) -> tuple[Expression, dict[Apply, Apply]]:
         if not isinstance(one, Apply):
             known[id(one)] = one
             continue
-        same = Apply(one.function, tuple(known[id(arg)] for arg in one.args))
+        same = Apply(one.op, tuple(known[id(arg)] for arg in one.args))
         root = even_root(same)
         if root is not None and 0 < root[1] < SMOOTH and may_be_zero(root[0]):
             a, exponent = root
-            size = Apply(Function.ABS, (a,))
+            size = Apply(Op.ABS, (a,))
             known[id(one)], roots[size] = power(size, Number(exponent)), same
         else:
             known[id(one)] = same
@@ -135,13 +135,13 @@ def _is_smooth(
 
 
 def _count(expression: Expression) -> int:
-    return sum(isinstance(one, Apply) and one.function in KINKS for one in ordered(expression))
+    return sum(isinstance(one, Apply) and one.op in KINKS for one in ordered(expression))
 
 
 def _branches(gap: Expression) -> list[Expression]:
     """Return what a formula can be, with either side of each kink in it."""
     for part in ordered(gap):
-        if isinstance(part, Apply) and part.function in KINKS:
+        if isinstance(part, Apply) and part.op in KINKS:
             sides = (*part.args, neg(part.args[0]))[:2]
             return [one for side in sides for one in _branches(replaced(gap, part, side))]
     return [gap]
@@ -153,9 +153,9 @@ def _sizes(expression: Expression) -> Expression:
     for one in ordered(expression):
         if isinstance(one, Name | Number):
             known[id(one)] = one
-        elif one.function is Function.ADD:
-            terms = (apply(Function.ABS, known[id(arg)]) for arg in one.args)
+        elif one.op is Op.ADD:
+            terms = (apply(Op.ABS, known[id(arg)]) for arg in one.args)
             known[id(one)] = add(*terms)
         else:
-            known[id(one)] = Apply(one.function, tuple(known[id(arg)] for arg in one.args))
+            known[id(one)] = Apply(one.op, tuple(known[id(arg)] for arg in one.args))
     return known[id(expression)]

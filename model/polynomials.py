@@ -11,12 +11,12 @@ from itertools import pairwise
 from math import isqrt
 from typing import TYPE_CHECKING, NamedTuple
 
+from kousoku.model.graph import Op
 from kousoku.model.terms import (
     LARGEST_BITS,
     ONE,
     Apply,
     Expression,
-    Function,
     Number,
     add,
     apply,
@@ -130,10 +130,10 @@ def even_power(part: Expression) -> tuple[Expression, int] | None:
     if not isinstance(part, Apply):
         return None
     a, *others = part.args
-    match part.function, others:
-        case Function.MUL, [b] if a == b:
+    match part.op, others:
+        case Op.MUL, [b] if a == b:
             return a, 2
-        case Function.POW, [Number(count)] if count.denominator == 1 and count % 2 == 0:
+        case Op.POW, [Number(count)] if count.denominator == 1 and count % 2 == 0:
             return a, int(count)
     return None
 
@@ -145,9 +145,9 @@ def with_squares_apart(part: Expression) -> Expression:
     be an absolute value. What is no root is returned as it is.
     """
     match part:
-        case Apply(Function.SQRT, (inside,)):
+        case Apply(Op.SQRT, (inside,)):
             exponent = Fraction(1, 2)
-        case Apply(Function.POW, (inside, Number(exponent))) if exponent.denominator > 1:
+        case Apply(Op.POW, (inside, Number(exponent))) if exponent.denominator > 1:
             pass
         case _:
             return part
@@ -159,7 +159,7 @@ def with_squares_apart(part: Expression) -> Expression:
 
 def _squares_of(part: Expression) -> Squares | None:
     """Return the even powers of a product unless it is negative, also if it is a quotient."""
-    if isinstance(part, Apply) and part.function is Function.DIV and not _is_sum(part):
+    if isinstance(part, Apply) and part.op is Op.DIV and not _is_sum(part):
         above, below = part.args
         single = even_power(above)
         found = _squares_of(above) if single is None else Squares(ONE, (single,))
@@ -176,7 +176,7 @@ def _root_of(part: Expression, exponent: Fraction) -> Expression:
         if [size * size for size in roots] == [*part.value.as_integer_ratio()]:
             return power(Number(Fraction(*roots)), number(2 * exponent))
     if exponent == Fraction(1, 2):
-        return apply(Function.SQRT, part)
+        return apply(Op.SQRT, part)
     return power(part, Number(exponent))
 
 
@@ -204,12 +204,12 @@ def _is_sum(part: Expression) -> bool:
     """Return whether a formula is a sum or product of others."""
     if not isinstance(part, Apply):
         return False
-    match part.function:
-        case Function.ADD | Function.NEG | Function.MUL:
+    match part.op:
+        case Op.ADD | Op.NEG | Op.MUL:
             return True
-        case Function.DIV:
+        case Op.DIV:
             return isinstance(part.args[1], Number) and part.args[1].value != 0
-        case Function.POW:
+        case Op.POW:
             return _is_power(part)
     return False
 
@@ -218,7 +218,7 @@ def _args_of(part: Expression) -> tuple[Expression, ...]:
     """Return of what a formula is a sum or product."""
     if not isinstance(part, Apply) or not _is_sum(part):
         return ()
-    return part.args[:1] if part.function in {Function.POW, Function.DIV} else part.args
+    return part.args[:1] if part.op in {Op.POW, Op.DIV} else part.args
 
 
 def _terms(
@@ -230,17 +230,17 @@ def _terms(
     if not isinstance(part, Apply) or not _is_sum(part):
         return {tuple(int(one == part) for one in variables): Fraction(1)}
     args = [known[id(arg)] for arg in _args_of(part)]
-    match part.function:
-        case Function.ADD:
+    match part.op:
+        case Op.ADD:
             total: Terms = {}
             for one in args:
                 total = _plus(total, one)
             return total
-        case Function.NEG:
+        case Op.NEG:
             return {powers: -factor for powers, factor in args[0].items()}
-        case Function.MUL:
+        case Op.MUL:
             return _times(*args) if len(args[0]) * len(args[1]) <= MOST_TERMS**2 else None
-        case Function.DIV:
+        case Op.DIV:
             divisor = part.args[1]
             assert isinstance(divisor, Number)
             return {powers: factor / divisor.value for powers, factor in args[0].items()}

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from kousoku.model.derivative import derivative
 from kousoku.model.enclosure import Bounds, enclosure, product_of
+from kousoku.model.graph import Op
 from kousoku.model.polynomials import polynomial_of
 from kousoku.model.terms import (
     ONE,
     ZERO,
     Apply,
-    Function,
     Name,
     Number,
     add,
@@ -45,9 +45,9 @@ PLACE, ITSELF, REST = ".z", ".itself", ".rest"
 HIGHEST = 3
 #: What functions are of zero; of others that is not known.
 AT_ZERO = {
-    **dict.fromkeys((Function.SIN, Function.TAN, Function.ASIN, Function.ATAN), ZERO),
-    Function.COS: ONE,
-    Function.EXP: ONE,
+    **dict.fromkeys((Op.SIN, Op.TAN, Op.ASIN, Op.ATAN), ZERO),
+    Op.COS: ONE,
+    Op.EXP: ONE,
 }
 
 
@@ -95,7 +95,7 @@ class Quotient(NamedTuple):
             What bounds each name that varies.
         """
         place = enclosure(self.place, spans)
-        ends = (apply(Function.MIN, place.least, ZERO), apply(Function.MAX, place.most, ZERO))
+        ends = (apply(Op.MIN, place.least, ZERO), apply(Op.MAX, place.most, ZERO))
         near = {
             PLACE: place,
             **self._rests(self.above, 0, ends),
@@ -133,11 +133,11 @@ class Quotient(NamedTuple):
 
     def _both(self, far: Bounds, near: Bounds, place: Bounds) -> Bounds:
         """Bounds that meet two others, of which the first hold where z has a sign."""
-        sign = apply(Function.MAX, mul(place.least, place.most), ZERO)
+        sign = apply(Op.MAX, mul(place.least, place.most), ZERO)
         none = add(div(sign, sign), number(-1))  # no number where z has no sign: none is left out
         return Bounds(
-            apply(Function.MAX, add(far.least, none), near.least),
-            apply(Function.MIN, add(far.most, none), near.most),
+            apply(Op.MAX, add(far.least, none), near.least),
+            apply(Op.MIN, add(far.most, none), near.most),
         )
 
 
@@ -159,9 +159,9 @@ def without_quotients(
         if not isinstance(part, Apply):
             known[id(part)] = part
             continue
-        known[id(part)] = apply(part.function, *(known[id(arg)] for arg in part.args))
+        known[id(part)] = apply(part.op, *(known[id(arg)] for arg in part.args))
         same = known[id(part)]
-        if isinstance(same, Apply) and same.function is Function.DIV:
+        if isinstance(same, Apply) and same.op is Op.DIV:
             names = {*varying, *(one.name for one in found.values())}
             known[id(part)] = _named(same, names, found)
     return known[id(formula)], tuple(found.values())
@@ -190,7 +190,7 @@ def _places(below: Expression, varying: Collection[str]) -> Iterator[Expression]
 
 
 def _factors(part: Expression) -> Iterator[Expression]:
-    if isinstance(part, Apply) and part.function is Function.MUL:
+    if isinstance(part, Apply) and part.op is Op.MUL:
         for one in part.args:
             yield from _factors(one)
     else:
@@ -229,19 +229,19 @@ def _of_place(formula: Expression, place: Expression, varying: Collection[str]) 
     return replaced(same, Name(names[0]), value, _value)
 
 
-def _value(function: Function, args: tuple[Expression, ...]) -> Expression:
+def _value(op: Op, args: tuple[Expression, ...]) -> Expression:
     """Function of formulas, also of zero."""
-    if args == (ZERO,) and function in AT_ZERO:
-        return AT_ZERO[function]
-    if function is Function.LOG and args == (ONE,):
+    if args == (ZERO,) and op in AT_ZERO:
+        return AT_ZERO[op]
+    if op is Op.LOG and args == (ONE,):
         return ZERO
-    if function is Function.POW and args[0] == ZERO:
+    if op is Op.POW and args[0] == ZERO:
         exponent = args[1]
         is_positive = isinstance(exponent, Number) and exponent.value > 0
-        return ZERO if is_positive else Apply(function, args)
-    if function is Function.DIV and args[1] == ZERO:
-        return Apply(function, args)
-    return apply(function, *args)
+        return ZERO if is_positive else Apply(op, args)
+    if op is Op.DIV and args[1] == ZERO:
+        return Apply(op, args)
+    return apply(op, *args)
 
 
 def _order(above: Expression, below: Expression) -> int | None:
@@ -278,7 +278,7 @@ def _has_value(formula: Expression) -> bool:
     for part in ordered(formula):
         if isinstance(part, Apply):
             a, b = part.args[0], part.args[-1]
-            is_power = part.function in {Function.POW, Function.LOG, Function.SQRT}
-            if (part.function is Function.DIV and b == ZERO) or (is_power and a == ZERO):
+            is_power = part.op in {Op.POW, Op.LOG, Op.SQRT}
+            if (part.op is Op.DIV and b == ZERO) or (is_power and a == ZERO):
                 return False
     return True

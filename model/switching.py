@@ -15,9 +15,10 @@ from kousoku.model.derivative import derivative
 from kousoku.model.exponentials import without_overflow
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
+from kousoku.model.graph import Op
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.polynomials import even_power, is_never_zero, square_part
-from kousoku.model.terms import ONE, Apply, Function, Number, add, apply, names_of, neg, ordered
+from kousoku.model.terms import ONE, Apply, Number, add, apply, names_of, neg, ordered
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Sequence
@@ -26,13 +27,13 @@ if TYPE_CHECKING:
     from kousoku.model.terms import Expression
 
 #: Functions with a kink or a jump.
-SWITCHES = frozenset({Function.MIN, Function.MAX, Function.ABS, Function.SIGN})
+SWITCHES = frozenset({Op.MIN, Op.MAX, Op.ABS, Op.SIGN})
 #: Powers from this one on have two derivatives where what they are of is zero.
 SMOOTH = 2
 #: Functions with a jump, or that jump through infinity.
-JUMPING = frozenset({Function.SIGN, Function.TAN, Function.ATAN2})
+JUMPING = frozenset({Op.SIGN, Op.TAN, Op.ATAN2})
 #: Functions of which those of their arguments may be looked at instead.
-TRANSPARENT = frozenset({*SWITCHES, Function.ADD, Function.NEG, Function.MUL})
+TRANSPARENT = frozenset({*SWITCHES, Op.ADD, Op.NEG, Op.MUL})
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,19 +187,19 @@ def switching_functions(formula: Expression) -> Iterator[Expression]:
     """
     smooth = {id(factor) for part in ordered(formula) for factor in _signed_squares(part)}
     for part in ordered(formula):
-        if isinstance(part, Apply) and part.function in SWITCHES and id(part) not in smooth:
+        if isinstance(part, Apply) and part.op in SWITCHES and id(part) not in smooth:
             first, *rest = part.args
             yield add(first, *map(neg, rest))
         elif (root := even_root(part)) is not None and root[1] < SMOOTH:
             yield root[0]
-        elif isinstance(part, Apply) and part.function is Function.ATAN:
+        elif isinstance(part, Apply) and part.op is Op.ATAN:
             yield from _divisors_of(part)
 
 
 def _divisors_of(formula: Expression) -> Iterator[Expression]:
     """What may be zero in a formula, and is divided by there."""
     for part in ordered(formula):
-        if isinstance(part, Apply) and part.function is Function.DIV:
+        if isinstance(part, Apply) and part.op is Op.DIV:
             yield from filter(may_be_zero, _crossed(part.args[1]))
 
 
@@ -208,13 +209,13 @@ def _edges_of(formula: Expression) -> Iterator[Expression]:
         if not isinstance(part, Apply):
             continue
         a, edge = part.args[0], None
-        if part.function in {Function.SQRT, Function.LOG}:
+        if part.op in {Op.SQRT, Op.LOG}:
             edge = a
-        elif part.function is Function.POW:
+        elif part.op is Op.POW:
             exponent = part.args[1]
             is_whole = isinstance(exponent, Number) and exponent.value.denominator == 1
             edge = None if is_whole else a
-        elif part.function in {Function.ASIN, Function.ACOS}:
+        elif part.op in {Op.ASIN, Op.ACOS}:
             least, most = range_of(a)
             edge = None if -1.0 <= least <= most <= 1.0 else _inside(a)
         if edge is not None and range_of(edge)[0] < 0.0:
@@ -223,14 +224,14 @@ def _edges_of(formula: Expression) -> Iterator[Expression]:
 
 def _inside(a: Expression) -> Expression:
     """Return what is positive where a number has an arc sine."""
-    return add(ONE, neg(apply(Function.ABS, a)))
+    return add(ONE, neg(apply(Op.ABS, a)))
 
 
 def even_root(part: Expression) -> tuple[Expression, Fraction] | None:
     """Return a and b of a root of an even power of a, which is abs(a) to the power b."""
-    if not isinstance(part, Apply) or part.function not in {Function.SQRT, Function.POW}:
+    if not isinstance(part, Apply) or part.op not in {Op.SQRT, Op.POW}:
         return None
-    exponent = Number(Fraction(1, 2)) if part.function is Function.SQRT else part.args[1]
+    exponent = Number(Fraction(1, 2)) if part.op is Op.SQRT else part.args[1]
     if not isinstance(exponent, Number) or exponent.value.denominator == 1:
         return None
     found = even_power(part.args[0])
@@ -254,12 +255,12 @@ def _poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Express
         if not isinstance(part, Apply):
             continue
         place, exponent = None, part.args[-1]
-        if part.function in {Function.DIV, Function.LOG}:
+        if part.op in {Op.DIV, Op.LOG}:
             place = _place_of(part) or part.args[0]
-        elif part.function is Function.TAN:
+        elif part.op is Op.TAN:
             least, most = range_of(part.args[0])
             place = None if -pi / 2 < least <= most < pi / 2 else _place_of(part)
-        elif part.function is Function.POW:
+        elif part.op is Op.POW:
             is_root = isinstance(exponent, Number) and exponent.value > 0
             place = None if is_root else part.args[0]
         for zero in _zeros_of(place) if place is not None else ():
@@ -269,7 +270,7 @@ def _poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Express
 
 def _summands(formula: Expression) -> Iterator[Expression]:
     """Yield what a formula is a sum of: a product may be finite where a factor is not."""
-    if isinstance(formula, Apply) and formula.function in {Function.ADD, Function.NEG}:
+    if isinstance(formula, Apply) and formula.op in {Op.ADD, Op.NEG}:
         yield from chain.from_iterable(map(_summands, formula.args))
     else:
         yield formula
@@ -278,11 +279,11 @@ def _summands(formula: Expression) -> Iterator[Expression]:
 def _zeros_of(place: Expression) -> Iterator[Expression]:
     """Yield functions that change sign where one is zero: the factors, and what roots are of."""
     match place:
-        case Apply(Function.MUL, args):
+        case Apply(Op.MUL, args):
             yield from chain.from_iterable(map(_zeros_of, args))
-        case Apply(Function.NEG | Function.ABS | Function.SQRT | Function.DIV, (a, *_)):
+        case Apply(Op.NEG | Op.ABS | Op.SQRT | Op.DIV, (a, *_)):
             yield from _zeros_of(a)
-        case Apply(Function.POW, (a, Number(exponent))) if exponent > 0:
+        case Apply(Op.POW, (a, Number(exponent))) if exponent > 0:
             yield from _zeros_of(a)
         case _:
             yield from _crossed(place)
@@ -299,22 +300,22 @@ def _place_of(part: Expression) -> Expression | None:
     if not isinstance(part, Apply):
         return None
     a, b = part.args[0], part.args[-1]
-    match part.function:
-        case Function.SQRT | Function.LOG:
+    match part.op:
+        case Op.SQRT | Op.LOG:
             return a if even_root(part) is None else None
-        case Function.DIV:
+        case Op.DIV:
             return b
-        case Function.POW:
+        case Op.POW:
             if not isinstance(b, Number) or b.value < 0:
                 return a
             is_root = b.value.denominator > 1 and b.value < SMOOTH
             return a if is_root and even_root(part) is None else None
-        case Function.TAN:
-            return apply(Function.COS, a)
-        case Function.ASIN | Function.ACOS:
+        case Op.TAN:
+            return apply(Op.COS, a)
+        case Op.ASIN | Op.ACOS:
             return _inside(a)
-        case Function.ATAN2:
-            return apply(Function.MAX, apply(Function.ABS, a), b)
+        case Op.ATAN2:
+            return apply(Op.MAX, apply(Op.ABS, a), b)
     return None
 
 
@@ -344,28 +345,28 @@ def range_of(expression: Expression) -> tuple[float, float]:
 def _range(part: Apply, args: Sequence[tuple[float, float]]) -> tuple[float, float]:
     """Return the least and the most that a function of such ranges may be."""
     least, most = args[0]
-    match part.function:
-        case Function.ADD:
+    match part.op:
+        case Op.ADD:
             return sum(one[0] for one in args), sum(one[1] for one in args)
-        case Function.NEG:
+        case Op.NEG:
             return -most, -least
-        case Function.SIN | Function.COS:
+        case Op.SIN | Op.COS:
             return -1.0, 1.0
-        case Function.EXP:
+        case Op.EXP:
             return (0.0 if least > 0.0 else 5e-324), inf
-        case Function.ABS | Function.SQRT:
+        case Op.ABS | Op.SQRT:
             return 0.0, inf
-        case Function.MUL if all(isfinite(end) for one in args for end in one):
+        case Op.MUL if all(isfinite(end) for one in args for end in one):
             ends = [a * b for a in args[0] for b in args[1]]
             return min(ends), max(ends)
-        case Function.MUL if part.args[0] == part.args[1] or min(least, args[1][0]) >= 0.0:
+        case Op.MUL if part.args[0] == part.args[1] or min(least, args[1][0]) >= 0.0:
             return (5e-324 if min(least, args[1][0]) > 0.0 else 0.0), inf
-        case Function.POW if isinstance(exponent := part.args[1], Number):
+        case Op.POW if isinstance(exponent := part.args[1], Number):
             is_even = exponent.value % 2 == 0 or exponent.value.denominator > 1
             return (0.0, inf) if is_even else (-inf, inf)
-        case Function.MAX:
+        case Op.MAX:
             return max(one[0] for one in args), max(one[1] for one in args)
-        case Function.MIN:
+        case Op.MIN:
             return min(one[0] for one in args), min(one[1] for one in args)
     return -inf, inf
 
@@ -394,26 +395,26 @@ def _may_jump(part: Expression) -> bool:
     """Return whether the last function of a formula is one that may jump, also to infinity."""
     if not isinstance(part, Apply):
         return False
-    if part.function is Function.DIV:
+    if part.op is Op.DIV:
         return not isinstance(part.args[1], Number)
-    if part.function is Function.POW:
+    if part.op is Op.POW:
         exponent = part.args[1]
         return not isinstance(exponent, Number) or exponent.value < 0
-    return part.function in JUMPING
+    return part.op in JUMPING
 
 
 def _signed_squares(part: Expression) -> Iterator[Expression]:
     """Yield the factors ``abs(a)`` of a product that has a factor a, too."""
     factors = list(_factors(part))
     for factor in factors if len(factors) > 1 else ():
-        if isinstance(factor, Apply) and factor.function is Function.ABS:
+        if isinstance(factor, Apply) and factor.op is Op.ABS:
             (inside,) = factor.args
             if inside in factors:
                 yield factor
 
 
 def _factors(part: Expression) -> Iterator[Expression]:
-    while isinstance(part, Apply) and part.function in {Function.MUL, Function.NEG}:
+    while isinstance(part, Apply) and part.op in {Op.MUL, Op.NEG}:
         yield part.args[-1]
         part = part.args[0]
     yield part
@@ -438,9 +439,7 @@ def varying_parts(formula: Expression, varying: Collection[str]) -> Iterator[Exp
             continue
         seen.add(id(part))
         fast = [arg for arg in part.args if varies[id(arg)]]
-        is_whole = part.function is Function.POW or (
-            part.function is Function.MUL and len(fast) > 1
-        )
+        is_whole = part.op is Op.POW or (part.op is Op.MUL and len(fast) > 1)
         if is_whole or not _is_transparent(part, varying):
             yield part
         else:
@@ -449,13 +448,13 @@ def varying_parts(formula: Expression, varying: Collection[str]) -> Iterator[Exp
 
 def _is_transparent(part: Apply, varying: Collection[str]) -> bool:
     """Return whether a function of polynomials is one, but for kinks."""
-    if part.function is Function.POW:
+    if part.op is Op.POW:
         exponent = part.args[1]
         return (
             isinstance(exponent, Number)
             and exponent.value.denominator == 1
             and (exponent.value.numerator >= 0)
         )
-    if part.function is Function.DIV:
+    if part.op is Op.DIV:
         return not any(name in varying for name in names_of(part.args[1]))
-    return part.function in TRANSPARENT
+    return part.op in TRANSPARENT

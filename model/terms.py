@@ -6,11 +6,12 @@ the code that is generated from them computes it. Numbers are exact.
 
 from __future__ import annotations
 
-import enum
 from dataclasses import dataclass, field
 from fractions import Fraction
 from hashlib import blake2b
 from typing import TYPE_CHECKING, TypeVar, cast
+
+from kousoku.model.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -19,37 +20,6 @@ T = TypeVar("T")
 
 LARGEST_BITS = 4096
 """Bits of the largest numerator or denominator: a longer number is left as a formula."""
-
-
-class Function(enum.Enum):
-    """What a formula may apply to others; ``ADD`` takes two or more.
-
-    A power whose exponent is a whole number is a product, one with a half in it a square root of
-    one; any other is exp(b log a) and wants a positive a. ``SIGN`` is −1, 0 or 1. No text has the
-    last two, log(eᵃ + eᵇ) and eˣ/(1 + eˣ): they are what others are bounded by.
-    """
-
-    ADD = "add"
-    MUL = "mul"
-    DIV = "div"
-    NEG = "neg"
-    POW = "pow"
-    SIN = "sin"
-    COS = "cos"
-    TAN = "tan"
-    ASIN = "asin"
-    ACOS = "acos"
-    ATAN = "atan"
-    ATAN2 = "atan2"
-    SQRT = "sqrt"
-    EXP = "exp"
-    LOG = "log"
-    ABS = "abs"
-    SIGN = "sign"
-    MIN = "min"
-    MAX = "max"
-    LOG_SUM = "log_sum"
-    SHARE = "share"
 
 
 class Term:
@@ -147,18 +117,18 @@ class Apply(Term):
 
     Parameters
     ----------
-    function : Function
+    op : Op
         What is applied.
     args : tuple of Expression
         To what. Parts may be shared: a tree is walked with :func:`ordered`, never by recursion.
     """
 
-    function: Function
+    op: Op
     args: tuple[Expression, ...]
     _key: str = field(default="", init=False, repr=False)
 
     def _own(self) -> tuple[str, ...]:
-        return (self.function.value,)
+        return (self.op.value,)
 
 
 Expression = Number | Name | Apply
@@ -183,7 +153,7 @@ def add(*terms: Expression) -> Expression:
     kept = [term for term in kept if term != ZERO]
     if not kept:
         return ZERO
-    return kept[0] if len(kept) == 1 else Apply(Function.ADD, tuple(kept))
+    return kept[0] if len(kept) == 1 else Apply(Op.ADD, tuple(kept))
 
 
 def mul(*factors: Expression) -> Expression:
@@ -196,7 +166,7 @@ def mul(*factors: Expression) -> Expression:
             product = factor if product == ONE else product
         else:
             folded = _folded(product, factor, "*")
-            product = Apply(Function.MUL, (product, factor)) if folded is None else folded
+            product = Apply(Op.MUL, (product, factor)) if folded is None else folded
     return product
 
 
@@ -205,16 +175,16 @@ def div(a: Expression, b: Expression) -> Expression:
     if a == ZERO or b == ONE:
         return a
     quotient = _folded(a, b, "/")
-    return Apply(Function.DIV, (a, b)) if quotient is None else quotient
+    return Apply(Op.DIV, (a, b)) if quotient is None else quotient
 
 
 def neg(a: Expression) -> Expression:
     """Return −a."""
     if isinstance(a, Number):
         return Number(-a.value)
-    if isinstance(a, Apply) and a.function is Function.NEG:
+    if isinstance(a, Apply) and a.op is Op.NEG:
         return a.args[0]
-    return Apply(Function.NEG, (a,))
+    return Apply(Op.NEG, (a,))
 
 
 def power(a: Expression, b: Expression) -> Expression:
@@ -227,24 +197,24 @@ def power(a: Expression, b: Expression) -> Expression:
         exponent = int(b.value)
         if abs(exponent) * _bits(a.value) <= LARGEST_BITS:
             return Number(a.value**exponent)
-    return Apply(Function.POW, (a, b))
+    return Apply(Op.POW, (a, b))
 
 
-def apply(function: Function, *args: Expression) -> Expression:
+def apply(op: Op, *args: Expression) -> Expression:
     """Return a function of formulas, through its builder where it has one."""
-    match function:
-        case Function.ADD:
+    match op:
+        case Op.ADD:
             return add(*args)
-        case Function.MUL:
+        case Op.MUL:
             return mul(*args)
-        case Function.DIV:
+        case Op.DIV:
             return div(*args)
-        case Function.NEG:
+        case Op.NEG:
             return neg(*args)
-        case Function.POW:
+        case Op.POW:
             return power(*args)
         case _:
-            return Apply(function, args)
+            return Apply(op, args)
 
 
 def ordered(expression: Expression) -> tuple[Expression, ...]:
@@ -268,7 +238,7 @@ def ordered(expression: Expression) -> tuple[Expression, ...]:
 def evaluated(
     expression: Expression,
     leaf: Callable[[Number | Name], T],
-    apply: Callable[[Function, Sequence[T]], T],
+    apply: Callable[[Op, Sequence[T]], T],
 ) -> T:
     """Return what a formula is, of whatever its numbers and names are.
 
@@ -284,7 +254,7 @@ def evaluated(
     known: dict[int, T] = {}
     for part in ordered(expression):
         if isinstance(part, Apply):
-            known[id(part)] = apply(part.function, [known[id(arg)] for arg in part.args])
+            known[id(part)] = apply(part.op, [known[id(arg)] for arg in part.args])
         else:
             known[id(part)] = leaf(part)
     return known[id(expression)]
@@ -300,7 +270,7 @@ def replaced(
     expression: Expression,
     part: Expression,
     by: Expression,
-    build: Callable[[Function, tuple[Expression, ...]], Expression] = Apply,
+    build: Callable[[Op, tuple[Expression, ...]], Expression] = Apply,
 ) -> Expression:
     """Formula with another in place of a part.
 
@@ -316,7 +286,7 @@ def replaced(
         if one == part:
             known[id(one)] = by
         elif isinstance(one, Apply):
-            known[id(one)] = build(one.function, tuple(known[id(arg)] for arg in one.args))
+            known[id(one)] = build(one.op, tuple(known[id(arg)] for arg in one.args))
         else:
             known[id(one)] = one
     return known[id(expression)]

@@ -6,7 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from kousoku.model.arithmetic import FLOAT
-from kousoku.model.terms import Function, Number, evaluated
+from kousoku.model.graph import Op
+from kousoku.model.terms import Number, evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -32,12 +33,12 @@ def value_of(expression: Expression, values: Mapping[str, float]) -> float:
     return value if math.isfinite(value) else math.nan
 
 
-def _applied(function: Function, args: Sequence[float]) -> float:
+def _applied(op: Op, args: Sequence[float]) -> float:
     try:
-        is_sum = function is Function.ADD
-        value = math.fsum(args) if is_sum else FLOAT.applied(function.value, args)
+        is_sum = op is Op.ADD
+        value = math.fsum(args) if is_sum else FLOAT.applied(op, args)
     except OverflowError:  # as in solvers: what is divided by it is zero
-        return math.inf if function is Function.EXP else math.nan
+        return math.inf if op is Op.EXP else math.nan
     except (ValueError, ZeroDivisionError):
         return math.nan
     return value if isinstance(value, float) else math.nan

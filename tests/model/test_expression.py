@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from kousoku.model.angles import PI
 from kousoku.model.errors import ExpressionError
 from kousoku.model.expression import ARGUMENTS, DEEPEST, LONGEST, parse_expression
-from kousoku.model.terms import Apply, Function, Name, Number, names_of, ordered
+from kousoku.model.graph import Op
+from kousoku.model.terms import Apply, Name, Number, names_of, ordered
 
 if TYPE_CHECKING:
     from kousoku.model.terms import Expression
@@ -29,8 +30,8 @@ def num(value: float | str) -> Number:
     return Number(Fraction(value))
 
 
-def call(function: Function, *args: Expression) -> Apply:
-    return Apply(function, args)
+def call(op: Op, *args: Expression) -> Apply:
+    return Apply(op, args)
 
 
 @pytest.mark.parametrize(
@@ -50,24 +51,24 @@ def call(function: Function, *args: Expression) -> Apply:
         ("30 deg/2", Number(PI / 12)),
         ("1/(2 deg)", Number(90 / PI)),
         ("(2 deg)^2", Number(PI / 90 * PI / 90)),
-        ("30 deg + t", call(Function.ADD, Number(PI / 6), T)),
-        ("30 deg*t", call(Function.MUL, Number(PI / 6), T)),
-        ("t + x", call(Function.ADD, T, X)),
-        ("t - x", call(Function.ADD, T, call(Function.NEG, X))),
-        ("2*3*t", call(Function.MUL, num(6), T)),
-        ("t/x/2", call(Function.DIV, call(Function.DIV, T, X), num(2))),
-        ("t*x^2", call(Function.MUL, T, call(Function.POW, X, num(2)))),
-        ("-t^2", call(Function.NEG, call(Function.POW, T, num(2)))),
-        ("t^-2", call(Function.POW, T, num(-2))),
+        ("30 deg + t", call(Op.ADD, Number(PI / 6), T)),
+        ("30 deg*t", call(Op.MUL, Number(PI / 6), T)),
+        ("t + x", call(Op.ADD, T, X)),
+        ("t - x", call(Op.ADD, T, call(Op.NEG, X))),
+        ("2*3*t", call(Op.MUL, num(6), T)),
+        ("t/x/2", call(Op.DIV, call(Op.DIV, T, X), num(2))),
+        ("t*x^2", call(Op.MUL, T, call(Op.POW, X, num(2)))),
+        ("-t^2", call(Op.NEG, call(Op.POW, T, num(2)))),
+        ("t^-2", call(Op.POW, T, num(-2))),
         ("2^3^2", num(512)),
         ("(2^3)^2", num(64)),
         ("-2^2", num(-4)),
         ("--t", T),
-        ("t*-x", call(Function.MUL, T, call(Function.NEG, X))),
+        ("t*-x", call(Op.MUL, T, call(Op.NEG, X))),
         ("0*t + x", X),
-        ("atan2(t, x)", call(Function.ATAN2, T, X)),
-        ("max(t, x, 1)", call(Function.MAX, call(Function.MAX, T, X), num(1))),
-        ("sin(\n t )", call(Function.SIN, T)),
+        ("atan2(t, x)", call(Op.ATAN2, T, X)),
+        ("max(t, x, 1)", call(Op.MAX, call(Op.MAX, T, X), num(1))),
+        ("sin(\n t )", call(Op.SIN, T)),
     ],
 )
 def test_a_formula_is_read_as_it_is_written_by_hand(text: str, wanted: Expression) -> None:
@@ -77,7 +78,7 @@ def test_a_formula_is_read_as_it_is_written_by_hand(text: str, wanted: Expressio
 @pytest.mark.parametrize("name", ARGUMENTS)
 def test_every_function_can_be_called(name: str) -> None:
     args = ("t", "x")[: ARGUMENTS[name]]
-    assert read(f"{name}({', '.join(args)})") == call(Function(name), *map(Name, args))
+    assert read(f"{name}({', '.join(args)})") == call(Op(name), *map(Name, args))
 
 
 @pytest.mark.parametrize(
@@ -153,9 +154,7 @@ def test_a_tower_of_powers_stays_small(text: str) -> None:
 
 
 def test_a_name_that_is_given_wins_over_a_function() -> None:
-    assert parse_expression("pi + exp", ("exp", "pi")) == call(
-        Function.ADD, Name("pi"), Name("exp")
-    )
+    assert parse_expression("pi + exp", ("exp", "pi")) == call(Op.ADD, Name("pi"), Name("exp"))
 
 
 @settings(max_examples=500, deadline=None)

@@ -12,8 +12,9 @@ from kousoku.model.derivative import derivative
 from kousoku.model.digits import CONTEXT
 from kousoku.model.enclosure import Bounds
 from kousoku.model.expression import parse_expression
+from kousoku.model.graph import Op
 from kousoku.model.quotients import coefficients, without_quotients
-from kousoku.model.terms import ZERO, Apply, Function, Name, Number, mul, ordered
+from kousoku.model.terms import ZERO, Apply, Name, Number, mul, ordered
 from kousoku.model.traced import traced
 from kousoku.model.values import value_of
 
@@ -23,18 +24,18 @@ if TYPE_CHECKING:
     from kousoku.model.terms import Expression
 
 SPANS = {"t": Bounds(Name("first"), Name("last"))}
-CALLS: dict[Function, Callable[..., Any]] = {
-    Function.ADD: lambda *terms: sum(terms),
-    Function.MUL: operator.mul,
-    Function.DIV: operator.truediv,
-    Function.NEG: operator.neg,
-    Function.POW: operator.pow,
-    Function.SIN: np.sin,
-    Function.COS: np.cos,
-    Function.EXP: np.exp,
-    Function.ABS: np.abs,
-    Function.MIN: np.fmin,
-    Function.MAX: np.fmax,
+CALLS: dict[Op, Callable[..., Any]] = {
+    Op.ADD: lambda *terms: sum(terms),
+    Op.MUL: operator.mul,
+    Op.DIV: operator.truediv,
+    Op.NEG: operator.neg,
+    Op.POW: operator.pow,
+    Op.SIN: np.sin,
+    Op.COS: np.cos,
+    Op.EXP: np.exp,
+    Op.ABS: np.abs,
+    Op.MIN: np.fmin,
+    Op.MAX: np.fmax,
 }
 #: Each with the power of what is zero at 5 that it is divided by.
 LIMITS = {
@@ -54,7 +55,7 @@ def in_doubles(expression: Expression, first: float, last: float) -> float:
     with np.errstate(all="ignore"):
         for part in ordered(expression):
             if isinstance(part, Apply):
-                known[id(part)] = CALLS[part.function](*(known[id(arg)] for arg in part.args))
+                known[id(part)] = CALLS[part.op](*(known[id(arg)] for arg in part.args))
             else:
                 known[id(part)] = np.float64(value_of(part, {"first": first, "last": last}))
     return float(known[id(expression)])

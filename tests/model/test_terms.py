@@ -7,7 +7,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.model.expression import parse_expression
-from kousoku.model.terms import Apply, Function, Name, Number, add, evaluated
+from kousoku.model.graph import Op
+from kousoku.model.terms import Apply, Name, Number, add, evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,10 +39,10 @@ def test_what_is_written_differently_differs() -> None:
     a, b, one = Name("a"), Name("b"), Number(Fraction(1))
     formulas = [
         *(a, Name("number"), Name("1"), one, Number(Fraction(1, 11)), Number(Fraction(11, 1))),
-        *(Apply(Function.ADD, (a, b)), Apply(Function.ADD, (b, a)), Apply(Function.MUL, (a, b))),
+        *(Apply(Op.ADD, (a, b)), Apply(Op.ADD, (b, a)), Apply(Op.MUL, (a, b))),
         *(
-            Apply(Function.ADD, (a, b, one)),
-            Apply(Function.ADD, (Apply(Function.ADD, (a, b)), one)),
+            Apply(Op.ADD, (a, b, one)),
+            Apply(Op.ADD, (Apply(Op.ADD, (a, b)), one)),
         ),
     ]
     assert len(set(formulas)) == len(formulas)
@@ -60,8 +61,8 @@ def test_a_formula_that_was_pickled_is_the_same() -> None:
 
 
 def test_a_formula_is_evaluated_over_whatever_its_leaves_are() -> None:
-    def text(function: Function, args: Sequence[str]) -> str:
-        return f"{function.value}({', '.join(args)})"
+    def text(op: Op, args: Sequence[str]) -> str:
+        return f"{op.value}({', '.join(args)})"
 
     formula = parse_expression("max(t, x) - t", ("t", "x"))
     found = evaluated(formula, lambda leaf: leaf.name if isinstance(leaf, Name) else "?", text)

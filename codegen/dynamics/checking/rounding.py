@@ -148,4 +148,4 @@ def _slopes(node: Node, value: float, values: Sequence[float]) -> tuple[float, .
     """Derivatives of a node by its arguments."""
     if not node.args:
         return ()
-    return SLOPES[node.op.value](value, [values[arg] for arg in node.args], FLOAT)
+    return SLOPES[node.op](value, [values[arg] for arg in node.args], FLOAT)

@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.arithmetic import Arithmetic, FormulaArithmetic
-from kousoku.model.terms import Function, Number, evaluated
+from kousoku.model.graph import Op
+from kousoku.model.terms import Number, evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -104,60 +105,60 @@ def formula(
     def leaf(part: Number | Name) -> Jet:
         return Jet(digits.number(part.value)) if isinstance(part, Number) else names[part.name]
 
-    return evaluated(expression, leaf, lambda function, args: _applied(function, args, digits))
+    return evaluated(expression, leaf, lambda op, args: _applied(op, args, digits))
 
 
-def _applied(function: Function, args: Sequence[Jet], digits: FormulaArithmetic[Any]) -> Jet:
-    if function in _SIMPLE:
-        return _SIMPLE[function](*args)
+def _applied(op: Op, args: Sequence[Jet], digits: FormulaArithmetic[Any]) -> Jet:
+    if op in _SIMPLE:
+        return _SIMPLE[op](*args)
     a, b = args[0], args[-1]
-    match function:
-        case Function.POW:
+    match op:
+        case Op.POW:
             return _power(a, b, digits)
-        case Function.ATAN2:
+        case Op.ATAN2:
             return atan2(a, b, digits)
-        case Function.SQRT:
+        case Op.SQRT:
             return sqrt(a, digits)
-        case Function.SIGN:
+        case Op.SIGN:
             return Jet(digits.sign(a.x))
-        case Function.SIN | Function.COS:
+        case Op.SIN | Op.COS:
             sine, cosine = digits.sin(a.x), digits.cos(a.x)
-            if function is Function.SIN:
+            if op is Op.SIN:
                 return a.through(sine, cosine, -sine)
             return a.through(cosine, -sine, -cosine)
         case _:
-            value = digits.applied(function.value, (a.x,))
-            return a.through(value, *_SLOPES[function](a.x, value))
+            value = digits.applied(op, (a.x,))
+            return a.through(value, *_SLOPES[op](a.x, value))
 
 
 #: Functions that need no others.
-_SIMPLE: dict[Function, Callable[..., Jet]] = {
-    Function.ADD: lambda a, *rest: sum(rest, a),
-    Function.MUL: lambda a, b: a * b,
-    Function.DIV: lambda a, b: a / b,
-    Function.NEG: lambda a: -a,
-    Function.MIN: lambda a, b: a if a.x <= b.x else b,
-    Function.MAX: lambda a, b: a if a.x >= b.x else b,
-    Function.ABS: lambda a: a if a.x >= 0 else -a,
+_SIMPLE: dict[Op, Callable[..., Jet]] = {
+    Op.ADD: lambda a, *rest: sum(rest, a),
+    Op.MUL: lambda a, b: a * b,
+    Op.DIV: lambda a, b: a / b,
+    Op.NEG: lambda a: -a,
+    Op.MIN: lambda a, b: a if a.x <= b.x else b,
+    Op.MAX: lambda a, b: a if a.x >= b.x else b,
+    Op.ABS: lambda a: a if a.x >= 0 else -a,
 }
 
 
 def arithmetic_of(digits: FormulaArithmetic[Any]) -> Arithmetic[Jet]:
     """Arithmetic of jets, for the evaluation of kernels."""
 
-    def one(function: Function) -> Callable[[Jet], Jet]:
-        return lambda a: _applied(function, (a,), digits)
+    def one(op: Op) -> Callable[[Jet], Jet]:
+        return lambda a: _applied(op, (a,), digits)
 
     return Arithmetic(
         number=lambda value: Jet(digits.number(value)),
-        sqrt=one(Function.SQRT),
-        sin=one(Function.SIN),
-        cos=one(Function.COS),
+        sqrt=one(Op.SQRT),
+        sin=one(Op.SIN),
+        cos=one(Op.COS),
         atan2=lambda y, x: atan2(y, x, digits),
-        exp=one(Function.EXP),
-        log=one(Function.LOG),
-        abs=one(Function.ABS),
-        max=_SIMPLE[Function.MAX],
+        exp=one(Op.EXP),
+        log=one(Op.LOG),
+        abs=one(Op.ABS),
+        max=_SIMPLE[Op.MAX],
     )
 
 
@@ -174,11 +175,11 @@ def _power(a: Jet, b: Jet, digits: FormulaArithmetic[Any]) -> Jet:
 
 
 #: First and second derivative from argument and value.
-_SLOPES: dict[Function, Callable[[Real, Real], tuple[Real, Real]]] = {
-    Function.EXP: lambda _, y: (y, y),
-    Function.LOG: lambda x, _: (1 / x, -1 / x**2),
-    Function.TAN: lambda _, y: (1 + y**2, 2 * y * (1 + y**2)),
-    Function.ATAN: lambda x, _: (1 / (1 + x**2), -2 * x / (1 + x**2) ** 2),
-    Function.ASIN: lambda x, _: ((1 - x**2) ** -0.5, x * (1 - x**2) ** -1.5),
-    Function.ACOS: lambda x, _: (-((1 - x**2) ** -0.5), -x * (1 - x**2) ** -1.5),
+_SLOPES: dict[Op, Callable[[Real, Real], tuple[Real, Real]]] = {
+    Op.EXP: lambda _, y: (y, y),
+    Op.LOG: lambda x, _: (1 / x, -1 / x**2),
+    Op.TAN: lambda _, y: (1 + y**2, 2 * y * (1 + y**2)),
+    Op.ATAN: lambda x, _: (1 / (1 + x**2), -2 * x / (1 + x**2) ** 2),
+    Op.ASIN: lambda x, _: ((1 - x**2) ** -0.5, x * (1 - x**2) ** -1.5),
+    Op.ACOS: lambda x, _: (-((1 - x**2) ** -0.5), -x * (1 - x**2) ** -1.5),
 }
