@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.model.errors import FreezeError
 from kousoku.model.graph import Op
-from kousoku.model.terms import Number, evaluated
+from kousoku.model.terms import bits_of, evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.model.graph import Graph
-    from kousoku.model.terms import Expression, Name
+    from kousoku.model.terms import Expression
 
 LARGEST_EXPONENT = 2**64
 """Whole and half exponents up to it become products: exp and log have no value of negative numbers.
@@ -42,18 +42,17 @@ def to_graph(expression: Expression, graph: Graph, leaves: Mapping[str, int]) ->
         A name has no node, or a constant is no double.
     """
 
-    def leaf(part: Number | Name) -> int:
-        if isinstance(part, Number):
-            return _bounded(graph, graph.const(part.value))
-        if part.name not in leaves:
-            known = ", ".join(leaves) or "none"
-            raise FreezeError(f"the name {part.name} has no node; there are {known}")
-        return leaves[part.name]
+    def number(value: Fraction) -> int:
+        return _bounded(graph, graph.const(value))
 
     def apply(op: Op, args: Sequence[int]) -> int:
         return _bounded(graph, _apply(graph, op, args))
 
-    return evaluated(expression, leaf, apply)
+    try:
+        return evaluated(expression, number, leaves, apply)
+    except KeyError as name:
+        known = ", ".join(leaves) or "none"
+        raise FreezeError(f"the name {name.args[0]} has no node; there are {known}") from None
 
 
 def _apply(graph: Graph, op: Op, args: Sequence[int]) -> int:
@@ -120,7 +119,7 @@ def _repeated(graph: Graph, a: int, count: int) -> int:
 def _bounded(graph: Graph, node: int) -> int:
     """Return a node, rounded to a double if it is a constant of very many digits."""
     value = graph.value(node)
-    if value is None or max(map(int.bit_length, value.as_integer_ratio())) <= LARGEST_BITS:
+    if value is None or bits_of(value) <= LARGEST_BITS:
         return node
     try:
         return graph.const(Fraction(float(value)))

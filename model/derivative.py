@@ -9,14 +9,11 @@ from typing import TYPE_CHECKING, cast
 
 from kousoku.model.arithmetic import FormulaArithmetic
 from kousoku.model.graph import Op
-from kousoku.model.polynomials import even_power
+from kousoku.model.polynomials import even_power, root_exponent
 from kousoku.model.slopes import SLOPES
 from kousoku.model.terms import (
     ONE,
     ZERO,
-    Apply,
-    Name,
-    Number,
     add,
     apply,
     number,
@@ -45,38 +42,31 @@ def derivative(expression: Expression, name: str) -> Expression:
     """
     known: dict[int, Expression] = {}
     for part in ordered(expression):
-        match part:
-            case Number():
-                known[id(part)] = ZERO
-            case Name():
-                known[id(part)] = ONE if part.name == name else ZERO
-            case Apply() if (same := _smooth_root(part)) is not None:
-                known[id(part)] = derivative(same, name)
-            case Apply():
-                slopes = tuple(known[id(arg)] for arg in part.args)
-                is_fixed = all(slope == ZERO for slope in slopes)
-                known[id(part)] = ZERO if is_fixed else _derivative(part, slopes)
+        if not part.args:
+            known[id(part)] = ONE if part.name == name else ZERO
+        elif (same := _smooth_root(part)) is not None:
+            known[id(part)] = derivative(same, name)
+        else:
+            slopes = tuple(known[id(arg)] for arg in part.args)
+            is_fixed = all(slope == ZERO for slope in slopes)
+            known[id(part)] = ZERO if is_fixed else _derivative(part, slopes)
     return known[id(expression)]
 
 
-def _smooth_root(part: Apply) -> Expression | None:
+def _smooth_root(part: Expression) -> Expression | None:
     """Return a root of an even power as a power of ``abs(a)`` where that has two derivatives.
 
     Those of the root, ``(a^2)^1.5``, are 0/0 where a is zero.
     """
-    if part.op not in {Op.SQRT, Op.POW}:
+    exponent = root_exponent(part)
+    found = None if exponent is None else even_power(part.args[0])
+    if exponent is None or found is None or found[1] * exponent < 2:
         return None
-    exponent = Number(Fraction(1, 2)) if part.op is Op.SQRT else part.args[1]
-    if not isinstance(exponent, Number) or exponent.value.denominator == 1:
-        return None
-    found = even_power(part.args[0])
-    if found is None or found[1] * exponent.value < 2:
-        return None
-    size = found[0] if found[1] * exponent.value % 2 == 0 else apply(Op.ABS, found[0])
-    return power(size, Number(found[1] * exponent.value))
+    size = found[0] if found[1] * exponent % 2 == 0 else apply(Op.ABS, found[0])
+    return power(size, number(found[1] * exponent))
 
 
-def _derivative(part: Apply, slopes: tuple[Expression, ...]) -> Expression:
+def _derivative(part: Expression, slopes: tuple[Expression, ...]) -> Expression:
     """Return the derivative of a function of formulas, given those of its arguments."""
     args = part.args
     match part.op:
@@ -104,9 +94,9 @@ def _derivative(part: Apply, slopes: tuple[Expression, ...]) -> Expression:
             return _slope(part) * slopes[0]
 
 
-def _of_power(part: Apply, da: Expression, db: Expression) -> Expression:
+def _of_power(part: Expression, da: Expression, db: Expression) -> Expression:
     a, b = part.args
-    if isinstance(b, Number):
+    if b.value is not None:
         base = a if b.value > 1 else _where_positive(a)
         return b * power(base, number(b.value - 1)) * da
     return b * power(a, b - 1) * da + part * apply(Op.LOG, a) * db
@@ -117,20 +107,20 @@ def _where_positive(a: Expression) -> Expression:
 
     There its derivative is zero, and so are those of its powers, which else are 0 ∞.
     """
-    if not isinstance(a, Apply) or a.op is not Op.MAX or ZERO not in a.args:
+    if a.op is not Op.MAX or ZERO not in a.args:
         return a
     x = a.args[a.args[0] == ZERO]
     return a + (ONE - apply(Op.SIGN, x)) / 2
 
 
-def _of_extreme(part: Apply, da: Expression, db: Expression) -> Expression:
+def _of_extreme(part: Expression, da: Expression, db: Expression) -> Expression:
     """Return ½ ((1 + s) a′ + (1 − s) b′), where s is the sign of a − b, or of b − a for ``MIN``."""
     a, b = part.args if part.op is Op.MAX else part.args[::-1]
     sign = apply(Op.SIGN, a - b)
     return ((1 + sign) * da + (1 - sign) * db) / 2
 
 
-def _slope(part: Apply) -> Expression:
+def _slope(part: Expression) -> Expression:
     """Return the derivative of a function by its only argument."""
     (x,) = part.args
     match part.op:

@@ -14,10 +14,7 @@ from kousoku.model.graph import Op
 from kousoku.model.terms import (
     ONE,
     ZERO,
-    Apply,
     Expression,
-    Name,
-    Number,
     add,
     apply,
     div,
@@ -66,19 +63,14 @@ def enclosure(expression: Expression, spans: Mapping[str, Bounds]) -> Bounds:
     """
     known: dict[int, Bounds] = {}
     for part in ordered(expression):
-        match part:
-            case Number():
-                known[id(part)] = Bounds(part, part)
-            case Name(name):
-                known[id(part)] = spans.get(name, Bounds(part, part))
-            case Apply(op, args):
-                own = [known[id(arg)] for arg in args]
-                is_one = all(one.is_one for one in own)
-                if is_one:
-                    same = composed(op, *(one.least for one in own))
-                    known[id(part)] = Bounds(same, same)
-                else:
-                    known[id(part)] = _applied(op, own)
+        own = [known[id(arg)] for arg in part.args]
+        if not own:
+            known[id(part)] = spans.get(part.name, Bounds(part, part))
+        elif all(one.is_one for one in own):
+            same = composed(part.op, *(one.least for one in own))
+            known[id(part)] = Bounds(same, same)
+        else:
+            known[id(part)] = _applied(part.op, own)
     return known[id(expression)]
 
 
@@ -172,17 +164,17 @@ def _reciprocal(x: Bounds) -> Bounds:
 
 
 def _power(a: Bounds, b: Bounds) -> Bounds:
-    exponent = b.least
-    if not isinstance(exponent, Number):
+    exponent = b.least.value
+    if exponent is None:
         logarithm = Bounds(apply(Op.LOG, a.least), apply(Op.LOG, a.most))
         return _applied(Op.EXP, [product_of(b, logarithm)])
-    size = number(abs(exponent.value))
-    if exponent.value.denominator > 1:  # of a positive number only: others have no power
+    size = number(abs(exponent))
+    if exponent.denominator > 1:  # of a positive number only: others have no power
         a = Bounds(_most(a.least, _least(a.most, ZERO)), a.most)
-    elif exponent.value.numerator % 2 == 0:
+    elif exponent.numerator % 2 == 0:
         a = _magnitude(a)
     found = Bounds(power(a.least, size), power(a.most, size))
-    return found if exponent.value > 0 else _reciprocal(found)
+    return found if exponent > 0 else _reciprocal(found)
 
 
 def _wave(op: Op, x: Bounds) -> Bounds:
@@ -206,7 +198,7 @@ def _angle(y: Bounds, x: Bounds) -> Bounds:
     value = apply(Op.ATAN2, *middle)
     change = mul(number(2), apply(Op.ASIN, _least(div(r, d), ONE)))
     least, most = add(value, neg(change)), add(value, change)
-    pi, turn = Number(PI), Number(2 * PI)
+    pi, turn = number(PI), number(2 * PI)
 
     def turn_if(excess: Expression) -> Expression:
         return mul(turn, apply(Op.SIGN, _most(excess, ZERO)))

@@ -12,16 +12,17 @@ from kousoku.model.graph import Op
 from kousoku.model.terms import (
     ONE,
     ZERO,
-    Apply,
     Expression,
-    Number,
     add,
     apply,
     div,
     evaluated,
     mul,
+    names_of,
     neg,
+    number,
     ordered,
+    symbol,
 )
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def without_overflow(formula: Expression) -> Expression:
     """
     known: dict[int, Form] = {}
     for part in ordered(formula):
-        args = [known[id(arg)] for arg in part.args] if isinstance(part, Apply) else []
+        args = [known[id(arg)] for arg in part.args]
         known[id(part)] = _form(part, args)
     return known[id(formula)].whole
 
@@ -78,13 +79,14 @@ def rate_of(law: Expression, time: str, order: int) -> Expression:
     rate = without_overflow(law)
     for _ in range(order):
         rate = derivative(rate, time)
-    return evaluated(rate, lambda part: part, lambda op, args: composed(op, *args))
+    names = {name: symbol(name) for name in names_of(rate)}
+    return evaluated(rate, number, names, lambda op, args: composed(op, *args))
 
 
 def _form(part: Expression, args: Sequence[Form]) -> Form:
     """Return the form of a formula, given those of its parts."""
-    if not isinstance(part, Apply):
-        is_positive = isinstance(part, Number) and part.value > 0
+    if not part.args:
+        is_positive = part.value is not None and part.value > 0
         return Form(part, part, logarithm=_logarithm(part) if is_positive else None)
     is_same = all(form.whole is arg for form, arg in zip(args, part.args, strict=True))
     whole = part if is_same else apply(part.op, *(form.whole for form in args))
@@ -106,7 +108,7 @@ def _form(part: Expression, args: Sequence[Form]) -> Form:
         case Op.DIV:
             logarithm = _both(lambda x, y: add(x, neg(y)), args)
             return _product(whole, div(a.factor, b.whole), a.exponent, logarithm, [a])
-        case Op.POW if a.is_sum and a.logarithm is not None and isinstance(b.whole, Number):
+        case Op.POW if a.is_sum and a.logarithm is not None and b.whole.value is not None:
             logarithm = mul(b.whole, a.logarithm)
             if b.whole.value > 0:
                 return Form(whole, whole, ZERO, logarithm, is_sum=True)

@@ -28,15 +28,14 @@ from kousoku.model.graph import BINARY_OPS, Op
 from kousoku.model.polynomials import with_squares_apart
 from kousoku.model.terms import (
     ZERO,
-    Apply,
-    Name,
-    Number,
     add,
     apply,
     div,
     mul,
     neg,
+    number,
     power,
+    symbol,
 )
 
 if TYPE_CHECKING:
@@ -180,10 +179,10 @@ class _Parser:
         self.nesting -= 1
         if is_counted or self.is_degrees(at):
             raise self.error("a power of degrees; wanted parentheses, or '*deg'", start)
-        is_whole = isinstance(exponent, Number) and exponent.value.denominator == 1
-        if isinstance(base, Number) and base.value < 0 and not is_whole:
+        is_whole = exponent.value is not None and exponent.value.denominator == 1
+        if base.value is not None and base.value < 0 and not is_whole:
             raise self.error("a negative number to a power that is not whole", start)
-        if base == ZERO and not (isinstance(exponent, Number) and exponent.value >= 0):
+        if base == ZERO and (exponent.value is None or exponent.value < 0):
             raise self.error("zero to a power that is not a positive number", start)
         return self.settled(with_squares_apart(power(base, exponent)), start)
 
@@ -191,28 +190,28 @@ class _Parser:
         start = self.start
         if self.takes("("):
             self.nest(start)
-            value = self.sum()
+            inner = self.sum()
             self.nesting -= 1
             self.close(start)
-            return value
+            return inner
         kind, token = self.kind, self.token
         if kind not in {"name", "number"}:
             what = f"{token!r} stands" if kind else "the formula ends"
             raise self.error(f"{what} where a number, a name or a '(' is wanted")
         self.advance()
         if kind == "number":
-            number = self.number(token, start)
+            value = self.number(token, start)
             if self.token != "deg":
-                return number
+                return number(value)
             self.counted = start
             self.advance()
-            return Number(number.value * DEGREE)
+            return number(value * DEGREE)
         if token in self.names:
-            return Name(token)
+            return symbol(token)
         if token in ARGUMENTS:
             return self.call(token, start)
         if token in CONSTANTS:
-            return Number(CONSTANTS[token])
+            return number(CONSTANTS[token])
         known = (*sorted(self.names), *ARGUMENTS, *CONSTANTS)
         raise self.error(unknown(f"name {token[:40]!r}", token, known), start)
 
@@ -220,7 +219,7 @@ class _Parser:
         """Return whether what was read since then begins with a number of degrees."""
         return start <= self.counted and not self.text[start : self.counted].strip("+- \t\r\n")
 
-    def number(self, token: str, start: int) -> Number:
+    def number(self, token: str, start: int) -> Fraction:
         digits, _, exponent = token.lower().partition("e")
         if len(digits) > 40 or len(exponent.lstrip("+-")) > 2 or float(token) > LARGEST:
             raise self.error(
@@ -228,7 +227,7 @@ class _Parser:
                 f"digits, at most {LARGEST:g}, and an exponent of two digits",
                 start,
             )
-        return Number(Fraction(token))
+        return Fraction(token)
 
     def call(self, token: str, start: int) -> Expression:
         count = ARGUMENTS[token]
@@ -265,7 +264,7 @@ class _Parser:
 
     def settled(self, value: Expression, start: int) -> Expression:
         """Count the levels of a formula; return it."""
-        if isinstance(value, Apply) and id(value) not in self.depths:
+        if value.args and id(value) not in self.depths:
             depth = 1 + max(self.depths.get(id(arg), 0) for arg in value.args)
             if depth > DEEPEST:
                 raise self.error(f"is more than {DEEPEST} operations deep", start)

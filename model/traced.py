@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.model.digits import CONTEXT, HIGH, exact
 from kousoku.model.graph import Op
-from kousoku.model.terms import Name, Number, apply, evaluated
+from kousoku.model.terms import apply, evaluated, number, symbol
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -156,21 +156,18 @@ def parameter(name: str, value: float, place: int) -> Traced:
     first, high = CONTEXT.mpf(value), CONTEXT.mpf(1)
     more, less = high / (17 + 3 * place), high / (23 + 5 * place)
     size = first or high
-    return Traced((first, first + size * more, first - size * less), Name(name))
+    return Traced((first, first + size * more, first - size * less), symbol(name))
 
 
 def traced(expression: Expression, parameters: Mapping[str, Any]) -> Any:
     """Return the value of a formula of parameters, with the formula where these are traced."""
-
-    def leaf(part: Number | Name) -> Any:
-        return HIGH.number(part.value) if isinstance(part, Number) else parameters[part.name]
 
     def apply_to(op: Op, args: Sequence[Any]) -> Any:
         if op is Op.ADD:
             return reduce(partial(applied, op), args, CONTEXT.mpf(0))
         return applied(op, *args)
 
-    return evaluated(expression, leaf, apply_to)
+    return evaluated(expression, HIGH.number, parameters, apply_to)
 
 
 def applied(op: Op, *args: Any) -> Any:
@@ -245,12 +242,10 @@ def _plain(value: Any, noise: Any) -> Any:
     return near if abs(value - near) <= noise else value
 
 
-def _high(number: Any) -> Any:
-    if isinstance(number, Fraction):
-        return HIGH.number(number)
-    return CONTEXT.mpf(number)
+def _high(value: Any) -> Any:
+    return HIGH.number(value) if isinstance(value, Fraction) else CONTEXT.mpf(value)
 
 
-def _expression(number: Any) -> Expression:
+def _expression(value: Any) -> Expression:
     """Return a number as a formula."""
-    return number.expression if isinstance(number, Traced) else Number(exact(number))
+    return value.expression if isinstance(value, Traced) else number(exact(value))

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.graph import Op
-from kousoku.model.terms import Number, evaluated
+from kousoku.model.terms import evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.terms import Expression, Name
+    from kousoku.model.terms import Expression
 
 
 def value_of(expression: Expression, values: Mapping[str, float]) -> float:
@@ -25,11 +25,7 @@ def value_of(expression: Expression, values: Mapping[str, float]) -> float:
     values : mapping of str to float
         The value of each name in it.
     """
-
-    def leaf(part: Number | Name) -> float:
-        return float(part.value) if isinstance(part, Number) else values[part.name]
-
-    value = evaluated(expression, leaf, _applied)
+    value = evaluated(expression, float, values, _applied)
     return value if math.isfinite(value) else math.nan
 
 

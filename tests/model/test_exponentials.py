@@ -14,7 +14,7 @@ from kousoku.model.enclosure import Bounds, enclosure
 from kousoku.model.exponentials import without_overflow
 from kousoku.model.expression import parse_expression
 from kousoku.model.graph import Op
-from kousoku.model.terms import Apply, Name, ordered
+from kousoku.model.terms import Expression, ordered, symbol
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.terms import Expression
 
-SPANS = {"t": Bounds(Name("first"), Name("last"))}
+SPANS = {"t": Bounds(symbol("first"), symbol("last"))}
 CALLS: dict[Op, Callable[..., Any]] = {
     Op.ADD: lambda *terms: sum(terms),
     Op.MUL: operator.mul,
@@ -60,7 +60,7 @@ def in_doubles(expression: Expression, values: dict[str, float]) -> float:
     known: dict[int, np.float64] = {}
     with np.errstate(all="ignore"):
         for part in ordered(expression):
-            if isinstance(part, Apply):
+            if part.args:
                 known[id(part)] = CALLS[part.op](*(known[id(arg)] for arg in part.args))
             else:
                 known[id(part)] = np.float64(value_of(part, values))

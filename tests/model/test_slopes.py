@@ -8,7 +8,7 @@ from kousoku.model.derivative import FORMULAS
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.graph import BINARY_OPS, GRAPH_OPS, Op
 from kousoku.model.slopes import SLOPES
-from kousoku.model.terms import Apply, Name
+from kousoku.model.terms import Expression, symbol
 from kousoku.model.traced import traced
 
 #: Where all of them have a value, and both arguments of max differ.
@@ -33,7 +33,7 @@ def test_every_operation_of_the_graph_has_slopes() -> None:
 
 @pytest.mark.parametrize("op", [Op.SIN, Op.COS, Op.TAN, Op.SQRT, Op.ASIN, Op.ACOS, Op.ATAN, Op.LOG])
 def test_slopes_of_formulas_have_the_values_of_slopes_of_numbers(op: Op) -> None:
-    x = Name("x")
-    (formula,) = SLOPES[op](Apply(op, (x,)), (x,), FORMULAS)
+    x = symbol("x")
+    (formula,) = SLOPES[op](Expression(op, (x,)), (x,), FORMULAS)
     (number,) = SLOPES[op](HIGH.applied(op, AT[:1]), AT[:1], HIGH)
     assert traced(formula, {"x": AT[0]}) == number

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.model.arithmetic import Arithmetic, FormulaArithmetic
 from kousoku.model.graph import Op
-from kousoku.model.terms import Number, evaluated
+from kousoku.model.terms import evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.model.real import Real
-    from kousoku.model.terms import Expression, Name
+    from kousoku.model.terms import Expression
 
 
 class Jet:
@@ -101,11 +101,8 @@ def formula(
     digits : FormulaArithmetic
         Its numbers.
     """
-
-    def leaf(part: Number | Name) -> Jet:
-        return Jet(digits.number(part.value)) if isinstance(part, Number) else names[part.name]
-
-    return evaluated(expression, leaf, lambda op, args: _applied(op, args, digits))
+    numbers = arithmetic_of(digits)
+    return evaluated(expression, numbers.number, names, lambda op, args: _applied(op, args, digits))
 
 
 def _applied(op: Op, args: Sequence[Jet], digits: FormulaArithmetic[Any]) -> Jet:
