@@ -6,6 +6,7 @@ import math
 import operator
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 from math import isqrt
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
@@ -62,7 +63,9 @@ class FormulaArithmetic(Arithmetic[Number]):
     pow: Callable[[Number, Number], Number]
 
     def applied(self, op: Op, args: Sequence[Number]) -> Number:
-        """Return an operation on numbers."""
+        """Return an operation on numbers; a sum may have more than two, from left to right."""
+        if op is Op.ADD:
+            return reduce(operator.add, args)
         call = OPERATORS.get(op) or getattr(self, op.value)
         return cast("Number", call(*args))
 

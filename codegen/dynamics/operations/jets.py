@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model.arithmetic import Arithmetic, FormulaArithmetic
+from kousoku.model.arithmetic import FormulaArithmetic
 from kousoku.model.graph import Op
 from kousoku.model.terms import evaluated
 
@@ -101,61 +101,30 @@ def formula(
     digits : FormulaArithmetic
         Its numbers.
     """
-    numbers = arithmetic_of(digits)
-    return evaluated(expression, numbers.number, names, lambda op, args: _applied(op, args, digits))
+    jets = arithmetic_of(digits)
+    return evaluated(expression, jets.number, names, jets.applied)
 
 
-def _applied(op: Op, args: Sequence[Jet], digits: FormulaArithmetic[Any]) -> Jet:
-    if op in _SIMPLE:
-        return _SIMPLE[op](*args)
-    a, b = args[0], args[-1]
-    match op:
-        case Op.POW:
-            return _power(a, b, digits)
-        case Op.ATAN2:
-            return atan2(a, b, digits)
-        case Op.SQRT:
-            return sqrt(a, digits)
-        case Op.SIGN:
-            return Jet(digits.sign(a.x))
-        case Op.SIN | Op.COS:
-            sine, cosine = digits.sin(a.x), digits.cos(a.x)
-            if op is Op.SIN:
-                return a.through(sine, cosine, -sine)
-            return a.through(cosine, -sine, -cosine)
-        case _:
-            value = digits.applied(op, (a.x,))
-            return a.through(value, *_SLOPES[op](a.x, value))
-
-
-#: Functions that need no others.
-_SIMPLE: dict[Op, Callable[..., Jet]] = {
-    Op.ADD: lambda a, *rest: sum(rest, a),
-    Op.MUL: lambda a, b: a * b,
-    Op.DIV: lambda a, b: a / b,
-    Op.NEG: lambda a: -a,
-    Op.MIN: lambda a, b: a if a.x <= b.x else b,
-    Op.MAX: lambda a, b: a if a.x >= b.x else b,
-    Op.ABS: lambda a: a if a.x >= 0 else -a,
-}
-
-
-def arithmetic_of(digits: FormulaArithmetic[Any]) -> Arithmetic[Jet]:
-    """Arithmetic of jets, for the evaluation of kernels."""
+def arithmetic_of(digits: FormulaArithmetic[Any]) -> FormulaArithmetic[Jet]:
+    """Arithmetic of jets, for the evaluation of formulas and kernels."""
 
     def one(op: Op) -> Callable[[Jet], Jet]:
-        return lambda a: _applied(op, (a,), digits)
+        def applied(a: Jet) -> Jet:
+            value = digits.applied(op, (a.x,))
+            return a.through(value, *_SLOPES[op](a.x, value, digits))
 
-    return Arithmetic(
+        return applied
+
+    return FormulaArithmetic(
         number=lambda value: Jet(digits.number(value)),
-        sqrt=one(Op.SQRT),
-        sin=one(Op.SIN),
-        cos=one(Op.COS),
+        sqrt=lambda a: sqrt(a, digits),
         atan2=lambda y, x: atan2(y, x, digits),
-        exp=one(Op.EXP),
-        log=one(Op.LOG),
-        abs=one(Op.ABS),
-        max=_SIMPLE[Op.MAX],
+        abs=lambda a: a if a.x >= 0 else -a,
+        max=lambda a, b: a if a.x >= b.x else b,
+        sign=lambda a: Jet(digits.sign(a.x)),
+        min=lambda a, b: a if a.x <= b.x else b,
+        pow=lambda a, b: _power(a, b, digits),
+        **{op.value: one(op) for op in _SLOPES},
     )
 
 
@@ -171,12 +140,14 @@ def _power(a: Jet, b: Jet, digits: FormulaArithmetic[Any]) -> Jet:
     return a.through(a.x**n, first, second)
 
 
-#: First and second derivative from argument and value.
-_SLOPES: dict[Op, Callable[[Real, Real], tuple[Real, Real]]] = {
-    Op.EXP: lambda _, y: (y, y),
-    Op.LOG: lambda x, _: (1 / x, -1 / x**2),
-    Op.TAN: lambda _, y: (1 + y**2, 2 * y * (1 + y**2)),
-    Op.ATAN: lambda x, _: (1 / (1 + x**2), -2 * x / (1 + x**2) ** 2),
-    Op.ASIN: lambda x, _: ((1 - x**2) ** -0.5, x * (1 - x**2) ** -1.5),
-    Op.ACOS: lambda x, _: (-((1 - x**2) ** -0.5), -x * (1 - x**2) ** -1.5),
+#: First and second derivative of functions of one argument, from this and the value.
+_SLOPES: dict[Op, Callable[[Real, Real, FormulaArithmetic[Any]], tuple[Real, Real]]] = {
+    Op.SIN: lambda x, y, digits: (digits.cos(x), -y),
+    Op.COS: lambda x, y, digits: (-digits.sin(x), -y),
+    Op.EXP: lambda _, y, __: (y, y),
+    Op.LOG: lambda x, *_: (1 / x, -1 / x**2),
+    Op.TAN: lambda _, y, __: (1 + y**2, 2 * y * (1 + y**2)),
+    Op.ATAN: lambda x, *_: (1 / (1 + x**2), -2 * x / (1 + x**2) ** 2),
+    Op.ASIN: lambda x, *_: ((1 - x**2) ** -0.5, x * (1 - x**2) ** -1.5),
+    Op.ACOS: lambda x, *_: (-((1 - x**2) ** -0.5), -x * (1 - x**2) ** -1.5),
 }
