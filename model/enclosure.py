@@ -18,15 +18,17 @@ from kousoku.model.terms import (
     add,
     apply,
     div,
+    evaluated,
     mul,
+    names_of,
     neg,
     number,
-    ordered,
     power,
+    symbol,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
 
 class Bounds(NamedTuple):
@@ -61,21 +63,18 @@ def enclosure(expression: Expression, spans: Mapping[str, Bounds]) -> Bounds:
     spans : mapping of str to Bounds
         What bounds each name that varies; others are what they are.
     """
-    known: dict[int, Bounds] = {}
-    for part in ordered(expression):
-        own = [known[id(arg)] for arg in part.args]
-        if not own:
-            known[id(part)] = spans.get(part.name, Bounds(part, part))
-        elif all(one.is_one for one in own):
-            same = composed(part.op, *(one.least for one in own))
-            known[id(part)] = Bounds(same, same)
-        else:
-            known[id(part)] = _applied(part.op, own)
-    return known[id(expression)]
+    names = {name: spans.get(name) or _point(symbol(name)) for name in names_of(expression)}
+    return evaluated(expression, lambda value: _point(number(value)), names, _applied)
 
 
-def _applied(op: Op, args: list[Bounds]) -> Bounds:
+def _point(formula: Expression) -> Bounds:
+    return Bounds(formula, formula)
+
+
+def _applied(op: Op, args: Sequence[Bounds]) -> Bounds:
     """Return what a function does to intervals."""
+    if all(one.is_one for one in args):
+        return _point(composed(op, *(one.least for one in args)))
     first = args[0]
     match op:
         case Op.ADD:
@@ -157,8 +156,7 @@ def _magnitude(x: Bounds) -> Bounds:
 def _reciprocal(x: Bounds) -> Bounds:
     """Return those of 1 / x: infinite where x may be zero, as then the product of both ends is."""
     if x.is_one:
-        same = div(ONE, x.least)
-        return Bounds(same, same)
+        return _point(div(ONE, x.least))
     product = _most(mul(x.least, x.most), ZERO)
     return Bounds(div(x.least, product), div(x.most, product))
 

@@ -16,13 +16,10 @@ from kousoku.model.terms import (
     add,
     apply,
     div,
-    evaluated,
     mul,
-    names_of,
     neg,
-    number,
     ordered,
-    symbol,
+    rebuilt,
 )
 
 if TYPE_CHECKING:
@@ -79,8 +76,7 @@ def rate_of(law: Expression, time: str, order: int) -> Expression:
     rate = without_overflow(law)
     for _ in range(order):
         rate = derivative(rate, time)
-    names = {name: symbol(name) for name in names_of(rate)}
-    return evaluated(rate, number, names, lambda op, args: composed(op, *args))
+    return rebuilt(rate, lambda op, args: composed(op, *args))
 
 
 def _form(part: Expression, args: Sequence[Form]) -> Form:

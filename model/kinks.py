@@ -16,6 +16,7 @@ from kousoku.model.terms import (
     number,
     ordered,
     power,
+    rebuilt,
     replaced,
 )
 
@@ -80,21 +81,18 @@ def _without_roots(law: Expression) -> tuple[Expression, dict[Expression, Expres
 
     ``sqrt(a^2)`` is ``abs(a)``, and ``(a^2)^0.75`` is ``abs(a)^1.5``.
     """
-    known: dict[int, Expression] = {}
     roots: dict[Expression, Expression] = {}
-    for one in ordered(law):
-        if not one.args:
-            known[id(one)] = one
-            continue
-        same = Expression(one.op, tuple(known[id(arg)] for arg in one.args))
+
+    def build(op: Op, args: tuple[Expression, ...]) -> Expression:
+        same = Expression(op, args)
         root = even_root(same)
-        if root is not None and 0 < root[1] < SMOOTH and may_be_zero(root[0]):
-            a, exponent = root
-            size = Expression(Op.ABS, (a,))
-            known[id(one)], roots[size] = power(size, number(exponent)), same
-        else:
-            known[id(one)] = same
-    return known[id(law)], roots
+        if root is None or not 0 < root[1] < SMOOTH or not may_be_zero(root[0]):
+            return same
+        size = Expression(Op.ABS, (root[0],))
+        roots[size] = same
+        return power(size, number(root[1]))
+
+    return rebuilt(law, build), roots
 
 
 def _is_smooth(
@@ -147,13 +145,9 @@ def _branches(gap: Expression) -> list[Expression]:
 
 def _sizes(expression: Expression) -> Expression:
     """Return a formula with all its sums over absolute values: what its terms are like."""
-    known: dict[int, Expression] = {}
-    for one in ordered(expression):
-        if not one.args:
-            known[id(one)] = one
-        elif one.op is Op.ADD:
-            terms = (apply(Op.ABS, known[id(arg)]) for arg in one.args)
-            known[id(one)] = add(*terms)
-        else:
-            known[id(one)] = Expression(one.op, tuple(known[id(arg)] for arg in one.args))
-    return known[id(expression)]
+
+    def build(op: Op, args: tuple[Expression, ...]) -> Expression:
+        is_sum = op is Op.ADD
+        return add(*(apply(Op.ABS, arg) for arg in args)) if is_sum else Expression(op, args)
+
+    return rebuilt(expression, build)

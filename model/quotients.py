@@ -29,6 +29,7 @@ from kousoku.model.terms import (
     number,
     ordered,
     power,
+    rebuilt,
     replaced,
     symbol,
 )
@@ -151,18 +152,15 @@ def without_quotients(
     varying : collection of str
         Names that change in a run.
     """
-    known: dict[int, Expression] = {}
     found: dict[Expression, Quotient] = {}
-    for part in ordered(formula):
-        if not part.args:
-            known[id(part)] = part
-            continue
-        known[id(part)] = apply(part.op, *(known[id(arg)] for arg in part.args))
-        same = known[id(part)]
-        if same.op is Op.DIV:
-            names = {*varying, *(one.name for one in found.values())}
-            known[id(part)] = _named(same, names, found)
-    return known[id(formula)], tuple(found.values())
+
+    def build(op: Op, args: tuple[Expression, ...]) -> Expression:
+        same = apply(op, *args)
+        if same.op is not Op.DIV:
+            return same
+        return _named(same, {*varying, *(one.name for one in found.values())}, found)
+
+    return rebuilt(formula, build), tuple(found.values())
 
 
 def _named(

@@ -237,6 +237,25 @@ def names_of(expression: Expression) -> tuple[str, ...]:
     return tuple(dict.fromkeys(part.name for part in ordered(expression) if part.name))
 
 
+def rebuilt(
+    expression: Expression, build: Callable[[Op, tuple[Expression, ...]], Expression]
+) -> Expression:
+    """Formula with all its operations made anew, from the inside out.
+
+    Parameters
+    ----------
+    expression : Expression
+        The formula.
+    build : callable
+        Makes an operation on formulas that were made before.
+    """
+    known: dict[int, Expression] = {}
+    for one in ordered(expression):
+        args = tuple(known[id(arg)] for arg in one.args)
+        known[id(one)] = build(one.op, args) if args else one
+    return known[id(expression)]
+
+
 def replaced(
     expression: Expression,
     part: Expression,
