@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 
 from kousoku.model.arithmetic import FormulaArithmetic
 from kousoku.model.graph import Op
-from kousoku.model.polynomials import even_power, root_exponent
+from kousoku.model.polynomials import root_of_even_power
 from kousoku.model.slopes import SLOPES
 from kousoku.model.terms import (
     ONE,
@@ -58,12 +58,11 @@ def _smooth_root(part: Expression) -> Expression | None:
 
     Those of the root, ``(a^2)^1.5``, are 0/0 where a is zero.
     """
-    exponent = root_exponent(part)
-    found = None if exponent is None else even_power(part.args[0])
-    if exponent is None or found is None or found[1] * exponent < 2:
+    found = root_of_even_power(part)
+    if found is None or found[1] < 2:
         return None
-    size = found[0] if found[1] * exponent % 2 == 0 else apply(Op.ABS, found[0])
-    return power(size, number(found[1] * exponent))
+    size = found[0] if found[1] % 2 == 0 else apply(Op.ABS, found[0])
+    return power(size, number(found[1]))
 
 
 def _derivative(part: Expression, slopes: tuple[Expression, ...]) -> Expression:

@@ -124,7 +124,7 @@ def square_part(formula: Expression) -> Squares | None:
     return Squares(told(rest), tuple((told(terms), count) for terms, count in parts))
 
 
-def even_power(part: Expression) -> tuple[Expression, int] | None:
+def _even_power(part: Expression) -> tuple[Expression, int] | None:
     """Return a and n of a^n with an even n, or of a*a."""
     match part:
         case Expression(Op.MUL, (a, b)) if a == b:
@@ -134,7 +134,14 @@ def even_power(part: Expression) -> tuple[Expression, int] | None:
     return None
 
 
-def root_exponent(part: Expression) -> Fraction | None:
+def root_of_even_power(part: Expression) -> tuple[Expression, Fraction] | None:
+    """Return a and n b of (a^n)^b with an even n and a b that is not whole."""
+    exponent = _root_exponent(part)
+    found = None if exponent is None else _even_power(part.args[0])
+    return None if exponent is None or found is None else (found[0], found[1] * exponent)
+
+
+def _root_exponent(part: Expression) -> Fraction | None:
     """Return b of a root, a^b where b is not whole; None of what is no root."""
     if part.op is Op.SQRT:
         return Fraction(1, 2)
@@ -148,8 +155,8 @@ def with_squares_apart(part: Expression) -> Expression:
     Written out it is known to half of its digits where it is near to zero, and is nowhere known to
     be an absolute value. What is no root is returned as it is.
     """
-    exponent = root_exponent(part)
-    if exponent is None or even_power(part.args[0]) or not (found := _squares_of(part.args[0])):
+    exponent = _root_exponent(part)
+    if exponent is None or _even_power(part.args[0]) or not (found := _squares_of(part.args[0])):
         return part
     squares = (power(a, number(n)) for a, n in found.powers)
     return mul(*(_root_of(one, exponent) for one in (found.rest, *squares)))
@@ -159,7 +166,7 @@ def _squares_of(part: Expression) -> Squares | None:
     """Return the even powers of a product unless it is negative, also if it is a quotient."""
     if part.op is Op.DIV and not _is_sum(part):
         above, below = part.args
-        single = even_power(above)
+        single = _even_power(above)
         found = _squares_of(above) if single is None else Squares(ONE, (single,))
         return None if found is None else found._replace(rest=div(found.rest, below))
     found = square_part(part)

@@ -17,7 +17,7 @@ from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.graph import Op
 from kousoku.model.mechanism import LAW_NAMES
-from kousoku.model.polynomials import even_power, is_never_zero, root_exponent, square_part
+from kousoku.model.polynomials import is_never_zero, root_of_even_power, square_part
 from kousoku.model.terms import ONE, Expression, add, apply, names_of, neg, ordered
 
 if TYPE_CHECKING:
@@ -225,11 +225,8 @@ def _inside(a: Expression) -> Expression:
 
 def even_root(part: Expression) -> tuple[Expression, Fraction] | None:
     """Return a and b of a root of an even power of a, which is abs(a) to the power b."""
-    exponent = root_exponent(part)
-    found = None if exponent is None else even_power(part.args[0])
-    if exponent is None or found is None or found[1] * exponent % 2 == 0:
-        return None
-    return found[0], found[1] * exponent
+    found = root_of_even_power(part)
+    return None if found is None or found[1] % 2 == 0 else found
 
 
 def _places_of(law: Expression) -> Iterator[Expression]:
