@@ -294,12 +294,11 @@ typedef struct {
 } Told;
 
 /* sums the works of a step better unless it leaps, and tells what its energy says of them */
-static void tell_works(const Settings *settings, double end, double weak, size_t parts, State *s,
-    Work *work, Told *told)
+static void tell_works(
+    const Settings *settings, double end, double weak, size_t n, State *s, Work *work, Told *told)
 {
     const double *y = position_at(1, work).y;
-    if (parts > 1)
-        told->error = sum_works(settings, end, weak, parts == 4, s, work, &told->is_told);
+    if (n > 1) told->error = sum_works(settings, end, weak, n == 4, s, work, &told->is_told);
     else if (WORKS > 0) energy(work->w);
     if (WORKS == 0) return;
     told->error = larger(unbalanced(settings, end - s->time, s, work), told->error);

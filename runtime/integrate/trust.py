@@ -169,10 +169,10 @@ class Trust:
             part = shortly(self.stillness)
             yield f"bodies move by {part} of a length or rad a step, less than this tolerance tells"
         if self.below_tolerance:
-            name, part = next(iter(self.below_tolerance.items()))
+            name, moved = next(iter(self.below_tolerance.items()))
             rest = len(self.below_tolerance) - 1
             more = f", so do {rest} more" * (rest > 0)
-            way = f"{shortly(part)} of a length or rad"
+            way = f"{shortly(moved)} of a length or rad"
             yield f"{name} moves by {way}, less than this tolerance tells{more}"
         if self.branch_point_time is not None:
             when = shortly(self.branch_point_time, 6)
