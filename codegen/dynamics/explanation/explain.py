@@ -10,6 +10,7 @@ from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.analyse import PRESCRIBED, analyse, with_all_rows
+from kousoku.codegen.dynamics.assembled import assemble_scene
 from kousoku.codegen.dynamics.choose import cheaper, with_reactions
 from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
 from kousoku.codegen.dynamics.composition.compose import compose
@@ -20,15 +21,12 @@ from kousoku.codegen.dynamics.operations.shapes import thickened
 from kousoku.codegen.dynamics.recording.counts import counts, operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
-from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.simplification.bodies import gyroscopic_ratios
 from kousoku.codegen.dynamics.simplification.planar import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
 from kousoku.codegen.kernel_json import shipped_kinds
-from kousoku.model.held import without_held
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name
-from kousoku.model.system import system_of
 from kousoku.model.text import counted
 from kousoku.model.varying import fixed_system
 from kousoku.runtime.integrate.result import listed
@@ -147,7 +145,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         As :func:`kousoku.codegen.dynamics.generate.generate_dynamics` raises them.
     """
     names = scene.outputs if outputs is None else outputs
-    each = without_held(put_together(system_of(scene, names)))
+    each = assemble_scene(scene, names).system
     wanted = (*LEDGER, *names)
     found = analyse(each, wanted)
     apart = _heavy(each)

@@ -11,7 +11,7 @@ from kousoku.codegen.dynamics import analyse as analysing
 from kousoku.codegen.dynamics import choose
 from kousoku.codegen.dynamics.analyse import analyse, in_xy_plane
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.generate import composed
+from kousoku.codegen.dynamics.generate import compose_scene
 from kousoku.codegen.dynamics.simplification.axis_permutation import permuted
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.read import read_scene
@@ -113,5 +113,5 @@ def test_a_plane_is_looked_for_once_and_a_program_composed_for_each_way_to_solve
 
     counted(analysing, "plane_of")
     counted(choose, "compose")
-    composed(read_scene(SCENES / f"{name}.toml"), ())
+    compose_scene(read_scene(SCENES / f"{name}.toml"), ())
     assert calls == ["plane_of", *["compose"] * programs]
