@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from kousoku.model.elements.constraints import COORDINATES
+
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
@@ -98,7 +100,7 @@ class Coordinate:
     @property
     def counts_turns(self) -> bool:
         """Whether it is an angle, which kernels know up to whole turns only."""
-        return self.kind == "angle"
+        return COORDINATES[self.kind].counts_turns
 
 
 @dataclass(frozen=True, slots=True)

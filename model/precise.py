@@ -68,6 +68,13 @@ def atan2(y: High, x: High) -> High:
     return CONTEXT.atan2(y, x)
 
 
+def cleaned(value: High, size: High) -> High:
+    """Value, or zero where it is only rounding of numbers of that size."""
+    if isinstance(value, Traced):
+        return value
+    return CONTEXT.mpf(0) if abs(value) <= NOISE * size else value
+
+
 def total(values: Sequence[High]) -> High:
     """Return a sum; it is rounded once where no number is traced."""
     if any(isinstance(value, Traced) for value in values):

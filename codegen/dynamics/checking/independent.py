@@ -454,7 +454,7 @@ class _Values:
         ]
         for place, (_, value) in zip(system.shown, shown, strict=True):
             one = system.coordinates[place]
-            if one.kind == "angle" and abs(float(value.x) - one.near) > NEAR:
+            if one.counts_turns and abs(float(value.x) - one.near) > NEAR:
                 raise _UnsuitableError
         length = min(1.0, self.length)
         names = [name for name, _ in shown]

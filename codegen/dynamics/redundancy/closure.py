@@ -18,6 +18,7 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.violations import key_of
+from kousoku.codegen.dynamics.elements.constraints import RelativeMotion, held_by
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
 from kousoku.codegen.dynamics.redundancy.branch import (
@@ -236,7 +237,7 @@ def _leaning(system: System, joints: Sequence[str]) -> str:
     """
     axes: dict[str, Array] = {}
     for one in system.constraints:
-        if one.joint in joints and one.kind.startswith("p1"):
+        if one.joint in joints and RelativeMotion.TILT in held_by(one.kind):
             axis = np.array(dict(one.constants)["a_i_b"])
             p = (1.0, 0.0, 0.0, 0.0) if one.i < 0 else system.bodies[one.i].p
             seen = precise.rotate(normalised(p), precise.triple(axis.tolist()))
