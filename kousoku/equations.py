@@ -61,11 +61,11 @@ KEPT = 8
 MOST_TURNS, WHOLE = 100, 1e-6
 
 
-def equations_of(scene: Scene) -> Equations:
+def equations_of(scene: Scene) -> SceneEquations:
     """Equations of a scene; those of the last scenes are kept."""
     known = _KEPT.get(id(scene))
     if known is None or known.scene is not scene:
-        known = Equations(scene)
+        known = SceneEquations(scene)
     _KEPT[id(scene)] = known
     _KEPT.move_to_end(id(scene))
     while len(_KEPT) > KEPT:
@@ -74,7 +74,7 @@ def equations_of(scene: Scene) -> Equations:
 
 
 #: Equations by the identity of their scenes, which they keep alive.
-_KEPT: OrderedDict[int, Equations] = OrderedDict()
+_KEPT: OrderedDict[int, SceneEquations] = OrderedDict()
 
 
 class CheckedState(NamedTuple):
@@ -125,7 +125,7 @@ class EquationsAtState(NamedTuple):
     f: Array
 
 
-class Equations:
+class SceneEquations:
     """The equations of a scene of bodies; what does not depend on a state is prepared once.
 
     Parameters

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def uses_of(force: Force) -> list[str]:
-    """Return the elements that the check of a force depends on."""
+    """Elements that the check of a force depends on."""
     tables = {
         "bodies": (force.body, *(force.bodies or ())),
         "joints": (force.joint,),

@@ -151,7 +151,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     apart = _heavy(each)
     system, freedom = found.system, found.freedom
     kept = compose(found, wanted)
-    full = compose(with_all_rows(system, found.outline.shift), wanted) if freedom.dropped else kept
+    full = compose(with_all_rows(system, found.outline.plane), wanted) if freedom.dropped else kept
     chosen, whole = with_reactions(found, wanted) if "reactions" in names else (found, kept)
     prescribed = cheaper(chosen, wanted, whole, PRESCRIBED)
     program = cheaper(chosen, wanted, whole)
@@ -208,7 +208,7 @@ def _compared(
     folded = structure_of(thick, in_space)
     yield _step("zeros and ones folded", _of_elements(folded), unfolded, spinning)
     yield _step("gyroscopic terms", _of_moments(thick), spinning, in_space)
-    everything = compose(with_all_rows(found.system, found.outline.shift), all_of)
+    everything = compose(with_all_rows(found.system, found.outline.plane), all_of)
     yield _step("planar", _of_plane(found), in_space, everything)
     yield _step("outputs not wanted", _of_outputs(wanted), everything, full)
 

@@ -48,14 +48,15 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
     from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
 
-#: Pivots below it are rounding.
+#: Pivots below it are rounding: rows have size one, and some hundred are eliminated.
 ROUNDING = 1e-12
 #: What rows miss at the start, of which assembly refuses more than ten times as much, and the same
 #: for each length that a scene is from the origin: more is no rounding.
 OPEN, OPEN_FAR = 1e-13, 2.0**-44
-#: Axes that lean more against each other are not meant to be parallel [rad].
+#: Axes that lean more against each other are not meant to be parallel [rad]: a message would name
+#: the wrong cause.
 NEARLY_PARALLEL = 0.1
-#: What counts as equal to the closure tolerance.
+#: What counts as equal to the closure tolerance: a scene that misses as much as it says is taken.
 ROUNDED = 1e-9
 #: Joints that a message names.
 SHOWN = 6

@@ -8,6 +8,7 @@ xz-plane is composed as one that stays in the xy-plane, and its coordinates are 
 from __future__ import annotations
 
 from dataclasses import replace
+from enum import Enum
 from typing import TYPE_CHECKING, TypeVar
 
 from kousoku.model.elements.constraints import components_of, is_known
@@ -24,6 +25,26 @@ if TYPE_CHECKING:
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
 
 AXES = "xyz"
+#: The axis across the xy-plane.
+NORMAL = 2
+
+
+class Plane(Enum):
+    """A coordinate plane of frame O, by how many places axes are permuted until it is xy."""
+
+    XY = 0
+    YZ = 1
+    ZX = 2
+
+    @property
+    def normal(self) -> int:
+        """Axis across it."""
+        return (NORMAL + self.value) % 3
+
+
+def shift_of(plane: Plane | None) -> int:
+    """Places by which axes are permuted until a plane is the xy-plane; none in space."""
+    return 0 if plane is None else plane.value
 
 
 def can_permute(system: System) -> bool:

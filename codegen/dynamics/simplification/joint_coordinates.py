@@ -47,7 +47,7 @@ FREEDOMS = {
 }
 #: Of so many rows one must go at least, or a second program takes longer than it will ever save.
 WORTH = 8
-#: Sines of angles between vectors that count as parallel are smaller.
+#: Sines of angles between vectors that count as parallel are smaller: axes are rounded to doubles.
 PARALLEL = 1e-12
 NORMAL: Triple = (CONTEXT.mpf(0), CONTEXT.mpf(0), CONTEXT.mpf(1))
 

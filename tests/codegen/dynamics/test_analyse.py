@@ -43,7 +43,7 @@ def check(found: Analysed) -> Program:
     assert program.region("v").size == found.outline.velocities
     assert program.rows == tuple(found.solved)
     assert program.left_out == tuple(found.left_out)
-    assert program.reduced == tuple(found.held)
+    assert program.reduced == tuple(found.satisfied)
     return program
 
 
@@ -68,7 +68,7 @@ def test_rows_in_space_are_those_that_are_composed(mechanisms: SimpleNamespace) 
 def test_rows_that_hold_by_themselves_have_no_multipliers(mechanisms: SimpleNamespace) -> None:
     found = jointed(mechanisms.chain(2))
     assert len(check(found).rows) == 5
-    assert {row.joint for row in found.held}.isdisjoint(row.joint for row in found.solved)
+    assert {row.joint for row in found.satisfied}.isdisjoint(row.joint for row in found.solved)
 
 
 def test_analyses_tell_what_they_found() -> None:
