@@ -36,7 +36,7 @@ FINITE = (
 NUMBERS = (
     *("limit", "behind", "switched", "largest_pivot_ratio", "least_pivot_ratio"),
     *("drift", "row_drift"),
-    "momentum_errors",
+    *("momentum_errors", "lowest", "highest"),
 )
 #: These are NaN where formulas of a row have no value, which is counted and never trusted.
 OF_ROWS = ("energy_error", "energy_moved", "work_error", "violations")

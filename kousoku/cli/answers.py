@@ -319,6 +319,7 @@ class TrustAnswer(TypedDict):
     pivot_ratio: Number | None
     unresolved: int
     stillness: Number | None
+    below_tolerance: dict[str, Number]
     branch_point_time: Number | None
     meeting_time: Number | None
     error: ErrorEstimateAnswer | None

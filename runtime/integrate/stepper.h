@@ -103,8 +103,26 @@ static void note_motion(double h, const double *end, State *s)
     s->stride = larger(s->stride, h);
 }
 
+/* notes how far coordinates go, those too that rows show, which were found there */
+static void note_extent(const double *end, const double *w, State *s)
+{
+    for (size_t k = 0; k != NQ + N_SHOWN; ++k) {
+        const double x = k < NQ ? end[k] : w[W_COORDINATES + PER_SHOWN * (k - NQ)];
+        if (x < s->lowest[k]) s->lowest[k] = x;
+        if (x > s->highest[k]) s->highest[k] = x;
+    }
+}
+
 /* the energy of all bodies where they move at such a rate */
 static double usual_energy(double rate) { return MASS * (LENGTH * rate) * (LENGTH * rate) / 2.0; }
+
+/* the change of energy since the start that no work explains; works are in q */
+static double energy_balance(const double *w, const double *q, const State *s)
+{
+    double balance = w[W_ENERGIES] + w[W_ENERGIES + 1] - s->energy;
+    for (size_t k = NQ - WORKS; k != NQ; ++k) balance -= q[k];
+    return balance;
+}
 
 /* kinetic energy, change of potential energy since the start, and all works, which are in q; that
  * of every step counts, whatever rows are written */
@@ -309,6 +327,7 @@ static void accept(
     s->position_ratio = trial->end_ratio;
     s->usual_ratio = larger(s->usual_ratio, trial->end_ratio);
     note_motion(h, work->y, s);
+    note_extent(work->y, work->w, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(s->y, work->y, NY * sizeof *s->y);
     memcpy(s->low, work->low, NY * sizeof *s->y);
@@ -367,7 +386,10 @@ static int step(
         }
         const int is_vague = N_SEEN > 0 && is_fixed && good &&
                              !(local_error(m, &trial, 0, s, work, LEAST_PART) <= 1.0);
-        if (good && trial.error <= 1.0) note_largest_pivot(work, s);
+        if (good && trial.error <= 1.0) {
+            note_largest_pivot(work, s);
+            coordinate(work->w);
+        }
         int is_whole = good;
         const double last = trial.is_last ? end : s->time + h;
         if (good && trial.error <= 1.0 && (N_SWITCHING > 0 || asked < last)) {

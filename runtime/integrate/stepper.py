@@ -191,9 +191,25 @@ def note_motion(h: float, end: Array, state: State, work: Work) -> None:
     state.stride = larger(state.stride, h)
 
 
+def note_extent(end: Array, work: Work, state: State) -> None:
+    """Note how far coordinates go, those too that rows show, which were found there."""
+    scene, w = work.scene, work.w
+    found = np.concatenate((end[: scene.nq], w.coordinates[:: scene.per_shown]))
+    state.lowest[:] = np.where(found < state.lowest, found, state.lowest)
+    state.highest[:] = np.where(found > state.highest, found, state.highest)
+
+
 def usual_energy(rate: float, scene: Scene) -> float:
     """Return the energy of all bodies where they move at such a rate."""
     return scene.mass * (scene.length * rate) * (scene.length * rate) / 2.0
+
+
+def energy_balance(q: Array, work: Work, state: State) -> float:
+    """Return the change of energy since the start that no work explains; works are in q."""
+    balance = work.w.energies[0] + work.w.energies[1] - state.energy
+    for done in q[work.scene.nq - work.scene.works : work.scene.nq]:
+        balance -= done
+    return float(balance)
 
 
 def energy_moved(q: Array, work: Work, state: State) -> float:
@@ -404,6 +420,7 @@ def accept(
     state.position_ratio = trial.end_ratio
     state.usual_ratio = larger(state.usual_ratio, trial.end_ratio)
     note_motion(h, work.y, state, work)
+    note_extent(work.y, work, state)
     state.y_before[:] = state.y
     state.y[:] = work.y
     state.low[:] = work.low
@@ -470,6 +487,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
         )
         if is_good and trial.error <= 1.0:
             note_largest_pivot(work, state)
+            work.w.run("coordinate")
         is_whole = is_good
         last = end if is_last else state.time + trial.h
         has_crossings = len(state.sides) > work.scene.n_poles

@@ -245,6 +245,32 @@ def test_no_other_branch_is_followed_without_a_word(load: Load, gap: float, meth
     assert ("went straight on there" in str(ledger)) == (ledger.meetings > 0)
 
 
+@pytest.mark.parametrize("gap", [5e-13, 2e-12, 1e-10])
+def test_driven_motions_go_on_where_rounding_blurs_positions(load: Load, gap: float) -> None:
+    """Beside another branch it leaves 1e-9 of a position and more, whatever the steps."""
+    solver = load(four_bar(rocker=CRANK + gap))
+    motion = solver.simulate(2.3 * math.tau / RATE, samples=51, tolerance=1e-8)
+    wanted = pin(1.0 + RATE * motion.time, CRANK + gap)
+    np.testing.assert_allclose(end_of(motion, "rocker", CRANK + gap), wanted, rtol=0, atol=1e-6)
+    assert not motion.ledger.trust.is_trusted  # works are not known so well
+
+
+@pytest.mark.parametrize("gap", [1e-4, 2e-4, 4e-4])
+@pytest.mark.parametrize("samples", [3, 11])
+def test_works_in_sharp_bends_are_as_exact_as_the_tolerance(
+    load: Load, gap: float, samples: int
+) -> None:
+    """Powers are narrow there, beside the nodes of a rule, and its own error told too little."""
+    solver = load(four_bar(rocker=CRANK + gap))
+    motion = solver.simulate(2.3 * math.tau / RATE, samples=samples, tolerance=1e-9)
+    trust = motion.ledger.trust
+    assert trust.is_trusted, trust
+    assert trust.energy_error is not None
+    assert trust.energy_moved is not None
+    assert trust.energy_error < 0.5 * trust.limit * trust.energy_moved
+    assert motion.ledger.derivatives < 2500
+
+
 @pytest.mark.parametrize("method", ["dop853", "dopri5"])
 @pytest.mark.parametrize("gap", [1e-10, 1e-8, 1e-6])
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6])

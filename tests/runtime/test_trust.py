@@ -10,6 +10,7 @@ import pytest
 
 import kousoku
 from kousoku.runtime.error_estimate import error_estimate
+from kousoku.runtime.integrate.result import shortly
 
 if TYPE_CHECKING:
     from kousoku.mechanism import Mechanism
@@ -104,6 +105,112 @@ def test_a_motion_that_is_small_beside_the_tolerance_is_told() -> None:
     assert 1e-9 < coarse.trust.stillness < 1e-4
     assert "of a length or rad a step, less than this tolerance tells" in str(coarse.trust)
     assert fine.trust.stillness is None
+
+
+def table(swing: float, unit: float = 1.0, **more: Any) -> dict[str, Any]:
+    """Return a turntable of 10 m with a slider at its rim, on a spring; lengths in other units."""
+    place, heavy = 10.0 * unit, 1e4 * unit * unit
+    turn = {"angular_velocity": [0, 0, 1]}
+    start = {"position": [place, 0, swing * unit], "velocity": [0, place, 0]}
+    light = {"xx": unit * unit, "yy": unit * unit, "zz": unit * unit}
+    zero = [[1, 0, 0], [1, 0, 0]]
+    points, axes = [[place, 0, 0], [0, 0, 0]], [[0, 0, 1], [0, 0, 1]]
+    return {
+        "name": "table",
+        "unit": {1.0: "m", 1e3: "mm"}[unit],
+        "outputs": ["coordinates", "energies"],
+        "bodies": {
+            "t": {
+                **turn,
+                "position": [0, 0, 0],
+                "mass": 1000,
+                "inertia": {"xx": heavy, "yy": heavy, "zz": heavy},
+            },
+            "s": {**turn, **start, "mass": 1, "inertia": light},
+        },
+        "joints": {
+            "hinge": {
+                **{"type": "revolute", "bodies": ["ground", "t"]},
+                **{"at": [0, 0, 0], "axis": [0, 0, 1]},
+            },
+            "slider": {
+                **{"type": "prismatic", "bodies": ["t", "s"]},
+                **{"points": points, "axes": axes, "zero": zero},
+            },
+        },
+        "coordinates": {"turn": {"joint": "hinge"}, "z": {"joint": "slider"}},
+        "forces": {"f": {"type": "along", "coordinate": "z", "force": "-3947.84176*z"}},
+        **more,
+    }
+
+
+@pytest.mark.compiles
+@pytest.mark.parametrize("target", ["numpy", "c"])
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_a_small_motion_beside_a_large_one_is_told(method: Any, target: Any) -> None:
+    """Errors are compared with lengths of the scene: a swing of 1e-8 of these dies, or grows."""
+    mechanism = kousoku.load(table(1e-7), target=target)
+    found = [
+        mechanism.simulate(4, samples=n, method=method, tolerance=1e-6).ledger.trust
+        for n in (2, 333)
+    ]
+    small = found[0].below_tolerance
+    assert [*small] == ["coordinates.z"]
+    assert found[1].below_tolerance == small  # of steps, not of rows
+    assert found[0].is_trusted
+    told = f"coordinates.z moves by {shortly(small['coordinates.z'])} of a length or rad, less than"
+    assert told in str(found[0])
+    fine = mechanism.simulate(4, samples=2, method=method, tolerance=1e-12)
+    assert fine.ledger.trust.below_tolerance == {}
+    assert np.abs(fine["z"]).max() <= 1.0001e-7
+
+
+@pytest.mark.compiles
+def test_a_small_motion_is_told_in_any_unit() -> None:
+    scenes = [kousoku.load(table(1e-5, unit), target="c") for unit in (1.0, 1e3)]
+    metres, millimetres = (
+        one.simulate(1, samples=2, tolerance=1e-6).ledger.trust.below_tolerance["coordinates.z"]
+        for one in scenes
+    )
+    assert metres == pytest.approx(millimetres, rel=1e-3)
+
+
+@pytest.mark.compiles
+@pytest.mark.parametrize("swing", [0.0, 0.1])
+def test_what_stands_still_and_what_moves_far_are_not_told_as_small(swing: float) -> None:
+    run = kousoku.load(table(swing), target="c").simulate(1, samples=2, tolerance=1e-6)
+    assert run.ledger.trust.below_tolerance == {}
+
+
+@pytest.mark.compiles
+def test_a_small_motion_that_is_driven_is_exact() -> None:
+    """A driver leads z, and a coupling another slider by a part of it."""
+    other = {**table(0.0)["bodies"]["s"], "position": [0, 10, 0], "velocity": [-10, 0, 0]}
+    tree = table(0.0, drivers={"shake": {"coordinate": "z", "value": "1e-7*t^2"}}, forces={})
+    tree["bodies"]["o"] = other
+    tree["joints"]["other"] = {
+        **tree["joints"]["slider"],
+        **{"bodies": ["t", "o"], "points": [[0, 10, 0], [0, 0, 0]]},
+    }
+    tree["coordinates"]["y"] = {"joint": "other"}
+    tree["joints"]["lever"] = {"type": "linear", "coordinates": ["z", "y"], "factors": [1, -2]}
+    run = kousoku.load(tree, target="c").simulate(1, samples=2, tolerance=1e-6, method="dop853")
+    assert abs(run["z"][-1]) == pytest.approx(1e-7, rel=1e-6)
+    assert run.ledger.trust.below_tolerance == {}
+
+
+@pytest.mark.compiles
+def test_a_body_without_a_coordinate_that_moves_by_little_is_told() -> None:
+    tree = table(1e-7, outputs=["energies"])
+    still = {**tree["bodies"]["s"], "position": [3, 0, 1e-7], "velocity": [0, 0, 0]}
+    tree["bodies"]["apart"] = still | {"angular_velocity": [0, 0, 0]}
+    tree["forces"]["own"] = {
+        **{"type": "spring_damper", "bodies": ["ground", "apart"]},
+        **{"points": [[3, 0, -5], [0, 0, 0]], "stiffness": 100, "free_length": 5},
+    }
+    trust = kousoku.load(tree, target="c").simulate(1, samples=2, tolerance=1e-6).ledger.trust
+    assert [*trust.below_tolerance] == ["bodies.apart"]
+    assert "bodies.apart moves by " in str(trust)
 
 
 @pytest.mark.compiles

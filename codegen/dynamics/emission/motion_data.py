@@ -68,6 +68,8 @@ def motion_data(
         varying["given"] = [
             asdict(replace(one, weight=tuple(_shown(program, one.weight)))) for one in system.given
         ]
+    if any(one.is_driver for one in system.constraints):
+        varying["driven"] = sorted(system.coordinates[place].name for place in _driven(system))
     return {
         "format": 1,
         "name": system.name,
@@ -206,6 +208,19 @@ def _coordinates(system: System, parts: Sequence[str]) -> list[dict[str, object]
         }
         for k, place in enumerate(system.shown)
     ]
+
+
+def _driven(system: System) -> set[int]:
+    """Coordinates that drivers determine, alone or by combinations with others that they do."""
+    found: set[int] = set()
+    before = -1
+    while before < len(found):
+        before = len(found)
+        for one in system.constraints:
+            left = {term.coordinate for term in one.terms} - found
+            is_led = one.is_driver or len(left) < len(one.terms)
+            found |= left if len(left) == 1 and is_led else set()
+    return found
 
 
 def _names(system: System, bodies: Sequence[int]) -> list[str]:

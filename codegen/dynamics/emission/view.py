@@ -58,6 +58,7 @@ COME_WITH = {
     ("HAS_REFINEMENT", "HAS_DRIVERS"): ("N_POWER", "W_MORE_POWER"),
     ("HAS_REFINEMENT", "HAS_REACTIONS"): ("W_MORE_LAM",),
     ("HAS_REACTIONS",): ("W_LAM",),
+    ("HAS_COORDINATES",): ("N_SHOWN", "PER_SHOWN", "W_COORDINATES"),
     ("HAS_WRENCHES",): ("N_WRENCHES", "W_ALL_LAM", "W_WRENCHES"),
     ("HAS_SWITCHING",): ("N_SWITCHES", "N_FEATURES", "W_SPAN", "W_SWITCHES", "W_FEATURES"),
     ("HAS_BENDING",): ("N_LAWS", "W_LAW_SPAN", "W_LAWS"),
@@ -381,6 +382,8 @@ def dynamics_view(
     found = tables(program, system, length, parts)
     counted = ("shifts", "turns", "drivers", "starts", "positive", "parts", "events", "rank_rows")
     counts = sizes(program) | {name.upper(): len(found[name]) for name in counted}
+    shown = len(system.shown) if "coordinates" in parts else 0
+    counts |= {"N_SHOWN": shown, "PER_SHOWN": 3 if "v_dot" in parts else 2}
     row = 1 + sum(program.region(name).size for name in ("q", "v", *parts))
     bases = {region.name: region.base for region in program.regions}
     places = {f"W_{name.upper()}": base for name, base in bases.items()}
@@ -393,6 +396,7 @@ def dynamics_view(
     texts["constants"] = _initialiser(in_lines(f"{literal(x)}," for x in program.constants))
     repeated = {kernel for one in segments for kernel, run in runs_of(one.tasks) if len(run) > 1}
     state = {"NY": counts["NQ"] + counts["NV"], "DENSE": DENSE, **counts}
+    state["RANGED"] = counts["NQ"] + shown
     return DynamicsView(
         name=program.name,
         features=features,

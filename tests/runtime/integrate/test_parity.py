@@ -14,7 +14,7 @@ BOTH = sorted(path.stem for path in FOLDER.glob("*.h") if path.with_suffix(".py"
 IN_C = {"substitute_back", "multiply_rows", "set_order", "inverse_mass", "sign_of"}
 IN_C |= {"are_changed", "largest_residual", "are_finite"}
 #: The verdict is put into words by those who have them: programs in C have bits.
-IN_WORDS = {"trust_of", "untold", "missed_by", "released"}
+IN_WORDS = {"trust_of", "below_tolerance", "untold", "missed_by", "released"}
 IN_PYTHON = {"inverse_masses", "largest", "smallest", "laws_at", "mean_square", *IN_WORDS}
 
 

@@ -34,6 +34,7 @@ SIZES = {
     "NCHECK": 2,
     "N_CROSSINGS": 2,
     "EVENTS": 1,
+    "RANGED": 4,
 }
 
 
