@@ -258,7 +258,7 @@ def test_driven_motion_is_compared_at_its_rows_by_other_steps() -> None:
 
 @pytest.mark.parametrize("method", ["dop853", "dopri5"])
 @pytest.mark.parametrize("times", [[0, 0.1, 3], [0, 0.1, np.pi / 2 / np.sqrt(3), 3]])
-def test_a_run_that_an_event_ends_is_compared_up_to_there(times: list[float], method: str) -> None:
+def test_a_run_that_an_event_ends_is_compared_up_to_there(times: list[float], method: Any) -> None:
     """Where the cart turns; the second run comes there a little before, or behind."""
     forces = {"load": {"type": "along", "coordinate": "x", "force": "-3*x"}}
     events = {"turns": {"when": "x_dot", "action": "stop"}}
