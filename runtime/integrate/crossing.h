@@ -592,9 +592,9 @@ static double cut_at(double end, Look *look)
     return end;
 }
 
-/* by how much a function differs from one side of a time to the other, so far away in the polynomial
- * or beyond it; 0 where values, as far as they are known, are not on the sides of zero, and negative
- * where it gets on the other one */
+/* by how much a function differs from one side of a time to the other, so far away in the
+ * polynomial or beyond it; 0 where values, as far as they are known, are not on the sides of zero,
+ * and negative where it gets on the other one */
 static double gap_across(size_t k, int side, double time, double far, int is_beyond,
     const Look *look, const State *s, Work *work)
 {
