@@ -60,15 +60,15 @@ def combination(
     """Instance Σ factor · coordinate + offset = 0; coordinates are their places."""
     records = [coordinates.record(place) for place, _ in terms]
     bodies = dict.fromkeys(body for record in records for body in (record.i, record.j))
-    first = records[0]
+    i, j = coordinates.ends(terms[0][0])
     units = [coordinates.unit_of(place)[0] for place, _ in terms]
     return Instance(
         name,
         COMBINATION,
-        first.i,
-        first.j,
+        i,
+        j,
         terms=tuple(Term(place, precise.double(factor)) for place, factor in terms),
-        others=tuple(body for body in bodies if body not in (first.i, first.j)),
+        others=tuple(body for body in bodies if body not in (i, j)),
         offset=precise.double(offset),
         unit="m" if "m" in units else "rad",
     )

@@ -38,12 +38,15 @@ class PreciseMeasure:
         Axes by the names of the package's inputs, of norm one, in the principal frames.
     points : ((3,), (3,)) [unit of the scene], optional
         Points in the frames of the bodies.
+    is_turned : bool
+        Whether its body i is body j of the joint that leaves it free.
     """
 
     kind: str
     ends: tuple[BodyFrame, BodyFrame]
     vectors: tuple[tuple[str, Triple], ...] = ()
     points: tuple[Triple, Triple] | None = None
+    is_turned: bool = False
 
     def constants(self, unit: High) -> tuple[tuple[str, tuple[float, ...]], ...]:
         """Fixed inputs of the package, rounded; the unit of the scene is in metres."""
@@ -98,6 +101,7 @@ class CoordinateList:
         self._places: dict[str, int] = {}
         self._records: list[Coordinate] = []
         self._values: list[High] = []
+        self._turned: set[int] = set()
         self._starts: dict[tuple[str, str], High] = {}
         self._named: dict[tuple[str, str], str] = {}
         for name, given in scene.coordinates.items():
@@ -117,6 +121,11 @@ class CoordinateList:
     def value(self, place: int) -> High:
         """Coordinate at the positions as they are written, in SI units, turns counted."""
         return self._values[place]
+
+    def ends(self, place: int) -> tuple[int, int]:
+        """Bodies of a coordinate, in the order of the joint that leaves it free."""
+        record = self._records[place]
+        return (record.j, record.i) if place in self._turned else (record.i, record.j)
 
     def unit_of(self, place: int) -> tuple[str, High]:
         """``rad`` or ``m``, and what a value of the scene is multiplied by."""
@@ -181,6 +190,8 @@ class CoordinateList:
             Coordinate(name, measure.kind, i, j, constants, float(at_scene(start)))
         )
         self._values.append(value * self.unit_of(place)[1])
+        if measure.is_turned:
+            self._turned.add(place)
         return place
 
     def _measure(self, given: Named) -> PreciseMeasure:

@@ -50,13 +50,13 @@ def driver_instances(scene: Scene, coordinates: CoordinateList) -> Iterator[Inst
 
 
 def _driver(name: str, place: int, value: Value, coordinates: CoordinateList) -> Instance:
-    driven = coordinates.record(place)
+    i, j = coordinates.ends(place)
     unit, scale = coordinates.unit_of(place)
     return Instance(
         name,
         COMBINATION,
-        driven.i,
-        driven.j,
+        i,
+        j,
         terms=(Term(place, 1.0),),
         law=text_of(value),
         law_unit=float(scale),

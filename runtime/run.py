@@ -111,6 +111,7 @@ class Run:
         self.seconds = {"start": 0.0, "run": 0.0}
         self._status: int = Status.PAUSED
         self._error: ErrorEstimate | None = None
+        self._goes_past_stops = False
         target = solver.target
         self._values = np.array([value for _, value in options.parameters], dtype=np.float64)
         self._there = with_parameters(solver, self._values)
@@ -342,6 +343,9 @@ class Run:
         if self._status in EVENTS:
             event = self.state.item(self._places["event"])
             add_row(self._told, event, self._rows[self.written])
+        if self._status == Status.STOPPED and self._goes_past_stops:
+            self.solver.state["fired"].view(self.state)[:] = 0.0
+            self._status = Status.EVENT
         return self._status
 
     def finish(self, progress: Callable[[float, float], object] | None = None) -> Motion:
@@ -378,20 +382,18 @@ class Run:
 
     def _estimate(self, progress: Callable[[float, float], object] | None) -> ErrorEstimate:
         """Error of all rows, from a second run by another method."""
-        begin = perf_counter()
-        written = self.times[: self.written]
-        times, options = second_times(written, self.options), second_options(self.options)
+        begin, first = perf_counter(), self.motion()
+        times, options = second_times(first.time.copy(), self.options), second_options(self.options)
         again = Run(self.solver, times, options)
-        again._q[:], again._v[:] = self._q, self._v
-        again._start_over()
+        again._goes_past_stops = True  # to where the first one ended, be its own a little before
         try:
             second = again.finish(progress)
         except MotionError:
             second = again.motion()
-        every = 2 if len(times) > len(written) else 1
+        every = 2 if len(times) > len(first) else 1
         second = Motion(second.layout, second.rows[::every], target="", method=second.method)
         self.seconds["error"] = perf_counter() - begin
-        return error_estimate(self.motion(), second, self.solver.length / self.solver.unit)
+        return error_estimate(first, second, self.solver.length / self.solver.unit)
 
     def _steps_left(self) -> int:
         return max(0, self.options.most_steps - self.steps)

@@ -31,7 +31,8 @@ class Universal(JointKind):
 
         i, j = joint_vectors(ends, joint)
         first, second = ends
-        if sort == ANGLE:
+        is_turned = sort != ANGLE
+        if not is_turned:
             own, arm, across = i["axis"], j["axis"], i["across"]
         else:
             ends = second, first
@@ -41,6 +42,7 @@ class Universal(JointKind):
             aside = precise.without(seen, own)
             across = precise.across(own) if precise.length(aside) < NOISE else precise.unit(aside)
         third = precise.cross(own, across)
-        if sort != ANGLE:
+        if is_turned:
             third = precise.scale(CONTEXT.mpf(-1), third)
-        return PreciseMeasure("angle", ends, (("a_i_b", across), ("b_i_b", third), ("a_j_b", arm)))
+        vectors = (("a_i_b", across), ("b_i_b", third), ("a_j_b", arm))
+        return PreciseMeasure("angle", ends, vectors, is_turned=is_turned)

@@ -229,6 +229,30 @@ def test_a_body_on_a_cross_is_turned_about_both_of_its_arms(moved: Callable[...,
     near(np.abs(np.einsum("ij,ij->i", motion.orientation["body"], turned)), 1, atol=1e-14)
 
 
+@pytest.mark.parametrize("of", ["angle", "second_angle"])
+@pytest.mark.parametrize("other", ["ground", "hub"])
+def test_a_driver_of_either_angle_of_a_cross_turns_body_j(
+    of: str, other: str, moved: Callable[..., Motion]
+) -> None:
+    """What a motor does to body j: moment of inertia times 2, about the arm that it turns."""
+    joint = {"type": "cardan", "bodies": [other, "body"], "points": [ZERO, ZERO]}
+    joint |= {"axes": [X, [0, 1, 0]]}
+    body = {"position": ZERO, "mass": 1, "inertia": {"xx": 3, "yy": 2, "zz": 4}}
+    heavy = {"position": ZERO, "mass": 1, "inertia": dict.fromkeys(("xx", "yy", "zz"), 1e12)}
+    tree = {
+        "name": "cross",
+        "unit": "m",
+        "bodies": {"body": body} | ({} if other == "ground" else {other: heavy}),
+        "joints": {"cross": joint},
+        "drivers": {"motor": {"joint": "cross", "of": of, "value": "t^2"}},
+    }
+    motion = moved(scene_from_dict(tree), ("reactions", "energies"), 1.0)
+    moment = [6, 0, 0] if of == "angle" else [0, 4, 0]
+    near(motion.torque["motor"][0], moment, atol=1e-9)
+    size = 2 if of == "second_angle" else 3
+    near(motion.work["motor"], size / 2 * (2 * motion.time) ** 2, atol=1e-8)
+
+
 def test_a_planet_turns_by_the_formula_of_willis(moved: Callable[..., Motion]) -> None:
     """On a fixed sun a planet turns 1 + z_s / z_p times as far as its arm."""
     wheel = {"mass": 1, "inertia": {"xx": 1, "yy": 1, "zz": 1}}

@@ -584,6 +584,34 @@ def test_a_sign_that_changes_by_a_jump_or_through_infinity_is_no_event(
 
 
 @pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("way", WAYS[:2], ids=str)
+def test_rounding_that_brings_back_over_a_jump_makes_no_event(
+    solver_of: Callable[..., Any], way: dict[str, Any], tolerance: float
+) -> None:
+    """A step ends at the jump, and its state may be on either side of it."""
+    wanted = {
+        "1/x": [],
+        "tan(2*x_dot)": [(k + 0.5) * math.pi for k in range(6)],
+        "1/x_dot + 0*level": [],
+    }
+    for when, times in wanted.items():
+        scene = SWING.partition("[events]")[0] + f'[events]\ne = {{ when = "{when}" }}\n'
+        scene = scene.replace('"-x"', '"0*level - x"')
+        start = {"x": 0.1, "x_dot": math.sqrt(0.99)}
+        runs = [
+            solver_of(scene, target).simulate(
+                20.0 - math.asin(0.1), samples=3, initial=start, tolerance=tolerance, **way
+            )
+            for target in ("c", "numpy")
+        ]
+        for run in runs:
+            found = run.events["e"].time + math.asin(0.1)
+            assert found == pytest.approx(times, abs=20.0 * tolerance), when
+        assert np.array_equal(runs[0].rows, runs[1].rows)
+
+
+@pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize("way", WAYS[:2], ids=str)
 def test_a_root_that_is_written_out_is_met_as_the_absolute_value(
     solver_of: Callable[..., Any], way: dict[str, Any]

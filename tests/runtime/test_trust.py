@@ -363,6 +363,31 @@ def test_driven_motion_is_compared_at_its_rows_by_other_steps() -> None:
     assert error.angle < 1e-12
 
 
+@pytest.mark.parametrize("method", ["dop853", "dopri5"])
+@pytest.mark.parametrize("times", [[0, 0.1, 3], [0, 0.1, np.pi / 2 / np.sqrt(3), 3]])
+def test_a_run_that_an_event_ends_is_compared_up_to_there(times: list[float], method: Any) -> None:
+    """Where the cart turns; the second run comes there a little before, or behind."""
+    forces = {"load": {"type": "along", "coordinate": "x", "force": "-3*x"}}
+    events = {"turns": {"when": "x_dot", "action": "stop"}}
+    mechanism = kousoku.load({**CART, "forces": forces, "events": events}, target="numpy")
+    run = mechanism.simulate(times=times, method=method, tolerance=1e-6, estimate_error=True)
+    error, true = run.ledger.trust.error, np.abs(run["cart.x"][-1] - 10 / np.sqrt(3))
+    assert run.stopped_by == "turns"
+    assert error.unknown_from is None
+    assert true / 3 < error.length < 1e-4
+    assert run.ledger.trust.is_trusted
+
+
+def test_a_resumed_run_is_compared_with_one_from_where_it_began() -> None:
+    mechanism = cart("-3*x")
+    options: dict[str, Any] = {"v0": [-1, 0, 0, 0, 0, 0], "estimate_error": True}
+    run = mechanism.begin([0, 0.5, 1], **options)
+    run.advance(max_steps=2)
+    resumed = mechanism.resume(run.save()).finish().ledger.trust
+    assert resumed.error == run.finish().ledger.trust.error
+    assert resumed.is_trusted
+
+
 @pytest.mark.compiles
 @pytest.mark.parametrize("target", ["c", "numpy"])
 def test_bodies_at_rest_have_no_kinks_in_their_rounding(target: Any) -> None:
