@@ -60,7 +60,8 @@
 
 /* a step of length h that is tried */
 typedef struct {
-    double h, drift, error;         /* its length [s], largest correction, error / tolerance */
+    double h, end;                  /* its length, and where it ends [s] */
+    double drift, error;            /* largest correction, error / tolerance */
     double moved;                   /* the energy that has moved at its end, if rows are checked */
     double least_ratio, most_ratio; /* of the pivot ratios of its stages */
     double inner_ratio, inner;      /* that of one inside, and at which part of the step it is */
@@ -68,8 +69,31 @@ typedef struct {
     double last_ratio;              /* that of the end */
     double end_ratio, top_ratio;    /* what tells branches there, and the largest of all stages */
     int branch;                     /* whether it may end on another branch: see branches.h */
-    int is_last;                    /* whether it ends at the last time */
+    int is_last;                    /* whether it ends where the step does at most */
+    int is_good, is_whole;          /* whether stages lead to its end; whether it can be kept */
+    int is_vague;                   /* whether its length is fixed, and its error large */
 } Trial;
+
+/* the attempts to make a step */
+typedef struct {
+    double asked, end,
+        limit;           /* next time to be written; where the step ends at most, and may [s] */
+    double best, best_h; /* of the pivot ratios of those with nearly dependent rows; its length */
+    int avoided;         /* how many of them there were */
+    int is_beyond;       /* whether the end is to lie inside of the step */
+    int is_rejected;     /* whether one had too large an error */
+    int is_guessed;      /* whether one was cut short for what is seen in it */
+    int shorter, thrown; /* how often for narrow parts, and for stages that pass a switch by */
+    int polished;        /* how often an event was found again */
+    int status;          /* GOOD, or why there is no step */
+    Look look;           /* what is seen in the last one */
+} Attempts;
+
+/* whether steps are of the length that was asked for */
+static int is_fixed(const Settings *settings) { return settings->fixed_step > 0.0; }
+
+/* whether a trial meets the tolerance */
+static int is_kept(const Trial *trial) { return trial->error <= 1.0; }
 
 /* adds y to what it starts from: a small sum, so that y is rounded once; what that leaves over goes
  * to low if it is not NULL */
@@ -269,7 +293,7 @@ static int branch_of(
     const Method *m, const Settings *settings, const Trial *trial, Work *work, State *s)
 {
     if (!HAS_REFINEMENT) return STAYS;
-    const int is_free = !(settings->fixed_step > 0.0);
+    const int is_free = !is_fixed(settings);
     const int is_loose = IS_DRIVEN || settings->tolerance > LOOSE;
     const double first = s->position_ratio, last = trial->end_ratio;
     const double top = larger(first, trial->top_ratio);
@@ -288,8 +312,7 @@ static int branch_of(
 }
 
 /* keeps a step, and says how long the next one is: a proportional and integral controller */
-static void accept(
-    const Method *m, const Trial *trial, double end, int was_rejected, Work *work, State *s)
+static void accept(const Method *m, const Trial *trial, int was_rejected, Work *work, State *s)
 {
     const double h = trial->h, error = trial->error, exponent = 1.0 / (double)m->order;
     const double before = larger(s->error, 1e-4);
@@ -303,7 +326,7 @@ static void accept(
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, trial->last_ratio);
     note_pivot_ratio(trial->least_ratio, s->time + 0.5 * h, s);
     s->time_before = s->time;
-    s->time = trial->is_last ? end : s->time + h;
+    s->time = trial->end;
     s->steps += 1;
     note_branch(s->time, trial->branch, s);
     s->position_ratio = trial->end_ratio;
@@ -315,159 +338,268 @@ static void accept(
     memcpy(s->f, work->k[m->stages], NY * sizeof *s->y);
 }
 
+/* a trial of the length that is to be tried next, no longer than to where the step ends at most */
+static Trial next_trial(const Settings *settings, Attempts *tried, const State *s)
+{
+    Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .branch = STAYS };
+    trial.dip_ratio = HUGE_VAL;
+    trial.h = is_fixed(settings) && tried->avoided == 0
+                  ? settings->fixed_step
+                  : smaller(s->step_size, settings->largest_step);
+    trial.is_last = !tried->is_beyond && s->time + 1.0000001 * trial.h >= tried->end;
+    if (trial.is_last) trial.h = tried->end - s->time;
+    trial.end = trial.is_last ? tried->end : s->time + trial.h;
+    if (!(trial.h > SMALLEST * larger(fabs(s->time), fabs(tried->end)))) {
+        tried->status = STEP_TOO_SMALL;
+    }
+    return trial;
+}
+
+/* whether rows are nearly dependent at a pivot ratio */
+static int is_weak(double ratio, const Settings *settings, const State *s)
+{
+    return ratio < (is_fixed(settings) ? VAGUE : WEAK) * s->largest_pivot_ratio;
+}
+
+/* makes the stages of a trial. 0 where Newton has gone far away in a step that cannot be shorter,
+ * or where the end is no place to stop at: it is to lie inside of a longer step then */
+static int is_made(
+    const Method *m, const Settings *settings, Attempts *tried, Trial *trial, Work *work, State *s)
+{
+    forget_trials(work);
+    trial->is_good = make_stages(m, settings->tolerance, trial, work, s);
+    /* no error tells how far drivers led */
+    if (HAS_DRIVERS && !is_fixed(settings) && trial->drift > NEAR) trial->is_good = 0;
+    if (is_fixed(settings) && !trial->is_good) {
+        const double there = smaller(trial->least_ratio, ratio_at(work->y, work, s));
+        if (!is_weak(there, settings, s)) {
+            tried->status = NOT_PROJECTED;
+            return 0;
+        }
+        trial->least_ratio = 0.0;
+    }
+    if (trial->is_last && is_weak(trial->least_ratio, settings, s)) {
+        tried->is_beyond = 1;
+        s->avoided += 1;
+        return 0;
+    }
+    return 1;
+}
+
+/* finds the error of a trial whose stages are all there, and what else its end tells: its geometry
+ * is in the workspace */
+static void find_error(const Method *m, const Settings *settings, const Attempts *tried,
+    Trial *trial, Work *work, State *s)
+{
+    if (is_fixed(settings)) trial->drift = larger(trial->drift, norm_error(m, trial->h, s, work));
+    if (WORKS > 0 || settings->checks) energy(work->w);
+    if (settings->checks) trial->moved = energy_moved(work->w, work->y, s);
+    if (is_fixed(settings)) {
+        trial->is_vague = N_SEEN > 0 && !(local_error(m, trial, 0, s, work, LEAST_PART) <= 1.0);
+    } else {
+        const int is_locked = trial->is_last && s->time == s->switched &&
+                              (tried->end == s->limit || tried->end == tried->look.cut);
+        trial->error = local_error(m, trial, is_locked, s, work, settings->tolerance);
+        if (tells_drift(trial, s)) {
+            const double most = MOST_DRIFT * larger(settings->tolerance, LEAST_DRIFT);
+            trial->error = larger(trial->drift / most, trial->error);
+        }
+    }
+    if (trial->error <= 1.0) note_largest_pivot(work, s);
+}
+
+/* whether rows are independent enough at the stages of a trial. Else it is made a little shorter,
+ * rounding is large there and other stages lie elsewhere; at last it is the best of those */
+static int is_clear(const Settings *settings, Attempts *tried, Trial *trial, State *s)
+{
+    if (!(trial->is_good || is_fixed(settings))) return 1;
+    if (!is_weak(trial->least_ratio, settings, s)) return 1;
+    if (trial->least_ratio > 0.0 && is_weak(trial->most_ratio, settings, s)) {
+        /* it is so everywhere: shorter steps stay there */
+        s->largest_pivot_ratio = trial->least_ratio / (is_fixed(settings) ? VAGUE : WEAK);
+    } else if (tried->avoided <= PATIENCE) {
+        if (trial->least_ratio > tried->best) {
+            tried->best = trial->least_ratio;
+            tried->best_h = trial->h;
+        }
+        s->step_size = tried->avoided++ < PATIENCE ? SHORTER * trial->h : tried->best_h;
+        s->avoided += 1;
+        return 0;
+    }
+    trial->is_whole = trial->least_ratio > 0.0;
+    return 1;
+}
+
+/* tries a step, but for what is seen in it; 0 where that tells nothing: it is to be tried again, or
+ * there is none. Its error is large where it may not be kept */
+static int is_tried(
+    const Method *m, const Settings *settings, Attempts *tried, Trial *trial, Work *work, State *s)
+{
+    if (!is_made(m, settings, tried, trial, work, s)) return 0;
+    if (trial->is_good) find_error(m, settings, tried, trial, work, s);
+    trial->is_whole = trial->is_good;
+    if (trial->is_good && is_kept(trial) && (N_SWITCHING > 0 || tried->asked < trial->end)) {
+        trial->is_whole = make_dense_stages(m, trial, work, s);
+    }
+    if (!is_clear(settings, tried, trial, s)) return 0;
+    if (is_fixed(settings) && !trial->is_whole) {
+        tried->status = NOT_PROJECTED;
+        return 0;
+    }
+    if (trial->is_whole && is_kept(trial)) {
+        trial->branch = branch_of(m, settings, trial, work, s);
+        if (trial->branch == LEAPS && !is_fixed(settings))
+            trial->is_whole = !(way_of(trial, s, work) > STILL_LONG);
+    }
+    if (!trial->is_whole) trial->error = 1e3;
+    return 1;
+}
+
+/* where a trial must end by what crosses in it. Poles of forces are looked for once more where its
+ * polynomial has not all of its stages */
+static double seen_in(
+    const Method *m, const Settings *settings, Attempts *tried, Trial *trial, Work *work, State *s)
+{
+    Look *look = &tried->look;
+    const double *f = work->k[m->stages];
+    const int has_stages = N_SWITCHING > 0 && is_kept(trial);
+    look_into(settings, m, has_stages, trial->h, work->y, s->f, f, look, s, work);
+    look->least_part = is_kept(trial) && !trial->is_vague ? 0.0 : LEAST_PART;
+    look->is_kept = is_kept(trial);
+    /* one that leads beyond its end stays as it is */
+    double seen = tried->is_beyond ? trial->end : seen_end(trial->end, look, s, work);
+    if (look->pole && !has_stages && make_dense_stages(m, trial, work, s)) {
+        look_into(settings, m, 1, trial->h, work->y, s->f, f, look, s, work);
+        seen = seen_end(trial->end, look, s, work);
+    }
+    return look->pole ? end_before_pole(look, s) : seen;
+}
+
+/* where a trial must end so that samples tell up to a time how narrow parts vary; noted where it
+ * cannot be shorter for that */
+static double told_in(double told, Attempts *tried, const Trial *trial, Work *work, State *s)
+{
+    Look *look = &tried->look;
+    if (N_NARROW == 0 || !is_kept(trial)) return trial->end;
+    if (tried->shorter++ < MOST_SHORTER) {
+        const double there = told_end(told, look, s, work);
+        return there < told ? there : trial->end;
+    }
+    look->is_untold = look->is_untold || (!are_narrow_told(s->time, told, look, s, work) &&
+                                             !is_at_pole(1, s->time, told, look, s, work));
+    return trial->end;
+}
+
+/* where a trial must end so that its polynomial meets up to a time what its stages do; noted where
+ * it cannot be shorter for that. At a cut rounding decides */
+static double met_in(double told, Attempts *tried, const Trial *trial, Work *work, State *s)
+{
+    Look *look = &tried->look;
+    if (N_SWITCHING == 0 || !is_kept(trial)) return trial->end;
+    if (tried->is_beyond || trial->end == look->cut) return trial->end;
+    const double beyond = stage_beyond(told, look, s, work);
+    if (beyond < told && tried->thrown++ < MOST_SHORTER) return beyond;
+    if (beyond < told) look->is_untold = 1;
+    return trial->end;
+}
+
+/* whether a trial that was cut for an event ends there, as its own polynomial tells: else the cut
+ * is there */
+static int is_at_event(Attempts *tried, const Trial *trial, Work *work, State *s)
+{
+    Look *look = &tried->look;
+    if (EVENTS == 0 || !is_kept(trial) || trial->end != look->cut) return 1;
+    if (!(tried->polished++ < MOST_POLISHED)) return 1;
+    const double there = smaller(polished_cut(look, s, work), tried->limit);
+    if (!(fabs(there - trial->end) > 4.0 * SMALLEST * fabs(trial->end))) return 1;
+    tried->end = look->cut = there;
+    s->step_size = larger(s->step_size, there - s->time);
+    return 0;
+}
+
+/* how long a step is that meets the tolerance, where a trial does not */
+static double length_by_error(const Method *m, const Trial *trial)
+{
+    double factor = 0.2;
+    if (isfinite(trial->error)) {
+        factor = larger(factor, SAFETY * pow(trial->error, -1.0 / (double)m->order));
+    }
+    return factor * trial->h;
+}
+
+/* has a step end at a time when it is tried again: one that could be longer and is cut can so
+ * still, however short it gets */
+static void end_at(double to, const Method *m, const Settings *settings, Attempts *tried,
+    const Trial *trial, State *s)
+{
+    const double way = to - s->time;
+    tried->is_guessed = 1;
+    if (is_fixed(settings)) {
+        tried->end = to;
+        tried->is_beyond = 0;
+    }
+    s->rejected += 1;
+    const double size = is_kept(trial) ? s->step_size : length_by_error(m, trial);
+    s->step_size = to == tried->look.cut ? larger(size, way) : way;
+}
+
+/* whether a trial ends where it may by what is seen in it: else it is to end there */
+static int ends_well(
+    const Method *m, const Settings *settings, Attempts *tried, Trial *trial, Work *work, State *s)
+{
+    Look *look = &tried->look;
+    if (N_SEEN == 0 || !trial->is_whole || !(is_kept(trial) || !tried->is_guessed)) return 1;
+    const double seen = seen_in(m, settings, tried, trial, work, s);
+    tried->status = why_stopped(seen, look, s);
+    if (tried->status != GOOD) return 0;
+    const double told = smaller(seen, trial->end); /* what follows a cut is seen later */
+    const double narrow = told_in(told, tried, trial, work, s);
+    double to = smaller(narrow, met_in(told, tried, trial, work, s));
+    if (seen <= to && seen < trial->end) to = tried->end = cut_at(seen, look);
+    else if (!is_at_event(tried, trial, work, s)) return 0;
+    if (!(to < trial->end && (is_kept(trial) || to == look->cut))) return 1;
+    end_at(to, m, settings, tried, trial, s);
+    return 0;
+}
+
+/* keeps a trial, and notes what was seen in it */
+static void keep(const Method *m, const Attempts *tried, const Trial *trial, Work *work, State *s)
+{
+    const Look *look = &tried->look;
+    const double before = s->step_size;
+    accept(m, trial, tried->is_rejected, work, s);
+    if (N_SEEN == 0) return;
+    note_crossings(trial->end, look, s, work);
+    if (look->is_untold) note_unresolved(s->time_before, s);
+    if (s->time == look->cut) {
+        s->step_size = larger(s->step_size, before);
+        s->switched = s->time;
+    }
+}
+
 /* one step with error control, or of the length that was asked for, to the end at most unless rows
  * are nearly dependent there. If the next time to be written lies inside of it, it has the stages
  * that its polynomial wants. GOOD, or why there is none */
 static int step(
     const Method *m, const Settings *settings, double asked, double end, State *s, Work *work)
 {
-    const int is_fixed = settings->fixed_step > 0.0;
-    const double weak = is_fixed ? VAGUE : WEAK; /* ratios below this, where usual ones are 1 */
-    int rejected = 0, avoided = 0, is_beyond = 0;
-    double best = -1.0, best_h = 0.0; /* of the lengths that were tried near dependent rows */
-    Look look = { .cut = s->time, .has_error = !is_fixed && N_SWITCHING > 0 };
-    int shorter = 0, thrown = 0, is_guessed = 0, polished = 0;
-    const double limit = end;
+    Attempts tried = { .asked = asked, .end = end, .limit = end, .best = -1.0, .status = GOOD };
+    tried.look.cut = s->time;
+    tried.look.has_error = N_SWITCHING > 0 && !is_fixed(settings);
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
-        Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .branch = STAYS };
-        trial.dip_ratio = HUGE_VAL;
-        double h = is_fixed && avoided == 0 ? settings->fixed_step
-                                            : smaller(s->step_size, settings->largest_step);
-        trial.is_last = !is_beyond && s->time + 1.0000001 * h >= end;
-        if (trial.is_last) h = end - s->time;
-        if (!(h > SMALLEST * larger(fabs(s->time), fabs(end)))) return STEP_TOO_SMALL;
-        trial.h = h;
-        forget_trials(work);
-        int good = make_stages(m, settings->tolerance, &trial, work, s);
-        /* no error tells how far drivers led */
-        if (HAS_DRIVERS && !is_fixed && trial.drift > NEAR) good = 0;
-        if (is_fixed && !good) { /* Newton may have gone far away from where it began */
-            const double there = smaller(trial.least_ratio, ratio_at(work->y, work, s));
-            if (!(there < weak * s->largest_pivot_ratio)) return NOT_PROJECTED;
-            trial.least_ratio = 0.0;
-        }
-        if (trial.is_last && trial.least_ratio < weak * s->largest_pivot_ratio) {
-            /* the end may be no place to stop at: let it lie inside of a longer step */
-            is_beyond = 1;
-            s->avoided += 1;
-            continue;
-        }
-        if (is_fixed && good) trial.drift = larger(trial.drift, norm_error(m, h, s, work));
-        if (good && (WORKS > 0 || settings->checks)) energy(work->w);
-        if (good && settings->checks) trial.moved = energy_moved(work->w, work->y, s);
-        if (!is_fixed && good) {
-            const int is_locked = trial.is_last && s->time == s->switched &&
-                                  (end == s->limit || end == look.cut);
-            trial.error = local_error(m, &trial, is_locked, s, work, settings->tolerance);
-            if (tells_drift(&trial, s)) {
-                const double most = MOST_DRIFT * larger(settings->tolerance, LEAST_DRIFT);
-                trial.error = larger(trial.drift / most, trial.error);
+        Trial trial = next_trial(settings, &tried, s);
+        if (tried.status == GOOD && is_tried(m, settings, &tried, &trial, work, s) &&
+            ends_well(m, settings, &tried, &trial, work, s)) {
+            if (is_kept(&trial)) {
+                keep(m, &tried, &trial, work, s);
+                return GOOD;
             }
+            tried.is_rejected = 1;
+            s->rejected += 1;
+            s->step_size = length_by_error(m, &trial);
         }
-        const int is_vague = N_SEEN > 0 && is_fixed && good &&
-                             !(local_error(m, &trial, 0, s, work, LEAST_PART) <= 1.0);
-        if (good && trial.error <= 1.0) note_largest_pivot(work, s);
-        int is_whole = good;
-        const double last = trial.is_last ? end : s->time + h;
-        if (good && trial.error <= 1.0 && (N_SWITCHING > 0 || asked < last)) {
-            is_whole = make_dense_stages(m, &trial, work, s);
-        }
-        if ((good || is_fixed) && trial.least_ratio < weak * s->largest_pivot_ratio) {
-            if (trial.least_ratio > 0.0 && trial.most_ratio < weak * s->largest_pivot_ratio) {
-                /* it is so everywhere: shorter steps stay there */
-                s->largest_pivot_ratio = trial.least_ratio / weak;
-            } else if (avoided <= PATIENCE) {
-                /* rounding is large there: other stages lie elsewhere */
-                if (trial.least_ratio > best) {
-                    best = trial.least_ratio;
-                    best_h = h;
-                }
-                s->step_size = avoided++ < PATIENCE ? SHORTER * h : best_h;
-                s->avoided += 1;
-                continue;
-            }
-            is_whole = trial.least_ratio > 0.0;
-        }
-        if (is_fixed && !is_whole) return NOT_PROJECTED;
-        if (is_whole && trial.error <= 1.0) {
-            trial.branch = branch_of(m, settings, &trial, work, s);
-            if (trial.branch == LEAPS && !is_fixed)
-                is_whole = !(way_of(&trial, s, work) > STILL_LONG);
-        }
-        if (!is_whole) trial.error = 1e3;
-        double by_error = 0.2;
-        if (isfinite(trial.error)) {
-            by_error = larger(by_error, SAFETY * pow(trial.error, -1.0 / (double)m->order));
-        }
-        if (N_SEEN > 0 && is_whole && (trial.error <= 1.0 || !is_guessed)) {
-            const int is_kept = trial.error <= 1.0;
-            const double *f = work->k[m->stages];
-            const int has_stages = N_SWITCHING > 0 && is_kept;
-            look_into(settings, m, has_stages, h, work->y, s->f, f, &look, s, work);
-            look.least_part = is_kept && !is_vague ? 0.0 : LEAST_PART;
-            look.is_kept = is_kept;
-            /* one that leads beyond its end stays as it is */
-            double seen = is_beyond ? last : seen_end(last, &look, s, work);
-            if (look.pole && !has_stages && make_dense_stages(m, &trial, work, s)) {
-                look_into(settings, m, 1, h, work->y, s->f, f, &look, s, work);
-                seen = seen_end(last, &look, s, work);
-            }
-            if (look.pole) seen = end_before_pole(&look, s);
-            const int why = why_stopped(seen, &look, s);
-            if (why != GOOD) return why;
-            const double told = smaller(seen, last); /* what follows a cut is seen later */
-            double to = last;
-            if (N_NARROW > 0 && is_kept && shorter++ < MOST_SHORTER) {
-                const double there = told_end(told, &look, s, work);
-                if (there < told) to = there;
-            } else if (N_NARROW > 0 && is_kept) { /* it cannot be shorter for that */
-                look.is_untold = look.is_untold ||
-                                 (!are_narrow_told(s->time, told, &look, s, work) &&
-                                     !is_at_pole(1, s->time, told, &look, s, work));
-            }
-            if (has_stages && !is_beyond && last != look.cut) { /* at a cut rounding decides */
-                const double beyond = stage_beyond(told, &look, s, work);
-                if (beyond < told && thrown++ < MOST_SHORTER) to = smaller(to, beyond);
-                else if (beyond < told) look.is_untold = 1;
-            }
-            if (seen <= to && seen < last) {
-                to = end = cut_at(seen, &look);
-            } else if (EVENTS > 0 && is_kept && last == look.cut && polished++ < MOST_POLISHED) {
-                const double there = smaller(polished_cut(&look, s, work), limit);
-                if (fabs(there - last) > 4.0 * SMALLEST * fabs(last)) {
-                    end = look.cut = there;
-                    s->step_size = larger(s->step_size, there - s->time);
-                    continue;
-                }
-            }
-            if (to < last && (is_kept || to == look.cut)) {
-                is_guessed = 1;
-                if (is_fixed) {
-                    end = to;
-                    is_beyond = 0;
-                }
-                s->rejected += 1;
-                /* one that could be longer and is cut can so still, however short it gets */
-                by_error = is_kept ? s->step_size : by_error * h;
-                s->step_size = to == look.cut ? larger(by_error, to - s->time) : to - s->time;
-                continue;
-            }
-        }
-        if (trial.error <= 1.0) {
-            const double before = s->step_size;
-            accept(m, &trial, end, rejected, work, s);
-            if (N_SEEN > 0) note_crossings(last, &look, s, work);
-            if (look.is_untold) note_unresolved(s->time_before, s);
-            if (s->time == look.cut) {
-                s->step_size = larger(s->step_size, before);
-                s->switched = s->time;
-            }
-            return GOOD;
-        }
-        rejected = 1;
-        s->rejected += 1;
-        s->step_size = h * by_error;
+        if (tried.status != GOOD) return tried.status;
     }
 }
 
