@@ -212,6 +212,25 @@ static double norm_error(const Method *m, double h, const State *s, Work *work)
     return most;
 }
 
+/* looks at the pivot ratios of a stage at a part of a step */
+static void look_at_ratios(double part, Trial *trial, const Work *work, const State *s)
+{
+    trial->last_ratio = last_ratio(work, s);
+    trial->least_ratio = smaller(trial->least_ratio, trial->last_ratio);
+    trial->most_ratio = larger(trial->most_ratio, trial->last_ratio);
+    trial->end_ratio = IS_DRIVEN ? branch_ratio(work, s) : trial->last_ratio;
+    if (!HAS_REFINEMENT) return;
+    trial->top_ratio = larger(trial->top_ratio, trial->end_ratio);
+    if (trial->inner == 0.0 && part >= INSIDE) {
+        trial->inner_ratio = trial->end_ratio;
+        trial->inner = part;
+    }
+    if (part < 1.0 && trial->end_ratio < trial->dip_ratio) {
+        trial->dip_ratio = trial->end_ratio;
+        trial->dip = part;
+    }
+}
+
 /* the stages from which the end of the step is made; 0 where one is impossible */
 static int make_stages(const Method *m, double tolerance, Trial *trial, Work *work, State *s)
 {
@@ -221,19 +240,7 @@ static int make_stages(const Method *m, double tolerance, Trial *trial, Work *wo
         good = stage(m, n, trial->h, is_inner ? INNER * tolerance : 0.0, work->y,
             is_inner ? NULL : work->low, work, s, &trial->drift);
         if (good && !is_inner) look_at_digits(work->k[n], work, s);
-        trial->last_ratio = last_ratio(work, s);
-        trial->least_ratio = smaller(trial->least_ratio, trial->last_ratio);
-        trial->most_ratio = larger(trial->most_ratio, trial->last_ratio);
-        trial->end_ratio = branch_ratio(work, s);
-        trial->top_ratio = larger(trial->top_ratio, trial->end_ratio);
-        if (trial->inner == 0.0 && m->c[n] >= INSIDE) {
-            trial->inner_ratio = trial->end_ratio;
-            trial->inner = m->c[n];
-        }
-        if (m->c[n] < 1.0 && trial->end_ratio < trial->dip_ratio) {
-            trial->dip_ratio = trial->end_ratio;
-            trial->dip = m->c[n];
-        }
+        look_at_ratios(m->c[n], trial, work, s);
     }
     return good;
 }

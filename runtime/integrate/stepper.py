@@ -350,6 +350,22 @@ def norm_error(m: Method, h: float, state: State, work: Work) -> float:
     return most
 
 
+def look_at_ratios(part: float, trial: Trial, work: Work, state: State) -> None:
+    """Look at the pivot ratios of a stage at a part of a step."""
+    trial.last_ratio = last_ratio(work, state)
+    trial.least_ratio = smaller(trial.least_ratio, trial.last_ratio)
+    trial.most_ratio = larger(trial.most_ratio, trial.last_ratio)
+    is_driven = work.scene.is_driven
+    trial.end_ratio = branch_ratio(work, state) if is_driven else trial.last_ratio
+    if not work.scene.has_refinement:
+        return
+    trial.top_ratio = larger(trial.top_ratio, trial.end_ratio)
+    if trial.inner == 0.0 and part >= INSIDE:
+        trial.inner_ratio, trial.inner = trial.end_ratio, part
+    if part < 1.0 and trial.end_ratio < trial.dip_ratio:
+        trial.dip_ratio, trial.dip = trial.end_ratio, part
+
+
 def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: State) -> None:
     """Make the stages from which the end of the step is made, as far as they are possible."""
     for n in range(1, m.stages + 1):
@@ -358,15 +374,7 @@ def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: St
         trial.drift = stage(m, n, trial.h, enough, work.y, low, work, state)
         if trial.drift >= 0.0 and low is not None:
             look_at_digits(work.k[n], work, state)
-        trial.last_ratio = last_ratio(work, state)
-        trial.least_ratio = smaller(trial.least_ratio, trial.last_ratio)
-        trial.most_ratio = larger(trial.most_ratio, trial.last_ratio)
-        trial.end_ratio = branch_ratio(work, state)
-        trial.top_ratio = larger(trial.top_ratio, trial.end_ratio)
-        if trial.inner == 0.0 and m.c[n] >= INSIDE:
-            trial.inner_ratio, trial.inner = trial.end_ratio, m.c[n]
-        if m.c[n] < 1.0 and trial.end_ratio < trial.dip_ratio:
-            trial.dip_ratio, trial.dip = trial.end_ratio, m.c[n]
+        look_at_ratios(m.c[n], trial, work, state)
         if trial.drift < 0.0:
             return
 
