@@ -85,6 +85,7 @@ static int advance(
     const Method *m, const Settings *settings, double asked, double end, State *s, Work *work)
 {
     int status = GOOD;
+    const int is_fixed = settings->fixed_step > 0.0;
     double target = end;
     s->method = 1.0 + settings->method;
     if (N_SWITCHES > 0 || N_LAWS > 0) {
@@ -98,11 +99,11 @@ static int advance(
         target = resolved_step(h, 0.5, smaller(asked, target), s, work);
         return driven_step(settings, target, s, work);
     }
-    if (s->step_size == 0.0 && !is_fixed(settings)) status = first_step(m, settings, end, s, work);
+    if (s->step_size == 0.0 && !is_fixed) status = first_step(m, settings, end, s, work);
     if (status == GOOD) {
-        const double h = is_fixed(settings) ? settings->fixed_step
-                                            : smaller(s->step_size, settings->largest_step);
-        if (!is_fixed(settings)) target = even_end(h, target, s);
+        const double h = is_fixed ? settings->fixed_step
+                                  : smaller(s->step_size, settings->largest_step);
+        if (!is_fixed) target = even_end(h, target, s);
         target = resolved_step(h, 1.0, target, s, work);
     }
     if (status == GOOD) status = step(m, settings, asked, target, s, work);

@@ -20,7 +20,7 @@ from .row_switch import note_usual_ratio
 from .rows import energy_balance, find_reactions, write_row
 from .scene import Work, Workspace, state_of
 from .settings import ACTIONS, Status
-from .stepper import first_step, is_fixed, step
+from .stepper import first_step, step
 from .switching import even_end, meet_switches, resolved_step
 
 if TYPE_CHECKING:
@@ -257,13 +257,12 @@ class Solver:
                 h = smaller(s.step_size, h)
             to = smaller(asked, target)
             return driven_step(settings, resolved_step(h, 0.5, to, s, work), s, work)
-        if s.step_size == 0.0 and not is_fixed(settings):
+        is_fixed = settings.fixed_step > 0.0
+        if s.step_size == 0.0 and not is_fixed:
             status = first_step(m, settings, end, s, work)
         if status == Status.GOOD:
-            h, to = settings.fixed_step, target
-            if not is_fixed(settings):
-                h = smaller(s.step_size, settings.largest_step)
-                to = even_end(h, target, s)
+            h = settings.fixed_step if is_fixed else smaller(s.step_size, settings.largest_step)
+            to = target if is_fixed else even_end(h, target, s)
             target = resolved_step(h, 1.0, to, s, work)
         if status == Status.GOOD:
             status = step(m, settings, asked, target, s, work)

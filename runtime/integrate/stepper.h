@@ -40,11 +40,17 @@
 #define FAR 0.5
 /* such steps are no longer than this, in lengths and radians: how ratios go is not known over
  * longer ones. At tolerances above that, and where drivers determine the motion, none is longer
- * than this: stages may pass by such a place, unless ratios are as level as this */
+ * than this: stages may pass by such a place, unless ratios are as level as this. Where there are
+ * so many stages they lie twice as densely, but two bodies turn towards each other by twice as
+ * much: by less than half a turn, so that no step passes two such places */
 #define LONGEST 0.75
 #define LOOSE 1e-3
 #define LONGEST_OF_ALL 1.2
+#define MANY_STAGES 12
+#define LONGEST_OF_MANY 1.5
 #define LEVEL 0.999
+/* a step after one that tells how long it may be is this part of that */
+#define NEARLY 0.98
 /* a step is not made shorter than this to find its branch */
 #define STILL_LONG 1e-4
 /* a step is this much shorter than what would meet the tolerance */
@@ -69,15 +75,18 @@ typedef struct {
     double last_ratio;              /* that of the end */
     double end_ratio, top_ratio;    /* what tells branches there, and the largest of all stages */
     int branch;                     /* whether it may end on another branch: see branches.h */
-    int is_last;                    /* whether it ends where the step does at most */
-    int is_good, is_whole;          /* whether stages lead to its end; whether it can be kept */
-    int is_vague;                   /* whether its length is fixed, and its error large */
+    double longest;        /* how long it may be to tell that, where it is longer, else 0 [s] */
+    int is_last;           /* whether it ends where the step does at most */
+    int is_good, is_whole; /* whether stages lead to its end; whether it can be kept */
+    int is_vague;          /* whether its length is fixed, and its error large */
 } Trial;
 
 /* the attempts to make a step */
 typedef struct {
-    double asked, end,
-        limit;           /* next time to be written; where the step ends at most, and may [s] */
+    const Method *m;
+    const Settings *settings;
+    int is_fixed;             /* whether its length is asked for */
+    double asked, end, limit; /* next time to be written; where it ends at most, and may [s] */
     double best, best_h; /* of the pivot ratios of those with nearly dependent rows; its length */
     int avoided;         /* how many of them there were */
     int is_beyond;       /* whether the end is to lie inside of the step */
@@ -88,9 +97,6 @@ typedef struct {
     int status;          /* GOOD, or why there is no step */
     Look look;           /* what is seen in the last one */
 } Attempts;
-
-/* whether steps are of the length that was asked for */
-static int is_fixed(const Settings *settings) { return settings->fixed_step > 0.0; }
 
 /* whether a trial meets the tolerance */
 static int is_kept(const Trial *trial) { return trial->error <= 1.0; }
@@ -295,37 +301,53 @@ static double dipping_part(double first, double last, const Trial *trial)
                                          : x * first / (first + dip);
 }
 
+/* how far a step may lead so that ratios of its stages tell of places where branches meet; it is
+ * infinite where any way is short enough */
+static double longest_way(const Attempts *tried, const Trial *trial, const State *s)
+{
+    const int is_loose = IS_DRIVEN || tried->settings->tolerance > LOOSE;
+    if (!HAS_REFINEMENT || !is_loose || tried->is_fixed) return HUGE_VAL;
+    const double top = larger(s->position_ratio, trial->top_ratio);
+    if (smaller(trial->dip_ratio, trial->end_ratio) > LEVEL * top) return HUGE_VAL;
+    return tried->m->stages < MANY_STAGES ? LONGEST_OF_ALL : LONGEST_OF_MANY;
+}
+
+/* whether a step is no longer than that: else it is made again */
+static int is_short(double longest, Trial *trial, const State *s, const Work *work)
+{
+    const double way = longest < HUGE_VAL ? way_of(trial, s, work) : 0.0;
+    if (!(way > longest)) return 1;
+    trial->longest = NEARLY * trial->h * (longest / way);
+    return 0;
+}
+
 /* whether a step may end on another branch: LEAPS, STAYS or MEETS */
-static int branch_of(
-    const Method *m, const Settings *settings, const Trial *trial, Work *work, State *s)
+static int branch_of(const Attempts *tried, Trial *trial, Work *work, State *s)
 {
     if (!HAS_REFINEMENT) return STAYS;
-    const int is_free = !is_fixed(settings);
-    const int is_loose = IS_DRIVEN || settings->tolerance > LOOSE;
-    const double first = s->position_ratio, last = trial->end_ratio;
-    const double top = larger(first, trial->top_ratio);
-    const int is_steady = smaller(trial->dip_ratio, last) > LEVEL * top;
-    if (is_free && is_loose && !is_steady && way_of(trial, s, work) > LONGEST_OF_ALL) return LEAPS;
-    const double most = usual_ratio(s);
+    const double first = s->position_ratio, last = trial->end_ratio, most = usual_ratio(s);
+    if (!is_short(longest_way(tried, trial, s), trial, s, work)) return LEAPS;
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
     const int is_sinking = is_dip || sinks(SINKS, trial, s);
     if (!is_sinking && !(smaller(first, last) < BESIDE_IT * most)) return STAYS;
-    const double way = way_of(trial, s, work);
-    if (!is_sinking && !(way > FAR * sqrt(larger(first, last) / most))) return STAYS;
-    if (is_free && way > LONGEST) return LEAPS;
-    const double before = sqrt(first), after = sqrt(last), *f = work->k[m->stages];
+    const double far = FAR * sqrt(larger(first, last) / most);
+    if (!is_sinking && !(way_of(trial, s, work) > far)) return STAYS;
+    if (!tried->is_fixed && !is_short(LONGEST, trial, s, work)) return LEAPS;
+    const double before = sqrt(first), after = sqrt(last), *f = work->k[tried->m->stages];
     const double part = is_dip ? dipping_part(before, after, trial) : meeting_part(before, after);
     return follow_branch(trial->h, work->y, f, part, before + after, work, s);
 }
 
 /* keeps a step, and says how long the next one is: a proportional and integral controller */
-static void accept(const Method *m, const Trial *trial, int was_rejected, Work *work, State *s)
+static void accept(const Attempts *tried, const Trial *trial, Work *work, State *s)
 {
-    const double h = trial->h, error = trial->error, exponent = 1.0 / (double)m->order;
+    const double h = trial->h, error = trial->error, exponent = 1.0 / (double)tried->m->order;
     const double before = larger(s->error, 1e-4);
     double factor = 10.0;
     if (error != 0.0) factor = SAFETY * pow(error, -0.8 * exponent) * pow(before, 0.2 * exponent);
-    const double next = h * smaller(was_rejected ? 1.0 : 10.0, larger(0.2, factor));
+    double next = h * smaller(tried->is_rejected ? 1.0 : 10.0, larger(0.2, factor));
+    const double way = longest_way(tried, trial, s); /* what is longer is made in vain */
+    if (way < HUGE_VAL) next = smaller(next, NEARLY * way / size_of(work->y + NQ));
     if (!trial->is_last || next < s->step_size) s->step_size = next;
     s->error = larger(error, 1e-4);
     s->drift = larger(s->drift, trial->drift);
@@ -342,17 +364,16 @@ static void accept(const Method *m, const Trial *trial, int was_rejected, Work *
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(s->y, work->y, NY * sizeof *s->y);
     memcpy(s->low, work->low, NY * sizeof *s->y);
-    memcpy(s->f, work->k[m->stages], NY * sizeof *s->y);
+    memcpy(s->f, work->k[tried->m->stages], NY * sizeof *s->y);
 }
 
 /* a trial of the length that is to be tried next, no longer than to where the step ends at most */
-static Trial next_trial(const Settings *settings, Attempts *tried, const State *s)
+static Trial next_trial(Attempts *tried, const State *s)
 {
     Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .branch = STAYS };
     trial.dip_ratio = HUGE_VAL;
-    trial.h = is_fixed(settings) && tried->avoided == 0
-                  ? settings->fixed_step
-                  : smaller(s->step_size, settings->largest_step);
+    trial.h = smaller(s->step_size, tried->settings->largest_step);
+    if (tried->is_fixed && tried->avoided == 0) trial.h = tried->settings->fixed_step;
     trial.is_last = !tried->is_beyond && s->time + 1.0000001 * trial.h >= tried->end;
     if (trial.is_last) trial.h = tried->end - s->time;
     trial.end = trial.is_last ? tried->end : s->time + trial.h;
@@ -363,29 +384,28 @@ static Trial next_trial(const Settings *settings, Attempts *tried, const State *
 }
 
 /* whether rows are nearly dependent at a pivot ratio */
-static int is_weak(double ratio, const Settings *settings, const State *s)
+static int is_weak(double ratio, const Attempts *tried, const State *s)
 {
-    return ratio < (is_fixed(settings) ? VAGUE : WEAK) * s->largest_pivot_ratio;
+    return ratio < (tried->is_fixed ? VAGUE : WEAK) * s->largest_pivot_ratio;
 }
 
 /* makes the stages of a trial. 0 where Newton has gone far away in a step that cannot be shorter,
  * or where the end is no place to stop at: it is to lie inside of a longer step then */
-static int is_made(
-    const Method *m, const Settings *settings, Attempts *tried, Trial *trial, Work *work, State *s)
+static int is_made(Attempts *tried, Trial *trial, Work *work, State *s)
 {
     forget_trials(work);
-    trial->is_good = make_stages(m, settings->tolerance, trial, work, s);
+    trial->is_good = make_stages(tried->m, tried->settings->tolerance, trial, work, s);
     /* no error tells how far drivers led */
-    if (HAS_DRIVERS && !is_fixed(settings) && trial->drift > NEAR) trial->is_good = 0;
-    if (is_fixed(settings) && !trial->is_good) {
+    if (HAS_DRIVERS && !tried->is_fixed && trial->drift > NEAR) trial->is_good = 0;
+    if (tried->is_fixed && !trial->is_good) {
         const double there = smaller(trial->least_ratio, ratio_at(work->y, work, s));
-        if (!is_weak(there, settings, s)) {
+        if (!is_weak(there, tried, s)) {
             tried->status = NOT_PROJECTED;
             return 0;
         }
         trial->least_ratio = 0.0;
     }
-    if (trial->is_last && is_weak(trial->least_ratio, settings, s)) {
+    if (trial->is_last && is_weak(trial->least_ratio, tried, s)) {
         tried->is_beyond = 1;
         s->avoided += 1;
         return 0;
@@ -395,13 +415,14 @@ static int is_made(
 
 /* finds the error of a trial whose stages are all there, and what else its end tells: its geometry
  * is in the workspace */
-static void find_error(const Method *m, const Settings *settings, const Attempts *tried,
-    Trial *trial, Work *work, State *s)
+static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s)
 {
-    if (is_fixed(settings)) trial->drift = larger(trial->drift, norm_error(m, trial->h, s, work));
+    const Method *m = tried->m;
+    const Settings *settings = tried->settings;
+    if (tried->is_fixed) trial->drift = larger(trial->drift, norm_error(m, trial->h, s, work));
     if (WORKS > 0 || settings->checks) energy(work->w);
     if (settings->checks) trial->moved = energy_moved(work->w, work->y, s);
-    if (is_fixed(settings)) {
+    if (tried->is_fixed) {
         trial->is_vague = N_SEEN > 0 && !(local_error(m, trial, 0, s, work, LEAST_PART) <= 1.0);
     } else {
         const int is_locked = trial->is_last && s->time == s->switched &&
@@ -417,13 +438,13 @@ static void find_error(const Method *m, const Settings *settings, const Attempts
 
 /* whether rows are independent enough at the stages of a trial. Else it is made a little shorter,
  * rounding is large there and other stages lie elsewhere; at last it is the best of those */
-static int is_clear(const Settings *settings, Attempts *tried, Trial *trial, State *s)
+static int is_clear(Attempts *tried, Trial *trial, State *s)
 {
-    if (!(trial->is_good || is_fixed(settings))) return 1;
-    if (!is_weak(trial->least_ratio, settings, s)) return 1;
-    if (trial->least_ratio > 0.0 && is_weak(trial->most_ratio, settings, s)) {
+    if (!(trial->is_good || tried->is_fixed)) return 1;
+    if (!is_weak(trial->least_ratio, tried, s)) return 1;
+    if (trial->least_ratio > 0.0 && is_weak(trial->most_ratio, tried, s)) {
         /* it is so everywhere: shorter steps stay there */
-        s->largest_pivot_ratio = trial->least_ratio / (is_fixed(settings) ? VAGUE : WEAK);
+        s->largest_pivot_ratio = trial->least_ratio / (tried->is_fixed ? VAGUE : WEAK);
     } else if (tried->avoided <= PATIENCE) {
         if (trial->least_ratio > tried->best) {
             tried->best = trial->least_ratio;
@@ -439,23 +460,22 @@ static int is_clear(const Settings *settings, Attempts *tried, Trial *trial, Sta
 
 /* tries a step, but for what is seen in it; 0 where that tells nothing: it is to be tried again, or
  * there is none. Its error is large where it may not be kept */
-static int is_tried(
-    const Method *m, const Settings *settings, Attempts *tried, Trial *trial, Work *work, State *s)
+static int is_tried(Attempts *tried, Trial *trial, Work *work, State *s)
 {
-    if (!is_made(m, settings, tried, trial, work, s)) return 0;
-    if (trial->is_good) find_error(m, settings, tried, trial, work, s);
+    if (!is_made(tried, trial, work, s)) return 0;
+    if (trial->is_good) find_error(tried, trial, work, s);
     trial->is_whole = trial->is_good;
     if (trial->is_good && is_kept(trial) && (N_SWITCHING > 0 || tried->asked < trial->end)) {
-        trial->is_whole = make_dense_stages(m, trial, work, s);
+        trial->is_whole = make_dense_stages(tried->m, trial, work, s);
     }
-    if (!is_clear(settings, tried, trial, s)) return 0;
-    if (is_fixed(settings) && !trial->is_whole) {
+    if (!is_clear(tried, trial, s)) return 0;
+    if (tried->is_fixed && !trial->is_whole) {
         tried->status = NOT_PROJECTED;
         return 0;
     }
     if (trial->is_whole && is_kept(trial)) {
-        trial->branch = branch_of(m, settings, trial, work, s);
-        if (trial->branch == LEAPS && !is_fixed(settings))
+        trial->branch = branch_of(tried, trial, work, s);
+        if (trial->branch == LEAPS && !tried->is_fixed)
             trial->is_whole = !(way_of(trial, s, work) > STILL_LONG);
     }
     if (!trial->is_whole) trial->error = 1e3;
@@ -464,19 +484,19 @@ static int is_tried(
 
 /* where a trial must end by what crosses in it. Poles of forces are looked for once more where its
  * polynomial has not all of its stages */
-static double seen_in(
-    const Method *m, const Settings *settings, Attempts *tried, Trial *trial, Work *work, State *s)
+static double seen_in(Attempts *tried, Trial *trial, Work *work, State *s)
 {
+    const Method *m = tried->m;
     Look *look = &tried->look;
     const double *f = work->k[m->stages];
     const int has_stages = N_SWITCHING > 0 && is_kept(trial);
-    look_into(settings, m, has_stages, trial->h, work->y, s->f, f, look, s, work);
+    look_into(tried->settings, m, has_stages, trial->h, work->y, s->f, f, look, s, work);
     look->least_part = is_kept(trial) && !trial->is_vague ? 0.0 : LEAST_PART;
     look->is_kept = is_kept(trial);
     /* one that leads beyond its end stays as it is */
     double seen = tried->is_beyond ? trial->end : seen_end(trial->end, look, s, work);
     if (look->pole && !has_stages && make_dense_stages(m, trial, work, s)) {
-        look_into(settings, m, 1, trial->h, work->y, s->f, f, look, s, work);
+        look_into(tried->settings, m, 1, trial->h, work->y, s->f, f, look, s, work);
         seen = seen_end(trial->end, look, s, work);
     }
     return look->pole ? end_before_pole(look, s) : seen;
@@ -524,10 +544,11 @@ static int is_at_event(Attempts *tried, const Trial *trial, Work *work, State *s
     return 0;
 }
 
-/* how long a step is that meets the tolerance, where a trial does not */
+/* how long a step is that meets the tolerance, where a trial does not, or tells its branch */
 static double length_by_error(const Method *m, const Trial *trial)
 {
     double factor = 0.2;
+    if (trial->longest > 0.0) return trial->longest;
     if (isfinite(trial->error)) {
         factor = larger(factor, SAFETY * pow(trial->error, -1.0 / (double)m->order));
     }
@@ -536,27 +557,25 @@ static double length_by_error(const Method *m, const Trial *trial)
 
 /* has a step end at a time when it is tried again: one that could be longer and is cut can so
  * still, however short it gets */
-static void end_at(double to, const Method *m, const Settings *settings, Attempts *tried,
-    const Trial *trial, State *s)
+static void end_at(double to, Attempts *tried, const Trial *trial, State *s)
 {
     const double way = to - s->time;
     tried->is_guessed = 1;
-    if (is_fixed(settings)) {
+    if (tried->is_fixed) {
         tried->end = to;
         tried->is_beyond = 0;
     }
     s->rejected += 1;
-    const double size = is_kept(trial) ? s->step_size : length_by_error(m, trial);
+    const double size = is_kept(trial) ? s->step_size : length_by_error(tried->m, trial);
     s->step_size = to == tried->look.cut ? larger(size, way) : way;
 }
 
 /* whether a trial ends where it may by what is seen in it: else it is to end there */
-static int ends_well(
-    const Method *m, const Settings *settings, Attempts *tried, Trial *trial, Work *work, State *s)
+static int ends_well(Attempts *tried, Trial *trial, Work *work, State *s)
 {
     Look *look = &tried->look;
     if (N_SEEN == 0 || !trial->is_whole || !(is_kept(trial) || !tried->is_guessed)) return 1;
-    const double seen = seen_in(m, settings, tried, trial, work, s);
+    const double seen = seen_in(tried, trial, work, s);
     tried->status = why_stopped(seen, look, s);
     if (tried->status != GOOD) return 0;
     const double told = smaller(seen, trial->end); /* what follows a cut is seen later */
@@ -565,16 +584,16 @@ static int ends_well(
     if (seen <= to && seen < trial->end) to = tried->end = cut_at(seen, look);
     else if (!is_at_event(tried, trial, work, s)) return 0;
     if (!(to < trial->end && (is_kept(trial) || to == look->cut))) return 1;
-    end_at(to, m, settings, tried, trial, s);
+    end_at(to, tried, trial, s);
     return 0;
 }
 
 /* keeps a trial, and notes what was seen in it */
-static void keep(const Method *m, const Attempts *tried, const Trial *trial, Work *work, State *s)
+static void keep(const Attempts *tried, const Trial *trial, Work *work, State *s)
 {
     const Look *look = &tried->look;
     const double before = s->step_size;
-    accept(m, trial, tried->is_rejected, work, s);
+    accept(tried, trial, work, s);
     if (N_SEEN == 0) return;
     note_crossings(trial->end, look, s, work);
     if (look->is_untold) note_unresolved(s->time_before, s);
@@ -590,16 +609,18 @@ static void keep(const Method *m, const Attempts *tried, const Trial *trial, Wor
 static int step(
     const Method *m, const Settings *settings, double asked, double end, State *s, Work *work)
 {
-    Attempts tried = { .asked = asked, .end = end, .limit = end, .best = -1.0, .status = GOOD };
+    Attempts tried = { .m = m, .settings = settings, .asked = asked, .end = end, .limit = end };
+    tried.is_fixed = settings->fixed_step > 0.0;
+    tried.best = -1.0;
     tried.look.cut = s->time;
-    tried.look.has_error = N_SWITCHING > 0 && !is_fixed(settings);
+    tried.look.has_error = N_SWITCHING > 0 && !tried.is_fixed;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
-        Trial trial = next_trial(settings, &tried, s);
-        if (tried.status == GOOD && is_tried(m, settings, &tried, &trial, work, s) &&
-            ends_well(m, settings, &tried, &trial, work, s)) {
+        Trial trial = next_trial(&tried, s);
+        if (tried.status == GOOD && is_tried(&tried, &trial, work, s) &&
+            ends_well(&tried, &trial, work, s)) {
             if (is_kept(&trial)) {
-                keep(m, &tried, &trial, work, s);
+                keep(&tried, &trial, work, s);
                 return GOOD;
             }
             tried.is_rejected = 1;

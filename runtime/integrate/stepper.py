@@ -97,11 +97,17 @@ BESIDE_IT = 1e-3
 FAR = 0.5
 #: Such steps are no longer than this, in lengths and radians: how ratios go is not known over
 #: longer ones. At tolerances above that, and where drivers determine the motion, none is longer
-#: than this: stages may pass by such a place, unless ratios are as level as this.
+#: than this: stages may pass by such a place, unless ratios are as level as this. Where there are
+#: so many stages they lie twice as densely, but two bodies turn towards each other by twice as
+#: much: by less than half a turn, so that no step passes two such places.
 LONGEST = 0.75
 LOOSE = 1e-3
 LONGEST_OF_ALL = 1.2
+MANY_STAGES = 12
+LONGEST_OF_MANY = 1.5
 LEVEL = 0.999
+#: A step after one that tells how long it may be is this part of that.
+NEARLY = 0.98
 #: A step is not made shorter than this to find its branch.
 STILL_LONG = 1e-4
 #: A step is this much shorter than what would meet the tolerance.
@@ -140,6 +146,8 @@ class Trial:
         The same of the smallest inside.
     branch : int
         Whether it may end on another branch, see ``branches.py``.
+    longest : float [s]
+        How long it may be to tell that, where it is longer, else 0.
     is_good, is_whole : bool
         Whether stages lead to its end, and whether it can be kept.
     is_vague : bool
@@ -162,6 +170,7 @@ class Trial:
     dip_ratio: float = math.inf
     dip: float = 0.0
     branch: int = STAYS
+    longest: float = 0.0
     is_good: bool = False
     is_whole: bool = False
     is_vague: bool = False
@@ -173,16 +182,16 @@ class Attempts:
 
     Parameters
     ----------
-    asked, end, limit : float [s]
-        Next time to be written; where the step ends at most, and may.
+    m, s : Method, Settings
+        How it is made.
     look : Look
         What is seen in the last one.
-    has_switches : bool
-        Whether there are events, or formulas of the state that switch.
-    best, best_h : float
-        Of the pivot ratios of those with nearly dependent rows; its length.
-    avoided : int
-        How many of them there were.
+    asked, end, limit : float [s]
+        Next time to be written; where the step ends at most, and may.
+    is_fixed, has_switches : bool
+        Whether its length is asked for; whether formulas of the state switch, or tell events.
+    best, best_h, avoided : float, float [s], int
+        Of the pivot ratios of those with nearly dependent rows; its length; how many there were.
     is_beyond : bool
         Whether the end is to lie inside of the step.
     is_rejected, is_guessed : bool
@@ -194,10 +203,13 @@ class Attempts:
         ``GOOD``, or why there is no step.
     """
 
+    m: Method
+    s: Settings
+    look: Look
     asked: float
     end: float
     limit: float
-    look: Look
+    is_fixed: bool
     has_switches: bool
     best: float = -1.0
     best_h: float = 0.0
@@ -209,11 +221,6 @@ class Attempts:
     thrown: int = 0
     polished: int = 0
     status: Status = Status.GOOD
-
-
-def is_fixed(s: Settings) -> bool:
-    """Return whether steps are of the length that was asked for."""
-    return s.fixed_step > 0.0
 
 
 def is_kept(trial: Trial) -> bool:
@@ -427,37 +434,57 @@ def dipping_part(first: float, last: float, trial: Trial) -> float:
     return x * first / (first + dip)
 
 
-def branch_of(m: Method, settings: Settings, trial: Trial, work: Work, state: State) -> int:
+def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
+    """Return how far a step may lead so that ratios tell of other branches; infinite if any way."""
+    is_loose = work.scene.is_driven or tried.s.tolerance > LOOSE
+    if not work.scene.has_refinement or not is_loose or tried.is_fixed:
+        return math.inf
+    top = larger(state.position_ratio, trial.top_ratio)
+    if smaller(trial.dip_ratio, trial.end_ratio) > LEVEL * top:
+        return math.inf
+    return LONGEST_OF_ALL if tried.m.stages < MANY_STAGES else LONGEST_OF_MANY
+
+
+def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
+    """Return whether a step is no longer than that: else it is made again."""
+    way = way_of(trial, state, work) if longest < math.inf else 0.0
+    if not way > longest:
+        return True
+    trial.longest = NEARLY * trial.h * (longest / way)
+    return False
+
+
+def branch_of(tried: Attempts, trial: Trial, work: Work, state: State) -> int:
     """Return whether a step may end on another branch: LEAPS, STAYS or MEETS."""
     if not work.scene.has_refinement:
         return STAYS
-    is_free = not is_fixed(settings)
-    is_loose = work.scene.is_driven or settings.tolerance > LOOSE
     first, last, most = state.position_ratio, trial.end_ratio, usual_ratio(work, state)
-    is_steady = smaller(trial.dip_ratio, last) > LEVEL * larger(first, trial.top_ratio)
-    if is_free and is_loose and not is_steady and way_of(trial, state, work) > LONGEST_OF_ALL:
+    if not is_short(longest_way(tried, trial, work, state), trial, state, work):
         return LEAPS
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
     is_sinking = is_dip or sinks(SINKS, trial, state, work)
     if not is_sinking and not smaller(first, last) < BESIDE_IT * most:
         return STAYS
-    way = way_of(trial, state, work)
-    if not is_sinking and not way > FAR * math.sqrt(larger(first, last) / most):
+    far = 0.0 if is_sinking else FAR * math.sqrt(larger(first, last) / most)
+    if not is_sinking and not way_of(trial, state, work) > far:
         return STAYS
-    if is_free and way > LONGEST:
+    if not tried.is_fixed and not is_short(LONGEST, trial, state, work):
         return LEAPS
-    before, after, f = math.sqrt(first), math.sqrt(last), work.k[m.stages]
+    before, after, f = math.sqrt(first), math.sqrt(last), work.k[tried.m.stages]
     part = dipping_part(before, after, trial) if is_dip else meeting_part(before, after)
     return follow_branch(trial.h, work.y, f, part, before + after, work, state)
 
 
-def accept(m: Method, trial: Trial, work: Work, state: State, *, was_rejected: bool) -> None:
+def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     """Keep a step, and say how long the next one is: a proportional and integral controller."""
-    h, error, exponent, factor = trial.h, trial.error, 1.0 / m.order, 10.0
+    h, error, exponent, factor = trial.h, trial.error, 1.0 / tried.m.order, 10.0
     if error != 0.0:
         before = larger(state.error, 1e-4)
         factor = SAFETY * error ** (-0.8 * exponent) * before ** (0.2 * exponent)
-    following = h * smaller(1.0 if was_rejected else 10.0, larger(0.2, factor))
+    following = h * smaller(1.0 if tried.is_rejected else 10.0, larger(0.2, factor))
+    way, speed = longest_way(tried, trial, work, state), work.w.size_of(work.y[work.scene.nq :])
+    if way < math.inf and speed > 0.0:  # what is longer is made in vain
+        following = smaller(following, NEARLY * way / speed)
     if not trial.is_last or following < state.step_size:
         state.step_size = following
     state.error = larger(error, 1e-4)
@@ -475,16 +502,14 @@ def accept(m: Method, trial: Trial, work: Work, state: State, *, was_rejected: b
     state.y_before[:] = state.y
     state.y[:] = work.y
     state.low[:] = work.low
-    state.f[:] = work.k[m.stages]
+    state.f[:] = work.k[tried.m.stages]
 
 
-def next_trial(s: Settings, tried: Attempts, state: State) -> Trial:
-    """Return a trial of the length that is to be tried next.
-
-    It is no longer than to where the step ends at most.
-    """
-    is_asked = is_fixed(s) and tried.avoided == 0
-    h = s.fixed_step if is_asked else smaller(state.step_size, s.largest_step)
+def next_trial(tried: Attempts, state: State) -> Trial:
+    """Return a trial of the length that is next, no longer than to where the step ends at most."""
+    h = smaller(state.step_size, tried.s.largest_step)
+    if tried.is_fixed and tried.avoided == 0:
+        h = tried.s.fixed_step
     is_last = not tried.is_beyond and state.time + 1.0000001 * h >= tried.end
     if is_last:
         h = tried.end - state.time
@@ -493,51 +518,42 @@ def next_trial(s: Settings, tried: Attempts, state: State) -> Trial:
     return Trial(h, tried.end if is_last else state.time + h, is_last)
 
 
-def is_weak(ratio: float, s: Settings, state: State) -> bool:
+def is_weak(ratio: float, tried: Attempts, state: State) -> bool:
     """Return whether rows are nearly dependent at a pivot ratio."""
-    return ratio < (VAGUE if is_fixed(s) else WEAK) * state.largest_pivot_ratio
+    return ratio < (VAGUE if tried.is_fixed else WEAK) * state.largest_pivot_ratio
 
 
-def is_made(
-    m: Method, s: Settings, tried: Attempts, trial: Trial, work: Work, state: State
-) -> bool:
-    """Make the stages of a trial; return False where it is not to be judged.
-
-    Newton has gone far away in a step that cannot be shorter, or the end is no place to stop at: it
-    is to lie inside of a longer step then.
-    """
+def is_made(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
+    """Make the stages of a trial; return False where they lead nowhere, or to no place to stop."""
     forget_trials(work)
-    make_stages(m, s.tolerance, trial, work, state)
+    make_stages(tried.m, tried.s.tolerance, trial, work, state)
     trial.is_good = trial.drift >= 0.0
-    if work.scene.has_drivers and not is_fixed(s) and trial.drift > NEAR:
+    if work.scene.has_drivers and not tried.is_fixed and trial.drift > NEAR:
         trial.is_good = False  # no error tells how far drivers led
-    if is_fixed(s) and not trial.is_good:
+    if tried.is_fixed and not trial.is_good:
         there = smaller(trial.least_ratio, ratio_at(work.y[: work.scene.nq], work, state))
-        if not is_weak(there, s, state):
+        if not is_weak(there, tried, state):  # Newton has gone far away
             tried.status = Status.NOT_PROJECTED
             return False
         trial.least_ratio = 0.0
-    if trial.is_last and is_weak(trial.least_ratio, s, state):
+    # the end is to lie inside of a longer step then
+    if trial.is_last and is_weak(trial.least_ratio, tried, state):
         tried.is_beyond = True
         state.avoided += 1
         return False
     return True
 
 
-def find_error(
-    m: Method, s: Settings, tried: Attempts, trial: Trial, work: Work, state: State
-) -> None:
-    """Find the error of a trial whose stages are all there, and what else its end tells.
-
-    Its geometry is in the workspace.
-    """
-    if is_fixed(s):
+def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
+    """Find the error of a trial whose end is in the workspace, and what else that tells."""
+    m, s = tried.m, tried.s
+    if tried.is_fixed:
         trial.drift = larger(trial.drift, norm_error(m, trial.h, state, work))
     if work.scene.works > 0 or s.checks:
         work.w.run("energy")
     if s.checks:
         trial.moved = energy_moved(work.y, work, state)
-    if is_fixed(s):
+    if tried.is_fixed:
         is_seen = work.scene.sees
         trial.is_vague = is_seen and not local_error(m, trial, state, work, LEAST_PART) <= 1.0
     else:
@@ -551,17 +567,13 @@ def find_error(
         note_largest_pivot(work, state)
 
 
-def is_clear(s: Settings, tried: Attempts, trial: Trial, state: State) -> bool:
-    """Return whether rows are independent enough at the stages of a trial.
-
-    Else it is made a little shorter, rounding is large there and other stages lie elsewhere; at
-    last it is the best of those.
-    """
-    if not (trial.is_good or is_fixed(s)) or not is_weak(trial.least_ratio, s, state):
+def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:
+    """Return whether rows are independent at the stages of a trial: else others lie elsewhere."""
+    if not (trial.is_good or tried.is_fixed) or not is_weak(trial.least_ratio, tried, state):
         return True
-    if trial.least_ratio > 0.0 and is_weak(trial.most_ratio, s, state):
+    if trial.least_ratio > 0.0 and is_weak(trial.most_ratio, tried, state):
         # it is so everywhere: shorter steps stay there
-        state.largest_pivot_ratio = trial.least_ratio / (VAGUE if is_fixed(s) else WEAK)
+        state.largest_pivot_ratio = trial.least_ratio / (VAGUE if tried.is_fixed else WEAK)
     elif tried.avoided <= PATIENCE:
         if trial.least_ratio > tried.best:
             tried.best, tried.best_h = trial.least_ratio, trial.h
@@ -573,60 +585,47 @@ def is_clear(s: Settings, tried: Attempts, trial: Trial, state: State) -> bool:
     return True
 
 
-def is_tried(
-    m: Method, s: Settings, tried: Attempts, trial: Trial, work: Work, state: State
-) -> bool:
-    """Try a step, but for what is seen in it; return False where that tells nothing.
-
-    It is to be tried again then, or there is none. Its error is large where it may not be kept.
-    """
-    if not is_made(m, s, tried, trial, work, state):
+def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
+    """Try a step, but for what is seen in it; return False where that tells nothing."""
+    if not is_made(tried, trial, work, state):
         return False
     if trial.is_good:
-        find_error(m, s, tried, trial, work, state)
+        find_error(tried, trial, work, state)
     trial.is_whole = trial.is_good
     is_wanted = tried.has_switches or tried.asked < trial.end
     if trial.is_good and is_kept(trial) and is_wanted:
-        trial.is_whole = make_dense_stages(m, trial, work, state)
-    if not is_clear(s, tried, trial, state):
+        trial.is_whole = make_dense_stages(tried.m, trial, work, state)
+    if not is_clear(tried, trial, state):
         return False
-    if is_fixed(s) and not trial.is_whole:
+    if tried.is_fixed and not trial.is_whole:
         tried.status = Status.NOT_PROJECTED
         return False
     if trial.is_whole and is_kept(trial):
-        trial.branch = branch_of(m, s, trial, work, state)
-        if trial.branch == LEAPS and not is_fixed(s):
+        trial.branch = branch_of(tried, trial, work, state)
+        if trial.branch == LEAPS and not tried.is_fixed:
             trial.is_whole = not way_of(trial, state, work) > STILL_LONG
     if not trial.is_whole:
         trial.error = 1e3
     return True
 
 
-def seen_in(
-    m: Method, s: Settings, tried: Attempts, trial: Trial, work: Work, state: State
-) -> float:
-    """Return where a trial must end by what crosses in it.
-
-    Poles of forces are looked for once more where its polynomial has not all of its stages.
-    """
-    look, f = tried.look, work.k[m.stages]
+def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
+    """Return where a trial must end by what crosses in it; poles want all stages."""
+    m, s, look = tried.m, tried.s, tried.look
     has_stages = tried.has_switches and is_kept(trial)
-    look_into(s, m, trial.h, work.y, f, look, has_stages=has_stages)
+    look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
     look.least_part = 0.0 if is_kept(trial) and not trial.is_vague else LEAST_PART
     look.is_kept = is_kept(trial)
     # one that leads beyond its end stays as it is
     seen = trial.end if tried.is_beyond else seen_end(trial.end, look)
     if look.pole and not has_stages and make_dense_stages(m, trial, work, state):
-        look_into(s, m, trial.h, work.y, f, look, has_stages=True)
+        look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
         seen = seen_end(trial.end, look)
     return end_before_pole(look) if look.pole else seen
 
 
 def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Return where a trial must end so that samples tell up to a time how narrow parts vary.
-
-    Noted where it cannot be shorter for that.
-    """
+    """Return where a trial must end so that samples tell up to a time how narrow parts vary."""
     look = tried.look
     if not work.scene.has_narrow or not is_kept(trial):
         return trial.end
@@ -641,37 +640,28 @@ def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State
 
 
 def met_in(told: float, tried: Attempts, trial: Trial) -> float:
-    """Return where a trial must end so that its polynomial meets up to a time what its stages do.
-
-    Noted where it cannot be shorter for that. At a cut rounding decides.
-    """
-    look = tried.look
-    if not tried.has_switches or not is_kept(trial):
-        return trial.end
-    if tried.is_beyond or trial.end == look.cut:
+    """Return where a trial must end so that its polynomial meets what its stages do."""
+    look, is_cut = tried.look, trial.end == tried.look.cut  # at a cut rounding decides
+    if not tried.has_switches or not is_kept(trial) or tried.is_beyond or is_cut:
         return trial.end
     beyond = stage_beyond(told, look)
     if beyond < told and tried.thrown < MOST_SHORTER:
         tried.thrown += 1
         return beyond
-    if beyond < told:
-        look.is_untold = True
+    look.is_untold = look.is_untold or beyond < told
     return trial.end
 
 
 def is_at_event(tried: Attempts, trial: Trial, state: State) -> bool:
-    """Return whether a trial that was cut for an event ends there, as its own polynomial tells.
-
-    Else the cut is there.
-    """
-    look = tried.look
-    if len(state.counts) == 0 or not is_kept(trial) or trial.end != look.cut:
+    """Return whether a trial that was cut for an event ends there: else the cut is there."""
+    look, end = tried.look, trial.end
+    if len(state.counts) == 0 or not is_kept(trial) or end != look.cut:
         return True
     if tried.polished >= MOST_POLISHED:
         return True
     tried.polished += 1
     there = smaller(polished_cut(look), tried.limit)
-    if not abs(there - trial.end) > 4.0 * SMALLEST * abs(trial.end):
+    if not abs(there - end) > 4.0 * SMALLEST * abs(end):
         return True
     tried.end = look.cut = there
     state.step_size = larger(state.step_size, there - state.time)
@@ -679,35 +669,32 @@ def is_at_event(tried: Attempts, trial: Trial, state: State) -> bool:
 
 
 def length_by_error(m: Method, trial: Trial) -> float:
-    """Return how long a step is that meets the tolerance, where a trial does not."""
+    """Return how long a step is that meets the tolerance, where a trial does not, or its branch."""
     factor = 0.2
+    if trial.longest > 0.0:
+        return trial.longest
     if math.isfinite(trial.error):
         factor = larger(factor, SAFETY * trial.error ** (-1.0 / m.order))
     return factor * trial.h
 
 
-def end_at(to: float, m: Method, s: Settings, tried: Attempts, trial: Trial, state: State) -> None:
-    """Have a step end at a time when it is tried again.
-
-    One that could be longer and is cut can so still, however short it gets.
-    """
+def end_at(to: float, tried: Attempts, trial: Trial, state: State) -> None:
+    """Have a step end at a time when it is tried again; one that is cut can be longer still."""
     way = to - state.time
     tried.is_guessed = True
-    if is_fixed(s):
+    if tried.is_fixed:
         tried.end, tried.is_beyond = to, False
     state.rejected += 1
-    size = state.step_size if is_kept(trial) else length_by_error(m, trial)
+    size = state.step_size if is_kept(trial) else length_by_error(tried.m, trial)
     state.step_size = larger(size, way) if to == tried.look.cut else way
 
 
-def ends_well(
-    m: Method, s: Settings, tried: Attempts, trial: Trial, work: Work, state: State
-) -> bool:
+def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     """Return whether a trial ends where it may by what is seen in it: else it is to end there."""
     look = tried.look
     if not work.scene.sees or not trial.is_whole or not (is_kept(trial) or not tried.is_guessed):
         return True
-    seen = seen_in(m, s, tried, trial, work, state)
+    seen = seen_in(tried, trial, work, state)
     tried.status = why_stopped(seen, look)
     if tried.status != Status.GOOD:
         return False
@@ -720,14 +707,14 @@ def ends_well(
         return False
     if not (to < trial.end and (is_kept(trial) or to == look.cut)):
         return True
-    end_at(to, m, s, tried, trial, state)
+    end_at(to, tried, trial, state)
     return False
 
 
-def keep(m: Method, tried: Attempts, trial: Trial, work: Work, state: State) -> None:
+def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     """Keep a trial, and note what was seen in it."""
     look, before = tried.look, state.step_size
-    accept(m, trial, work, state, was_rejected=tried.is_rejected)
+    accept(tried, trial, work, state)
     if not work.scene.sees:
         return
     note_crossings(trial.end, look)
@@ -745,19 +732,16 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
     it is, unless a length is asked for. If the next time to be written lies inside of it, it has
     the stages that its polynomial wants.
     """
-    has_switches = len(state.sides) > work.scene.n_poles
-    look = Look(state, work, state.time, has_error=has_switches and not is_fixed(s))
-    tried = Attempts(asked, end, end, look, has_switches=has_switches)
+    is_fixed, has_switches = s.fixed_step > 0.0, len(state.sides) > work.scene.n_poles
+    look = Look(state, work, state.time, has_error=has_switches and not is_fixed)
+    tried = Attempts(m, s, look, asked, end, end, is_fixed, has_switches)
     work.k[0] = state.f
     while True:
-        trial = next_trial(s, tried, state)
-        if (
-            tried.status == Status.GOOD
-            and is_tried(m, s, tried, trial, work, state)
-            and ends_well(m, s, tried, trial, work, state)
-        ):
+        trial = next_trial(tried, state)
+        is_judged = tried.status == Status.GOOD and is_tried(tried, trial, work, state)
+        if is_judged and ends_well(tried, trial, work, state):
             if is_kept(trial):
-                keep(m, tried, trial, work, state)
+                keep(tried, trial, work, state)
                 return Status.GOOD
             tried.is_rejected = True
             state.rejected += 1
