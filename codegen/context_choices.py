@@ -149,17 +149,17 @@ def together(kernels: Sequence[Kernel]) -> Kernel:
     """
     if len(kernels) == 1:
         return kernels[0]
-    nodes: list[Node] = []
-    known: dict[Node, int] = {}
+    nodes: list[Node[int]] = []
+    known: dict[Node[int], int] = {}
     results: list[tuple[int, ...]] = []
     names: dict[int, str] = {}
     for kernel in kernels:
         places: list[int] = []
         for node in kernel.nodes:
-            moved = node._replace(args=tuple(places[arg] for arg in node.args))
+            moved = node.with_args(tuple(places[arg] for arg in node.args))
             key = moved
             if node.op in _COMMUTATIVE:
-                key = moved._replace(args=tuple(sorted(moved.args)))
+                key = moved.with_args(tuple(sorted(moved.args)))
             if key not in known:
                 known[key] = len(nodes)
                 nodes.append(moved)

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.model.errors import FreezeError
-from kousoku.model.terms import Function, Number, evaluated
+from kousoku.model.graph import Op
+from kousoku.model.terms import bits_of, evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.model.graph import Graph
-    from kousoku.model.terms import Expression, Name
+    from kousoku.model.terms import Expression
 
 LARGEST_EXPONENT = 2**64
 """Whole and half exponents up to it become products: exp and log have no value of negative numbers.
@@ -41,52 +42,51 @@ def to_graph(expression: Expression, graph: Graph, leaves: Mapping[str, int]) ->
         A name has no node, or a constant is no double.
     """
 
-    def leaf(part: Number | Name) -> int:
-        if isinstance(part, Number):
-            return _bounded(graph, graph.const(part.value))
-        if part.name not in leaves:
-            known = ", ".join(leaves) or "none"
-            raise FreezeError(f"the name {part.name} has no node; there are {known}")
-        return leaves[part.name]
+    def number(value: Fraction) -> int:
+        return _bounded(graph, graph.const(value))
 
-    def apply(function: Function, args: Sequence[int]) -> int:
-        return _bounded(graph, _apply(graph, function, args))
+    def apply(op: Op, args: Sequence[int]) -> int:
+        return _bounded(graph, _apply(graph, op, args))
 
-    return evaluated(expression, leaf, apply)
+    try:
+        return evaluated(expression, number, leaves, apply)
+    except KeyError as name:
+        known = ", ".join(leaves) or "none"
+        raise FreezeError(f"the name {name.args[0]} has no node; there are {known}") from None
 
 
-def _apply(graph: Graph, function: Function, args: Sequence[int]) -> int:
+def _apply(graph: Graph, op: Op, args: Sequence[int]) -> int:
     """Return the node of a function; what the graph does not have is composed."""
-    match function:
-        case Function.ADD:
+    match op:
+        case Op.ADD:
             return graph.sum(args)
-        case Function.POW:
+        case Op.POW:
             return _power(graph, *args)
-        case Function.MIN:
+        case Op.MIN:
             return graph.neg(graph.max(*(graph.neg(arg) for arg in args)))
-        case Function.MUL | Function.DIV | Function.ATAN2 | Function.MAX:
-            return int(getattr(graph, function.value)(*args))
+        case Op.MUL | Op.DIV | Op.ATAN2 | Op.MAX:
+            return int(getattr(graph, op.value)(*args))
         case _:
-            return _of_one(graph, function, args[0])
+            return _of_one(graph, op, args[0])
 
 
-def _of_one(graph: Graph, function: Function, x: int) -> int:
+def _of_one(graph: Graph, op: Op, x: int) -> int:
     one = graph.const(1)
-    match function:
-        case Function.TAN:
+    match op:
+        case Op.TAN:
             return graph.div(graph.sin(x), graph.cos(x))
-        case Function.ASIN:
+        case Op.ASIN:
             return graph.atan2(x, _arc(graph, x))
-        case Function.ACOS:
+        case Op.ACOS:
             return graph.atan2(_arc(graph, x), x)
-        case Function.ATAN:
+        case Op.ATAN:
             return graph.atan2(x, one)
-        case Function.SIGN:
+        case Op.SIGN:
             # Exactly ±1, and 0 at 0: no double but zero is smaller than the one it divides by.
             smallest = graph.const(SMALLEST_SUBNORMAL)
             return graph.div(x, graph.max(graph.abs(x), smallest))
         case _:
-            return int(getattr(graph, function.value)(x))
+            return int(getattr(graph, op.value)(x))
 
 
 def _arc(graph: Graph, x: int) -> int:
@@ -119,7 +119,7 @@ def _repeated(graph: Graph, a: int, count: int) -> int:
 def _bounded(graph: Graph, node: int) -> int:
     """Return a node, rounded to a double if it is a constant of very many digits."""
     value = graph.value(node)
-    if value is None or max(map(int.bit_length, value.as_integer_ratio())) <= LARGEST_BITS:
+    if value is None or bits_of(value) <= LARGEST_BITS:
         return node
     try:
         return graph.const(Fraction(float(value)))

@@ -60,7 +60,7 @@ class _Freezing:
 
     def __init__(self, function: Function) -> None:
         self.where = function.name
-        self.nodes: list[Node] = []
+        self.nodes: list[Node[int]] = []
         self._known: dict[Any, int] = {}
         for quantity in function.inputs:
             for index, symbol in enumerate(elements(quantity)):
@@ -73,7 +73,7 @@ class _Freezing:
             known = self._known[expression] = self._lower(expression)
         return known
 
-    def _add(self, node: Node) -> int:
+    def _add(self, node: Node[int]) -> int:
         self.nodes.append(node)
         return len(self.nodes) - 1
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from kousoku.model.cache import cache_folder, write_atomically
 from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
-from kousoku.model.graph import Node, Op
+from kousoku.model.graph import GRAPH_OPS, Node, Op
 from kousoku.model.jsontext import to_text
 from kousoku.model.kernel import Kernel, Package
 from kousoku.model.own_kind import PREFIX, is_own, kind_name
@@ -193,7 +193,7 @@ def _quantity_to_data(quantity: Quantity) -> dict[str, object]:
     }
 
 
-def _node_to_data(node: Node) -> str:
+def _node_to_data(node: Node[int]) -> str:
     """``=3/2`` for a number, ``p_i[0]`` for an input, ``12*40``, ``-7``, ``atan2 3 5``."""
     if node.op is Op.CONST:
         return f"={node.value}"
@@ -209,7 +209,7 @@ def _node_to_data(node: Node) -> str:
 
 
 def _kernel_from_data(data: dict[str, Any]) -> Kernel:
-    nodes: list[Node] = []
+    nodes: list[Node[int]] = []
     for item in data["nodes"]:
         nodes.append(_node_from_data(item, len(nodes)))
     results = tuple(
@@ -235,7 +235,7 @@ def _quantity_from_data(data: dict[str, Any]) -> Quantity:
     return Quantity(data["name"], tuple(data["shape"]), data["unit"], data["meaning"])
 
 
-def _node_from_data(text: str, position: int) -> Node:
+def _node_from_data(text: str, position: int) -> Node[int]:
     if text.startswith("="):
         return Node(Op.CONST, value=Fraction(text[1:]))
     if found := _INPUT.fullmatch(text):
@@ -248,6 +248,8 @@ def _node_from_data(text: str, position: int) -> Node:
     else:
         word, *args = text.split(" ")
         op = Op(word)
+        if op not in GRAPH_OPS:
+            raise ValueError(f"{word} is no operation of a kernel")
     return Node(op, args=tuple(_known_id(int(arg), position) for arg in args))
 
 

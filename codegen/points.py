@@ -299,7 +299,7 @@ def degrees(kernel: Kernel) -> dict[str, int]:
     return {q.name: max(degree.get(q.name, 0) for degree in held) for q in kernel.inputs}
 
 
-def _degree(node: Node, held: Sequence[Mapping[str, int]]) -> dict[str, int]:
+def _degree(node: Node[int], held: Sequence[Mapping[str, int]]) -> dict[str, int]:
     args = [held[k] for k in node.args]
     names = dict.fromkeys(name for arg in args for name in arg)
     if node.op in {Op.MUL, Op.DIV}:

@@ -113,7 +113,8 @@ def verify(
     LoadError
         There is no generated folder.
     """
-    from kousoku.runtime.library import MANIFEST, Library
+    from kousoku.runtime.library import Library
+    from kousoku.runtime.sources import MANIFEST
     from kousoku.runtime.verify import verify as verified
     from kousoku.symbolic.derivation import Derivation
 

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from kousoku.codegen.kernel_json import load_frozen
+from kousoku.codegen.linkage.assemble import Role, assemble
 from kousoku.model.arithmetic import FLOAT
-from kousoku.model.assemble import Role, assemble
 from kousoku.model.directions import unit_vector
 from kousoku.model.errors import SolveError
 from kousoku.model.interpret import evaluate
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from kousoku.model.assemble import Element
+    from kousoku.codegen.linkage.assemble import LinkElement
     from kousoku.model.planar import Input, Slider
     from kousoku.model.scene import Scene
 
@@ -70,7 +70,7 @@ class LinkageEquations:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.system = assemble(scene)
+        self.assembly = assemble(scene)
         self.columns = tuple(f"{node}.{axis}" for node in scene.nodes for axis in "xy")
         self._place = {node: 2 * k for k, node in enumerate(scene.nodes)}
         self._kernels = {kernel.name: kernel for kernel in load_frozen("link").kernels}
@@ -139,7 +139,7 @@ class LinkageEquations:
     ) -> Iterator[LinkageRow]:
         """Equations of links: they keep their lengths, and what is known of their angles."""
         angles: dict[int, list[LinkageRow]] = {}
-        for element in self.system.elements:
+        for element in self.assembly.elements:
             for row in element.rows:
                 found = self._row(element, row, q, v)
                 if row:
@@ -147,7 +147,7 @@ class LinkageEquations:
                 else:
                     yield found
         for coordinate, (first, *others) in angles.items():
-            record = self.system.coordinates[coordinate]
+            record = self.assembly.coordinates[coordinate]
             if record.role is Role.INPUT:
                 law = known[record.name]
                 for own in (first, *others):
@@ -167,7 +167,7 @@ class LinkageEquations:
                     C_q=own.C_q - first.C_q,
                 )
 
-    def _row(self, element: Element, row: int, q: Array, v: Array) -> LinkageRow:
+    def _row(self, element: LinkElement, row: int, q: Array, v: Array) -> LinkageRow:
         """ε1, or ε2 or ε3 by the rotation that it has, with that rotation at zero."""
         places = [self._place[node] + k for node in element.nodes for k in (0, 1)]
         x, x_dot = [0.0] * 6, [0.0] * 6

@@ -25,19 +25,19 @@ from kousoku.model.errors import (
 )
 from kousoku.own_kinds import own_kinds
 from kousoku.progress import told
-from kousoku.runtime.dynamics import LINKAGE_LIBRARY, load_dynamics
 from kousoku.runtime.integrate.result import shown
-from kousoku.runtime.library import MANIFEST
+from kousoku.runtime.solver import load_solver
+from kousoku.runtime.sources import MANIFEST
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from typing import Any
 
-    from kousoku.mechanism import Solver
     from kousoku.model.builder import SceneBuilder
     from kousoku.model.own_kind import OwnKind
     from kousoku.model.scene import Output, Scene
     from kousoku.own_kinds import Kind
+    from kousoku.runtime.solver import Solver
 
     Target = Literal["auto", "c", "numpy"]
 
@@ -197,7 +197,7 @@ def opened(given: GivenScene, outputs: Sequence[str] | None, target: Target) -> 
                 text = (folder.parent / SCENE_FILE).read_text(encoding="utf-8")
                 with told() as tell:
                     tell(f"compiling {folder.name}")
-                    return _open(folder, target), text
+                    return load_solver(folder, target=target), text
             except OSError as error:  # somebody cleared the cache: once more
                 if is_last:
                     reason = f"{folder} cannot be loaded: {error.strerror or error}"
@@ -325,14 +325,6 @@ def _look(key: str, options: str) -> Path | None:
         return None
     touch(shelf)
     return folder
-
-
-def _open(folder: Path, target: Target) -> Solver:
-    if not (folder / LINKAGE_LIBRARY).is_dir():
-        return load_dynamics(folder, target=target)
-    from kousoku.runtime.linkage import load_scene
-
-    return load_scene(folder, target=target)
 
 
 @cache

@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, Any, cast, overload
 
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.text import counted
-from kousoku.runtime.dynamics import DynamicsSolver
 from kousoku.runtime.integrate.result import Coordinates, listed
-from kousoku.runtime.options import ALL_OPTIONS
 from kousoku.runtime.run import Interrupted
 
 if TYPE_CHECKING:
@@ -25,13 +23,12 @@ if TYPE_CHECKING:
     from kousoku.matrices import Evaluation, Matrices
     from kousoku.model.scene import Scene
     from kousoku.runtime.integrate.result import Result
-    from kousoku.runtime.linkage import LinkageSolver
     from kousoku.runtime.options import RunOptions
     from kousoku.runtime.run import Run
     from kousoku.runtime.saved import SavedRun
+    from kousoku.runtime.solver import Solver
 
     Array = npt.NDArray[np.float64]
-    Solver = DynamicsSolver | LinkageSolver
 
 
 class _Files(dict[str, str]):
@@ -96,24 +93,22 @@ class Mechanism:
     @property
     def parameters(self) -> dict[str, float]:
         """What a run may change, and its value in the scene."""
-        return dict(self.solver.parameters) if isinstance(self.solver, DynamicsSolver) else {}
+        return dict(self.solver.parameters)
 
     @property
     def target(self) -> str:
         """What computes, ``c`` or ``numpy``."""
-        if isinstance(self.solver, DynamicsSolver):
-            return self.solver.target.name
-        return self.solver.target
+        return self.solver.target.name
 
     @property
     def files(self) -> dict[str, str]:
         """The emitted files by name: C and NumPy of its solver, to be read."""
-        solver = self.solver
-        sources = (solver.target if isinstance(solver, DynamicsSolver) else solver).sources
-        return _Files({name: data.decode() for name, data in sources.files.items()})
+        files = self.solver.target.sources.files
+        return _Files({name: data.decode() for name, data in files.items()})
 
     def __repr__(self) -> str:
-        return f"<Mechanism {self.name}: {', '.join(self._facts())}; in {self.target}>"
+        facts = ", ".join(counted(*one) for one in self.solver.counts)
+        return f"<Mechanism {self.name}: {facts}; in {self.target}>"
 
     def _repr_html_(self) -> str:
         from html import escape
@@ -121,26 +116,6 @@ class Mechanism:
         from kousoku.view import still
 
         return f"{still(self.scene)}<pre>{escape(repr(self))}</pre>"
-
-    def _facts(self) -> list[str]:
-        """Facts about a line."""
-        if not isinstance(self.solver, DynamicsSolver):
-            mechanism = self.solver.mechanism
-            counts = {"node": mechanism.nodes, "link": mechanism.links, "input": mechanism.inputs}
-            return [counted(len(every), name) for name, every in counts.items()]
-        solver = self.solver
-        drivers = [name for name in solver.layout.checked if name.startswith("drivers.")]
-        facts = [
-            counted(len(solver.bodies), "body", "bodies"),
-            counted(len(solver.layout.checked) - len(drivers), "joint"),
-        ]
-        if drivers:
-            facts.append(counted(len(drivers), "driver"))
-        degrees = len(solver.v) - len(solver.rows) - len(solver.reduced)
-        facts.append(f"{counted(degrees, 'degree')} of freedom")
-        if solver.left_out:
-            facts.append(counted(len(solver.left_out), "dependent row"))
-        return facts
 
     @overload
     def simulate(
@@ -205,18 +180,9 @@ class Mechanism:
         """
         if end is None and times is None:
             end = self._duration()
-        when: dict[str, Any] = {"end": end, "times": times, "samples": samples}
-        if isinstance(self.solver, DynamicsSolver):
-            with self._passed_on():
-                return self.result_of(self.solver.simulate(**when, progress=progress, **options))
-        for name in options:
-            if name in ALL_OPTIONS and name != "method":
-                raise SolveError(
-                    f"{self.name}: {name} is an option of scenes of bodies; this one is a linkage"
-                    " of nodes, whose options are method and limit"
-                )
+        options |= {"end": end, "times": times, "samples": samples, "progress": progress}
         with self._passed_on():
-            return self.result_of(self.solver.simulate(**when, **options))
+            return self.result_of(self.solver.in_time(**options))
 
     def _duration(self) -> float:
         duration = getattr(self.scene, "duration", None)
@@ -268,24 +234,11 @@ class Mechanism:
             "first_turn": first_turn,
             "from_turn": from_turn,
             "limit": limit,
+            "parameters": parameters or None,
         }
         options = {name: value for name, value in given.items() if value is not None}
-        if not isinstance(self.solver, DynamicsSolver):
-            if parameters:
-                raise SolveError(f"{self.name}: a linkage has no parameters; build one in a loop")
-            with self._passed_on():
-                return self.result_of(self.solver.solve(**options))
-        for name in options:
-            if name != "divisions":
-                raise SolveError(
-                    f"{self.name}: {name} is an option of linkages of nodes; this one is a scene of"
-                    " bodies, whose options are divisions and parameters"
-                )
-        times = self._times_of_inputs(divisions)
         with self._passed_on():
-            return self.result_of(
-                self.solver.simulate(times=times, method="kinematics", parameters=parameters)
-            )
+            return self.result_of(self.solver.along_inputs(self._times_of_inputs, options))
 
     def _times_of_inputs(self, divisions: int | None) -> list[float]:
         """Times at which the inputs of a scene of bodies take their values."""
@@ -326,7 +279,7 @@ class Mechanism:
         SolveError
             An option is not possible, or the start is not; or it is a linkage of nodes.
         """
-        return self._knowing(self._bodies("a run that goes on").begin(times, **options))
+        return self._knowing(self.solver.of_bodies("a run that goes on").begin(times, **options))
 
     def resume(self, saved: SavedRun) -> Run:
         """Run that goes on where another one was saved, with the same bits.
@@ -336,7 +289,7 @@ class Mechanism:
         SolveError
             It belongs to another solver, or is no saved run; or this is a linkage of nodes.
         """
-        return self._knowing(self._bodies("a run that goes on").resume(saved))
+        return self._knowing(self.solver.of_bodies("a run that goes on").resume(saved))
 
     def _knowing(self, run: Run) -> Run:
         """Run whose results know what moved."""
@@ -382,7 +335,7 @@ class Mechanism:
         """
         from kousoku.matrices import evaluate
 
-        solver = self._bodies("accelerations")
+        solver = self.solver.of_bodies("accelerations")
         parameters, angles = self._known(q, parameters, angles)
         found = evaluate(self.scene, solver, t, q, v, parameters, angles=angles)
         for note in found.notes:
@@ -396,14 +349,15 @@ class Mechanism:
         angles: Mapping[str, float] | None,
     ) -> tuple[Mapping[str, float | str] | None, Mapping[str, float] | None]:
         """Parameters and counted angles: those of the run where a row of one is given."""
-        if not (isinstance(q, Coordinates) and isinstance(self.solver, DynamicsSolver)):
+        if not isinstance(q, Coordinates):
             return parameters, angles
         if parameters is None:
             parameters = q.parameters
         if angles is None and q.counted is not None:
             from kousoku.equations import equations_of
 
-            first, names = equations_of(self.scene).turning(self.solver)
+            solver = self.solver.of_bodies("counted angles")
+            first, names = equations_of(self.scene).turning(solver)
             angles = dict(zip(names, q.counted[first:].tolist(), strict=False))
         return parameters, angles
 
@@ -412,21 +366,6 @@ class Mechanism:
         from kousoku.view import draw_mechanism
 
         return draw_mechanism(self.scene, parameters)
-
-    def _bodies(self, what: str) -> DynamicsSolver:
-        """Solver of a scene of bodies.
-
-        Raises
-        ------
-        SolveError
-            It is a linkage of nodes.
-        """
-        if isinstance(self.solver, DynamicsSolver):
-            return self.solver
-        raise SolveError(
-            f"{self.name}: {what}: of scenes of bodies; this one is a linkage of nodes, which"
-            " solve() and simulate(end) move"
-        )
 
     @contextmanager
     def _passed_on(self) -> Iterator[None]:

@@ -13,11 +13,12 @@ from kousoku.model.design_numbers import with_numbers
 from kousoku.model.errors import ExpressionError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, state_names, texts_of, used_names
+from kousoku.model.graph import Op
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.quaternions import quaternion
 from kousoku.model.spatial import GROUND
 from kousoku.model.switching import may_jump
-from kousoku.model.terms import Apply, Function, names_of, ordered
+from kousoku.model.terms import Expression, names_of, ordered
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Scene
     from kousoku.model.solids import Box
     from kousoku.model.spatial import Body, Joint
-    from kousoku.model.terms import Expression
 
     Point = tuple[float, float, float]
 
@@ -124,7 +124,7 @@ def notes_of_events(scene: Scene) -> Iterator[str]:
 def _jumps(part: Expression) -> Iterator[Expression]:
     """Arguments of jumps: that of a sign, and of what stands over its size."""
     match part:
-        case Apply(Function.SIGN, (x,)) | Apply(Function.DIV, (_, Apply(Function.ABS, (x,)))):
+        case Expression(Op.SIGN, (x,)) | Expression(Op.DIV, (_, Expression(Op.ABS, (x,)))):
             yield x
 
 

@@ -6,8 +6,11 @@ import math
 import operator
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 from math import isqrt
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
+
+from kousoku.model.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -59,18 +62,20 @@ class FormulaArithmetic(Arithmetic[Number]):
     min: Callable[[Number, Number], Number]
     pow: Callable[[Number, Number], Number]
 
-    def applied(self, function: str, args: Sequence[Number]) -> Number:
-        """Return a function or an operator, by its name, of numbers."""
-        call = OPERATORS.get(function) or getattr(self, function)
+    def applied(self, op: Op, args: Sequence[Number]) -> Number:
+        """Return an operation on numbers; a sum may have more than two, from left to right."""
+        if op is Op.ADD:
+            return reduce(operator.add, args)
+        call = OPERATORS.get(op) or getattr(self, op.value)
         return cast("Number", call(*args))
 
 
-OPERATORS: dict[str, Callable[..., Any]] = {
-    "add": operator.add,
-    "sub": operator.sub,
-    "mul": operator.mul,
-    "div": operator.truediv,
-    "neg": operator.neg,
+OPERATORS: dict[Op, Callable[..., Any]] = {
+    Op.ADD: operator.add,
+    Op.SUB: operator.sub,
+    Op.MUL: operator.mul,
+    Op.DIV: operator.truediv,
+    Op.NEG: operator.neg,
 }
 """What all numbers have of their own."""
 

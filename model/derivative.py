@@ -8,15 +8,12 @@ from functools import partial
 from typing import TYPE_CHECKING, cast
 
 from kousoku.model.arithmetic import FormulaArithmetic
-from kousoku.model.polynomials import even_power
+from kousoku.model.graph import Op
+from kousoku.model.polynomials import root_of_even_power
 from kousoku.model.slopes import SLOPES
 from kousoku.model.terms import (
     ONE,
     ZERO,
-    Apply,
-    Function,
-    Name,
-    Number,
     add,
     apply,
     number,
@@ -45,71 +42,63 @@ def derivative(expression: Expression, name: str) -> Expression:
     """
     known: dict[int, Expression] = {}
     for part in ordered(expression):
-        match part:
-            case Number():
-                known[id(part)] = ZERO
-            case Name():
-                known[id(part)] = ONE if part.name == name else ZERO
-            case Apply() if (same := _smooth_root(part)) is not None:
-                known[id(part)] = derivative(same, name)
-            case Apply():
-                slopes = tuple(known[id(arg)] for arg in part.args)
-                is_fixed = all(slope == ZERO for slope in slopes)
-                known[id(part)] = ZERO if is_fixed else _derivative(part, slopes)
+        if not part.args:
+            known[id(part)] = ONE if part.name == name else ZERO
+        elif (same := _smooth_root(part)) is not None:
+            known[id(part)] = derivative(same, name)
+        else:
+            slopes = tuple(known[id(arg)] for arg in part.args)
+            is_fixed = all(slope == ZERO for slope in slopes)
+            known[id(part)] = ZERO if is_fixed else _derivative(part, slopes)
     return known[id(expression)]
 
 
-def _smooth_root(part: Apply) -> Expression | None:
+def _smooth_root(part: Expression) -> Expression | None:
     """Return a root of an even power as a power of ``abs(a)`` where that has two derivatives.
 
     Those of the root, ``(a^2)^1.5``, are 0/0 where a is zero.
     """
-    if part.function not in {Function.SQRT, Function.POW}:
+    found = root_of_even_power(part)
+    if found is None or found[1] < 2:
         return None
-    exponent = Number(Fraction(1, 2)) if part.function is Function.SQRT else part.args[1]
-    if not isinstance(exponent, Number) or exponent.value.denominator == 1:
-        return None
-    found = even_power(part.args[0])
-    if found is None or found[1] * exponent.value < 2:
-        return None
-    size = found[0] if found[1] * exponent.value % 2 == 0 else apply(Function.ABS, found[0])
-    return power(size, Number(found[1] * exponent.value))
+    size = found[0] if found[1] % 2 == 0 else apply(Op.ABS, found[0])
+    return power(size, number(found[1]))
 
 
-def _derivative(part: Apply, slopes: tuple[Expression, ...]) -> Expression:
+def _derivative(part: Expression, slopes: tuple[Expression, ...]) -> Expression:
     """Return the derivative of a function of formulas, given those of its arguments."""
     args = part.args
-    match part.function:
-        case Function.ADD:
+    match part.op:
+        case Op.ADD:
             return add(*slopes)
-        case Function.MUL:
+        case Op.MUL:
             (a, b), (da, db) = args, slopes
             return da * b + a * db
-        case Function.DIV:
+        case Op.DIV:
             (_, b), (da, db) = args, slopes
             return (da - part * db) / b
-        case Function.NEG:
+        case Op.NEG:
             return -slopes[0]
-        case Function.POW:
+        case Op.POW:
             return _of_power(part, *slopes)
-        case Function.ATAN2:
+        case Op.ATAN2:
             (y, x), (dy, dx) = args, slopes
             return (dy * x - y * dx) / (y * y + x * x)
-        case Function.MAX | Function.MIN:
+        case Op.MAX | Op.MIN:
             return _of_extreme(part, *slopes)
-        case Function.LOG_SUM:
+        case Op.LOG_SUM:
             (a, b), (da, db) = args, slopes
-            return apply(Function.SHARE, a - b) * da + apply(Function.SHARE, b - a) * db
+            return apply(Op.SHARE, a - b) * da + apply(Op.SHARE, b - a) * db
         case _:
             return _slope(part) * slopes[0]
 
 
-def _of_power(part: Apply, da: Expression, db: Expression) -> Expression:
+def _of_power(part: Expression, da: Expression, db: Expression) -> Expression:
     a, b = part.args
-    if isinstance(b, Number):
+    if b.value is not None:
         base = a if b.value > 1 else _where_positive(a)
         return b * power(base, number(b.value - 1)) * da
-    return b * power(a, b - 1) * da + part * apply(Function.LOG, a) * db
+    return b * power(a, b - 1) * da + part * apply(Op.LOG, a) * db
 
 
 def _where_positive(a: Expression) -> Expression:
@@ -117,40 +106,40 @@ def _where_positive(a: Expression) -> Expression:
 
     There its derivative is zero, and so are those of its powers, which else are 0 ∞.
     """
-    if not isinstance(a, Apply) or a.function is not Function.MAX or ZERO not in a.args:
+    if a.op is not Op.MAX or ZERO not in a.args:
         return a
     x = a.args[a.args[0] == ZERO]
-    return a + (ONE - apply(Function.SIGN, x)) / 2
+    return a + (ONE - apply(Op.SIGN, x)) / 2
 
 
-def _of_extreme(part: Apply, da: Expression, db: Expression) -> Expression:
+def _of_extreme(part: Expression, da: Expression, db: Expression) -> Expression:
     """Return ½ ((1 + s) a′ + (1 − s) b′), where s is the sign of a − b, or of b − a for ``MIN``."""
-    a, b = part.args if part.function is Function.MAX else part.args[::-1]
-    sign = apply(Function.SIGN, a - b)
+    a, b = part.args if part.op is Op.MAX else part.args[::-1]
+    sign = apply(Op.SIGN, a - b)
     return ((1 + sign) * da + (1 - sign) * db) / 2
 
 
-def _slope(part: Apply) -> Expression:
+def _slope(part: Expression) -> Expression:
     """Return the derivative of a function by its only argument."""
     (x,) = part.args
-    match part.function:
-        case Function.ABS:
-            return apply(Function.SIGN, x)
-        case Function.SIGN:
+    match part.op:
+        case Op.ABS:
+            return apply(Op.SIGN, x)
+        case Op.SIGN:
             return ZERO
-        case Function.SHARE:
-            return part * apply(Function.SHARE, -x)
+        case Op.SHARE:
+            return part * apply(Op.SHARE, -x)
         case _:
-            (slope,) = SLOPES[part.function.value](part, part.args, FORMULAS)
+            (slope,) = SLOPES[part.op](part, part.args, FORMULAS)
             return cast("Expression", slope)
 
 
-def _made(function: Function) -> Callable[..., Expression]:
-    return partial(apply, function)
+def _made(op: Op) -> Callable[..., Expression]:
+    return partial(apply, op)
 
 
 #: The arithmetic of formulas: what is computed is one.
 FORMULAS: FormulaArithmetic[Expression] = FormulaArithmetic(
     number=lambda value: number(Fraction(value)),
-    **{one.name: _made(Function(one.name)) for one in fields(FormulaArithmetic)[1:]},
+    **{one.name: _made(Op(one.name)) for one in fields(FormulaArithmetic)[1:]},
 )

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.model.arithmetic import Arithmetic
 from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.graph import Op
 from kousoku.model.interpret import evaluate
 from kousoku.model.slopes import SLOPES
 
@@ -42,21 +43,21 @@ class Dual:
         return Dual(self.value + other.value, gradient)
 
     def __sub__(self, other: Dual) -> Dual:
-        return _applied("sub", self.value - other.value, self, other)
+        return _applied(Op.SUB, self.value - other.value, self, other)
 
     def __neg__(self) -> Dual:
-        return _applied("neg", -self.value, self)
+        return _applied(Op.NEG, -self.value, self)
 
     def __mul__(self, other: Dual) -> Dual:
-        return _applied("mul", self.value * other.value, self, other)
+        return _applied(Op.MUL, self.value * other.value, self, other)
 
     def __truediv__(self, other: Dual) -> Dual:
-        return _applied("div", self.value / other.value, self, other)
+        return _applied(Op.DIV, self.value / other.value, self, other)
 
 
-def _applied(operation: str, value: High, *args: Dual) -> Dual:
+def _applied(op: Op, value: High, *args: Dual) -> Dual:
     """Return the value of an operation with the gradient Σ slope · ∇argument."""
-    slopes = SLOPES[operation](value, [arg.value for arg in args], HIGH)
+    slopes = SLOPES[op](value, [arg.value for arg in args], HIGH)
     gradient: dict[Any, High] = {}
     for arg, slope in zip(args, slopes, strict=True):
         for name, derivative in arg.gradient.items():
@@ -65,9 +66,9 @@ def _applied(operation: str, value: High, *args: Dual) -> Dual:
     return Dual(value, gradient)
 
 
-def _function(operation: str) -> Callable[..., Dual]:
+def _function(op: Op) -> Callable[..., Dual]:
     def applied(*args: Dual) -> Dual:
-        return _applied(operation, HIGH.applied(operation, [arg.value for arg in args]), *args)
+        return _applied(op, HIGH.applied(op, [arg.value for arg in args]), *args)
 
     return applied
 
@@ -84,7 +85,7 @@ def _constant(value: Fraction) -> Dual:
 def _sqrt(x: Dual) -> Dual:
     if x.value < 0:
         raise ArithmeticError("the root of a negative number")
-    return _applied("sqrt", HIGH.sqrt(x.value), x)
+    return _applied(Op.SQRT, HIGH.sqrt(x.value), x)
 
 
 def _abs(x: Dual) -> Dual:
@@ -99,11 +100,11 @@ def _max(x: Dual, y: Dual) -> Dual:
 DUAL: Arithmetic[Dual] = Arithmetic(
     number=_constant,
     sqrt=_sqrt,
-    sin=_function("sin"),
-    cos=_function("cos"),
-    atan2=_function("atan2"),
-    exp=_function("exp"),
-    log=_function("log"),
+    sin=_function(Op.SIN),
+    cos=_function(Op.COS),
+    atan2=_function(Op.ATAN2),
+    exp=_function(Op.EXP),
+    log=_function(Op.LOG),
     abs=_abs,
     max=_max,
 )

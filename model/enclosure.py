@@ -10,26 +10,25 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from kousoku.model.angles import PI
+from kousoku.model.graph import Op
 from kousoku.model.terms import (
     ONE,
     ZERO,
-    Apply,
     Expression,
-    Function,
-    Name,
-    Number,
     add,
     apply,
     div,
+    evaluated,
     mul,
+    names_of,
     neg,
     number,
-    ordered,
     power,
+    symbol,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
 
 class Bounds(NamedTuple):
@@ -47,9 +46,9 @@ class Bounds(NamedTuple):
 #: Functions that never fall.
 RISING = frozenset(
     {
-        *(Function.EXP, Function.LOG, Function.SQRT, Function.SIGN),
-        *(Function.ASIN, Function.ATAN, Function.MIN, Function.MAX),
-        *(Function.LOG_SUM, Function.SHARE),
+        *(Op.EXP, Op.LOG, Op.SQRT, Op.SIGN),
+        *(Op.ASIN, Op.ATAN, Op.MIN, Op.MAX),
+        *(Op.LOG_SUM, Op.SHARE),
     }
 )
 
@@ -64,83 +63,75 @@ def enclosure(expression: Expression, spans: Mapping[str, Bounds]) -> Bounds:
     spans : mapping of str to Bounds
         What bounds each name that varies; others are what they are.
     """
-    known: dict[int, Bounds] = {}
-    for part in ordered(expression):
-        match part:
-            case Number():
-                known[id(part)] = Bounds(part, part)
-            case Name(name):
-                known[id(part)] = spans.get(name, Bounds(part, part))
-            case Apply(function, args):
-                own = [known[id(arg)] for arg in args]
-                is_one = all(one.is_one for one in own)
-                if is_one:
-                    same = composed(function, *(one.least for one in own))
-                    known[id(part)] = Bounds(same, same)
-                else:
-                    known[id(part)] = _applied(function, own)
-    return known[id(expression)]
+    names = {name: spans.get(name) or _point(symbol(name)) for name in names_of(expression)}
+    return evaluated(expression, lambda value: _point(number(value)), names, _applied)
 
 
-def _applied(function: Function, args: list[Bounds]) -> Bounds:
+def _point(formula: Expression) -> Bounds:
+    return Bounds(formula, formula)
+
+
+def _applied(op: Op, args: Sequence[Bounds]) -> Bounds:
     """Return what a function does to intervals."""
+    if all(one.is_one for one in args):
+        return _point(composed(op, *(one.least for one in args)))
     first = args[0]
-    match function:
-        case Function.ADD:
+    match op:
+        case Op.ADD:
             return Bounds(add(*(x.least for x in args)), add(*(x.most for x in args)))
-        case Function.NEG:
+        case Op.NEG:
             return Bounds(neg(first.most), neg(first.least))
-        case Function.MUL:
+        case Op.MUL:
             return product_of(*args)
-        case Function.DIV:
+        case Op.DIV:
             return quotient_of(first, args[1])
-        case Function.POW:
+        case Op.POW:
             return _power(*args)
-        case Function.ABS:
+        case Op.ABS:
             return _magnitude(first)
-        case Function.SIN | Function.COS:
-            return _wave(function, first)
-        case Function.TAN:
-            waves = (_wave(one, first) for one in (Function.SIN, Function.COS))
+        case Op.SIN | Op.COS:
+            return _wave(op, first)
+        case Op.TAN:
+            waves = (_wave(one, first) for one in (Op.SIN, Op.COS))
             sine, cosine = waves
             return quotient_of(sine, cosine)
-        case Function.ACOS:
-            return Bounds(apply(function, first.most), apply(function, first.least))
-        case Function.ATAN2:
+        case Op.ACOS:
+            return Bounds(apply(op, first.most), apply(op, first.least))
+        case Op.ATAN2:
             return _angle(*args)
         case _:
-            assert function in RISING
+            assert op in RISING
             return Bounds(
-                composed(function, *(x.least for x in args)),
-                composed(function, *(x.most for x in args)),
+                composed(op, *(x.least for x in args)),
+                composed(op, *(x.most for x in args)),
             )
 
 
-def composed(function: Function, *args: Expression) -> Expression:
+def composed(op: Op, *args: Expression) -> Expression:
     """Return a function of formulas, in functions that texts have, so that none overflows."""
-    match function:
-        case Function.LOG_SUM:
+    match op:
+        case Op.LOG_SUM:
             a, b = args
-            apart = neg(apply(Function.ABS, add(a, neg(b))))
-            less = apply(Function.LOG, add(ONE, apply(Function.EXP, apart)))
-            return add(apply(Function.MAX, a, b), less)
-        case Function.SHARE:
-            return div(ONE, add(ONE, apply(Function.EXP, neg(args[0]))))
+            apart = neg(apply(Op.ABS, add(a, neg(b))))
+            less = apply(Op.LOG, add(ONE, apply(Op.EXP, apart)))
+            return add(apply(Op.MAX, a, b), less)
+        case Op.SHARE:
+            return div(ONE, add(ONE, apply(Op.EXP, neg(args[0]))))
         case _:
-            return apply(function, *args)
+            return apply(op, *args)
 
 
 def _least(*terms: Expression) -> Expression:
     found = terms[0]
     for term in terms[1:]:
-        found = apply(Function.MIN, found, term)
+        found = apply(Op.MIN, found, term)
     return found
 
 
 def _most(*terms: Expression) -> Expression:
     found = terms[0]
     for term in terms[1:]:
-        found = apply(Function.MAX, found, term)
+        found = apply(Op.MAX, found, term)
     return found
 
 
@@ -165,32 +156,31 @@ def _magnitude(x: Bounds) -> Bounds:
 def _reciprocal(x: Bounds) -> Bounds:
     """Return those of 1 / x: infinite where x may be zero, as then the product of both ends is."""
     if x.is_one:
-        same = div(ONE, x.least)
-        return Bounds(same, same)
+        return _point(div(ONE, x.least))
     product = _most(mul(x.least, x.most), ZERO)
     return Bounds(div(x.least, product), div(x.most, product))
 
 
 def _power(a: Bounds, b: Bounds) -> Bounds:
-    exponent = b.least
-    if not isinstance(exponent, Number):
-        logarithm = Bounds(apply(Function.LOG, a.least), apply(Function.LOG, a.most))
-        return _applied(Function.EXP, [product_of(b, logarithm)])
-    size = number(abs(exponent.value))
-    if exponent.value.denominator > 1:  # of a positive number only: others have no power
+    exponent = b.least.value
+    if exponent is None:
+        logarithm = Bounds(apply(Op.LOG, a.least), apply(Op.LOG, a.most))
+        return _applied(Op.EXP, [product_of(b, logarithm)])
+    size = number(abs(exponent))
+    if exponent.denominator > 1:  # of a positive number only: others have no power
         a = Bounds(_most(a.least, _least(a.most, ZERO)), a.most)
-    elif exponent.value.numerator % 2 == 0:
+    elif exponent.numerator % 2 == 0:
         a = _magnitude(a)
     found = Bounds(power(a.least, size), power(a.most, size))
-    return found if exponent.value > 0 else _reciprocal(found)
+    return found if exponent > 0 else _reciprocal(found)
 
 
-def _wave(function: Function, x: Bounds) -> Bounds:
+def _wave(op: Op, x: Bounds) -> Bounds:
     """Return those of a sine or cosine: ± (|slope in the middle| r + r²/2) within r of it."""
-    other = Function.COS if function is Function.SIN else Function.SIN
+    other = Op.COS if op is Op.SIN else Op.SIN
     middle = div(add(x.least, x.most), number(2))
     r = div(add(x.most, neg(x.least)), number(2))
-    value, slope = apply(function, middle), apply(Function.ABS, apply(other, middle))
+    value, slope = apply(op, middle), apply(Op.ABS, apply(other, middle))
     change = add(mul(slope, r), div(mul(r, r), number(2)))
     return Bounds(_most(number(-1), add(value, neg(change))), _least(ONE, add(value, change)))
 
@@ -202,14 +192,14 @@ def _angle(y: Bounds, x: Bounds) -> Bounds:
     """
     middle = [div(add(a.least, a.most), number(2)) for a in (y, x)]
     halves = [div(add(a.most, neg(a.least)), number(2)) for a in (y, x)]
-    r, d = (apply(Function.SQRT, add(mul(a, a), mul(b, b))) for a, b in (halves, middle))
-    value = apply(Function.ATAN2, *middle)
-    change = mul(number(2), apply(Function.ASIN, _least(div(r, d), ONE)))
+    r, d = (apply(Op.SQRT, add(mul(a, a), mul(b, b))) for a, b in (halves, middle))
+    value = apply(Op.ATAN2, *middle)
+    change = mul(number(2), apply(Op.ASIN, _least(div(r, d), ONE)))
     least, most = add(value, neg(change)), add(value, change)
-    pi, turn = Number(PI), Number(2 * PI)
+    pi, turn = number(PI), number(2 * PI)
 
     def turn_if(excess: Expression) -> Expression:
-        return mul(turn, apply(Function.SIGN, _most(excess, ZERO)))
+        return mul(turn, apply(Op.SIGN, _most(excess, ZERO)))
 
     return Bounds(
         _most(neg(pi), add(least, neg(turn_if(add(most, neg(pi)))))),

@@ -8,20 +8,18 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.derivative import derivative
 from kousoku.model.enclosure import composed
+from kousoku.model.graph import Op
 from kousoku.model.terms import (
     ONE,
     ZERO,
-    Apply,
     Expression,
-    Function,
-    Number,
     add,
     apply,
     div,
-    evaluated,
     mul,
     neg,
     ordered,
+    rebuilt,
 )
 
 if TYPE_CHECKING:
@@ -63,7 +61,7 @@ def without_overflow(formula: Expression) -> Expression:
     """
     known: dict[int, Form] = {}
     for part in ordered(formula):
-        args = [known[id(arg)] for arg in part.args] if isinstance(part, Apply) else []
+        args = [known[id(arg)] for arg in part.args]
         known[id(part)] = _form(part, args)
     return known[id(formula)].whole
 
@@ -78,39 +76,39 @@ def rate_of(law: Expression, time: str, order: int) -> Expression:
     rate = without_overflow(law)
     for _ in range(order):
         rate = derivative(rate, time)
-    return evaluated(rate, lambda part: part, lambda function, args: composed(function, *args))
+    return rebuilt(rate, lambda op, args: composed(op, *args))
 
 
 def _form(part: Expression, args: Sequence[Form]) -> Form:
     """Return the form of a formula, given those of its parts."""
-    if not isinstance(part, Apply):
-        is_positive = isinstance(part, Number) and part.value > 0
+    if not part.args:
+        is_positive = part.value is not None and part.value > 0
         return Form(part, part, logarithm=_logarithm(part) if is_positive else None)
     is_same = all(form.whole is arg for form, arg in zip(args, part.args, strict=True))
-    whole = part if is_same else apply(part.function, *(form.whole for form in args))
+    whole = part if is_same else apply(part.op, *(form.whole for form in args))
     a, b = args[0], args[-1]
-    match part.function:
-        case Function.EXP:
+    match part.op:
+        case Op.EXP:
             return Form(whole, ONE, a.whole, a.whole)
-        case Function.NEG:
+        case Op.NEG:
             return _product(whole, neg(a.factor), a.exponent, None, args)
-        case Function.ADD:
+        case Op.ADD:
             logarithm = _both(_log_of_sum, args)
             is_sum = logarithm is not None and any(one.exponent != ZERO for one in args)
             return Form(whole, whole, ZERO, logarithm, is_sum, terms=tuple(args))
-        case Function.MUL:
+        case Op.MUL:
             exponent, logarithm = add(a.exponent, b.exponent), _both(add, args)
             return _product(whole, mul(a.factor, b.factor), exponent, logarithm, args)
-        case Function.DIV if b.is_sum:
+        case Op.DIV if b.is_sum:
             return _divided(a, b)
-        case Function.DIV:
+        case Op.DIV:
             logarithm = _both(lambda x, y: add(x, neg(y)), args)
             return _product(whole, div(a.factor, b.whole), a.exponent, logarithm, [a])
-        case Function.POW if a.is_sum and a.logarithm is not None and isinstance(b.whole, Number):
+        case Op.POW if a.is_sum and a.logarithm is not None and b.whole.value is not None:
             logarithm = mul(b.whole, a.logarithm)
             if b.whole.value > 0:
                 return Form(whole, whole, ZERO, logarithm, is_sum=True)
-            return Form(apply(Function.EXP, logarithm), ONE, logarithm, logarithm, is_anew=True)
+            return Form(apply(Op.EXP, logarithm), ONE, logarithm, logarithm, is_anew=True)
         case _:
             return Form(whole, whole)
 
@@ -125,7 +123,7 @@ def _product(
     """Return a product: its exponentials are one where there are more, or one was a quotient."""
     are_many = sum(one.exponent != ZERO for one in args) > 1
     is_anew = are_many or any(one.is_anew for one in args)
-    whole = mul(factor, apply(Function.EXP, exponent)) if is_anew else whole
+    whole = mul(factor, apply(Op.EXP, exponent)) if is_anew else whole
     is_sum = logarithm is not None and any(one.is_sum for one in args)
     return Form(whole, factor, exponent, logarithm, is_sum, is_anew)
 
@@ -139,7 +137,7 @@ def _divided(a: Form, b: Form) -> Form:
         whole = add(*(one.whole for one in terms))
         return Form(whole, whole, ZERO, logarithm, terms=terms)
     exponent = add(a.exponent, neg(b.logarithm))
-    whole = mul(a.factor, apply(Function.EXP, exponent))
+    whole = mul(a.factor, apply(Op.EXP, exponent))
     return Form(whole, a.factor, exponent, logarithm, is_anew=True)
 
 
@@ -154,8 +152,8 @@ def _both(
 
 def _log_of_sum(a: Expression, b: Expression) -> Expression:
     """Return log(eᵃ + eᵇ)."""
-    return apply(Function.LOG_SUM, a, b)
+    return apply(Op.LOG_SUM, a, b)
 
 
 def _logarithm(positive: Expression) -> Expression:
-    return ZERO if positive == ONE else apply(Function.LOG, positive)
+    return ZERO if positive == ONE else apply(Op.LOG, positive)

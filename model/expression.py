@@ -24,19 +24,18 @@ from typing import TYPE_CHECKING
 from kousoku.model.angles import DEGREE, PI
 from kousoku.model.decode import LARGEST, unknown
 from kousoku.model.errors import ExpressionError
+from kousoku.model.graph import BINARY_OPS, Op
 from kousoku.model.polynomials import with_squares_apart
 from kousoku.model.terms import (
     ZERO,
-    Apply,
-    Function,
-    Name,
-    Number,
     add,
     apply,
     div,
     mul,
     neg,
+    number,
     power,
+    symbol,
 )
 
 if TYPE_CHECKING:
@@ -51,10 +50,11 @@ DEEPEST = 60
 """Levels of the deepest formula: parentheses, and operations on what others give."""
 
 ARGUMENTS = {
-    function.value: 2 if function in {Function.ATAN2, Function.MIN, Function.MAX} else 1
-    for function in Function
-    if function not in {Function.ADD, Function.MUL, Function.DIV, Function.NEG, Function.POW}
-    if function not in {Function.LOG_SUM, Function.SHARE}
+    op.value: 2 if op in BINARY_OPS else 1
+    for op in (
+        *(Op.SIN, Op.COS, Op.TAN, Op.ASIN, Op.ACOS, Op.ATAN, Op.ATAN2),
+        *(Op.SQRT, Op.EXP, Op.LOG, Op.ABS, Op.SIGN, Op.MIN, Op.MAX),
+    )
 }
 """The functions that a formula may call, and how many arguments each takes."""
 
@@ -179,10 +179,10 @@ class _Parser:
         self.nesting -= 1
         if is_counted or self.is_degrees(at):
             raise self.error("a power of degrees; wanted parentheses, or '*deg'", start)
-        is_whole = isinstance(exponent, Number) and exponent.value.denominator == 1
-        if isinstance(base, Number) and base.value < 0 and not is_whole:
+        is_whole = exponent.value is not None and exponent.value.denominator == 1
+        if base.value is not None and base.value < 0 and not is_whole:
             raise self.error("a negative number to a power that is not whole", start)
-        if base == ZERO and not (isinstance(exponent, Number) and exponent.value >= 0):
+        if base == ZERO and (exponent.value is None or exponent.value < 0):
             raise self.error("zero to a power that is not a positive number", start)
         return self.settled(with_squares_apart(power(base, exponent)), start)
 
@@ -190,28 +190,28 @@ class _Parser:
         start = self.start
         if self.takes("("):
             self.nest(start)
-            value = self.sum()
+            inner = self.sum()
             self.nesting -= 1
             self.close(start)
-            return value
+            return inner
         kind, token = self.kind, self.token
         if kind not in {"name", "number"}:
             what = f"{token!r} stands" if kind else "the formula ends"
             raise self.error(f"{what} where a number, a name or a '(' is wanted")
         self.advance()
         if kind == "number":
-            number = self.number(token, start)
+            value = self.number(token, start)
             if self.token != "deg":
-                return number
+                return number(value)
             self.counted = start
             self.advance()
-            return Number(number.value * DEGREE)
+            return number(value * DEGREE)
         if token in self.names:
-            return Name(token)
+            return symbol(token)
         if token in ARGUMENTS:
             return self.call(token, start)
         if token in CONSTANTS:
-            return Number(CONSTANTS[token])
+            return number(CONSTANTS[token])
         known = (*sorted(self.names), *ARGUMENTS, *CONSTANTS)
         raise self.error(unknown(f"name {token[:40]!r}", token, known), start)
 
@@ -219,7 +219,7 @@ class _Parser:
         """Return whether what was read since then begins with a number of degrees."""
         return start <= self.counted and not self.text[start : self.counted].strip("+- \t\r\n")
 
-    def number(self, token: str, start: int) -> Number:
+    def number(self, token: str, start: int) -> Fraction:
         digits, _, exponent = token.lower().partition("e")
         if len(digits) > 40 or len(exponent.lstrip("+-")) > 2 or float(token) > LARGEST:
             raise self.error(
@@ -227,7 +227,7 @@ class _Parser:
                 f"digits, at most {LARGEST:g}, and an exponent of two digits",
                 start,
             )
-        return Number(Fraction(token))
+        return Fraction(token)
 
     def call(self, token: str, start: int) -> Expression:
         count = ARGUMENTS[token]
@@ -244,12 +244,12 @@ class _Parser:
         if len(args) != count and not (is_open and len(args) > count):
             wanted = f"{count} or more" if is_open else str(count)
             raise self.error(f"{token} of {len(args)} arguments; wanted {wanted}", start)
-        function = Function(token)
+        op = Op(token)
         if count == 1:
-            return self.settled(with_squares_apart(apply(function, *args)), start)
+            return self.settled(with_squares_apart(apply(op, *args)), start)
         value = args[0]
         for arg in args[1:]:
-            value = self.settled(apply(function, value, arg), start)
+            value = self.settled(apply(op, value, arg), start)
         return value
 
     def close(self, opened: int) -> None:
@@ -264,7 +264,7 @@ class _Parser:
 
     def settled(self, value: Expression, start: int) -> Expression:
         """Count the levels of a formula; return it."""
-        if isinstance(value, Apply) and id(value) not in self.depths:
+        if value.args and id(value) not in self.depths:
             depth = 1 + max(self.depths.get(id(arg), 0) for arg in value.args)
             if depth > DEEPEST:
                 raise self.error(f"is more than {DEEPEST} operations deep", start)

@@ -1,4 +1,4 @@
-"""The expression graph: hash-consed scalar operations in topological order.
+"""Scalar operations, and the expression graph: equal ones are one node, in topological order.
 
 Equal sub-expressions are one node by construction. The builder folds exact constants, drops zeros
 and ones, and orders the operands of sums and products, so that no later pass has to. Numbers stay
@@ -9,14 +9,20 @@ from __future__ import annotations
 
 import enum
 from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
 
 class Op(enum.Enum):
-    """The operations that every target can print."""
+    """The operations of kernels and formulas.
+
+    ``ADD`` of a formula takes two operands or more. A power whose exponent is a whole number is a
+    product, one with a half in it a square root of one; any other is exp(b log a) and wants a
+    positive a. ``SIGN`` is −1, 0 or 1. No text has the last two, log(eᵃ + eᵇ) and eˣ/(1 + eˣ):
+    they are what others are bounded by. Counts of operations are told in this order.
+    """
 
     CONST = "const"
     INPUT = "input"
@@ -25,78 +31,139 @@ class Op(enum.Enum):
     MUL = "mul"
     DIV = "div"
     NEG = "neg"
+    POW = "pow"
     SQRT = "sqrt"
     SIN = "sin"
     COS = "cos"
+    TAN = "tan"
+    ASIN = "asin"
+    ACOS = "acos"
+    ATAN = "atan"
     ATAN2 = "atan2"
     EXP = "exp"
     LOG = "log"
     ABS = "abs"
+    SIGN = "sign"
+    MIN = "min"
     MAX = "max"
+    LOG_SUM = "log_sum"
+    SHARE = "share"
 
     #: There is one object of each, and nodes are looked up by it: that of Enum is slow.
     __hash__ = object.__hash__
 
 
+#: Operations of formulas only: graphs are made of others that have the same value.
+COMPOSED_OPS = frozenset(
+    {
+        *(Op.POW, Op.TAN, Op.ASIN, Op.ACOS, Op.ATAN),
+        *(Op.SIGN, Op.MIN, Op.LOG_SUM, Op.SHARE),
+    }
+)
+
+#: Operations of graphs: every target can print them.
+GRAPH_OPS = frozenset(Op) - COMPOSED_OPS
+
 #: Operations that IEEE 754 rounds correctly: targets agree on them bit for bit.
 EXACT_OPS = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.NEG, Op.SQRT, Op.ABS})
 
 #: Operations of two operands.
-BINARY_OPS = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.ATAN2, Op.MAX})
+BINARY_OPS = frozenset(
+    {
+        *(Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.POW),
+        *(Op.ATAN2, Op.MIN, Op.MAX, Op.LOG_SUM),
+    }
+)
 
 
-class Node(NamedTuple):
-    """One scalar operation.
+Arg = TypeVar("Arg")
+
+
+class Node(Generic[Arg]):
+    """One scalar operation, of a graph or of a formula.
 
     Parameters
     ----------
     op : Op
         What is computed.
-    args : tuple of int
-        Ids of the operands, each smaller than the node's own id.
+    args : tuple
+        The operands. In a graph, and in a kernel, these are ids, each smaller than the node's own
+        id; those of a formula are formulas, :class:`~kousoku.model.terms.Expression`.
     value : Fraction, optional
         The exact number of a ``CONST``.
     symbol : tuple of (str, int), optional
         Array name and flat row-major index of an ``INPUT``.
     """
 
-    op: Op
-    args: tuple[int, ...] = ()
-    value: Fraction | None = None
-    symbol: tuple[str, int] | None = None
+    # No frozen dataclass: graphs are made of very many, and it takes twice as long to make one.
+    __slots__ = ("args", "op", "symbol", "value")
+    __match_args__ = ("op", "args", "value", "symbol")
+
+    def __init__(
+        self,
+        op: Op,
+        args: tuple[Arg, ...] = (),
+        value: Fraction | None = None,
+        symbol: tuple[str, int] | None = None,
+    ) -> None:
+        self.op, self.args, self.value, self.symbol = op, args, value, symbol
+
+    def _fields(self) -> tuple[object, ...]:
+        return self.op, self.args, self.value, self.symbol
+
+    def __repr__(self) -> str:
+        fields = zip(self.__match_args__, self._fields(), strict=True)
+        return f"{type(self).__name__}({', '.join(f'{name}={one!r}' for name, one in fields)})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Node) and self._fields() == other._fields()
+
+    def __hash__(self) -> int:
+        return hash(self._fields())
+
+    def with_args(self, args: tuple[Arg, ...]) -> Node[Arg]:
+        """Return the same of other operands."""
+        return Node(self.op, args, self.value, self.symbol)
 
 
 class Graph:
     """A growing graph; nodes are named by their ids, and equal nodes have equal ids."""
 
     def __init__(self) -> None:
-        self._nodes: list[Node] = []
-        self._ids: dict[Node, int] = {}
+        self._nodes: list[Node[int]] = []
+        self._ids: dict[tuple[Op, tuple[int, ...]], int] = {}
+        self._inputs: dict[tuple[str, int], int] = {}
         self._numbers: dict[Fraction | int | float, int] = {}
 
     @property
-    def nodes(self) -> Sequence[Node]:
+    def nodes(self) -> Sequence[Node[int]]:
         """The nodes in topological order."""
         return self._nodes
 
-    def _intern(self, node: Node) -> int:
-        known = self._ids.get(node)
+    def _add(self, node: Node[int]) -> int:
+        self._nodes.append(node)
+        return len(self._nodes) - 1
+
+    def _intern(self, op: Op, *args: int) -> int:
+        known = self._ids.get(key := (op, args))
         if known is None:
-            known = self._ids[node] = len(self._nodes)
-            self._nodes.append(node)
+            known = self._ids[key] = len(self._nodes)
+            self._nodes.append(Node(op, args))
         return known
 
     def const(self, value: Fraction | int | float) -> int:
         """Return the node of a number; a float stands for its exact binary value."""
         known = self._numbers.get(value)
         if known is None:
-            known = self._intern(Node(Op.CONST, value=Fraction(value)))
-            self._numbers[value] = known
+            known = self._numbers[value] = self._add(Node(Op.CONST, value=Fraction(value)))
         return known
 
     def input(self, name: str, index: int) -> int:
         """Return the node of element ``index`` (flat, row-major) of the input array ``name``."""
-        return self._intern(Node(Op.INPUT, symbol=(name, index)))
+        known = self._inputs.get((name, index))
+        if known is None:
+            known = self._inputs[name, index] = self._add(Node(Op.INPUT, symbol=(name, index)))
+        return known
 
     def value(self, a: int) -> Fraction | None:
         """Return the exact number of a constant node, None of any other."""
@@ -121,7 +188,7 @@ class Graph:
             return self.sub(a, minus)
         if (minus := self._negated(a)) is not None:
             return self.sub(b, minus)
-        return self._intern(Node(Op.ADD, (min(a, b), max(a, b))))
+        return self._intern(Op.ADD, min(a, b), max(a, b))
 
     def sub(self, a: int, b: int) -> int:
         """Return a − b."""
@@ -139,7 +206,7 @@ class Graph:
             return self.add(a, minus)
         if (minus := self._negated(a)) is not None:
             return self.neg(self.add(minus, b))
-        return self._intern(Node(Op.SUB, (a, b)))
+        return self._intern(Op.SUB, a, b)
 
     def neg(self, a: int) -> int:
         """Return −a."""
@@ -149,8 +216,8 @@ class Graph:
         if node.op is Op.NEG:
             return node.args[0]
         if node.op is Op.SUB:
-            return self._intern(Node(Op.SUB, (node.args[1], node.args[0])))
-        return self._intern(Node(Op.NEG, (a,)))
+            return self._intern(Op.SUB, node.args[1], node.args[0])
+        return self._intern(Op.NEG, a)
 
     def mul(self, a: int, b: int) -> int:
         """Return a · b."""
@@ -169,7 +236,7 @@ class Graph:
         if na is not None or nb is not None:
             product = self.mul(a if na is None else na, b if nb is None else nb)
             return product if na is not None and nb is not None else self.neg(product)
-        return self._intern(Node(Op.MUL, (min(a, b), max(a, b))))
+        return self._intern(Op.MUL, min(a, b), max(a, b))
 
     def div(self, a: int, b: int) -> int:
         """Return a / b."""
@@ -185,11 +252,11 @@ class Graph:
         if na is not None or nb is not None:
             quotient = self.div(a if na is None else na, b if nb is None else nb)
             return quotient if na is not None and nb is not None else self.neg(quotient)
-        return self._intern(Node(Op.DIV, (a, b)))
+        return self._intern(Op.DIV, a, b)
 
     def sqrt(self, a: int) -> int:
         """Return √a."""
-        return self._intern(Node(Op.SQRT, (a,)))
+        return self._intern(Op.SQRT, a)
 
     def sin(self, a: int) -> int:
         """Return sin a, a in radians."""
@@ -197,7 +264,7 @@ class Graph:
             return a
         if (minus := self._negated(a)) is not None:
             return self.neg(self.sin(minus))
-        return self._intern(Node(Op.SIN, (a,)))
+        return self._intern(Op.SIN, a)
 
     def cos(self, a: int) -> int:
         """Return cos a, a in radians."""
@@ -205,19 +272,19 @@ class Graph:
             return self.const(1)
         if (minus := self._negated(a)) is not None:
             return self.cos(minus)
-        return self._intern(Node(Op.COS, (a,)))
+        return self._intern(Op.COS, a)
 
     def atan2(self, y: int, x: int) -> int:
         """Return the angle of the vector (x, y), in (−π, π]."""
-        return self._intern(Node(Op.ATAN2, (y, x)))
+        return self._intern(Op.ATAN2, y, x)
 
     def exp(self, a: int) -> int:
         """Return e to the power a."""
-        return self.const(1) if self.value(a) == 0 else self._intern(Node(Op.EXP, (a,)))
+        return self.const(1) if self.value(a) == 0 else self._intern(Op.EXP, a)
 
     def log(self, a: int) -> int:
         """Return the natural logarithm of a."""
-        return self.const(0) if self.value(a) == 1 else self._intern(Node(Op.LOG, (a,)))
+        return self.const(0) if self.value(a) == 1 else self._intern(Op.LOG, a)
 
     def abs(self, a: int) -> int:
         """Return |a|."""
@@ -226,14 +293,14 @@ class Graph:
             return self.const(abs(value))
         if node.op is Op.NEG:
             return self.abs(node.args[0])
-        return a if node.op is Op.ABS else self._intern(Node(Op.ABS, (a,)))
+        return a if node.op is Op.ABS else self._intern(Op.ABS, a)
 
     def max(self, a: int, b: int) -> int:
         """Return the larger of a and b, and the other one where one of them is NaN."""
         va, vb = self.value(a), self.value(b)
         if va is not None and vb is not None:
             return self.const(max(va, vb))
-        return a if a == b else self._intern(Node(Op.MAX, (min(a, b), max(a, b))))
+        return a if a == b else self._intern(Op.MAX, min(a, b), max(a, b))
 
     def sum(self, terms: Iterable[int]) -> int:
         """Return the sum from left to right."""
@@ -248,7 +315,7 @@ class Graph:
 
 
 #: Those of :class:`Graph` by what they build, looked up faster than the values of an Enum.
-_METHODS = {op: op.value for op in Op}
+_METHODS = {op: op.value for op in GRAPH_OPS}
 
 
 def literal(value: Fraction) -> str:

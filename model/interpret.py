@@ -66,7 +66,7 @@ def node_values(
     """Return the values of all nodes of a kernel, as :func:`evaluate` does for its outputs."""
     values: list[Any] = []
     for node in kernel.nodes:
-        op, args, _, symbol = node
+        op, args, symbol = node.op, node.args, node.symbol
         # This runs a million times where a scene is looked at: names of members are looked up once.
         if op is _MUL:
             value = values[args[0]] * values[args[1]]
@@ -87,7 +87,7 @@ def node_values(
 _ADD, _SUB, _MUL, _NEG = Op.ADD, Op.SUB, Op.MUL, Op.NEG
 
 
-def _rare(node: Node, args: Sequence[Any], arithmetic: Arithmetic[Any]) -> Any:
+def _rare(node: Node[int], args: Sequence[Any], arithmetic: Arithmetic[Any]) -> Any:
     if node.op is Op.CONST:
         return arithmetic.number(node.value or Fraction(0))
     if node.op is Op.DIV:

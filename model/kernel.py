@@ -42,7 +42,7 @@ class Kernel:
     source: str
     inputs: tuple[Quantity, ...]
     outputs: tuple[Quantity, ...]
-    nodes: tuple[Node, ...]
+    nodes: tuple[Node[int], ...]
     results: tuple[tuple[int, ...], ...]
     names: tuple[tuple[int, str], ...] = ()
 

@@ -5,27 +5,26 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.derivative import derivative
+from kousoku.model.graph import Op
 from kousoku.model.switching import SMOOTH, even_root, may_be_zero
 from kousoku.model.terms import (
-    Apply,
-    Function,
-    Name,
-    Number,
+    Expression,
     add,
     apply,
     names_of,
     neg,
+    number,
     ordered,
     power,
+    rebuilt,
     replaced,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.model.terms import Expression
 
-KINKS = (Function.ABS, Function.SIGN, Function.MIN, Function.MAX)
+KINKS = (Op.ABS, Op.SIGN, Op.MIN, Op.MAX)
 """Functions that do not have two derivatives everywhere."""
 
 DEEPEST = 6
@@ -38,7 +37,7 @@ NEAR = ("1", "1.0625", "0.921875")
 """Factors of the parameters, one power more for each: a run may change them."""
 
 
-def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Apply | None:
+def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Expression | None:
     """Return the first part of a formula at which its first two derivatives may jump.
 
     Both sides of a kink are looked at in 50 digits where its arguments are equal. It must be known
@@ -54,7 +53,7 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Appl
         Those of the scene; others near them are looked at, too.
     """
     law, roots = _without_roots(law)
-    parts = [part for part in ordered(law) if isinstance(part, Apply) and part.function in KINKS]
+    parts = [part for part in ordered(law) if part.op in KINKS]
     if not parts:
         return None
     from kousoku.model.digits import CONTEXT  # noqa: PLC0415 (mpmath is for kinks only)
@@ -69,7 +68,7 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Appl
                 for place, (name, value) in enumerate(parameters.items(), 1)
             }
             if (
-                part.function is Function.SIGN
+                part.op is Op.SIGN
                 or _count(part) > DEEPEST
                 or not _is_smooth(law, part, sides, time, values)
             ):
@@ -77,31 +76,28 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Appl
     return None
 
 
-def _without_roots(law: Expression) -> tuple[Expression, dict[Apply, Apply]]:
+def _without_roots(law: Expression) -> tuple[Expression, dict[Expression, Expression]]:
     """Return a formula with ``abs(a)`` in its roots of even powers, and which root each one was.
 
     ``sqrt(a^2)`` is ``abs(a)``, and ``(a^2)^0.75`` is ``abs(a)^1.5``.
     """
-    known: dict[int, Expression] = {}
-    roots: dict[Apply, Apply] = {}
-    for one in ordered(law):
-        if not isinstance(one, Apply):
-            known[id(one)] = one
-            continue
-        same = Apply(one.function, tuple(known[id(arg)] for arg in one.args))
+    roots: dict[Expression, Expression] = {}
+
+    def build(op: Op, args: tuple[Expression, ...]) -> Expression:
+        same = Expression(op, args)
         root = even_root(same)
-        if root is not None and 0 < root[1] < SMOOTH and may_be_zero(root[0]):
-            a, exponent = root
-            size = Apply(Function.ABS, (a,))
-            known[id(one)], roots[size] = power(size, Number(exponent)), same
-        else:
-            known[id(one)] = same
-    return known[id(law)], roots
+        if root is None or not 0 < root[1] < SMOOTH or not may_be_zero(root[0]):
+            return same
+        size = Expression(Op.ABS, (root[0],))
+        roots[size] = same
+        return power(size, number(root[1]))
+
+    return rebuilt(law, build), roots
 
 
 def _is_smooth(
     law: Expression,
-    part: Apply,
+    part: Expression,
     sides: tuple[Expression, ...],
     time: str,
     values: Mapping[str, Any],
@@ -135,13 +131,13 @@ def _is_smooth(
 
 
 def _count(expression: Expression) -> int:
-    return sum(isinstance(one, Apply) and one.function in KINKS for one in ordered(expression))
+    return sum(one.op in KINKS for one in ordered(expression))
 
 
 def _branches(gap: Expression) -> list[Expression]:
     """Return what a formula can be, with either side of each kink in it."""
     for part in ordered(gap):
-        if isinstance(part, Apply) and part.function in KINKS:
+        if part.op in KINKS:
             sides = (*part.args, neg(part.args[0]))[:2]
             return [one for side in sides for one in _branches(replaced(gap, part, side))]
     return [gap]
@@ -149,13 +145,9 @@ def _branches(gap: Expression) -> list[Expression]:
 
 def _sizes(expression: Expression) -> Expression:
     """Return a formula with all its sums over absolute values: what its terms are like."""
-    known: dict[int, Expression] = {}
-    for one in ordered(expression):
-        if isinstance(one, Name | Number):
-            known[id(one)] = one
-        elif one.function is Function.ADD:
-            terms = (apply(Function.ABS, known[id(arg)]) for arg in one.args)
-            known[id(one)] = add(*terms)
-        else:
-            known[id(one)] = Apply(one.function, tuple(known[id(arg)] for arg in one.args))
-    return known[id(expression)]
+
+    def build(op: Op, args: tuple[Expression, ...]) -> Expression:
+        is_sum = op is Op.ADD
+        return add(*(apply(Op.ABS, arg) for arg in args)) if is_sum else Expression(op, args)
+
+    return rebuilt(expression, build)

@@ -11,15 +11,14 @@ from itertools import pairwise
 from math import isqrt
 from typing import TYPE_CHECKING, NamedTuple
 
+from kousoku.model.graph import Op
 from kousoku.model.terms import (
     LARGEST_BITS,
     ONE,
-    Apply,
     Expression,
-    Function,
-    Number,
     add,
     apply,
+    bits_of,
     div,
     mul,
     neg,
@@ -92,14 +91,14 @@ def polynomial_of(formula: Expression) -> Polynomial | None:
                 inner.add(id(arg))
                 stack.append(arg)
     parts = [part for part in ordered(formula) if id(part) in inner]
-    single = (one for one in parts if not isinstance(one, Number) and not _is_sum(one))
+    single = (one for one in parts if one.value is None and not _is_sum(one))
     variables = tuple(dict.fromkeys(single))
     known: dict[int, Terms] = {}
     for part in parts:
         found = _terms(part, variables, known)
         if found is None or len(found) > MOST_TERMS:
             return None
-        if any(_bits(factor) > LARGEST_BITS for factor in found.values()):
+        if any(bits_of(factor) > LARGEST_BITS for factor in found.values()):
             return None
         if any(sum(powers) > HIGHEST for powers in found):
             return None
@@ -125,17 +124,29 @@ def square_part(formula: Expression) -> Squares | None:
     return Squares(told(rest), tuple((told(terms), count) for terms, count in parts))
 
 
-def even_power(part: Expression) -> tuple[Expression, int] | None:
+def _even_power(part: Expression) -> tuple[Expression, int] | None:
     """Return a and n of a^n with an even n, or of a*a."""
-    if not isinstance(part, Apply):
-        return None
-    a, *others = part.args
-    match part.function, others:
-        case Function.MUL, [b] if a == b:
+    match part:
+        case Expression(Op.MUL, (a, b)) if a == b:
             return a, 2
-        case Function.POW, [Number(count)] if count.denominator == 1 and count % 2 == 0:
+        case Expression(Op.POW, (a, Expression(value=Fraction() as count))) if count % 2 == 0:
             return a, int(count)
     return None
+
+
+def root_of_even_power(part: Expression) -> tuple[Expression, Fraction] | None:
+    """Return a and n b of (a^n)^b with an even n and a b that is not whole."""
+    exponent = _root_exponent(part)
+    found = None if exponent is None else _even_power(part.args[0])
+    return None if exponent is None or found is None else (found[0], found[1] * exponent)
+
+
+def _root_exponent(part: Expression) -> Fraction | None:
+    """Return b of a root, a^b where b is not whole; None of what is no root."""
+    if part.op is Op.SQRT:
+        return Fraction(1, 2)
+    exponent = part.args[1].value if part.op is Op.POW else None
+    return None if exponent is None or exponent.denominator == 1 else exponent
 
 
 def with_squares_apart(part: Expression) -> Expression:
@@ -144,14 +155,8 @@ def with_squares_apart(part: Expression) -> Expression:
     Written out it is known to half of its digits where it is near to zero, and is nowhere known to
     be an absolute value. What is no root is returned as it is.
     """
-    match part:
-        case Apply(Function.SQRT, (inside,)):
-            exponent = Fraction(1, 2)
-        case Apply(Function.POW, (inside, Number(exponent))) if exponent.denominator > 1:
-            pass
-        case _:
-            return part
-    if even_power(inside) is not None or (found := _squares_of(inside)) is None:
+    exponent = _root_exponent(part)
+    if exponent is None or _even_power(part.args[0]) or not (found := _squares_of(part.args[0])):
         return part
     squares = (power(a, number(n)) for a, n in found.powers)
     return mul(*(_root_of(one, exponent) for one in (found.rest, *squares)))
@@ -159,25 +164,25 @@ def with_squares_apart(part: Expression) -> Expression:
 
 def _squares_of(part: Expression) -> Squares | None:
     """Return the even powers of a product unless it is negative, also if it is a quotient."""
-    if isinstance(part, Apply) and part.function is Function.DIV and not _is_sum(part):
+    if part.op is Op.DIV and not _is_sum(part):
         above, below = part.args
-        single = even_power(above)
+        single = _even_power(above)
         found = _squares_of(above) if single is None else Squares(ONE, (single,))
         return None if found is None else found._replace(rest=div(found.rest, below))
     found = square_part(part)
-    is_negative = found is not None and isinstance(found.rest, Number) and found.rest.value < 0
+    is_negative = found is not None and found.rest.value is not None and found.rest.value < 0
     return None if is_negative else found
 
 
 def _root_of(part: Expression, exponent: Fraction) -> Expression:
     """Return a root: of the square of a number that number."""
-    if isinstance(part, Number) and exponent.denominator == 2:
+    if part.value is not None and exponent.denominator == 2:
         roots = [isqrt(size) for size in part.value.as_integer_ratio()]
         if [size * size for size in roots] == [*part.value.as_integer_ratio()]:
-            return power(Number(Fraction(*roots)), number(2 * exponent))
+            return power(number(Fraction(*roots)), number(2 * exponent))
     if exponent == Fraction(1, 2):
-        return apply(Function.SQRT, part)
-    return power(part, Number(exponent))
+        return apply(Op.SQRT, part)
+    return power(part, number(exponent))
 
 
 def is_never_zero(formula: Expression) -> bool:
@@ -192,62 +197,55 @@ def is_never_zero(formula: Expression) -> bool:
 
 def _is_power(part: Expression) -> bool:
     """Return whether a power is a product, of none or more factors."""
-    exponent = part.args[1] if isinstance(part, Apply) else None
-    return (
-        isinstance(exponent, Number)
-        and exponent.value.denominator == 1
-        and 0 <= exponent.value <= HIGHEST
-    )
+    exponent = part.args[1].value
+    return exponent is not None and exponent.denominator == 1 and 0 <= exponent <= HIGHEST
 
 
 def _is_sum(part: Expression) -> bool:
     """Return whether a formula is a sum or product of others."""
-    if not isinstance(part, Apply):
-        return False
-    match part.function:
-        case Function.ADD | Function.NEG | Function.MUL:
+    match part.op:
+        case Op.ADD | Op.NEG | Op.MUL:
             return True
-        case Function.DIV:
-            return isinstance(part.args[1], Number) and part.args[1].value != 0
-        case Function.POW:
+        case Op.DIV:
+            return bool(part.args[1].value)
+        case Op.POW:
             return _is_power(part)
     return False
 
 
 def _args_of(part: Expression) -> tuple[Expression, ...]:
     """Return of what a formula is a sum or product."""
-    if not isinstance(part, Apply) or not _is_sum(part):
+    if not _is_sum(part):
         return ()
-    return part.args[:1] if part.function in {Function.POW, Function.DIV} else part.args
+    return part.args[:1] if part.op in {Op.POW, Op.DIV} else part.args
 
 
 def _terms(
     part: Expression, variables: tuple[Expression, ...], known: Mapping[int, Terms]
 ) -> Terms | None:
     """Return a formula as a sum of products, where all its parts are; None where it is too long."""
-    if isinstance(part, Number):
+    if part.value is not None:
         return {(0,) * len(variables): part.value} if part.value else {}
-    if not isinstance(part, Apply) or not _is_sum(part):
+    if not _is_sum(part):
         return {tuple(int(one == part) for one in variables): Fraction(1)}
     args = [known[id(arg)] for arg in _args_of(part)]
-    match part.function:
-        case Function.ADD:
+    match part.op:
+        case Op.ADD:
             total: Terms = {}
             for one in args:
                 total = _plus(total, one)
             return total
-        case Function.NEG:
+        case Op.NEG:
             return {powers: -factor for powers, factor in args[0].items()}
-        case Function.MUL:
+        case Op.MUL:
             return _times(*args) if len(args[0]) * len(args[1]) <= MOST_TERMS**2 else None
-        case Function.DIV:
-            divisor = part.args[1]
-            assert isinstance(divisor, Number)
-            return {powers: factor / divisor.value for powers, factor in args[0].items()}
-    exponent = part.args[1]
-    assert isinstance(exponent, Number)
+        case Op.DIV:
+            assert part.args[1].value is not None
+            return {powers: factor / part.args[1].value for powers, factor in args[0].items()}
+    exponent = part.args[1].value
+    assert exponent is not None
     product: Terms = {(0,) * len(variables): Fraction(1)}
-    for _ in range(int(exponent.value)):
+    for _ in range(int(exponent)):
         product = _times(product, args[0])
         if len(product) > MOST_TERMS:
             return None
@@ -389,7 +387,3 @@ def _gcd(a: Factors, b: Factors) -> Factors:
         a, b = b, _divided(a, b)[1]
         b = tuple(x / b[-1] for x in b)
     return tuple(x / a[-1] for x in a)
-
-
-def _bits(value: Fraction) -> int:
-    return max(value.numerator.bit_length(), value.denominator.bit_length())

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from kousoku.model import traced
 from kousoku.model.angles import Angle
 from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.terms import Function
+from kousoku.model.graph import Op
 from kousoku.model.traced import Traced, applied, at_scene
 from kousoku.model.varying import Varying
 
@@ -58,13 +58,13 @@ def double(value: High) -> float:
 
 def sqrt(value: High) -> High:
     """Return √value."""
-    return applied(Function.SQRT, value) if isinstance(value, Traced) else CONTEXT.sqrt(value)
+    return applied(Op.SQRT, value) if isinstance(value, Traced) else CONTEXT.sqrt(value)
 
 
 def atan2(y: High, x: High) -> High:
     """Return the angle of (x, y)."""
     if isinstance(y, Traced) or isinstance(x, Traced):
-        return applied(Function.ATAN2, y, x)
+        return applied(Op.ATAN2, y, x)
     return CONTEXT.atan2(y, x)
 
 

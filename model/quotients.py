@@ -14,14 +14,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from kousoku.model.derivative import derivative
 from kousoku.model.enclosure import Bounds, enclosure, product_of
+from kousoku.model.graph import Op
 from kousoku.model.polynomials import polynomial_of
 from kousoku.model.terms import (
     ONE,
     ZERO,
-    Apply,
-    Function,
-    Name,
-    Number,
+    Expression,
     add,
     apply,
     div,
@@ -31,13 +29,14 @@ from kousoku.model.terms import (
     number,
     ordered,
     power,
+    rebuilt,
     replaced,
+    symbol,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
 
-    from kousoku.model.terms import Expression
 
 #: The names of z, of the quotient itself, and of what is left of a series of two.
 PLACE, ITSELF, REST = ".z", ".itself", ".rest"
@@ -45,9 +44,9 @@ PLACE, ITSELF, REST = ".z", ".itself", ".rest"
 HIGHEST = 3
 #: What functions are of zero; of others that is not known.
 AT_ZERO = {
-    **dict.fromkeys((Function.SIN, Function.TAN, Function.ASIN, Function.ATAN), ZERO),
-    Function.COS: ONE,
-    Function.EXP: ONE,
+    **dict.fromkeys((Op.SIN, Op.TAN, Op.ASIN, Op.ATAN), ZERO),
+    Op.COS: ONE,
+    Op.EXP: ONE,
 }
 
 
@@ -95,7 +94,7 @@ class Quotient(NamedTuple):
             What bounds each name that varies.
         """
         place = enclosure(self.place, spans)
-        ends = (apply(Function.MIN, place.least, ZERO), apply(Function.MAX, place.most, ZERO))
+        ends = (apply(Op.MIN, place.least, ZERO), apply(Op.MAX, place.most, ZERO))
         near = {
             PLACE: place,
             **self._rests(self.above, 0, ends),
@@ -105,14 +104,14 @@ class Quotient(NamedTuple):
         near[ITSELF] = value = self._both(
             enclosure(self.whole, spans), enclosure(div(a, b), near), place
         )
-        slope = enclosure(div(add(da, neg(mul(Name(ITSELF), db))), b), near)
+        slope = enclosure(div(add(da, neg(mul(symbol(ITSELF), db))), b), near)
         moved = product_of(slope, enclosure(speed, spans))
         return {self.name: value, self.rate: self._both(enclosure(rate, spans), moved, place)}
 
     def _series(self, formula: Expression, k: int) -> tuple[Expression, Expression]:
         """One of both divided by a power of z, to the second power, and its derivative."""
         a, b = coefficients(formula, self.order + 2)[self.order :]
-        z, rest, slope = Name(PLACE), Name(f"{REST}{k}"), Name(f"{REST}{k}.slope")
+        z, rest, slope = symbol(PLACE), symbol(f"{REST}{k}"), symbol(f"{REST}{k}.slope")
         square = power(z, number(2))
         if _is_short(formula, self.order):
             return add(a, mul(b, z)), b
@@ -133,11 +132,11 @@ class Quotient(NamedTuple):
 
     def _both(self, far: Bounds, near: Bounds, place: Bounds) -> Bounds:
         """Bounds that meet two others, of which the first hold where z has a sign."""
-        sign = apply(Function.MAX, mul(place.least, place.most), ZERO)
+        sign = apply(Op.MAX, mul(place.least, place.most), ZERO)
         none = add(div(sign, sign), number(-1))  # no number where z has no sign: none is left out
         return Bounds(
-            apply(Function.MAX, add(far.least, none), near.least),
-            apply(Function.MIN, add(far.most, none), near.most),
+            apply(Op.MAX, add(far.least, none), near.least),
+            apply(Op.MIN, add(far.most, none), near.most),
         )
 
 
@@ -153,21 +152,20 @@ def without_quotients(
     varying : collection of str
         Names that change in a run.
     """
-    known: dict[int, Expression] = {}
     found: dict[Expression, Quotient] = {}
-    for part in ordered(formula):
-        if not isinstance(part, Apply):
-            known[id(part)] = part
-            continue
-        known[id(part)] = apply(part.function, *(known[id(arg)] for arg in part.args))
-        same = known[id(part)]
-        if isinstance(same, Apply) and same.function is Function.DIV:
-            names = {*varying, *(one.name for one in found.values())}
-            known[id(part)] = _named(same, names, found)
-    return known[id(formula)], tuple(found.values())
+
+    def build(op: Op, args: tuple[Expression, ...]) -> Expression:
+        same = apply(op, *args)
+        if same.op is not Op.DIV:
+            return same
+        return _named(same, {*varying, *(one.name for one in found.values())}, found)
+
+    return rebuilt(formula, build), tuple(found.values())
 
 
-def _named(part: Apply, varying: Collection[str], found: dict[Expression, Quotient]) -> Expression:
+def _named(
+    part: Expression, varying: Collection[str], found: dict[Expression, Quotient]
+) -> Expression:
     """Quotient with a name for what has a limit in it, if something has."""
     above, below = ([*_factors(one)] for one in part.args)
     for place in _places(part.args[1], varying):
@@ -178,19 +176,19 @@ def _named(part: Apply, varying: Collection[str], found: dict[Expression, Quotie
         whole = div(own[1], other[1])
         name = found[whole].name if whole in found else f".quotient{len(found)}"
         found.setdefault(whole, Quotient(name, whole, place, own[0], other[0], order))
-        return div(mul(own[2], Name(name)), other[2])
+        return div(mul(own[2], symbol(name)), other[2])
     return part
 
 
 def _places(below: Expression, varying: Collection[str]) -> Iterator[Expression]:
     """What may be zero where a formula is."""
     for part in reversed(ordered(below)):
-        if not isinstance(part, Number) and not set(varying).isdisjoint(names_of(part)):
+        if not set(varying).isdisjoint(names_of(part)):
             yield part
 
 
 def _factors(part: Expression) -> Iterator[Expression]:
-    if isinstance(part, Apply) and part.function is Function.MUL:
+    if part.op is Op.MUL:
         for one in part.args:
             yield from _factors(one)
     else:
@@ -216,32 +214,32 @@ def _apart(
 
 def _of_place(formula: Expression, place: Expression, varying: Collection[str]) -> Expression:
     """Formula with z in it, also where z is linear in the only name that varies."""
-    same = replaced(formula, place, Name(PLACE), _value)
+    same = replaced(formula, place, symbol(PLACE), _value)
     names = [one for one in names_of(place) if one in varying]
     line = polynomial_of(place)
     if set(varying).isdisjoint(names_of(same)) or len(names) != 1 or line is None:
         return same
-    if line.variables != (Name(names[0]),) or max(line.terms, default=(0,)) != (1,):
+    if line.variables != (symbol(names[0]),) or max(line.terms, default=(0,)) != (1,):
         return same
     start, slope = (line.terms.get((n,)) for n in range(2))
     assert slope is not None
-    value = div(add(Name(PLACE), number(-(start or 0))), Number(slope))
-    return replaced(same, Name(names[0]), value, _value)
+    value = div(add(symbol(PLACE), number(-(start or 0))), number(slope))
+    return replaced(same, symbol(names[0]), value, _value)
 
 
-def _value(function: Function, args: tuple[Expression, ...]) -> Expression:
+def _value(op: Op, args: tuple[Expression, ...]) -> Expression:
     """Function of formulas, also of zero."""
-    if args == (ZERO,) and function in AT_ZERO:
-        return AT_ZERO[function]
-    if function is Function.LOG and args == (ONE,):
+    if args == (ZERO,) and op in AT_ZERO:
+        return AT_ZERO[op]
+    if op is Op.LOG and args == (ONE,):
         return ZERO
-    if function is Function.POW and args[0] == ZERO:
-        exponent = args[1]
-        is_positive = isinstance(exponent, Number) and exponent.value > 0
-        return ZERO if is_positive else Apply(function, args)
-    if function is Function.DIV and args[1] == ZERO:
-        return Apply(function, args)
-    return apply(function, *args)
+    if op is Op.POW and args[0] == ZERO:
+        exponent = args[1].value
+        is_positive = exponent is not None and exponent > 0
+        return ZERO if is_positive else Expression(op, args)
+    if op is Op.DIV and args[1] == ZERO:
+        return Expression(op, args)
+    return apply(op, *args)
 
 
 def _order(above: Expression, below: Expression) -> int | None:
@@ -258,7 +256,7 @@ def _order(above: Expression, below: Expression) -> int | None:
 
 def coefficients(formula: Expression, count: int) -> list[Expression]:
     """First factors of powers of z, from the zeroth on."""
-    values = (replaced(_derived(formula, n), Name(PLACE), ZERO, _value) for n in range(count))
+    values = (replaced(_derived(formula, n), symbol(PLACE), ZERO, _value) for n in range(count))
     return [div(one, number(factorial(n))) for n, one in enumerate(values)]
 
 
@@ -276,9 +274,7 @@ def _is_short(formula: Expression, order: int) -> bool:
 def _has_value(formula: Expression) -> bool:
     """Whether nothing in a formula without z is divided by zero."""
     for part in ordered(formula):
-        if isinstance(part, Apply):
-            a, b = part.args[0], part.args[-1]
-            is_power = part.function in {Function.POW, Function.LOG, Function.SQRT}
-            if (part.function is Function.DIV and b == ZERO) or (is_power and a == ZERO):
-                return False
+        is_power = part.op in {Op.POW, Op.LOG, Op.SQRT}
+        if (is_power and part.args[0] == ZERO) or (part.op is Op.DIV and part.args[1] == ZERO):
+            return False
     return True

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from kousoku.model.graph import Op
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
@@ -24,24 +26,24 @@ def _of_angle(_: Any, args: Sequence[Any], __: Arithmetic[Any]) -> tuple[Any, ..
     return x / square, -y / square
 
 
-#: By the name of an operation. At a kink they are those of one side: of the first argument of
-#: ``max`` where both are equal, and of a rising ``abs`` at 0.
-SLOPES: dict[str, Slopes] = {
-    "add": lambda *_: (1, 1),
-    "sub": lambda *_: (1, -1),
-    "mul": lambda _, x, __: (x[1], x[0]),
-    "div": lambda z, x, _: (1 / x[1], -z / x[1]),
-    "neg": lambda *_: (-1,),
-    "sqrt": lambda z, *_: (1 / (2 * z),),
-    "sin": lambda _, x, numbers: (numbers.cos(x[0]),),
-    "cos": lambda _, x, numbers: (-numbers.sin(x[0]),),
-    "tan": lambda z, *_: (1 + z * z,),
-    "asin": lambda _, x, numbers: (1 / _of_arc(x[0], numbers),),
-    "acos": lambda _, x, numbers: (-1 / _of_arc(x[0], numbers),),
-    "atan": lambda _, x, __: (1 / (1 + x[0] * x[0]),),
-    "atan2": _of_angle,
-    "exp": lambda z, *_: (z,),
-    "log": lambda _, x, __: (1 / x[0],),
-    "abs": lambda _, x, __: (1 if x[0] >= 0 else -1,),
-    "max": lambda _, x, __: (1, 0) if x[0] >= x[1] else (0, 1),
+#: By operation. At a kink they are those of one side: of the first argument of ``max`` where both
+#: are equal, and of a rising ``abs`` at 0.
+SLOPES: dict[Op, Slopes] = {
+    Op.ADD: lambda *_: (1, 1),
+    Op.SUB: lambda *_: (1, -1),
+    Op.MUL: lambda _, x, __: (x[1], x[0]),
+    Op.DIV: lambda z, x, _: (1 / x[1], -z / x[1]),
+    Op.NEG: lambda *_: (-1,),
+    Op.SQRT: lambda z, *_: (1 / (2 * z),),
+    Op.SIN: lambda _, x, numbers: (numbers.cos(x[0]),),
+    Op.COS: lambda _, x, numbers: (-numbers.sin(x[0]),),
+    Op.TAN: lambda z, *_: (1 + z * z,),
+    Op.ASIN: lambda _, x, numbers: (1 / _of_arc(x[0], numbers),),
+    Op.ACOS: lambda _, x, numbers: (-1 / _of_arc(x[0], numbers),),
+    Op.ATAN: lambda _, x, __: (1 / (1 + x[0] * x[0]),),
+    Op.ATAN2: _of_angle,
+    Op.EXP: lambda z, *_: (z,),
+    Op.LOG: lambda _, x, __: (1 / x[0],),
+    Op.ABS: lambda _, x, __: (1 if x[0] >= 0 else -1,),
+    Op.MAX: lambda _, x, __: (1, 0) if x[0] >= x[1] else (0, 1),
 }

@@ -15,24 +15,24 @@ from kousoku.model.derivative import derivative
 from kousoku.model.exponentials import without_overflow
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
+from kousoku.model.graph import Op
 from kousoku.model.mechanism import LAW_NAMES
-from kousoku.model.polynomials import even_power, is_never_zero, square_part
-from kousoku.model.terms import ONE, Apply, Function, Number, add, apply, names_of, neg, ordered
+from kousoku.model.polynomials import is_never_zero, root_of_even_power, square_part
+from kousoku.model.terms import ONE, Expression, add, apply, names_of, neg, ordered
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Sequence
 
     from kousoku.model.mechanism import System
-    from kousoku.model.terms import Expression
 
 #: Functions with a kink or a jump.
-SWITCHES = frozenset({Function.MIN, Function.MAX, Function.ABS, Function.SIGN})
+SWITCHES = frozenset({Op.MIN, Op.MAX, Op.ABS, Op.SIGN})
 #: Powers from this one on have two derivatives where what they are of is zero.
 SMOOTH = 2
 #: Functions with a jump, or that jump through infinity.
-JUMPING = frozenset({Function.SIGN, Function.TAN, Function.ATAN2})
+JUMPING = frozenset({Op.SIGN, Op.TAN, Op.ATAN2})
 #: Functions of which those of their arguments may be looked at instead.
-TRANSPARENT = frozenset({*SWITCHES, Function.ADD, Function.NEG, Function.MUL})
+TRANSPARENT = frozenset({*SWITCHES, Op.ADD, Op.NEG, Op.MUL})
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,57 +186,47 @@ def switching_functions(formula: Expression) -> Iterator[Expression]:
     """
     smooth = {id(factor) for part in ordered(formula) for factor in _signed_squares(part)}
     for part in ordered(formula):
-        if isinstance(part, Apply) and part.function in SWITCHES and id(part) not in smooth:
+        if part.op in SWITCHES and id(part) not in smooth:
             first, *rest = part.args
             yield add(first, *map(neg, rest))
         elif (root := even_root(part)) is not None and root[1] < SMOOTH:
             yield root[0]
-        elif isinstance(part, Apply) and part.function is Function.ATAN:
+        elif part.op is Op.ATAN:
             yield from _divisors_of(part)
 
 
 def _divisors_of(formula: Expression) -> Iterator[Expression]:
     """What may be zero in a formula, and is divided by there."""
     for part in ordered(formula):
-        if isinstance(part, Apply) and part.function is Function.DIV:
+        if part.op is Op.DIV:
             yield from filter(may_be_zero, _crossed(part.args[1]))
 
 
 def _edges_of(formula: Expression) -> Iterator[Expression]:
     """Yield what is negative where a root, a logarithm or an arc sine has no value."""
     for part in ordered(formula):
-        if not isinstance(part, Apply):
-            continue
-        a, edge = part.args[0], None
-        if part.function in {Function.SQRT, Function.LOG}:
-            edge = a
-        elif part.function is Function.POW:
-            exponent = part.args[1]
-            is_whole = isinstance(exponent, Number) and exponent.value.denominator == 1
-            edge = None if is_whole else a
-        elif part.function in {Function.ASIN, Function.ACOS}:
-            least, most = range_of(a)
-            edge = None if -1.0 <= least <= most <= 1.0 else _inside(a)
+        edge = None
+        if part.op in {Op.SQRT, Op.LOG}:
+            edge = part.args[0]
+        elif part.op is Op.POW:
+            a, exponent = part.args[0], part.args[1].value
+            edge = a if exponent is None or exponent.denominator > 1 else None
+        elif part.op in {Op.ASIN, Op.ACOS}:
+            least, most = range_of(part.args[0])
+            edge = None if -1.0 <= least <= most <= 1.0 else _inside(part.args[0])
         if edge is not None and range_of(edge)[0] < 0.0:
             yield edge
 
 
 def _inside(a: Expression) -> Expression:
     """Return what is positive where a number has an arc sine."""
-    return add(ONE, neg(apply(Function.ABS, a)))
+    return add(ONE, neg(apply(Op.ABS, a)))
 
 
 def even_root(part: Expression) -> tuple[Expression, Fraction] | None:
     """Return a and b of a root of an even power of a, which is abs(a) to the power b."""
-    if not isinstance(part, Apply) or part.function not in {Function.SQRT, Function.POW}:
-        return None
-    exponent = Number(Fraction(1, 2)) if part.function is Function.SQRT else part.args[1]
-    if not isinstance(exponent, Number) or exponent.value.denominator == 1:
-        return None
-    found = even_power(part.args[0])
-    if found is None or found[1] * exponent.value % 2 == 0:
-        return None
-    return found[0], found[1] * exponent.value
+    found = root_of_even_power(part)
+    return None if found is None or found[1] % 2 == 0 else found
 
 
 def _places_of(law: Expression) -> Iterator[Expression]:
@@ -251,17 +241,15 @@ def _places_of(law: Expression) -> Iterator[Expression]:
 def _poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
     """Yield what is zero where a formula may be infinite, as far as it varies."""
     for part in ordered(formula):
-        if not isinstance(part, Apply):
-            continue
-        place, exponent = None, part.args[-1]
-        if part.function in {Function.DIV, Function.LOG}:
+        place = None
+        if part.op in {Op.DIV, Op.LOG}:
             place = _place_of(part) or part.args[0]
-        elif part.function is Function.TAN:
+        elif part.op is Op.TAN:
             least, most = range_of(part.args[0])
             place = None if -pi / 2 < least <= most < pi / 2 else _place_of(part)
-        elif part.function is Function.POW:
-            is_root = isinstance(exponent, Number) and exponent.value > 0
-            place = None if is_root else part.args[0]
+        elif part.op is Op.POW:
+            exponent = part.args[1].value
+            place = part.args[0] if exponent is None or exponent <= 0 else None
         for zero in _zeros_of(place) if place is not None else ():
             if may_be_zero(zero) and not set(varying).isdisjoint(names_of(zero)):
                 yield zero
@@ -269,7 +257,7 @@ def _poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Express
 
 def _summands(formula: Expression) -> Iterator[Expression]:
     """Yield what a formula is a sum of: a product may be finite where a factor is not."""
-    if isinstance(formula, Apply) and formula.function in {Function.ADD, Function.NEG}:
+    if formula.op in {Op.ADD, Op.NEG}:
         yield from chain.from_iterable(map(_summands, formula.args))
     else:
         yield formula
@@ -278,11 +266,11 @@ def _summands(formula: Expression) -> Iterator[Expression]:
 def _zeros_of(place: Expression) -> Iterator[Expression]:
     """Yield functions that change sign where one is zero: the factors, and what roots are of."""
     match place:
-        case Apply(Function.MUL, args):
+        case Expression(Op.MUL, args):
             yield from chain.from_iterable(map(_zeros_of, args))
-        case Apply(Function.NEG | Function.ABS | Function.SQRT | Function.DIV, (a, *_)):
+        case Expression(Op.NEG | Op.ABS | Op.SQRT | Op.DIV, (a, *_)):
             yield from _zeros_of(a)
-        case Apply(Function.POW, (a, Number(exponent))) if exponent > 0:
+        case Expression(Op.POW, (a, Expression(value=Fraction() as b))) if b > 0:
             yield from _zeros_of(a)
         case _:
             yield from _crossed(place)
@@ -296,25 +284,22 @@ def _crossed(place: Expression) -> tuple[Expression, ...]:
 
 def _place_of(part: Expression) -> Expression | None:
     """Return what is zero where a function, or a derivative of it, is infinite or jumps."""
-    if not isinstance(part, Apply):
-        return None
-    a, b = part.args[0], part.args[-1]
-    match part.function:
-        case Function.SQRT | Function.LOG:
+    match part:
+        case Expression(Op.SQRT | Op.LOG, (a,)):
             return a if even_root(part) is None else None
-        case Function.DIV:
+        case Expression(Op.DIV, (_, b)):
             return b
-        case Function.POW:
-            if not isinstance(b, Number) or b.value < 0:
+        case Expression(Op.POW, (a, Expression(value=exponent))):
+            if exponent is None or exponent < 0:
                 return a
-            is_root = b.value.denominator > 1 and b.value < SMOOTH
+            is_root = exponent.denominator > 1 and exponent < SMOOTH
             return a if is_root and even_root(part) is None else None
-        case Function.TAN:
-            return apply(Function.COS, a)
-        case Function.ASIN | Function.ACOS:
+        case Expression(Op.TAN, (a,)):
+            return apply(Op.COS, a)
+        case Expression(Op.ASIN | Op.ACOS, (a,)):
             return _inside(a)
-        case Function.ATAN2:
-            return apply(Function.MAX, apply(Function.ABS, a), b)
+        case Expression(Op.ATAN2, (a, b)):
+            return apply(Op.MAX, apply(Op.ABS, a), b)
     return None
 
 
@@ -333,39 +318,39 @@ def range_of(expression: Expression) -> tuple[float, float]:
     known: dict[int, tuple[float, float]] = {}
     for part in ordered(expression):
         least, most = -inf, inf
-        if isinstance(part, Number):
+        if part.value is not None:
             least = most = float(part.value)
-        elif isinstance(part, Apply):
+        elif part.args:
             least, most = _range(part, [known[id(arg)] for arg in part.args])
         known[id(part)] = least, most
     return least, most
 
 
-def _range(part: Apply, args: Sequence[tuple[float, float]]) -> tuple[float, float]:
+def _range(part: Expression, args: Sequence[tuple[float, float]]) -> tuple[float, float]:
     """Return the least and the most that a function of such ranges may be."""
     least, most = args[0]
-    match part.function:
-        case Function.ADD:
+    match part.op:
+        case Op.ADD:
             return sum(one[0] for one in args), sum(one[1] for one in args)
-        case Function.NEG:
+        case Op.NEG:
             return -most, -least
-        case Function.SIN | Function.COS:
+        case Op.SIN | Op.COS:
             return -1.0, 1.0
-        case Function.EXP:
+        case Op.EXP:
             return (0.0 if least > 0.0 else 5e-324), inf
-        case Function.ABS | Function.SQRT:
+        case Op.ABS | Op.SQRT:
             return 0.0, inf
-        case Function.MUL if all(isfinite(end) for one in args for end in one):
+        case Op.MUL if all(isfinite(end) for one in args for end in one):
             ends = [a * b for a in args[0] for b in args[1]]
             return min(ends), max(ends)
-        case Function.MUL if part.args[0] == part.args[1] or min(least, args[1][0]) >= 0.0:
+        case Op.MUL if part.args[0] == part.args[1] or min(least, args[1][0]) >= 0.0:
             return (5e-324 if min(least, args[1][0]) > 0.0 else 0.0), inf
-        case Function.POW if isinstance(exponent := part.args[1], Number):
-            is_even = exponent.value % 2 == 0 or exponent.value.denominator > 1
+        case Op.POW if (exponent := part.args[1].value) is not None:
+            is_even = exponent % 2 == 0 or exponent.denominator > 1
             return (0.0, inf) if is_even else (-inf, inf)
-        case Function.MAX:
+        case Op.MAX:
             return max(one[0] for one in args), max(one[1] for one in args)
-        case Function.MIN:
+        case Op.MIN:
             return min(one[0] for one in args), min(one[1] for one in args)
     return -inf, inf
 
@@ -392,28 +377,26 @@ def may_jump(formula: Expression, varying: Collection[str]) -> bool:
 
 def _may_jump(part: Expression) -> bool:
     """Return whether the last function of a formula is one that may jump, also to infinity."""
-    if not isinstance(part, Apply):
-        return False
-    if part.function is Function.DIV:
-        return not isinstance(part.args[1], Number)
-    if part.function is Function.POW:
-        exponent = part.args[1]
-        return not isinstance(exponent, Number) or exponent.value < 0
-    return part.function in JUMPING
+    if part.op is Op.DIV:
+        return part.args[1].value is None
+    if part.op is Op.POW:
+        exponent = part.args[1].value
+        return exponent is None or exponent < 0
+    return part.op in JUMPING
 
 
 def _signed_squares(part: Expression) -> Iterator[Expression]:
     """Yield the factors ``abs(a)`` of a product that has a factor a, too."""
     factors = list(_factors(part))
     for factor in factors if len(factors) > 1 else ():
-        if isinstance(factor, Apply) and factor.function is Function.ABS:
+        if factor.op is Op.ABS:
             (inside,) = factor.args
             if inside in factors:
                 yield factor
 
 
 def _factors(part: Expression) -> Iterator[Expression]:
-    while isinstance(part, Apply) and part.function in {Function.MUL, Function.NEG}:
+    while part.op in {Op.MUL, Op.NEG}:
         yield part.args[-1]
         part = part.args[0]
     yield part
@@ -428,34 +411,27 @@ def varying_parts(formula: Expression, varying: Collection[str]) -> Iterator[Exp
     """
     varies: dict[int, bool] = {}
     for part in ordered(formula):
-        own = isinstance(part, Apply) and not _is_transparent(part, varying)
-        args = part.args if isinstance(part, Apply) else ()
-        varies[id(part)] = own or any(varies[id(arg)] for arg in args)
+        own = bool(part.args) and not _is_transparent(part, varying)
+        varies[id(part)] = own or any(varies[id(arg)] for arg in part.args)
     stack, seen = [formula], set()
     while stack:
         part = stack.pop()
-        if id(part) in seen or not (isinstance(part, Apply) and varies[id(part)]):
+        if id(part) in seen or not varies[id(part)]:
             continue
         seen.add(id(part))
         fast = [arg for arg in part.args if varies[id(arg)]]
-        is_whole = part.function is Function.POW or (
-            part.function is Function.MUL and len(fast) > 1
-        )
+        is_whole = part.op is Op.POW or (part.op is Op.MUL and len(fast) > 1)
         if is_whole or not _is_transparent(part, varying):
             yield part
         else:
             stack.extend(reversed(fast))
 
 
-def _is_transparent(part: Apply, varying: Collection[str]) -> bool:
+def _is_transparent(part: Expression, varying: Collection[str]) -> bool:
     """Return whether a function of polynomials is one, but for kinks."""
-    if part.function is Function.POW:
-        exponent = part.args[1]
-        return (
-            isinstance(exponent, Number)
-            and exponent.value.denominator == 1
-            and (exponent.value.numerator >= 0)
-        )
-    if part.function is Function.DIV:
+    if part.op is Op.POW:
+        exponent = part.args[1].value
+        return exponent is not None and exponent.denominator == 1 and exponent >= 0
+    if part.op is Op.DIV:
         return not any(name in varying for name in names_of(part.args[1]))
-    return part.function in TRANSPARENT
+    return part.op in TRANSPARENT

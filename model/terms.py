@@ -1,19 +1,20 @@
-"""Formulas as trees: numbers, names, and functions of formulas; the builders fold what is known.
+"""Formulas: numbers, names, and operations on formulas; the builders fold what is known.
 
-Nothing here evaluates text: :mod:`kousoku.model.expression` reads a formula into these records, and
+Nothing here evaluates text: :mod:`kousoku.model.expression` reads a formula into these nodes, and
 the code that is generated from them computes it. Numbers are exact.
 """
 
 from __future__ import annotations
 
-import enum
-from dataclasses import dataclass, field
 from fractions import Fraction
 from hashlib import blake2b
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, TypeVar
+
+from kousoku.model.arithmetic import OPERATORS
+from kousoku.model.graph import Node, Op
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
 T = TypeVar("T")
 
@@ -21,169 +22,110 @@ LARGEST_BITS = 4096
 """Bits of the largest numerator or denominator: a longer number is left as a formula."""
 
 
-class Function(enum.Enum):
-    """What a formula may apply to others; ``ADD`` takes two or more.
+class Expression(Node["Expression"]):
+    """A formula, of which operators make others: a number, a name, or an operation on formulas.
 
-    A power whose exponent is a whole number is a product, one with a half in it a square root of
-    one; any other is exp(b log a) and wants a positive a. ``SIGN`` is −1, 0 or 1. No text has the
-    last two, log(eᵃ + eᵇ) and eˣ/(1 + eˣ): they are what others are bounded by.
+    Operands are formulas where those of a graph are ids. A graph moves signs, orders operands and
+    keeps all that it was given; a formula stays as it is written, but for numbers that meet, and
+    lasts as long as somebody holds it. Parts may be shared: it is walked with :func:`ordered`,
+    never by recursion, and compared by its key, as a tree may have many times as many parts.
     """
 
-    ADD = "add"
-    MUL = "mul"
-    DIV = "div"
-    NEG = "neg"
-    POW = "pow"
-    SIN = "sin"
-    COS = "cos"
-    TAN = "tan"
-    ASIN = "asin"
-    ACOS = "acos"
-    ATAN = "atan"
-    ATAN2 = "atan2"
-    SQRT = "sqrt"
-    EXP = "exp"
-    LOG = "log"
-    ABS = "abs"
-    SIGN = "sign"
-    MIN = "min"
-    MAX = "max"
-    LOG_SUM = "log_sum"
-    SHARE = "share"
-
-
-class Term:
-    """A formula, of which operators make others.
-
-    Formulas are compared by their keys: parts are shared, and a tree that was compared part by
-    part would have many times as many.
-    """
-
-    __slots__ = ()
+    __slots__ = ("_key",)
 
     _key: str
 
     @property
+    def name(self) -> str:
+        """That of a quantity that changes, such as ``t``; of others it is empty."""
+        return self.symbol[0] if self.symbol else ""
+
+    @property
     def key(self) -> str:
         """That of equal formulas, and of no others; it is found when it is first asked for."""
-        stack = [_term(self)] if not self._key else []
+        stack = [] if hasattr(self, "_key") else [self]
         while stack:
-            args = stack[-1].args if isinstance(stack[-1], Apply) else ()
-            missing = [arg for arg in args if not arg._key]
+            args = stack[-1].args
+            missing = [arg for arg in args if not hasattr(arg, "_key")]
             stack.extend(missing)
             if not missing:
                 part = stack.pop()
                 text = " ".join((*part._own(), *(arg._key for arg in args)))
-                digest = blake2b(text.encode(), digest_size=16).hexdigest()
-                object.__setattr__(part, "_key", digest)
+                part._key = blake2b(text.encode(), digest_size=16).hexdigest()
         return self._key
 
     def _own(self) -> tuple[str, ...]:
-        """Return what tells it from others, but for its parts."""
-        raise NotImplementedError
+        """Return what tells it from others, but for its operands."""
+        if self.value is not None:
+            return "number", *(f"{one:x}" for one in self.value.as_integer_ratio())
+        return ("name", self.name) if self.symbol else (self.op.value,)
 
     def __eq__(self, other: object) -> bool:
-        if self is other:
-            return True
-        return type(self) is type(other) and self.key == other.key
+        if self is other or not isinstance(other, Expression) or self.op is not other.op:
+            return self is other
+        if self.args:
+            return self.key == other.key
+        return self.value == other.value and self.symbol == other.symbol
 
     def __hash__(self) -> int:
         return hash(self.key)
 
     def __add__(self, other: Operand) -> Expression:
-        return add(_term(self), _term(other))
+        return add(self, _term(other))
 
     def __radd__(self, other: Operand) -> Expression:
-        return add(_term(other), _term(self))
+        return add(_term(other), self)
 
     def __sub__(self, other: Operand) -> Expression:
-        return add(_term(self), neg(_term(other)))
+        return add(self, neg(_term(other)))
 
     def __rsub__(self, other: Operand) -> Expression:
-        return add(_term(other), neg(_term(self)))
+        return add(_term(other), neg(self))
 
     def __mul__(self, other: Operand) -> Expression:
-        return mul(_term(self), _term(other))
+        return mul(self, _term(other))
 
     def __rmul__(self, other: Operand) -> Expression:
-        return mul(_term(other), _term(self))
+        return mul(_term(other), self)
 
     def __truediv__(self, other: Operand) -> Expression:
-        return div(_term(self), _term(other))
+        return div(self, _term(other))
 
     def __rtruediv__(self, other: Operand) -> Expression:
-        return div(_term(other), _term(self))
+        return div(_term(other), self)
 
     def __neg__(self) -> Expression:
-        return neg(_term(self))
+        return neg(self)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Number(Term):
-    """An exact number."""
-
-    value: Fraction
-    _key: str = field(default="", init=False, repr=False)
-
-    def _own(self) -> tuple[str, ...]:
-        above, below = self.value.as_integer_ratio()
-        return "number", f"{above:x}", f"{below:x}"
+Operand = Expression | Fraction | int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Name(Term):
-    """A quantity that changes, such as ``t``."""
-
-    name: str
-    _key: str = field(default="", init=False, repr=False)
-
-    def _own(self) -> tuple[str, ...]:
-        return "name", self.name
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Apply(Term):
-    """A function of formulas.
-
-    Parameters
-    ----------
-    function : Function
-        What is applied.
-    args : tuple of Expression
-        To what. Parts may be shared: a tree is walked with :func:`ordered`, never by recursion.
-    """
-
-    function: Function
-    args: tuple[Expression, ...]
-    _key: str = field(default="", init=False, repr=False)
-
-    def _own(self) -> tuple[str, ...]:
-        return (self.function.value,)
-
-
-Expression = Number | Name | Apply
-Operand = Term | Fraction | int
-
-ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
-
-
-def number(value: Fraction | int) -> Number:
+def number(value: Fraction | int) -> Expression:
     """Return an exact number."""
-    return Number(Fraction(value))
+    return Expression(Op.CONST, value=Fraction(value))
+
+
+def symbol(name: str) -> Expression:
+    """Return a quantity that changes."""
+    return Expression(Op.INPUT, symbol=(name, 0))
+
+
+ZERO, ONE = number(0), number(1)
 
 
 def add(*terms: Expression) -> Expression:
     """Return the sum of formulas; zeros are left out, and numbers that meet are added."""
     kept: list[Expression] = []
     for term in terms:
-        if kept and (sum_ := _folded(kept[-1], term, "+")) is not None:
+        if kept and (sum_ := _folded(kept[-1], term, Op.ADD)) is not None:
             kept[-1] = sum_
         else:
             kept.append(term)
     kept = [term for term in kept if term != ZERO]
     if not kept:
         return ZERO
-    return kept[0] if len(kept) == 1 else Apply(Function.ADD, tuple(kept))
+    return kept[0] if len(kept) == 1 else Expression(Op.ADD, tuple(kept))
 
 
 def mul(*factors: Expression) -> Expression:
@@ -195,8 +137,8 @@ def mul(*factors: Expression) -> Expression:
         if ONE in (product, factor):
             product = factor if product == ONE else product
         else:
-            folded = _folded(product, factor, "*")
-            product = Apply(Function.MUL, (product, factor)) if folded is None else folded
+            folded = _folded(product, factor, Op.MUL)
+            product = Expression(Op.MUL, (product, factor)) if folded is None else folded
     return product
 
 
@@ -204,17 +146,15 @@ def div(a: Expression, b: Expression) -> Expression:
     """Return a / b; b is not the number zero."""
     if a == ZERO or b == ONE:
         return a
-    quotient = _folded(a, b, "/")
-    return Apply(Function.DIV, (a, b)) if quotient is None else quotient
+    quotient = _folded(a, b, Op.DIV)
+    return Expression(Op.DIV, (a, b)) if quotient is None else quotient
 
 
 def neg(a: Expression) -> Expression:
     """Return −a."""
-    if isinstance(a, Number):
-        return Number(-a.value)
-    if isinstance(a, Apply) and a.function is Function.NEG:
-        return a.args[0]
-    return Apply(Function.NEG, (a,))
+    if a.value is not None:
+        return number(-a.value)
+    return a.args[0] if a.op is Op.NEG else Expression(Op.NEG, (a,))
 
 
 def power(a: Expression, b: Expression) -> Expression:
@@ -223,28 +163,28 @@ def power(a: Expression, b: Expression) -> Expression:
         return ONE
     if b == ONE:
         return a
-    if isinstance(a, Number) and isinstance(b, Number) and b.value.denominator == 1 and a.value:
+    if a.value and b.value is not None and b.value.denominator == 1:
         exponent = int(b.value)
-        if abs(exponent) * _bits(a.value) <= LARGEST_BITS:
-            return Number(a.value**exponent)
-    return Apply(Function.POW, (a, b))
+        if abs(exponent) * bits_of(a.value) <= LARGEST_BITS:
+            return number(a.value**exponent)
+    return Expression(Op.POW, (a, b))
 
 
-def apply(function: Function, *args: Expression) -> Expression:
+def apply(op: Op, *args: Expression) -> Expression:
     """Return a function of formulas, through its builder where it has one."""
-    match function:
-        case Function.ADD:
+    match op:
+        case Op.ADD:
             return add(*args)
-        case Function.MUL:
+        case Op.MUL:
             return mul(*args)
-        case Function.DIV:
+        case Op.DIV:
             return div(*args)
-        case Function.NEG:
+        case Op.NEG:
             return neg(*args)
-        case Function.POW:
+        case Op.POW:
             return power(*args)
         case _:
-            return Apply(function, args)
+            return Expression(op, args)
 
 
 def ordered(expression: Expression) -> tuple[Expression, ...]:
@@ -256,8 +196,7 @@ def ordered(expression: Expression) -> tuple[Expression, ...]:
     stack = [expression]
     while stack:
         part = stack[-1]
-        args: Iterable[Expression] = part.args if isinstance(part, Apply) else ()
-        missing = [arg for arg in args if id(arg) not in done]
+        missing = [arg for arg in part.args if id(arg) not in done]
         if missing:
             stack.extend(reversed(missing))
         else:
@@ -267,8 +206,9 @@ def ordered(expression: Expression) -> tuple[Expression, ...]:
 
 def evaluated(
     expression: Expression,
-    leaf: Callable[[Number | Name], T],
-    apply: Callable[[Function, Sequence[T]], T],
+    number: Callable[[Fraction], T],
+    names: Mapping[str, T],
+    apply: Callable[[Op, Sequence[T]], T],
 ) -> T:
     """Return what a formula is, of whatever its numbers and names are.
 
@@ -276,31 +216,51 @@ def evaluated(
     ----------
     expression : Expression
         The formula.
-    leaf : callable
-        Gives the value of a number or a name.
+    number : callable
+        Gives the value of a number.
+    names : mapping of str
+        The value of each name.
     apply : callable
-        Gives a function of values.
+        Gives an operation on values.
     """
     known: dict[int, T] = {}
     for part in ordered(expression):
-        if isinstance(part, Apply):
-            known[id(part)] = apply(part.function, [known[id(arg)] for arg in part.args])
+        if part.args:
+            known[id(part)] = apply(part.op, [known[id(arg)] for arg in part.args])
         else:
-            known[id(part)] = leaf(part)
+            known[id(part)] = names[part.name] if part.value is None else number(part.value)
     return known[id(expression)]
 
 
 def names_of(expression: Expression) -> tuple[str, ...]:
     """Return the names that a formula depends on, in the order of the text."""
-    names = (part.name for part in ordered(expression) if isinstance(part, Name))
-    return tuple(dict.fromkeys(names))
+    return tuple(dict.fromkeys(part.name for part in ordered(expression) if part.name))
+
+
+def rebuilt(
+    expression: Expression, build: Callable[[Op, tuple[Expression, ...]], Expression]
+) -> Expression:
+    """Formula with all its operations made anew, from the inside out.
+
+    Parameters
+    ----------
+    expression : Expression
+        The formula.
+    build : callable
+        Makes an operation on formulas that were made before.
+    """
+    known: dict[int, Expression] = {}
+    for one in ordered(expression):
+        args = tuple(known[id(arg)] for arg in one.args)
+        known[id(one)] = build(one.op, args) if args else one
+    return known[id(expression)]
 
 
 def replaced(
     expression: Expression,
     part: Expression,
     by: Expression,
-    build: Callable[[Function, tuple[Expression, ...]], Expression] = Apply,
+    build: Callable[[Op, tuple[Expression, ...]], Expression] = Expression,
 ) -> Expression:
     """Formula with another in place of a part.
 
@@ -315,31 +275,24 @@ def replaced(
     for one in ordered(expression):
         if one == part:
             known[id(one)] = by
-        elif isinstance(one, Apply):
-            known[id(one)] = build(one.function, tuple(known[id(arg)] for arg in one.args))
+        elif one.args:
+            known[id(one)] = build(one.op, tuple(known[id(arg)] for arg in one.args))
         else:
             known[id(one)] = one
     return known[id(expression)]
 
 
 def _term(given: Operand) -> Expression:
-    return cast("Expression", given) if isinstance(given, Term) else number(given)
+    return given if isinstance(given, Expression) else number(given)
 
 
-def _folded(a: Expression, b: Expression, sign: str) -> Number | None:
+def _folded(a: Expression, b: Expression, op: Op) -> Expression | None:
     """Return the number that two numbers make, unless it has too many digits."""
-    if not isinstance(a, Number) or not isinstance(b, Number):
+    if a.value is None or b.value is None or bits_of(a.value) + bits_of(b.value) > LARGEST_BITS:
         return None
-    if _bits(a.value) + _bits(b.value) > LARGEST_BITS:
-        return None
-    match sign:
-        case "+":
-            return Number(a.value + b.value)
-        case "*":
-            return Number(a.value * b.value)
-        case _:
-            return Number(a.value / b.value)
+    return number(OPERATORS[op](a.value, b.value))
 
 
-def _bits(value: Fraction) -> int:
+def bits_of(value: Fraction) -> int:
+    """Return those of the longer of numerator and denominator."""
     return max(value.numerator.bit_length(), value.denominator.bit_length())

@@ -17,7 +17,8 @@ from functools import partial, reduce
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.digits import CONTEXT, HIGH, exact
-from kousoku.model.terms import Function, Name, Number, apply, evaluated
+from kousoku.model.graph import Op
+from kousoku.model.terms import apply, evaluated, number, symbol
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -33,8 +34,8 @@ LARGEST_EXPONENT = 4096
 
 OPAQUE = frozenset(
     {
-        *(Function.SQRT, Function.ABS, Function.SIGN, Function.MIN, Function.MAX),
-        *(Function.ASIN, Function.ACOS, Function.ATAN, Function.ATAN2),
+        *(Op.SQRT, Op.ABS, Op.SIGN, Op.MIN, Op.MAX),
+        *(Op.ASIN, Op.ACOS, Op.ATAN, Op.ATAN2),
     }
 )
 """Functions that follow another formula elsewhere: √x² is x, and elsewhere it is −x."""
@@ -64,34 +65,34 @@ class Traced:
         return self.values[0]
 
     def __add__(self, other: object) -> Any:
-        return applied(Function.ADD, self, other)
+        return applied(Op.ADD, self, other)
 
     def __radd__(self, other: object) -> Any:
-        return applied(Function.ADD, other, self)
+        return applied(Op.ADD, other, self)
 
     def __sub__(self, other: object) -> Any:
-        return applied(Function.ADD, self, applied(Function.NEG, other))
+        return applied(Op.ADD, self, applied(Op.NEG, other))
 
     def __rsub__(self, other: object) -> Any:
-        return applied(Function.ADD, other, -self)
+        return applied(Op.ADD, other, -self)
 
     def __mul__(self, other: object) -> Any:
-        return applied(Function.MUL, self, other)
+        return applied(Op.MUL, self, other)
 
     def __rmul__(self, other: object) -> Any:
-        return applied(Function.MUL, other, self)
+        return applied(Op.MUL, other, self)
 
     def __truediv__(self, other: object) -> Any:
-        return applied(Function.DIV, self, other)
+        return applied(Op.DIV, self, other)
 
     def __rtruediv__(self, other: object) -> Any:
-        return applied(Function.DIV, other, self)
+        return applied(Op.DIV, other, self)
 
     def __neg__(self) -> Any:
-        return applied(Function.NEG, self)
+        return applied(Op.NEG, self)
 
     def __abs__(self) -> Any:
-        return applied(Function.ABS, self)
+        return applied(Op.ABS, self)
 
     def __pow__(self, exponent: int) -> Any:
         product: Any = CONTEXT.mpf(1)
@@ -155,64 +156,61 @@ def parameter(name: str, value: float, place: int) -> Traced:
     first, high = CONTEXT.mpf(value), CONTEXT.mpf(1)
     more, less = high / (17 + 3 * place), high / (23 + 5 * place)
     size = first or high
-    return Traced((first, first + size * more, first - size * less), Name(name))
+    return Traced((first, first + size * more, first - size * less), symbol(name))
 
 
 def traced(expression: Expression, parameters: Mapping[str, Any]) -> Any:
     """Return the value of a formula of parameters, with the formula where these are traced."""
 
-    def leaf(part: Number | Name) -> Any:
-        return HIGH.number(part.value) if isinstance(part, Number) else parameters[part.name]
+    def apply_to(op: Op, args: Sequence[Any]) -> Any:
+        if op is Op.ADD:
+            return reduce(partial(applied, op), args, CONTEXT.mpf(0))
+        return applied(op, *args)
 
-    def apply_to(function: Function, args: Sequence[Any]) -> Any:
-        if function is Function.ADD:
-            return reduce(partial(applied, function), args, CONTEXT.mpf(0))
-        return applied(function, *args)
-
-    return evaluated(expression, leaf, apply_to)
+    return evaluated(expression, HIGH.number, parameters, apply_to)
 
 
-def applied(function: Function, *args: Any) -> Any:
+def applied(op: Op, *args: Any) -> Any:
     """Return a function of numbers, some of which depend on parameters.
 
     Where all are plain numbers, or the result does not depend on parameters, it is a plain number.
     """
-    if short := _short(function, args):
+    if short := _short(op, args):
         return short[0]
     count = max(len(arg.values) if isinstance(arg, Traced) else 1 for arg in args)
     columns = [arg.values if isinstance(arg, Traced) else (_high(arg),) * count for arg in args]
-    values = [_value(function, row) for row in zip(*columns, strict=True)]
+    values = [_value(op, row) for row in zip(*columns, strict=True)]
     if count == 1:
         return values[0]
-    formula = apply(function, *map(_expression, args))
-    if _is_opaque(function, args):
+    formula = apply(op, *map(_expression, args))
+    if _is_opaque(op, args):
         values = _of_its_own(values[0], formula.key)
     size = max((abs(x) for column in columns for x in column), default=0)
-    noise = NOISE * (size if function is Function.ADD else abs(values[0]))
+    noise = NOISE * (size if op is Op.ADD else abs(values[0]))
     if all(abs(value - values[0]) <= noise for value in values):
         return _plain(values[0], noise)
     return Traced(values, formula)
 
 
-def _short(function: Function, args: Sequence[Any]) -> tuple[Any, ...]:
+def _short(op: Op, args: Sequence[Any]) -> tuple[Any, ...]:
     """Return what zeros and ones leave of an operation, and nothing where it is to be computed."""
-    if function in {Function.ADD, Function.MUL, Function.DIV}:
+    if op in {Op.ADD, Op.MUL, Op.DIV}:
         a, b = args
-        if function is Function.ADD and 0 in (a, b):
+        if op is Op.ADD and 0 in (a, b):
             return (a if b == 0 else b,)
-        if function is Function.MUL and 1 in (a, b):
+        if op is Op.MUL and 1 in (a, b):
             return (a if b == 1 else b,)
-        if function is Function.DIV and b == 1:
+        if op is Op.DIV and b == 1:
             return (a,)
-        if 0 in (a, b) and function is Function.MUL:
+        if 0 in (a, b) and op is Op.MUL:
             return (CONTEXT.mpf(0),)
     return ()
 
 
-def _value(function: Function, args: Sequence[Any]) -> Any:
+def _value(op: Op, args: Sequence[Any]) -> Any:
     """Return a value; not a number where there is none that is real, or only a huge one."""
     try:
-        value = HIGH.applied(function.value, args)
+        value = HIGH.applied(op, args)
     except (ValueError, ZeroDivisionError, OverflowError, TypeError):
         return CONTEXT.nan
     if not hasattr(value, "_mpf_"):
@@ -223,10 +221,10 @@ def _value(function: Function, args: Sequence[Any]) -> Any:
     return value if size <= LARGEST_EXPONENT else CONTEXT.nan
 
 
-def _is_opaque(function: Function, args: Sequence[Any]) -> bool:
-    if function is Function.POW:
+def _is_opaque(op: Op, args: Sequence[Any]) -> bool:
+    if op is Op.POW:
         return isinstance(args[1], Traced) or not CONTEXT.isint(args[1])
-    return function in OPAQUE
+    return op in OPAQUE
 
 
 def _of_its_own(value: Any, key: str) -> list[Any]:
@@ -244,12 +242,10 @@ def _plain(value: Any, noise: Any) -> Any:
     return near if abs(value - near) <= noise else value
 
 
-def _high(number: Any) -> Any:
-    if isinstance(number, Fraction):
-        return HIGH.number(number)
-    return CONTEXT.mpf(number)
+def _high(value: Any) -> Any:
+    return HIGH.number(value) if isinstance(value, Fraction) else CONTEXT.mpf(value)
 
 
-def _expression(number: Any) -> Expression:
+def _expression(value: Any) -> Expression:
     """Return a number as a formula."""
-    return number.expression if isinstance(number, Traced) else Number(exact(number))
+    return value.expression if isinstance(value, Traced) else number(exact(value))

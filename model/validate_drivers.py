@@ -12,10 +12,10 @@ from kousoku.model.errors import ExpressionError, SceneError
 from kousoku.model.exponentials import rate_of
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME, values_at_start
+from kousoku.model.graph import Op
 from kousoku.model.joints import sort_of
 from kousoku.model.kinks import kink_of
 from kousoku.model.problems import Problems
-from kousoku.model.terms import Function
 from kousoku.model.validate_coordinates import only_one, refuse_foreign
 from kousoku.model.values import value_of
 
@@ -114,7 +114,7 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
         raise SceneError(_with_state(scene, str(error)), key=key) from None
     kink = kink_of(law, TIME, scene.parameters)
     if kink is not None:
-        what = "a power" if kink.function is Function.POW else kink.function.value
+        what = "a power" if kink.op is Op.POW else kink.op.value
         raise SceneError(
             f"{what} has a kink, where velocities or accelerations would jump: a "
             "driver must have two derivatives; wanted a smooth formula",

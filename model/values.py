@@ -6,12 +6,13 @@ import math
 from typing import TYPE_CHECKING
 
 from kousoku.model.arithmetic import FLOAT
-from kousoku.model.terms import Function, Number, evaluated
+from kousoku.model.graph import Op
+from kousoku.model.terms import evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.terms import Expression, Name
+    from kousoku.model.terms import Expression
 
 
 def value_of(expression: Expression, values: Mapping[str, float]) -> float:
@@ -24,20 +25,16 @@ def value_of(expression: Expression, values: Mapping[str, float]) -> float:
     values : mapping of str to float
         The value of each name in it.
     """
-
-    def leaf(part: Number | Name) -> float:
-        return float(part.value) if isinstance(part, Number) else values[part.name]
-
-    value = evaluated(expression, leaf, _applied)
+    value = evaluated(expression, float, values, _applied)
     return value if math.isfinite(value) else math.nan
 
 
-def _applied(function: Function, args: Sequence[float]) -> float:
+def _applied(op: Op, args: Sequence[float]) -> float:
     try:
-        is_sum = function is Function.ADD
-        value = math.fsum(args) if is_sum else FLOAT.applied(function.value, args)
+        is_sum = op is Op.ADD
+        value = math.fsum(args) if is_sum else FLOAT.applied(op, args)
     except OverflowError:  # as in solvers: what is divided by it is zero
-        return math.inf if function is Function.EXP else math.nan
+        return math.inf if op is Op.EXP else math.nan
     except (ValueError, ZeroDivisionError):
         return math.nan
     return value if isinstance(value, float) else math.nan

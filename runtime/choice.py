@@ -8,8 +8,9 @@ from kousoku.model.errors import CacheError, NoCompilerError, TargetError
 from kousoku.runtime.integrate.result import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
-    from pathlib import Path
+    from collections.abc import Callable
+
+    from kousoku.runtime.sources import Sources
 
 Target = Literal["auto", "c", "numpy"]
 Loaded = TypeVar("Loaded")
@@ -17,8 +18,7 @@ Loaded = TypeVar("Loaded")
 
 def choose(
     target: Target,
-    folder: Path,
-    files: Collection[str],
+    sources: Sources,
     in_c: tuple[str, Callable[[], Loaded]],
     in_numpy: tuple[str, Callable[[Exception | None], Loaded]],
 ) -> Loaded:
@@ -28,10 +28,8 @@ def choose(
     ----------
     target : {"auto", "c", "numpy"}
         ``"auto"`` takes C where a compiler can be had, and else NumPy.
-    folder : Path
-        Where the files lie.
-    files : collection of str
-        Their names.
+    sources : Sources
+        The files of the folder.
     in_c : (str, callable)
         The source in C, and what loads it.
     in_numpy : (str, callable)
@@ -49,13 +47,15 @@ def choose(
     """
     if target not in ("auto", "c", "numpy"):
         raise TargetError(f"target: got {shown(target)}, wanted 'auto', 'c' or 'numpy'")
-    c_source, numpy_source = in_c[0], in_numpy[0]
+    c_source, numpy_source, files = in_c[0], in_numpy[0], sources.files
     if target == "numpy" or (target == "auto" and c_source not in files):
         if numpy_source not in files:
-            raise TargetError(f"{folder} was generated without NumPy: {numpy_source} is not listed")
+            raise TargetError(
+                f"{sources.folder} was generated without NumPy: {numpy_source} is not listed"
+            )
         return in_numpy[1](None)
     if c_source not in files:
-        raise TargetError(f"{folder} was generated without C: {c_source} is not listed")
+        raise TargetError(f"{sources.folder} was generated without C: {c_source} is not listed")
     try:
         return in_c[1]()
     except (NoCompilerError, CacheError) as error:

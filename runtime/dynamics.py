@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.runtime.design import DesignPlaces, with_parameters
-from kousoku.runtime.given import folder_of, require_callable
+from kousoku.runtime.given import require_callable
 from kousoku.runtime.integrate.given import (
     numbers_of,
     require_numbers,
@@ -21,19 +20,19 @@ from kousoku.runtime.integrate.given import (
 from kousoku.runtime.integrate.given_start import Moved
 from kousoku.runtime.integrate.motion import Layout
 from kousoku.runtime.integrate.state import fields_of
-from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
 from kousoku.runtime.options import ALL_OPTIONS, options_of, with_values
 from kousoku.runtime.run import Run
 from kousoku.runtime.saved import SavedRun, checked
+from kousoku.runtime.sources import MOTION_FILE, Sources
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
-    from typing import Literal
 
     import numpy.typing as npt
 
+    from kousoku.runtime.choice import Target
     from kousoku.runtime.dynamics_targets import SolverTarget
     from kousoku.runtime.integrate.body_tables import BodyPlaces
     from kousoku.runtime.integrate.motion import Motion
@@ -41,10 +40,8 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: What a scene's folder tells about its bodies, or nodes.
-MOTION_FILE = "motion.json"
-#: The analysis that goes along with a linkage of nodes, and with nothing else.
-LINKAGE_LIBRARY = "kinematics"
+#: Counts that are not said where there are none.
+SAID_IF_ANY = ("driver", "dependent row")
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +126,52 @@ class DynamicsSolver:
         """Where the bodies stand in q and v, in the order of the scene."""
         return self.layout.bodies
 
+    @property
+    def counts(self) -> tuple[tuple[int, str, str], ...]:
+        """Counts that tell scenes apart: how many, of what, and of several."""
+        drivers = sum(name.startswith("drivers.") for name in self.layout.checked)
+        degrees = len(self.v) - len(self.rows) - len(self.reduced)
+        found = (
+            (len(self.bodies), "body", "bodies"),
+            (len(self.layout.checked) - drivers, "joint", "joints"),
+            (drivers, "driver", "drivers"),
+            (degrees, "degree of freedom", "degrees of freedom"),
+            (len(self.left_out), "dependent row", "dependent rows"),
+        )
+        return tuple(one for one in found if one[0] or one[1] not in SAID_IF_ANY)
+
+    def of_bodies(self, what: str) -> DynamicsSolver:
+        """Solver itself, as that of bodies, which alone have what is asked for."""
+        return self
+
+    def along_inputs(
+        self, times: Callable[[int | None], Sequence[float]], options: Mapping[str, Any]
+    ) -> Motion:
+        """Motion at the divisions of the inputs, position by position.
+
+        Parameters
+        ----------
+        times : callable
+            Returns when the inputs are at their divisions, given how many these are.
+        options : mapping
+            ``divisions`` and ``parameters``.
+
+        Raises
+        ------
+        MotionError, SolveError
+            As of :meth:`simulate`.
+        """
+        for name in options:
+            if name not in {"divisions", "parameters"}:
+                raise SolveError(
+                    f"{self.name}: {name} is an option of linkages of nodes; this one is a scene of"
+                    " bodies, whose options are divisions and parameters"
+                )
+        parameters = options.get("parameters")
+        return self.simulate(
+            times=times(options.get("divisions")), method="kinematics", parameters=parameters
+        )
+
     def simulate(
         self,
         end: float | None = None,
@@ -169,6 +212,9 @@ class DynamicsSolver:
             end = self.layout.duration
         chosen = times_of(self.name, end, times, samples, self.target.row_size)
         return self.begin(chosen, **options).finish(progress)
+
+    #: What the door calls: linkages say there which options are of bodies.
+    in_time = simulate
 
     def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
         """Run at time 0 that can be stopped and go on.
@@ -268,9 +314,7 @@ class DynamicsSolver:
         return Run(self, found.times, found.options, found)
 
 
-def load_dynamics(
-    folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto"
-) -> DynamicsSolver:
+def load_dynamics(folder: str | Path, *, target: Target = "auto") -> DynamicsSolver:
     """Load the folder that was generated from a scene of bodies.
 
     Parameters
@@ -290,20 +334,30 @@ def load_dynamics(
     CacheError
         With ``target="c"``: neither the cache nor a temporary folder can be written.
     """
-    from kousoku.runtime.dynamics_targets import open_solver
+    return open_dynamics(Sources.read(folder), target)
 
-    folder = folder_of(folder)
-    manifest = read_manifest(folder)
-    files = read_files(folder, manifest)
-    data = json.loads(files.get(MOTION_FILE, "{}"))
+
+def open_dynamics(sources: Sources, target: Target) -> DynamicsSolver:
+    """Solver of files that were read.
+
+    Raises
+    ------
+    LoadError, CompilerError, CacheError
+        As of :func:`load_dynamics`.
+    """
+    from kousoku.runtime.dynamics_targets import open_target
+
+    data = sources.data
     if "bodies" not in data:
-        raise LoadError(f"{folder} is not made from a scene of bodies: its {MOTION_FILE} has none")
+        raise LoadError(
+            f"{sources.folder} is not made from a scene of bodies: its {MOTION_FILE} has none"
+        )
     return DynamicsSolver(
-        name=manifest.package,
+        name=sources.manifest.package,
         layout=Layout.from_data(data),
         q=np.array(data["q"], dtype=np.float64),
         v=np.array(data["v"], dtype=np.float64),
-        target=open_solver(folder, manifest, files, target),
+        target=open_target(sources, target),
         rows=tuple((joint, unit) for joint, unit in data["rows"]),
         left_out=tuple((joint, unit) for joint, unit in data["left_out"]),
         reduced=tuple((joint, unit) for joint, unit in data["reduced"]),

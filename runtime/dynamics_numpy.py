@@ -5,9 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from kousoku.runtime.dynamics_targets import open_same
-from kousoku.runtime.importing import import_source
-from kousoku.runtime.library import require_digest
+from kousoku.runtime.dynamics_targets import numpy_module, open_same
 from kousoku.runtime.notice import say_once
 
 if TYPE_CHECKING:
@@ -23,8 +21,6 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: The file of a scene's folder.
-NUMPY_SOURCE = "solver.py"
 #: Scenes with more coordinates than three bodies have are slow.
 SLOW = 21
 
@@ -107,8 +103,7 @@ def load_numpy(sources: Sources, reason: Exception | None = None) -> NumpySolver
     LoadError
         The module is not the manifest's.
     """
-    solver: Solver = import_source(sources.folder, sources.files, NUMPY_SOURCE).SOLVER
-    require_digest(sources.folder, sources.manifest, NUMPY_SOURCE, solver.scene.digest)
+    solver: Solver = numpy_module(sources).SOLVER
     is_slow = solver.scene.nq > SLOW
     if reason is not None:
         cost = ", which takes 100 to 200 times as long" if is_slow else ""

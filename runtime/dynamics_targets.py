@@ -1,29 +1,32 @@
-"""What computes the motion of a scene of bodies: the compiled solver, or the one in NumPy."""
+"""What computes the motion of a scene: the compiled solver, or the one in NumPy."""
 
 from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol, get_type_hints
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, get_type_hints
 
 from kousoku.runtime.choice import choose
+from kousoku.runtime.importing import import_source
 from kousoku.runtime.integrate.settings import Settings
-from kousoku.runtime.sources import Sources
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-    from pathlib import Path
+    import types
+    from collections.abc import Callable
 
     import numpy as np
     import numpy.typing as npt
 
-    from kousoku.model.manifest import Manifest
     from kousoku.runtime.choice import Target
+    from kousoku.runtime.sources import Sources
 
     Array = npt.NDArray[np.float64]
 
-C_SOURCE = "solver.c"
+#: The files of a scene's folder.
+C_SOURCE, NUMPY_SOURCE = "solver.c", "solver.py"
+
+Opened = TypeVar("Opened")
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,34 +104,35 @@ class _Settings(ctypes.Structure):
     _fields_ = tuple((name, _TYPES[kind]) for name, kind in get_type_hints(Settings).items())
 
 
+def exported(library: ctypes.CDLL, sources: Sources, name: str, result: Any = ctypes.c_int) -> Any:
+    """Function that the compiled solver of a scene exports, and what it returns."""
+    function = library[f"kousoku_{sources.manifest.package}_{name}"]
+    function.restype = result
+    return function
+
+
 class CompiledSolver:
-    """A scene's compiled solver, called through ctypes.
+    """The compiled solver of a scene of bodies.
 
     Parameters
     ----------
     library : ctypes.CDLL
         The loaded library.
     sources : Sources
-        What it was built of; its functions begin with ``kousoku_<package>``.
+        What it was built of.
     """
 
     name = "c"
 
     def __init__(self, library: ctypes.CDLL, sources: Sources) -> None:
-        self._library = library
+        self._function = partial(exported, library, sources)
         self.sources = sources
-        self._prefix = f"kousoku_{sources.manifest.package}_"
         self.state_size, self.work_size, self.row_size = (
             self._function(f"{part}_size", ctypes.c_size_t)() for part in ("state", "work", "row")
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
         return open_same, (self.sources, self.name)
-
-    def _function(self, name: str, result: Any = ctypes.c_int) -> Any:
-        function = self._library[self._prefix + name]
-        function.restype = result
-        return function
 
     def starter(
         self, time: float, q: Array, v: Array, parameters: Array, memory: Memory
@@ -178,25 +182,33 @@ def _address(array: Array) -> ctypes.c_void_p:
     return array.ctypes.data_as(ctypes.c_void_p)
 
 
-def open_solver(
-    folder: Path,
-    manifest: Manifest,
-    files: Mapping[str, bytes],
+def open_target(sources: Sources, target: Target) -> SolverTarget:
+    """Solver of a scene of bodies for a target, see :func:`open_either`."""
+    from kousoku.runtime.dynamics_numpy import load_numpy
+
+    in_c: Callable[[ctypes.CDLL, Sources], SolverTarget] = CompiledSolver
+    return open_either(sources, target, in_c, load_numpy)
+
+
+def open_either(
+    sources: Sources,
     target: Target,
-) -> SolverTarget:
-    """Solver of a folder for a target.
+    in_c: Callable[[ctypes.CDLL, Sources], Opened],
+    in_numpy: Callable[[Sources, Exception | None], Opened],
+) -> Opened:
+    """What computes a scene for a target.
 
     Parameters
     ----------
-    folder : Path
-        Where the files lie.
-    manifest : Manifest
-        What the folder promises.
-    files : mapping of str to bytes
-        Name and content, compared with the manifest.
+    sources : Sources
+        The files of the folder.
     target : {"auto", "c", "numpy"}
         ``"auto"`` takes C where a compiler and a cache can be had, and else NumPy after saying why
         in one line on the logger ``kousoku``.
+    in_c : callable
+        Makes it of the compiled library.
+    in_numpy : callable
+        Makes it of ``solver.py``, given the reason if C was tried first.
 
     Raises
     ------
@@ -207,27 +219,36 @@ def open_solver(
     CacheError
         With ``target="c"``: the library cannot be kept.
     """
-    from kousoku.runtime.dynamics_numpy import NUMPY_SOURCE, load_numpy
 
-    sources = Sources(folder, manifest, files)
-    return choose(
-        target,
-        folder,
-        files,
-        (C_SOURCE, lambda: _compiled(sources)),
-        (NUMPY_SOURCE, lambda reason: load_numpy(sources, reason)),
-    )
+    def compiled_here() -> Opened:
+        from kousoku.runtime.library import compiled
+        from kousoku.runtime.toolchain import find_toolchain
+
+        library, _ = compiled(sources, find_toolchain())
+        return in_c(library, sources)
+
+    numpy = (NUMPY_SOURCE, lambda reason: in_numpy(sources, reason))
+    return choose(target, sources, (C_SOURCE, compiled_here), numpy)
 
 
 def open_same(sources: Sources, target: Target) -> SolverTarget:
-    """Open the target that another process had; NumPy, and say so, where there is no compiler."""
-    folder, chosen = sources.place(), target if target == "numpy" else "auto"
-    return open_solver(folder, sources.manifest, sources.files, chosen)
+    """Open the target that another process had, see :func:`on_this_machine`."""
+    return open_target(*on_this_machine(sources, target))
 
 
-def _compiled(sources: Sources) -> SolverTarget:
-    from kousoku.runtime.library import compiled
-    from kousoku.runtime.toolchain import find_toolchain
+def on_this_machine(sources: Sources, target: Target) -> tuple[Sources, Target]:
+    """Files and target of another process as they can be had here: NumPy where is no compiler."""
+    return sources.placed(), target if target == "numpy" else "auto"
 
-    handle, _ = compiled(sources.manifest, sources.files, find_toolchain())
-    return CompiledSolver(handle, sources)
+
+def numpy_module(sources: Sources) -> types.ModuleType:
+    """Module ``solver.py`` of a folder.
+
+    Raises
+    ------
+    LoadError
+        The module is not the manifest's.
+    """
+    module = import_source(sources.folder, sources.files, NUMPY_SOURCE)
+    sources.require_digest(NUMPY_SOURCE, module.DIGEST)
+    return module

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import SolveError
-from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
+from kousoku.runtime.dynamics import DynamicsSolver, open_dynamics
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.independent_verify import independent_rows
 from kousoku.runtime.integrate.result import key_of
@@ -54,7 +54,7 @@ class BodiesCheck(SolverCheck[DynamicsSolver]):
 
     def load(self, target: Target) -> DynamicsSolver:
         """Solver by a target."""
-        return load_dynamics(self.sources.folder, target=target)
+        return open_dynamics(self.sources, target)
 
     def require(self, data: Mapping[str, Any]) -> object:
         """Look at all that reference values must have."""

@@ -7,13 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError, NotInResultError
-from kousoku.model.manifest import PLAIN, Manifest
 from kousoku.runtime.arguments import Signature
 from kousoku.runtime.choice import choose
-from kousoku.runtime.given import folder_of
-from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.kernel import Kernel
 from kousoku.runtime.notice import say_once
 from kousoku.runtime.sources import Sources
@@ -23,10 +19,10 @@ if TYPE_CHECKING:
     import ctypes
     from collections.abc import Callable, Mapping
 
+    from kousoku.model.manifest import Manifest
     from kousoku.runtime.build import Built
     from kousoku.runtime.toolchain import Toolchain
 
-MANIFEST = "manifest.json"
 NUMPY_SOURCE, C_SOURCE, BATCH_SOURCE = "kernels.py", "kernels.c", "kernels_batch.c"
 #: What batches of all packages include.
 LANES = Path(__file__).with_name("lanes.h")
@@ -132,15 +128,12 @@ def load(folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto") 
     CacheError
         With ``target="c"``: neither the cache nor a temporary folder can be written.
     """
-    folder = folder_of(folder)
-    manifest = read_manifest(folder)
-    files = read_files(folder, manifest)
+    sources = Sources.read(folder)
     return choose(
         target,
-        folder,
-        files,
-        (C_SOURCE, lambda: _load_c(folder, manifest, files)),
-        (NUMPY_SOURCE, lambda reason: _load_numpy(folder, manifest, files, reason)),
+        sources,
+        (C_SOURCE, lambda: _load_c(sources)),
+        (NUMPY_SOURCE, lambda reason: _load_numpy(sources, reason)),
     )
 
 
@@ -149,98 +142,20 @@ def load_same(sources: Sources, target: Literal["c", "numpy"]) -> Library:
     return load(sources.place(), target=target if target == "numpy" else "auto")
 
 
-def read_manifest(folder: Path) -> Manifest:
-    """Manifest of a folder.
-
-    Raises
-    ------
-    LoadError
-        There is none, it cannot be read, or it was edited: its digest, which the sources name too,
-        is over what it says.
-    """
-    path = folder / MANIFEST
-    try:
-        text = path.read_bytes().decode()
-        manifest = Manifest.from_json(text)
-        is_as_written = manifest.to_json() == text and manifest.stated() == manifest.digest
-    except OSError as error:
-        raise LoadError(f"{folder} is not a generated package: {error}") from None
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise LoadError(
-            f"{path} is not a manifest of this version of kousoku: {shown(error)}"
-        ) from None
-    if not is_as_written:
-        raise LoadError(
-            f"{path} was edited: its digest is not over what it says\n"
-            f"generate the package again: {manifest.regenerate}"
-        )
-    return manifest
-
-
-def require_digest(folder: Path, manifest: Manifest, name: str, digest: object) -> None:
-    """Refuse a module that was not emitted with the manifest beside it.
-
-    Raises
-    ------
-    LoadError
-        The digest in the module is another one.
-    """
-    if digest != manifest.digest:
-        raise LoadError(
-            f"{folder / name} has the digest {digest}, the manifest beside it {manifest.digest}:"
-            f" they are of two packages\ngenerate the package again: {manifest.regenerate}"
-        )
-
-
-def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
-    """Files that a manifest lists, with what they hold, each compared with its digest.
-
-    Raises
-    ------
-    LoadError
-        Files are missing, edited or damaged; the message names each.
-    """
-    import hashlib
-
-    files: dict[str, bytes] = {}
-    problems = []
-    for name, digest in manifest.files:
-        if PLAIN.fullmatch(name) is None:
-            raise LoadError(
-                f"{folder / MANIFEST} lists {shown(name)}, which is not a plain file name"
-            )
-        try:
-            files[name] = content(name, (folder / name).read_bytes())
-        except OSError as error:
-            problems.append(f"{folder / name} is missing ({error.strerror})")
-            continue
-        except ValueError as error:
-            problems.append(f"{folder / name} is damaged: {error}")
-            continue
-        if hashlib.sha256(files[name]).hexdigest() != digest:
-            problems.append(f"{folder / name} was edited: its SHA-256 is not the manifest's")
-    if problems:
-        raise LoadError(
-            "\n".join(problems) + f"\ngenerate the package again: {manifest.regenerate}"
-        )
-    return files
-
-
-def _load_numpy(
-    folder: Path, manifest: Manifest, files: dict[str, bytes], reason: Exception | None
-) -> Library:
+def _load_numpy(sources: Sources, reason: Exception | None) -> Library:
     from kousoku.runtime.importing import import_source
 
     if reason is not None:
         say_once(f"kousoku uses the NumPy kernels: {reason}")
-    module = import_source(folder, files, NUMPY_SOURCE)
-    require_digest(folder, manifest, NUMPY_SOURCE, getattr(module, "DIGEST", None))
+    manifest, files = sources.manifest, sources.files
+    module = import_source(sources.folder, files, NUMPY_SOURCE)
+    sources.require_digest(NUMPY_SOURCE, getattr(module, "DIGEST", None))
     kernels = {}
     for k in manifest.kernels:
         signature = Signature(f"{manifest.package}.{k.name}", k.inputs, k.outputs)
         target = NumpyTarget(getattr(module, k.name), k)
         kernels[k.name] = Kernel(k, signature, target, target.call)
-    return Library(folder, manifest, "numpy", types.MappingProxyType(kernels), files=files)
+    return Library(sources.folder, manifest, "numpy", types.MappingProxyType(kernels), files=files)
 
 
 def c_sources(files: Mapping[str, bytes]) -> tuple[tuple[str, bytes], ...]:
@@ -251,24 +166,22 @@ def c_sources(files: Mapping[str, bytes]) -> tuple[tuple[str, bytes], ...]:
     return sources
 
 
-def compiled(
-    manifest: Manifest, files: Mapping[str, bytes], toolchain: Toolchain
-) -> tuple[ctypes.CDLL, Built]:
+def compiled(sources: Sources, toolchain: Toolchain) -> tuple[ctypes.CDLL, Built]:
     """Build the sources of a package, or find them built, and open the library."""
     from kousoku.runtime.build import Source, build
 
-    built = build(Source(manifest.package, c_sources(files)), toolchain)
+    built = build(Source(sources.manifest.package, c_sources(sources.files)), toolchain)
     if built.damage:
         say_once(f"{built.damage}; it was built again")
-    return open_library(built.path, manifest), built
+    return open_library(built.path, sources.manifest), built
 
 
-def _load_c(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Library:
+def _load_c(sources: Sources) -> Library:
     from kousoku.runtime.plan import plan_type
     from kousoku.runtime.toolchain import find_toolchain
 
-    toolchain = find_toolchain()
-    handle, built = compiled(manifest, files, toolchain)
+    manifest, toolchain = sources.manifest, find_toolchain()
+    handle, built = compiled(sources, toolchain)
     width = lane_width(handle, manifest.package)
     plan = plan_type(toolchain)
     kernels = {}
@@ -277,13 +190,13 @@ def _load_c(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Librar
         target = CTarget(handle, f"kousoku_{manifest.package}_{k.name}", k, width)
         kernels[k.name] = Kernel(k, signature, target, _fast_call(plan, target, signature))
     return Library(
-        folder,
+        sources.folder,
         manifest,
         "c",
         types.MappingProxyType(kernels),
         built.path,
         built.damage,
-        files,
+        sources.files,
         handle,
     )
 

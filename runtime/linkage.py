@@ -3,35 +3,31 @@
 from __future__ import annotations
 
 import ctypes
-import json
-from typing import TYPE_CHECKING, Any, Literal
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.model.errors import LoadError
-from kousoku.runtime.choice import choose
-from kousoku.runtime.dynamics import LINKAGE_LIBRARY, MOTION_FILE
-from kousoku.runtime.dynamics_numpy import NUMPY_SOURCE
-from kousoku.runtime.dynamics_targets import C_SOURCE
-from kousoku.runtime.given import folder_of
-from kousoku.runtime.importing import import_source
+from kousoku.model.errors import LoadError, SolveError
+from kousoku.runtime.dynamics_targets import exported, numpy_module, on_this_machine, open_either
 from kousoku.runtime.kinematics.moving import Linkage
 from kousoku.runtime.kinematics.rows import RUN, empty_rows
 from kousoku.runtime.kinematics.solve import Solver
 from kousoku.runtime.kinematics.trajectory import Trajectory
-from kousoku.runtime.library import compiled, read_files, read_manifest, require_digest
 from kousoku.runtime.notice import say_once
-from kousoku.runtime.sources import Sources
+from kousoku.runtime.options import ALL_OPTIONS
+from kousoku.runtime.sources import LINKAGE_LIBRARY, Sources
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
     from kousoku.runtime.choice import Target
-    from kousoku.runtime.kinematics.mechanism import Array
+    from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.kinematics.mechanism import Array, Mechanism
     from kousoku.runtime.kinematics.rows import Rows, Run
 
-__all__ = ["LinkageSolver", "Trajectory", "load_scene", "solve"]
+__all__ = ["LinkageSolver", "Trajectory", "load_scene"]
 
 #: The types of numbers of ``solver.h``; all others point at numbers.
 _TYPES: dict[str, Any] = {
@@ -42,42 +38,140 @@ _TYPES: dict[str, Any] = {
 }
 
 
+class CompiledLinkage(Solver):
+    """The compiled solver of a linkage.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        The loaded library.
+    sources : Sources
+        What it was built of.
+    """
+
+    name = "c"
+
+    def __init__(self, library: ctypes.CDLL, sources: Sources) -> None:
+        super().__init__()
+        self._function = partial(exported, library, sources)
+        self.sources = sources
+        self._segments: list[str] = sources.data["segments"]
+
+    def solve(self, mechanism: Mechanism, run: Run) -> Rows:
+        """Run the whole turn in one call of the compiled library."""
+        rows = empty_rows(mechanism, run.rows)
+        record = record_of(run, rows)
+        sizes = [self._function(f"{name}_size", ctypes.c_size_t)() for name in ("run", "workspace")]
+        if sizes[0] != ctypes.sizeof(record):
+            raise LoadError(
+                f"{self.sources.manifest.package}: its run is not as in this version of kousoku"
+            )
+        workspace = (ctypes.c_double * -(-sizes[1] // 8))()
+        rows.status = self._function("solve")(ctypes.byref(record), workspace)
+        rows.done, rows.block = int(record.done), int(record.block)
+        rows.reached = np.array(record.reached[:])
+        return rows
+
+    def evaluate(self, mechanism: Mechanism, segment: str, slots: Array) -> None:
+        """Run a segment on the workspace."""
+        number = ctypes.c_size_t(self._segments.index(segment))
+        self._function("evaluate", None)(number, slots.ctypes.data_as(ctypes.c_void_p))
+
+
+class NumpyLinkage(Solver):
+    """What ``solver.py`` has, with the methods of :class:`CompiledLinkage`.
+
+    Parameters
+    ----------
+    solver : Solver
+        That of the imported ``solver.py``, with the analysis of its folder.
+    sources : Sources
+        The generated files.
+    """
+
+    def __init__(self, solver: Solver, sources: Sources) -> None:
+        super().__init__()
+        self._solver = solver
+        self.sources = sources
+
+    def mechanism(self, data: Mapping[str, Any]) -> Mechanism:
+        """What ``motion.json`` says of the mechanism."""
+        return self._solver.mechanism(data)
+
+    def scene(self, data: Mapping[str, Any]) -> Run:
+        """What it says of the run that the scene asks for."""
+        return self._solver.scene(data)
+
+    def solve(self, mechanism: Mechanism, run: Run) -> Rows:
+        """Run the whole turn by the analysis of the folder."""
+        return self._solver.solve(mechanism, run)
+
+    def evaluate(self, mechanism: Mechanism, segment: str, slots: Array) -> None:
+        """Run a segment on the workspace."""
+        mechanism.segments[segment](slots)
+
+
 class LinkageSolver(Linkage):
     """A loaded linkage.
 
     Parameters
     ----------
-    sources : Sources
-        The generated files.
-    solver : Solver
-        That of ``solver.py``, with the analysis of the folder.
-    library : ctypes.CDLL, optional
-        The compiled solver.
+    target : CompiledLinkage or NumpyLinkage
+        What computes.
     """
 
-    def __init__(
-        self, sources: Sources, solver: Solver, library: ctypes.CDLL | None = None
-    ) -> None:
-        data = json.loads(sources.files[MOTION_FILE])
-        super().__init__(data, solver)
-        self.sources = sources
-        self._library = library
-        self._segments: list[str] = data["segments"]
+    target: CompiledLinkage | NumpyLinkage
+    #: What a run may change: nothing.
+    parameters: tuple[tuple[str, float], ...] = ()
+
+    def __init__(self, target: CompiledLinkage | NumpyLinkage) -> None:
+        super().__init__(target, target.sources.data)
 
     def __repr__(self) -> str:
-        return f"<LinkageSolver {self.name}; in {self.target}>"
+        return f"<LinkageSolver {self.name}; in {self.target.name}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _open_same, (self.sources, self.target)
+        return _open_same, (self.target.sources, self.target.name)
 
     @property
-    def target(self) -> str:
-        """What computes, ``c`` or ``numpy``."""
-        return "numpy" if self._library is None else "c"
+    def counts(self) -> tuple[tuple[int, str, str], ...]:
+        """Counts that tell scenes apart: how many, of what, and of several."""
+        told, one = self.mechanism, ("node", "link", "input")
+        found = map(len, (told.nodes, told.links, told.inputs))
+        return tuple((n, name, f"{name}s") for n, name in zip(found, one, strict=True))
 
-    def rows(self, run: Run) -> Rows:
-        """Return what :meth:`solve` starts from, for a run."""
-        return super().rows(run) if self._library is None else self._run_c(run)
+    def of_bodies(self, what: str) -> DynamicsSolver:
+        """Refuse what bodies alone have.
+
+        Raises
+        ------
+        SolveError
+            Always: this is a linkage of nodes.
+        """
+        raise SolveError(
+            f"{self.name}: {what}: of scenes of bodies; this one is a linkage of nodes, which"
+            " solve() and simulate(end) move"
+        )
+
+    def in_time(
+        self, *, progress: Callable[[float, float], object] | None = None, **options: Any
+    ) -> Trajectory:
+        """Motion in time, see :meth:`simulate`; it is done at once and tells no progress."""
+        for name in options:
+            if name in ALL_OPTIONS and name != "method":
+                raise SolveError(
+                    f"{self.name}: {name} is an option of scenes of bodies; this one is a linkage"
+                    " of nodes, whose options are method and limit"
+                )
+        return self.simulate(**options)
+
+    def along_inputs(
+        self, times: Callable[[int | None], Sequence[float]], options: Mapping[str, Any]
+    ) -> Trajectory:
+        """Motion at the divisions of the inputs, which the folder knows; see :meth:`solve`."""
+        if "parameters" in options:
+            raise SolveError(f"{self.name}: a linkage has no parameters; build one in a loop")
+        return self.solve(**options)
 
     def evaluate(self, segment: str, given: dict[str, Array]) -> dict[str, Array]:
         """Return the workspace after a segment, region by region.
@@ -94,37 +188,12 @@ class LinkageSolver(Linkage):
         places = {name: slice(base, base + n) for name, (base, n) in mechanism.regions.items()}
         for name, values in given.items():
             slots[places[name]] = values
-        if self._library is None:
-            mechanism.segments[segment](slots)
-        else:
-            number = ctypes.c_size_t(self._segments.index(segment))
-            self._function("evaluate", None)(number, slots.ctypes.data_as(ctypes.c_void_p))
+        self.target.evaluate(mechanism, segment, slots)
         return {name: slots[place] for name, place in places.items()}
 
-    def _run_c(self, run: Run) -> Rows:
-        """Run the whole turn in one call of the compiled library."""
-        rows = empty_rows(self.mechanism, run.rows)
-        record = record_of(run, rows)
-        sizes = [self._function(f"{name}_size", ctypes.c_size_t)() for name in ("run", "workspace")]
-        if sizes[0] != ctypes.sizeof(record):
-            raise LoadError(f"{self.name}: its run is not as in this version of kousoku")
-        workspace = (ctypes.c_double * -(-sizes[1] // 8))()
-        rows.status = self._function("solve")(ctypes.byref(record), workspace)
-        rows.done, rows.block = int(record.done), int(record.block)
-        rows.reached = np.array(record.reached[:])
-        return rows
 
-    def _function(self, name: str, result: Any = ctypes.c_int) -> Any:
-        assert self._library is not None
-        function = self._library[f"kousoku_{self.name}_{name}"]
-        function.restype = result
-        return function
-
-
-def load_scene(
-    folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto"
-) -> LinkageSolver:
-    """Load the folder that was generated from a scene.
+def load_scene(folder: str | Path, *, target: Target = "auto") -> LinkageSolver:
+    """Load the folder that was generated from a linkage of nodes.
 
     Parameters
     ----------
@@ -138,15 +207,7 @@ def load_scene(
     LoadError
         It is not such a folder, or a file of it was edited.
     """
-    folder = folder_of(folder)
-    manifest = read_manifest(folder)
-    return open_linkage(Sources(folder, manifest, read_files(folder, manifest)), target)
-
-
-def is_linkage(files: Collection[str]) -> bool:
-    """Whether files are those of the solver of a linkage, by their names."""
-    is_scene = MOTION_FILE in files
-    return is_scene and any(name.startswith(f"{LINKAGE_LIBRARY}/") for name in files)
+    return open_linkage(Sources.read(folder), target)
 
 
 def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
@@ -157,39 +218,22 @@ def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
     LoadError
         They have no solver of a linkage, or are of two packages.
     """
-    folder, manifest, files = sources.folder, sources.manifest, sources.files
-    if not is_linkage(files):
+    if not sources.is_linkage:
         raise LoadError(
-            f"{folder} is not made from a linkage of nodes: it has no {LINKAGE_LIBRARY}"
+            f"{sources.folder} is not made from a linkage of nodes: it has no {LINKAGE_LIBRARY}"
         )
 
-    def in_c() -> LinkageSolver:
-        from kousoku.runtime.toolchain import find_toolchain
+    return LinkageSolver(open_either(sources, target, CompiledLinkage, _numpy))
 
-        library, _ = compiled(manifest, files, find_toolchain())
-        return LinkageSolver(sources, Solver(), library)
 
-    def in_numpy(reason: Exception | None) -> LinkageSolver:
-        if reason is not None:
-            say_once(f"kousoku uses the NumPy solver: {reason}")
-        module = import_source(folder, files, NUMPY_SOURCE)
-        require_digest(folder, manifest, NUMPY_SOURCE, module.DIGEST)
-        return LinkageSolver(sources, module.SOLVER)
-
-    return choose(target, folder, files, (C_SOURCE, in_c), (NUMPY_SOURCE, in_numpy))
+def _numpy(sources: Sources, reason: Exception | None) -> CompiledLinkage | NumpyLinkage:
+    if reason is not None:
+        say_once(f"kousoku uses the NumPy solver: {reason}")
+    return NumpyLinkage(numpy_module(sources).SOLVER, sources)
 
 
 def _open_same(sources: Sources, target: Target) -> LinkageSolver:
-    """Open the target that another process had; NumPy, and say so, where there is no compiler."""
-    placed = Sources(sources.place(), sources.manifest, sources.files)
-    return open_linkage(placed, target if target == "numpy" else "auto")
-
-
-def solve(
-    folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto", **options: Any
-) -> Trajectory:
-    """Load a scene's folder and solve it; options as of :meth:`LinkageSolver.solve`."""
-    return load_scene(folder, target=target).solve(**options)
+    return open_linkage(*on_this_machine(sources, target))
 
 
 def record_of(run: Run, rows: Rows) -> Any:

@@ -83,7 +83,7 @@ def _rows(solver: LinkageSolver, points: Sequence[Mapping[str, Any]]) -> Iterato
                 values,
                 kernel=segment,
                 output=name,
-                way=NAMES[solver.target],
+                way=NAMES[solver.target.name],
                 point=number,
                 label=point["label"],
                 inputs=inputs,
@@ -121,7 +121,7 @@ def _motion_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iter
         if run.is_periodic and rows[-1] == divisions:
             # the continuation begins at the turn before
             other = replace(other, start=divisions + 3, first=2 * divisions)
-        where = f"solver by {solver.target}, {method}"
+        where = f"solver by {solver.target.name}, {method}"
         yield from _problems(where, solver, run, rows, exact)
         yield from _problems(f"{where}, at other rates", solver, other, rows, wanted)
 

@@ -1,18 +1,29 @@
-"""Generated files that travel: a pickled solver has them, another machine writes and loads them."""
+"""Generated files: read and compared with their manifest, and taken along where a solver travels.
+
+A pickled solver has them, and another machine writes and loads them.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model.compressed import stored
+from kousoku.model.compressed import content, stored
 from kousoku.model.errors import CacheError, LoadError
+from kousoku.model.manifest import PLAIN, Manifest
+from kousoku.runtime.given import folder_of
+from kousoku.runtime.integrate.result import shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from kousoku.model.manifest import Manifest
+MANIFEST = "manifest.json"
+#: What a scene's folder tells about its bodies, or nodes.
+MOTION_FILE = "motion.json"
+#: The analysis that goes along with a linkage of nodes, and with nothing else.
+LINKAGE_LIBRARY = "kinematics"
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +43,51 @@ class Sources:
     folder: Path
     manifest: Manifest
     files: Mapping[str, bytes]
+
+    @classmethod
+    def read(cls, folder: str | Path) -> Sources:
+        """Sources of a folder, as they lie there.
+
+        Raises
+        ------
+        LoadError
+            It is no generated package, or a file of it is missing, edited or damaged.
+        """
+        folder = folder_of(folder)
+        manifest = read_manifest(folder)
+        return cls(folder, manifest, read_files(folder, manifest))
+
+    @property
+    def is_scene(self) -> bool:
+        """Whether they are those of the solver of a scene, and not of a kind."""
+        return MOTION_FILE in self.files
+
+    @property
+    def is_linkage(self) -> bool:
+        """Whether they are those of the solver of a linkage of nodes, by their names."""
+        library = f"{LINKAGE_LIBRARY}/"
+        return self.is_scene and any(name.startswith(library) for name in self.files)
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """What ``motion.json`` tells of the scene, empty where there is none."""
+        told: dict[str, Any] = json.loads(self.files.get(MOTION_FILE, "{}"))
+        return told
+
+    def require_digest(self, name: str, digest: object) -> None:
+        """Refuse a module that was not emitted with the manifest beside it.
+
+        Raises
+        ------
+        LoadError
+            The digest in the module is another one.
+        """
+        wanted, folder = self.manifest, self.folder
+        if digest != wanted.digest:
+            raise LoadError(
+                f"{folder / name} has the digest {digest}, the manifest beside it {wanted.digest}:"
+                f" they are of two packages\ngenerate the package again: {wanted.regenerate}"
+            )
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Sources, (self.folder, self.manifest, dict(self.files))
@@ -57,7 +113,7 @@ class Sources:
             if not self._lie_in(folder):
                 for name, data in self.files.items():
                     write_atomically(folder / name, stored(name, data.decode()))
-                write_atomically(folder / "manifest.json", text.encode())
+                write_atomically(folder / MANIFEST, text.encode())
         except OSError as error:
             raise CacheError(
                 f"{self.manifest.package}: {self.folder} no longer has its files, and the cache"
@@ -65,12 +121,74 @@ class Sources:
             ) from error
         return folder
 
-    def _lie_in(self, folder: Path) -> bool:
-        from kousoku.runtime.library import read_files, read_manifest
+    def placed(self) -> Sources:
+        """Sources in a folder that has them, see :meth:`place`."""
+        return replace(self, folder=self.place())
 
+    def _lie_in(self, folder: Path) -> bool:
         try:
-            return read_manifest(folder) == self.manifest and bool(
-                read_files(folder, self.manifest)
-            )
+            return Sources.read(folder).manifest == self.manifest
         except LoadError:
             return False
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """Manifest of a folder.
+
+    Raises
+    ------
+    LoadError
+        There is none, it cannot be read, or it was edited: its digest, which the sources name too,
+        is over what it says.
+    """
+    path = folder / MANIFEST
+    try:
+        text = path.read_bytes().decode()
+        manifest = Manifest.from_json(text)
+        is_as_written = manifest.to_json() == text and manifest.stated() == manifest.digest
+    except OSError as error:
+        raise LoadError(f"{folder} is not a generated package: {error}") from None
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise LoadError(
+            f"{path} is not a manifest of this version of kousoku: {shown(error)}"
+        ) from None
+    if not is_as_written:
+        raise LoadError(
+            f"{path} was edited: its digest is not over what it says\n"
+            f"generate the package again: {manifest.regenerate}"
+        )
+    return manifest
+
+
+def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
+    """Files that a manifest lists, with what they hold, each compared with its digest.
+
+    Raises
+    ------
+    LoadError
+        Files are missing, edited or damaged; the message names each.
+    """
+    import hashlib
+
+    files: dict[str, bytes] = {}
+    problems = []
+    for name, digest in manifest.files:
+        if PLAIN.fullmatch(name) is None:
+            raise LoadError(
+                f"{folder / MANIFEST} lists {shown(name)}, which is not a plain file name"
+            )
+        try:
+            files[name] = content(name, (folder / name).read_bytes())
+        except OSError as error:
+            problems.append(f"{folder / name} is missing ({error.strerror})")
+            continue
+        except ValueError as error:
+            problems.append(f"{folder / name} is damaged: {error}")
+            continue
+        if hashlib.sha256(files[name]).hexdigest() != digest:
+            problems.append(f"{folder / name} was edited: its SHA-256 is not the manifest's")
+    if problems:
+        raise LoadError(
+            "\n".join(problems) + f"\ngenerate the package again: {manifest.regenerate}"
+        )
+    return files

@@ -15,7 +15,7 @@ import numpy as np
 from kousoku.model.errors import LoadError, NoCompilerError, TargetError, VerifyError
 from kousoku.runtime.evaluate import different_bits, evaluate, ways
 from kousoku.runtime.given import folder_of
-from kousoku.runtime.library import Library, load, read_files, read_manifest
+from kousoku.runtime.library import Library, load
 from kousoku.runtime.reference import read_references
 from kousoku.runtime.report import LIMIT, Report, Row
 from kousoku.runtime.sources import Sources
@@ -52,19 +52,17 @@ def verify(
         ``report.ok``; it does not raise for what is wrong with the package. ``report.check()``
         does.
     """
-    from kousoku.runtime.dynamics import MOTION_FILE
     from kousoku.runtime.dynamics_verify import BodiesCheck
-    from kousoku.runtime.linkage import is_linkage
     from kousoku.runtime.linkage_verify import LinkageCheck
 
     folder = package.folder if isinstance(package, Library) else folder_of(package)
     try:
-        manifest = read_manifest(folder)
-        files = read_files(folder, manifest)
-        if MOTION_FILE in files:
-            check = LinkageCheck if is_linkage(files) else BodiesCheck
-            return check(Sources(folder, manifest, files)).verify(target)
-        references = read_references(folder, manifest, files)
+        sources = Sources.read(folder)
+        if sources.is_scene:
+            check = LinkageCheck if sources.is_linkage else BodiesCheck
+            return check(sources).verify(target)
+        manifest = sources.manifest
+        references = read_references(folder, manifest, sources.files)
     except (LoadError, VerifyError) as error:
         return Report(folder.name, str(folder), (), (str(error),))
     problems: list[str] = []

@@ -1,6 +1,8 @@
 """From a scene of nodes to the folder of its solver: Yamada and Tatsumi (1981), in 50 digits too.
 
 ``generate``   the pipeline, stage after stage
+``assemble``   coordinates, links between them, known and unknown parts
+``rotations``  those of links that are tied together
 ``blocks``     equations in block-triangular order
 ``layout``     where everything stands in the workspace
 ``link``       the rows of the frozen link element

@@ -12,13 +12,13 @@ from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.model.assemble import Role
+from kousoku.codegen.linkage.assemble import Role
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.assemble import Element, System
+    from kousoku.codegen.linkage.assemble import Assembly, LinkElement
 
 #: The places of x1 y1 β1 x2 y2 β2 that each of ε1, ε2, ε3 depends on, (5)–(7).
 DEPENDS = ((0, 1, 3, 4), (0, 1, 2, 3, 4), (0, 1, 3, 4, 5))
@@ -33,17 +33,17 @@ class Block:
     Parameters
     ----------
     unknowns : tuple of int
-        Coordinates of the system, ascending.
+        Coordinates of the assembly, ascending.
     rows : tuple of (int, int)
-        As many equations: element of the system, and 0, 1 or 2 for ε1, ε2 or ε3.
+        As many equations: element of the assembly, and 0, 1 or 2 for ε1, ε2 or ε3.
     """
 
     unknowns: tuple[int, ...]
     rows: tuple[Row, ...]
 
 
-def triangular_blocks(system: System) -> tuple[Block, ...]:
-    """Return all blocks of a system, each after those that it depends on.
+def triangular_blocks(assembly: Assembly) -> tuple[Block, ...]:
+    """Return all blocks of a assembly, each after those that it depends on.
 
     Raises
     ------
@@ -52,25 +52,25 @@ def triangular_blocks(system: System) -> tuple[Block, ...]:
         what is held already.
     """
     unknowns_of = {
-        (number, row): _unknowns(system, element, row)
-        for number, element in enumerate(system.elements)
+        (number, row): _unknowns(assembly, element, row)
+        for number, element in enumerate(assembly.elements)
         for row in element.rows
     }
     row_of = _match(unknowns_of)
     free = [
         number
-        for number, coordinate in enumerate(system.coordinates)
+        for number, coordinate in enumerate(assembly.coordinates)
         if coordinate.role is Role.UNKNOWN and number not in row_of
     ]
     matched = set(row_of.values())
     extra = [row for row in unknowns_of if row not in matched]
     if free or extra:
-        raise SceneError(_not_determined(system, unknowns_of, row_of, free, extra), key="links")
+        raise SceneError(_not_determined(assembly, unknowns_of, row_of, free, extra), key="links")
     return _components(unknowns_of, row_of)
 
 
 def live_blocks(
-    system: System, blocks: Sequence[Block], wanted: Sequence[int]
+    assembly: Assembly, blocks: Sequence[Block], wanted: Sequence[int]
 ) -> tuple[Block, ...]:
     """Return the blocks that the wanted coordinates depend on, in the same order."""
     needed = set(wanted)
@@ -80,15 +80,15 @@ def live_blocks(
             continue
         kept.append(block)
         for number, row in block.rows:
-            needed.update(_unknowns(system, system.elements[number], row))
+            needed.update(_unknowns(assembly, assembly.elements[number], row))
     return tuple(reversed(kept))
 
 
-def _unknowns(system: System, element: Element, row: int) -> tuple[int, ...]:
+def _unknowns(assembly: Assembly, element: LinkElement, row: int) -> tuple[int, ...]:
     """Return the unknown coordinates that an equation depends on."""
     terms = (element.ends[place] for place in DEPENDS[row])
     found = {term.coordinate: None for term in terms if term.factor}
-    return tuple(c for c in found if system.coordinates[c].role is Role.UNKNOWN)
+    return tuple(c for c in found if assembly.coordinates[c].role is Role.UNKNOWN)
 
 
 def _match(unknowns_of: Mapping[Row, tuple[int, ...]]) -> dict[int, Row]:
@@ -169,7 +169,7 @@ def _pop_component(stack: dict[int, None], root: int, row_of: Mapping[int, Row])
 
 
 def _not_determined(
-    system: System,
+    assembly: Assembly,
     unknowns_of: Mapping[Row, tuple[int, ...]],
     row_of: Mapping[int, Row],
     free: Sequence[int],
@@ -179,7 +179,7 @@ def _not_determined(
     parts = []
     if free:
         reached = _underdetermined(unknowns_of, row_of, free)
-        loose = [system.coordinates[number] for number in reached]
+        loose = [assembly.coordinates[number] for number in reached]
         moving = [c.name for c in loose if c.unit != "rad"] or [c.name for c in loose]
         nodes = ", ".join(dict.fromkeys(name.partition(".")[0] for name in moving))
         parts.append(
@@ -188,7 +188,7 @@ def _not_determined(
         )
     if extra:
         held = _overdetermined(unknowns_of, row_of, extra)
-        names = ", ".join(system.elements[number].name for number in held)
+        names = ", ".join(assembly.elements[number].name for number in held)
         parts.append(
             f"links {names} and the inputs hold their nodes more than once; remove"
             f" {len(extra)} of these links or inputs"

@@ -12,17 +12,17 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.codegen.linkage.assemble import Affine, LinkElement
     from kousoku.codegen.linkage.blocks import Block
     from kousoku.codegen.linkage.layout import Layout
-    from kousoku.model.assemble import Element, Term
 
 FORMAT = 1
 
 
 def linkage_data(program: Program, layout: Layout) -> dict[str, Any]:
     """Return what ``motion.json`` holds: fields of ``kinematics.Mechanism``, and of its ``Run``."""
-    system = layout.system
-    scene, coordinates = system.scene, system.coordinates
+    assembly = layout.assembly
+    scene, coordinates = assembly.scene, assembly.coordinates
     return {
         "format": FORMAT,
         "name": scene.name,
@@ -35,7 +35,7 @@ def linkage_data(program: Program, layout: Layout) -> dict[str, Any]:
         ],
         "inputs": [
             [name, coordinates[c].unit, float(coordinates[c].scale)]
-            for name, c in zip(scene.inputs, system.inputs, strict=True)
+            for name, c in zip(scene.inputs, assembly.inputs, strict=True)
         ],
         "unknowns": [
             [one.name, float(one.start), float(one.scale), one.unit == "rad"]
@@ -44,7 +44,7 @@ def linkage_data(program: Program, layout: Layout) -> dict[str, Any]:
         "blocks": [
             {
                 "unknowns": [coordinates[c].name for c in block.unknowns],
-                "links": [*dict.fromkeys(system.elements[e].name for e, _ in block.rows)],
+                "links": [*dict.fromkeys(assembly.elements[e].name for e, _ in block.rows)],
                 "curves": _curves(layout, block),
             }
             for block in layout.blocks
@@ -58,7 +58,7 @@ def linkage_data(program: Program, layout: Layout) -> dict[str, Any]:
 
 def _run(layout: Layout) -> dict[str, Any]:
     """Return what the scene asks for."""
-    scene = layout.system.scene
+    scene = layout.assembly.scene
     inputs = [*scene.inputs.values()]
     turns = [turns_of(given) or 0.0 for given in inputs]
     return {
@@ -83,7 +83,7 @@ def _curves(layout: Layout, block: Block) -> list[dict[str, Any]]:
     """
     rows, curves = set(block.rows), []
     for row, (number, which) in enumerate(block.rows):
-        element = layout.system.elements[number]
+        element = layout.assembly.elements[number]
         angles = [element.ends[place] for k, place in ((1, 2), (2, 5)) if (number, k) in rows]
         x1, y1, _, x2, y2, _ = element.ends
         x, y = [(-1, x1), (1, x2)], [(-1, y1), (1, y2)]
@@ -96,11 +96,11 @@ def _curves(layout: Layout, block: Block) -> list[dict[str, Any]]:
 def _curve(
     layout: Layout,
     row: int,
-    element: Element,
+    element: LinkElement,
     *,
-    x: Sequence[tuple[int, Term]],
-    y: Sequence[tuple[int, Term]],
-    angle: Sequence[Term],
+    x: Sequence[tuple[int, Affine]],
+    y: Sequence[tuple[int, Affine]],
+    angle: Sequence[Affine],
 ) -> dict[str, Any]:
     """Return how a link bends a row, with places and factors of the terms that move."""
     sums = {"x": x, "y": y, "angle": [(1, term) for term in angle]}

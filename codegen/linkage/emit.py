@@ -37,6 +37,7 @@ PARTS = (
     "dynamics/_segments.jinja",
     "dynamics/_straight_line.jinja",
     "dynamics/solver.py.jinja",
+    "dynamics/__init__.py.jinja",
 )
 #: The analysis that all scenes share: a folder of the runtime that goes along.
 LIBRARY = "kinematics"
@@ -61,7 +62,7 @@ def emit_linkage(program: Program, layout: Layout, more: Mapping[str, str]) -> d
     dict of str to str
         File name and text, the manifest last.
     """
-    scene, regions, slots = layout.system.scene, regions_of(program), slots_of(program)
+    scene, regions, slots = layout.assembly.scene, regions_of(program), slots_of(program)
     title = scene.title or f"the linkage {scene.name}"
     sizes = [len(block.unknowns) for block in layout.blocks]
     view = {

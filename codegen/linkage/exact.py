@@ -9,17 +9,17 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from kousoku.codegen.linkage.assemble import Role
 from kousoku.codegen.linkage.blocks import DEPENDS
 from kousoku.codegen.linkage.layout import SUFFIXES
-from kousoku.model.assemble import Role
 from kousoku.model.interpret import evaluate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from kousoku.codegen.linkage.assemble import Affine, LinkElement
     from kousoku.codegen.linkage.layout import Layout
     from kousoku.model.arithmetic import Arithmetic
-    from kousoku.model.assemble import Element, Term
 
     #: For ``alpha``, ``x``, ``alpha_dot`` … their elements.
     Motion = Mapping[str, Sequence[Any]]
@@ -57,7 +57,7 @@ class Exact:
     def block(self, number: int, order: int) -> dict[str, list[Any]]:
         """Return the outputs of one kernel of a block: position, velocity or acceleration."""
         block = self.layout.blocks[number]
-        rows = [(self.layout.system.elements[element], row) for element, row in block.rows]
+        rows = [(self.layout.assembly.elements[element], row) for element, row in block.rows]
         if order == 0:
             values = [self._deformation(element, row) for element, row in rows]
             zero = self.arithmetic.number(_ZERO)
@@ -73,19 +73,19 @@ class Exact:
 
     def nodes(self) -> dict[str, list[Any]]:
         """Return the outputs of the kernel ``nodes``."""
-        terms = [term for _, x, y in self.layout.system.nodes for term in (x, y)]
+        terms = [term for _, x, y in self.layout.assembly.nodes for term in (x, y)]
         names = ("position", "velocity", "acceleration")
         return {name: [self.term(term, k) for term in terms] for k, name in enumerate(names)}
 
     def angles(self) -> dict[str, list[Any]]:
         """Return the outputs of the kernel ``angles``."""
-        columns = [self._angle(link) for link in self.layout.system.scene.links]
+        columns = [self._angle(link) for link in self.layout.assembly.scene.links]
         names = ("angle", "angle_dot", "angle_ddot")
         return {name: [column[k] for column in columns] for k, name in enumerate(names)}
 
-    def term(self, term: Term, order: int) -> Any:
+    def term(self, term: Affine, order: int) -> Any:
         """Return offset + factor · coordinate, or a time derivative of it."""
-        coordinate = self.layout.system.coordinates[term.coordinate]
+        coordinate = self.layout.assembly.coordinates[term.coordinate]
         if not self.layout.is_moving(term):
             fixed = term.factor * coordinate.start if coordinate.role is Role.FIXED else _ZERO
             return self.constant(("fixed", term), term.offset + fixed if order == 0 else _ZERO)
@@ -97,7 +97,7 @@ class Exact:
             return moving
         return moving + self.constant(("offset", term), term.offset)
 
-    def _element(self, element: Element, row: int, order: int) -> dict[str, tuple[Any, ...]]:
+    def _element(self, element: LinkElement, row: int, order: int) -> dict[str, tuple[Any, ...]]:
         """Evaluate the link element alone, with the ends that one of its rows needs."""
         zero = self.arithmetic.number(_ZERO)
         inputs = {"length": [self.constant(("length", element.name), element.length)]}
@@ -111,7 +111,7 @@ class Exact:
         link = self.layout.link[row]
         return evaluate(link.rate if order else link.deformation, inputs, self.arithmetic)
 
-    def _deformation(self, element: Element, row: int) -> tuple[Any, dict[int, Any]]:
+    def _deformation(self, element: LinkElement, row: int) -> tuple[Any, dict[int, Any]]:
         """Return ε of a row and its derivatives by coordinates."""
         values = self._element(element, row, 0)
         slope: dict[int, Any] = {}
@@ -124,7 +124,7 @@ class Exact:
             slope[term.coordinate] = part if known is None else known + part
         return values["epsilon"][0], slope
 
-    def _carried(self, element: Element, row: int, number: int, order: int) -> Any:
+    def _carried(self, element: LinkElement, row: int, number: int, order: int) -> Any:
         """Return D times the derivatives of what is known before the block."""
         unknowns = self.layout.blocks[number].unknowns
         values = self._element(element, row, 0)
@@ -135,13 +135,13 @@ class Exact:
                 total = total + values["D"][place] * self.term(term, order)
         return total
 
-    def _bent(self, element: Element, row: int) -> Any:
+    def _bent(self, element: LinkElement, row: int) -> Any:
         return self._element(element, row, 1)["D_dot_x_dot"][0]
 
     def _angle(self, link: str) -> tuple[Any, Any, Any]:
         """Return β, β̇ = t · ḋ / l and β̈ = (t · d̈ − 2 l̇ β̇) / l."""
-        places = {name: (x, y) for name, x, y in self.layout.system.nodes}
-        first, second = (places[node] for node in self.layout.system.scene.links[link].nodes)
+        places = {name: (x, y) for name, x, y in self.layout.assembly.nodes}
+        first, second = (places[node] for node in self.layout.assembly.scene.links[link].nodes)
         (dx, dy), (vx, vy), (ax, ay) = (
             [self.term(b, k) - self.term(a, k) for a, b in zip(first, second, strict=True)]
             for k in range(3)

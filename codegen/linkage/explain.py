@@ -5,11 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from kousoku.codegen.linkage.assemble import assemble
 from kousoku.codegen.linkage.generate import layout_of, program_of
-from kousoku.model.assemble import assemble
 from kousoku.model.text import counted, table
+from kousoku.runtime.integrate.result import listed
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.codegen.linkage.layout import Layout
     from kousoku.model.scene import Scene
 
 
@@ -27,12 +31,15 @@ class LinkageExplanation:
         Unknowns and rows of each block, in the order of solving.
     kernels : tuple of (str, int)
         Operations of each kernel.
+    findings : tuple of str
+        What was merged, dropped or left out on the way, a sentence each.
     """
 
     name: str
     inputs: int
     blocks: tuple[tuple[int, int], ...]
     kernels: tuple[tuple[str, int], ...]
+    findings: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         unknowns = sum(unknowns for unknowns, _ in self.blocks)
@@ -47,6 +54,7 @@ class LinkageExplanation:
         return (
             f"{self.name}: {counted(self.inputs, 'input')},"
             f" {counted(unknowns, 'unknown')} solved block after block: {sizes}\n"
+            + "".join(f"{finding}\n" for finding in self.findings)
             + table(("kernel", "operations"), [(name, str(n)) for name, n in self.kernels])
         )
 
@@ -76,7 +84,15 @@ def explain_linkage(scene: Scene) -> LinkageExplanation:
     layout = layout_of(assemble(scene))
     return LinkageExplanation(
         scene.name,
-        len(layout.system.inputs),
+        len(layout.assembly.inputs),
         tuple((len(x.unknowns), len(x.rows)) for x in layout.blocks),
         tuple((x.name, x.operations.total()) for x in program_of(layout).kernels),
+        (*layout.assembly.notes, *_left_out(layout)),
     )
+
+
+def _left_out(layout: Layout) -> Iterator[str]:
+    """Finding about unknowns that no block finds: rotations, as all nodes are wanted."""
+    names = [layout.assembly.coordinates[c].name for c in layout.left_out]
+    if names:
+        yield f"rotations left out, on which nothing that is asked for depends: {listed(names)}"

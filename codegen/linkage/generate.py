@@ -1,8 +1,8 @@
 """From a scene of nodes to the folder of its solver, stage after stage; SymPy is never started.
 
-``assemble``: Scene → System
+``assemble``: Scene → Assembly
     Coordinates, links between them, known and unknown parts.
-``layout_of``: System → Layout
+``layout_of``: Assembly → Layout
     Equations in block-triangular order, only what is wanted; where everything stands.
 ``program_of``: Layout → Program
     The frozen link element, block by block: constants bound, in functions of the workspace.
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.program import Program, Segment, Task
 from kousoku.codegen.kernel_json import load_frozen
+from kousoku.codegen.linkage.assemble import assemble
 from kousoku.codegen.linkage.blocks import live_blocks, triangular_blocks
 from kousoku.codegen.linkage.emit import emit_linkage
 from kousoku.codegen.linkage.kernels import block_kernels
@@ -25,21 +26,20 @@ from kousoku.codegen.linkage.link import rows_of
 from kousoku.codegen.linkage.outputs import angle_kernel, node_kernel
 from kousoku.codegen.linkage.reference import reference_values
 from kousoku.codegen.linkage.solution import places
-from kousoku.model.assemble import assemble
 from kousoku.model.manifest import REFERENCE_FILE
 
 if TYPE_CHECKING:
-    from kousoku.model.assemble import System
+    from kousoku.codegen.linkage.assemble import Assembly
     from kousoku.model.kernel import Kernel
     from kousoku.model.scene import Scene
 
 
-def layout_of(system: System) -> Layout:
-    """Return the equations of a system block by block, and the places of all numbers.
+def layout_of(assembly: Assembly) -> Layout:
+    """Return the equations of a assembly block by block, and the places of all numbers.
 
     Parameters
     ----------
-    system : System
+    assembly : Assembly
         An assembled scene.
 
     Raises
@@ -47,9 +47,9 @@ def layout_of(system: System) -> Layout:
     SceneError
         Some nodes are free to move, or some links hold what is held already.
     """
-    wanted = [term.coordinate for _, x, y in system.nodes for term in (x, y)]
-    blocks = live_blocks(system, triangular_blocks(system), wanted)
-    return Layout(system, blocks, rows_of(load_frozen("link")))
+    wanted = [term.coordinate for _, x, y in assembly.nodes for term in (x, y)]
+    blocks = live_blocks(assembly, triangular_blocks(assembly), wanted)
+    return Layout(assembly, blocks, rows_of(load_frozen("link")))
 
 
 def program_of(layout: Layout) -> Program:
@@ -60,7 +60,7 @@ def program_of(layout: Layout) -> Program:
     if layout.wants_angles:
         kernels.append(angle_kernel(layout))
     return Program(
-        name=layout.system.scene.name,
+        name=layout.assembly.scene.name,
         kernels=tuple(kernels),
         segments=tuple(_segment(layout, k, kernel) for k, kernel in enumerate(kernels)),
         regions=tuple(layout.regions.values()),

@@ -17,8 +17,8 @@ from kousoku.model.quantity import Quantity
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from kousoku.codegen.linkage.assemble import Affine, LinkElement
     from kousoku.codegen.linkage.layout import Layout
-    from kousoku.model.assemble import Element, Term
 
 PAPER = "Yamada and Tatsumi 1981"
 
@@ -49,7 +49,7 @@ def block_kernels(layout: Layout, number: int) -> tuple[Kernel, Kernel, Kernel]:
     )
 
 
-def _places(element: Element, row: int, slopes: Sequence[int]) -> list[tuple[Term, int]]:
+def _places(element: LinkElement, row: int, slopes: Sequence[int]) -> list[tuple[Affine, int]]:
     """Return the ends that one row depends on, each with the derivative by it."""
     return [(element.ends[place], slopes[place]) for place in DEPENDS[row]]
 
@@ -63,20 +63,20 @@ class _Composer:
         self.block = layout.blocks[number]
         self.suffix = f"_{number + 1}"
         self.graph = Graph()
-        links = dict.fromkeys(layout.system.elements[e].name for e, _ in self.block.rows)
-        names = ", ".join(layout.system.coordinates[u].name for u in self.block.unknowns)
+        links = dict.fromkeys(layout.assembly.elements[e].name for e, _ in self.block.rows)
+        names = ", ".join(layout.assembly.coordinates[u].name for u in self.block.unknowns)
         self.title = f"{names} from {', '.join(links)}"
 
     def position(self) -> Kernel:
         n = len(self.block.rows)
         epsilon, matrix = [], []
         for number, row in self.block.rows:
-            element = self.layout.system.elements[number]
+            element = self.layout.assembly.elements[number]
             link = self._inline(self.layout.link[row].deformation, element, row)
             epsilon.append(link["epsilon"][0])
             gradient = self._gradient(_places(element, row, link["D"]))
             matrix += [gradient.get(u, self.graph.const(0)) for u in self.block.unknowns]
-        unit = self.layout.system.scene.unit
+        unit = self.layout.assembly.scene.unit
         return self._kernel(
             "position",
             f"Residual of the equations for {self.title}",
@@ -101,7 +101,7 @@ class _Composer:
     def acceleration(self) -> Kernel:
         rows = []
         for number, row in self.block.rows:
-            element = self.layout.system.elements[number]
+            element = self.layout.assembly.elements[number]
             link = self._inline(self.layout.link[row].rate, element, row)
             carried = self._carried(number, row, 2)
             rows.append(self.graph.sub(carried, link["D_dot_x_dot"][0]))
@@ -114,12 +114,12 @@ class _Composer:
         )
 
     def _right_hand_side(self, name: str, per: str) -> Quantity:
-        unit = self.layout.system.scene.unit + per
+        unit = self.layout.assembly.scene.unit + per
         return Quantity(name, (len(self.block.rows),), unit, "right-hand side")
 
     def _carried(self, number: int, row: int, order: int) -> int:
         """Return −D times the derivatives of the coordinates that are known by now."""
-        element = self.layout.system.elements[number]
+        element = self.layout.assembly.elements[number]
         link = self._inline(self.layout.link[row].deformation, element, row)
         total = self.graph.const(0)
         for term, derivative in _places(element, row, link["D"]):
@@ -128,7 +128,7 @@ class _Composer:
                 total = self.graph.sub(total, self.graph.mul(derivative, motion))
         return total
 
-    def _gradient(self, places: Sequence[tuple[Term, int]]) -> dict[int, int]:
+    def _gradient(self, places: Sequence[tuple[Affine, int]]) -> dict[int, int]:
         """Return the derivatives by coordinates, given those by the ends of the link."""
         gradient: dict[int, int] = {}
         for term, derivative in places:
@@ -137,7 +137,7 @@ class _Composer:
             gradient[term.coordinate] = self.graph.add(known, part)
         return gradient
 
-    def _inline(self, kernel: Kernel, element: Element, row: int) -> dict[str, list[int]]:
+    def _inline(self, kernel: Kernel, element: LinkElement, row: int) -> dict[str, list[int]]:
         """Rebuild a kernel of the link element here, with the ends and the length of a link."""
         used = DEPENDS[row]
         zero = self.graph.const(0)

@@ -10,15 +10,15 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.program import Region
-from kousoku.model.assemble import Role
+from kousoku.codegen.linkage.assemble import Role
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from kousoku.codegen.linkage.assemble import Affine, Assembly
     from kousoku.codegen.linkage.blocks import Block
     from kousoku.codegen.linkage.link import LinkRow
-    from kousoku.model.assemble import System, Term
     from kousoku.model.graph import Graph
 
 SUFFIXES = ("", "_dot", "_ddot")
@@ -54,7 +54,7 @@ class Layout:
 
     Parameters
     ----------
-    system : System
+    assembly : Assembly
         What is solved.
     blocks : tuple of Block
         In the order of solving.
@@ -68,7 +68,7 @@ class Layout:
         The parts of the workspace, in order: those of :data:`REGIONS` that the scene needs.
     """
 
-    system: System
+    assembly: Assembly
     blocks: tuple[Block, ...]
     link: tuple[LinkRow, LinkRow, LinkRow]
     unknowns: tuple[int, ...] = field(init=False)
@@ -77,7 +77,7 @@ class Layout:
 
     def __post_init__(self) -> None:
         unknowns = tuple(unknown for block in self.blocks for unknown in block.unknowns)
-        places = (("alpha", self.system.inputs), ("x", unknowns))
+        places = (("alpha", self.assembly.inputs), ("x", unknowns))
         everywhere = {c: (name, k) for name, members in places for k, c in enumerate(members)}
         object.__setattr__(self, "unknowns", unknowns)
         object.__setattr__(self, "everywhere", everywhere)
@@ -87,10 +87,10 @@ class Layout:
         largest = max(len(block.unknowns) for block in self.blocks)
         sizes = dict.fromkeys(REGIONS, 0) | dict.fromkeys(OF_BLOCKS, largest) | {"D": largest**2}
         for suffix in SUFFIXES:
-            sizes |= {f"alpha{suffix}": len(self.system.inputs), f"x{suffix}": len(self.unknowns)}
-        sizes |= dict.fromkeys(OF_NODES, 2 * len(self.system.nodes))
+            sizes |= {f"alpha{suffix}": len(self.assembly.inputs), f"x{suffix}": len(self.unknowns)}
+        sizes |= dict.fromkeys(OF_NODES, 2 * len(self.assembly.nodes))
         if self.wants_angles:
-            sizes |= dict.fromkeys(OF_LINKS, len(self.system.scene.links))
+            sizes |= dict.fromkeys(OF_LINKS, len(self.assembly.scene.links))
         regions, base = {}, 0
         for name, size in sizes.items():
             if size:
@@ -101,7 +101,14 @@ class Layout:
     @property
     def wants_angles(self) -> bool:
         """Whether the angles of links are wanted."""
-        return "angles" in self.system.scene.outputs
+        return "angles" in self.assembly.scene.outputs
+
+    @property
+    def left_out(self) -> tuple[int, ...]:
+        """The unknown coordinates that no block finds, as nothing that is wanted needs them."""
+        every = enumerate(self.assembly.coordinates)
+        unknown = (number for number, one in every if one.role is Role.UNKNOWN)
+        return tuple(number for number in unknown if number not in self.everywhere)
 
     @property
     def size(self) -> int:
@@ -113,19 +120,19 @@ class Layout:
         """What every kernel takes."""
         return Quantity("x0", (self.size,), "", "the workspace")
 
-    def is_moving(self, term: Term) -> bool:
+    def is_moving(self, term: Affine) -> bool:
         """Whether a term depends on a coordinate that is not fixed."""
-        role = self.system.coordinates[term.coordinate].role
+        role = self.assembly.coordinates[term.coordinate].role
         return bool(term.factor) and role is not Role.FIXED
 
     def place_of(self, coordinate: int) -> int:
         """Return where a coordinate stands among the inputs and, after them, the unknowns."""
         name, index = self.everywhere[coordinate]
-        return index if name == "alpha" else len(self.system.inputs) + index
+        return index if name == "alpha" else len(self.assembly.inputs) + index
 
-    def node(self, graph: Graph, term: Term, order: int) -> int:
+    def node(self, graph: Graph, term: Affine, order: int) -> int:
         """Return the graph node of offset + factor · coordinate, or of a time derivative of it."""
-        coordinate = self.system.coordinates[term.coordinate]
+        coordinate = self.assembly.coordinates[term.coordinate]
         if not self.is_moving(term):
             fixed = term.factor * coordinate.start if coordinate.role is Role.FIXED else 0
             return graph.const(term.offset + fixed if order == 0 else 0)

@@ -26,13 +26,13 @@ def node_kernel(layout: Layout) -> Kernel:
     Each output is (nodes, 2), in frame O, in the order of the scene.
     """
     graph = Graph()
-    system = layout.system
-    names = ", ".join(name for name, _, _ in system.nodes)
-    unit, shape = system.scene.unit, (len(system.nodes), 2)
+    assembly = layout.assembly
+    names = ", ".join(name for name, _, _ in assembly.nodes)
+    unit, shape = assembly.scene.unit, (len(assembly.nodes), 2)
     outputs, results = [], []
     for order, (name, per, what) in enumerate(MOTIONS):
         outputs.append(Quantity(name, shape, unit + per, f"{what} of {names} in frame O"))
-        terms = [term for _, x, y in system.nodes for term in (x, y)]
+        terms = [term for _, x, y in assembly.nodes for term in (x, y)]
         results.append(tuple(layout.node(graph, term, order) for term in terms))
     return drop_dead(
         Kernel(
@@ -55,8 +55,8 @@ def angle_kernel(layout: Layout) -> Kernel:
     second, (10)-(13); the angle is in (−π, π].
     """
     graph = Graph()
-    columns = [_angle(layout, graph, name) for name in layout.system.scene.links]
-    names = ", ".join(layout.system.scene.links)
+    columns = [_angle(layout, graph, name) for name in layout.assembly.scene.links]
+    names = ", ".join(layout.assembly.scene.links)
     outputs = tuple(
         Quantity(name, (len(columns),), f"rad{per}", f"{what} of links {names}")
         for name, per, what in (
@@ -81,8 +81,8 @@ def angle_kernel(layout: Layout) -> Kernel:
 
 def _angle(layout: Layout, g: Graph, link: str) -> tuple[int, int, int]:
     """Return β, β̇ = d × v / l² and β̈ = (d × a − 2 (d · v) β̇) / l² of a link."""
-    places = {name: (x, y) for name, x, y in layout.system.nodes}
-    first, second = (places[node] for node in layout.system.scene.links[link].nodes)
+    places = {name: (x, y) for name, x, y in layout.assembly.nodes}
+    first, second = (places[node] for node in layout.assembly.scene.links[link].nodes)
     (dx, dy), (vx, vy), (ax, ay) = (
         tuple(
             g.sub(

@@ -96,9 +96,9 @@ def _points(layout: Layout, found: Sequence[Place]) -> list[Point]:
 
 
 def _given(layout: Layout) -> Numbers:
-    coordinates = layout.system.coordinates
+    coordinates = layout.assembly.coordinates
     numbers = {
-        "alpha": tuple(float(coordinates[c].start) for c in layout.system.inputs),
+        "alpha": tuple(float(coordinates[c].start) for c in layout.assembly.inputs),
         "x": tuple(float(coordinates[c].start) for c in layout.unknowns),
     }
     for name in ("alpha", "x"):

@@ -54,7 +54,7 @@ def span_of(given: Input) -> Fraction:
 
 def places(layout: Layout) -> list[Place]:
     """Return the linkage at every step of its way, up to a dead centre; empty if it never fits."""
-    start = [HIGH.number(layout.system.coordinates[u].start) for u in layout.unknowns]
+    start = [HIGH.number(layout.assembly.coordinates[u].start) for u in layout.unknowns]
     found: list[Place] = []
     try:
         here = _placed(layout, Fraction(0), start)
@@ -88,7 +88,7 @@ def solution(layout: Layout, found: Sequence[Place]) -> dict[str, object]:
 
 
 def _inputs(layout: Layout, part: Fraction) -> tuple[list[High], list[High], list[High]]:
-    given = tuple(layout.system.scene.inputs.values())
+    given = tuple(layout.assembly.scene.inputs.values())
     return (
         [HIGH.number(Fraction(item.start) + part * span_of(item)) for item in given],
         [HIGH.number(Fraction(item.rate)) for item in given],
@@ -115,7 +115,7 @@ def _positions(layout: Layout, motion: dict[str, list[High]]) -> list[High]:
         It does not converge, or a matrix is singular.
     """
     motion = {**motion, "x": list(motion["x"])}
-    length = HIGH.number(Fraction(layout.system.scene.largest_length))
+    length = HIGH.number(Fraction(layout.assembly.scene.largest_length))
     first = 0
     for number, block in enumerate(layout.blocks):
         part = slice(first, first + len(block.unknowns))
@@ -177,11 +177,11 @@ def _advanced(
 
 def _is_near(layout: Layout, x: list[High], predicted: list[High], found: list[High]) -> bool:
     """Whether the correction is small beside the motion: else another branch may be near."""
-    scales = [HIGH.number(layout.system.coordinates[u].scale) for u in layout.unknowns]
+    scales = [HIGH.number(layout.assembly.coordinates[u].scale) for u in layout.unknowns]
     pairs = list(zip(scales, x, predicted, found, strict=True))
     moved = max((abs(s * (p - a)) for s, a, p, _ in pairs), default=CONTEXT.zero)
     missed = max((abs(s * (b - p)) for s, _, p, b in pairs), default=CONTEXT.zero)
-    length = HIGH.number(Fraction(layout.system.scene.largest_length))
+    length = HIGH.number(Fraction(layout.assembly.scene.largest_length))
     return bool(missed <= max(moved / 4, DONE * length))
 
 
@@ -211,7 +211,7 @@ def _derivatives(layout: Layout, motion: dict[str, list[High]], order: int) -> l
 
 def _predicted(layout: Layout, motion: dict[str, list[High]], step: Fraction) -> list[High]:
     """Return where x will be about a step on, given as a part of the way, (26)."""
-    spans = [step * span_of(item) for item in layout.system.scene.inputs.values()]
+    spans = [step * span_of(item) for item in layout.assembly.scene.inputs.values()]
     along = {**motion, "alpha_dot": [HIGH.number(span) for span in spans]}
     along["alpha_ddot"] = [CONTEXT.zero] * len(spans)
     along["x_dot"] = _derivatives(layout, along, 1)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from kousoku.model.kernel import Kernel
 
 
-def live_ids(nodes: Sequence[Node], wanted: Iterable[int]) -> list[int]:
+def live_ids(nodes: Sequence[Node[int]], wanted: Iterable[int]) -> list[int]:
     """Ids, in topological order, of all that ``wanted`` needs."""
     is_live = [False] * len(nodes)
     for node in wanted:
@@ -26,7 +26,7 @@ def live_ids(nodes: Sequence[Node], wanted: Iterable[int]) -> list[int]:
     return [node for node, live in enumerate(is_live) if live]
 
 
-def copy_node(graph: Graph, node: Node, new_ids: Mapping[int, int]) -> int:
+def copy_node(graph: Graph, node: Node[int], new_ids: Mapping[int, int]) -> int:
     """Rebuild one node in ``graph``; its operands were rebuilt before."""
     if node.op is Op.CONST:
         assert node.value is not None
@@ -76,7 +76,7 @@ def finish(kernel: Kernel, graph: Graph, new_ids: Mapping[int, int]) -> Kernel:
     live = live_ids(graph.nodes, (node for result in results for node in result))
     compact = {old: new for new, old in enumerate(live)}
     nodes = tuple(
-        graph.nodes[old]._replace(args=tuple([compact[arg] for arg in graph.nodes[old].args]))
+        graph.nodes[old].with_args(tuple([compact[arg] for arg in graph.nodes[old].args]))
         for old in live
     )
     return replace(
@@ -106,7 +106,7 @@ def with_outputs(kernel: Kernel, names: Sequence[str]) -> Kernel:
 
 def _carry_names(
     kernel: Kernel,
-    nodes: Sequence[Node],
+    nodes: Sequence[Node[int]],
     new_ids: Mapping[int, int],
     compact: Mapping[int, int],
 ) -> tuple[tuple[int, str], ...]:

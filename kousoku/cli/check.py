@@ -105,7 +105,7 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
     SceneError, AssemblyError
         It cannot be moved.
     """
-    from kousoku.model.assemble import assemble
+    from kousoku.codegen.linkage.assemble import assemble
     from kousoku.model.decode import join
     from kousoku.model.validate import check as checked_again
 

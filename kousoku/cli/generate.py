@@ -125,7 +125,7 @@ def generate(
 
 def _is_own(folder: Path) -> bool:
     """Whether a folder is there for one package: it is new, or a package already."""
-    from kousoku.runtime.library import MANIFEST
+    from kousoku.runtime.sources import MANIFEST
 
     return not folder.exists() or (folder / MANIFEST).is_file()
 
@@ -140,7 +140,7 @@ def _require_place(out: Path, package: str, target: Emitted) -> None:
     """
     from kousoku.model.manifest import Manifest
     from kousoku.model.names import scene_name_problem
-    from kousoku.runtime.library import MANIFEST
+    from kousoku.runtime.sources import MANIFEST
 
     name = out.resolve().name
     if target is not Emitted.C and (problem := scene_name_problem(name)):

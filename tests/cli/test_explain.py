@@ -68,6 +68,8 @@ def test_the_blocks_of_a_linkage_are_told(run: Run) -> None:
     assert code == 0
     assert "1 input, 4 unknowns solved block after block: 2, 2" in out
     assert "position_1" in out
+    assert "l4 dropped: both of its nodes are fixed\n" in out
+    assert "rotations left out, on which nothing that is asked for depends: l1@O2, l2@O2," in out
 
     _, out, _ = run("explain", SCENES / "lever_crank.toml", "--json")
     assert json.loads(out)["blocks"] == [{"unknowns": 2, "rows": 2}] * 2

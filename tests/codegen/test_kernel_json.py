@@ -50,6 +50,10 @@ def test_every_kind_of_node_reads_back() -> None:
         (lambda text: text[: len(text) // 2], "JSONDecodeError"),
         (lambda text: text.replace('"format": 2', '"format": 0'), "format 0 instead of 2"),
         (lambda text: re.sub(r"\d+\+", "plus ", text, count=1), "'plus' is not a valid Op"),
+        (
+            lambda text: re.sub(r"\d+\+\d+", "tan 0", text, count=1),
+            "tan is no operation of a kernel",
+        ),
         (lambda text: text.replace('"0*', '"999*', 1), "999 is used before"),
         (lambda text: text.replace('"shape":[3]', '"shape":[2]'), "do not fit its outputs"),
         (lambda text: "[]", "TypeError"),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 import sympy
 
+from kousoku.codegen.linkage.assemble import Role, assemble
 from kousoku.ledger.documents import link_examples
 from kousoku.ledger.documents.link_examples import (
     Assembled,
@@ -24,15 +25,14 @@ from kousoku.ledger.formula import Array
 from kousoku.ledger.parser import parse
 from kousoku.ledger.proof import prove, proved
 from kousoku.ledger.reading import read
-from kousoku.model.assemble import Role, assemble
 from kousoku.model.errors import LedgerError
 from kousoku.model.read import read_scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from kousoku.codegen.linkage.assemble import Assembly
     from kousoku.ledger.entry import Entry
-    from kousoku.model.assemble import System
 
 ENTRIES = {entry.equation: entry for entry in read(link_examples)}
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -123,7 +123,7 @@ def paper_system(key: str) -> tuple[sympy.Matrix, list[tuple[str, str]]]:
     return sympy.Matrix(words.matrix(rows)), [displacement(cell) for cell in cells]
 
 
-def code_system(system: System) -> sympy.Matrix:
+def code_system(system: Assembly) -> sympy.Matrix:
     """Return (15) in the rows and columns that the code gives to the elements of a scene."""
     rows = []
     for number, element in enumerate(system.elements, 1):
@@ -140,11 +140,11 @@ def code_system(system: System) -> sympy.Matrix:
     return sympy.Matrix(rows)
 
 
-def assembled_scene(name: str) -> System:
+def assembled_scene(name: str) -> Assembly:
     return assemble(read_scene(SCENES / f"{name}.toml"))
 
 
-def column_names(system: System) -> list[str]:
+def column_names(system: Assembly) -> list[str]:
     return [coordinate.name for coordinate in system.coordinates]
 
 

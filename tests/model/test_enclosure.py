@@ -6,9 +6,9 @@ import pytest
 
 from kousoku.model.enclosure import Bounds, enclosure
 from kousoku.model.expression import DEEPEST, parse_expression
-from kousoku.model.terms import Name, ordered
+from kousoku.model.terms import ordered, symbol
 
-SPANS = {"t": Bounds(Name("t_least"), Name("t_most"))}
+SPANS = {"t": Bounds(symbol("t_least"), symbol("t_most"))}
 
 
 @pytest.mark.parametrize("form", ["sin({})", "atan2({}, 2)", "0.5*({})", "({})^2", "t*({})"])

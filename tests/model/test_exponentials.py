@@ -13,7 +13,8 @@ from kousoku.model.derivative import derivative
 from kousoku.model.enclosure import Bounds, enclosure
 from kousoku.model.exponentials import without_overflow
 from kousoku.model.expression import parse_expression
-from kousoku.model.terms import Apply, Function, Name, ordered
+from kousoku.model.graph import Op
+from kousoku.model.terms import Expression, ordered, symbol
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
@@ -21,18 +22,18 @@ if TYPE_CHECKING:
 
     from kousoku.model.terms import Expression
 
-SPANS = {"t": Bounds(Name("first"), Name("last"))}
-CALLS: dict[Function, Callable[..., Any]] = {
-    Function.ADD: lambda *terms: sum(terms),
-    Function.MUL: operator.mul,
-    Function.DIV: operator.truediv,
-    Function.NEG: operator.neg,
-    Function.POW: operator.pow,
-    Function.EXP: np.exp,
-    Function.LOG: np.log,
-    Function.ABS: np.abs,
-    Function.MIN: np.minimum,
-    Function.MAX: np.maximum,
+SPANS = {"t": Bounds(symbol("first"), symbol("last"))}
+CALLS: dict[Op, Callable[..., Any]] = {
+    Op.ADD: lambda *terms: sum(terms),
+    Op.MUL: operator.mul,
+    Op.DIV: operator.truediv,
+    Op.NEG: operator.neg,
+    Op.POW: operator.pow,
+    Op.EXP: np.exp,
+    Op.LOG: np.log,
+    Op.ABS: np.abs,
+    Op.MIN: np.minimum,
+    Op.MAX: np.maximum,
 }
 #: Each is positive, at most 1, and less than 1e-12 where t is beyond 40.
 HILLS = (
@@ -59,8 +60,8 @@ def in_doubles(expression: Expression, values: dict[str, float]) -> float:
     known: dict[int, np.float64] = {}
     with np.errstate(all="ignore"):
         for part in ordered(expression):
-            if isinstance(part, Apply):
-                known[id(part)] = CALLS[part.function](*(known[id(arg)] for arg in part.args))
+            if part.args:
+                known[id(part)] = CALLS[part.op](*(known[id(arg)] for arg in part.args))
             else:
                 known[id(part)] = np.float64(value_of(part, values))
     return float(known[id(expression)])

@@ -10,7 +10,7 @@ PARAMETERS = {"h": 0.3, "T": 2.0, "w": 3.0}
 
 def kink(formula: str) -> str:
     found = kink_of(parse_expression(formula, ("t", *PARAMETERS)), "t", PARAMETERS)
-    return found.function.value if found else ""
+    return found.op.value if found else ""
 
 
 def blend(x: str) -> str:

@@ -12,8 +12,9 @@ from kousoku.model.derivative import derivative
 from kousoku.model.digits import CONTEXT
 from kousoku.model.enclosure import Bounds
 from kousoku.model.expression import parse_expression
+from kousoku.model.graph import Op
 from kousoku.model.quotients import coefficients, without_quotients
-from kousoku.model.terms import ZERO, Apply, Function, Name, Number, mul, ordered
+from kousoku.model.terms import ZERO, Expression, mul, ordered, symbol
 from kousoku.model.traced import traced
 from kousoku.model.values import value_of
 
@@ -22,19 +23,19 @@ if TYPE_CHECKING:
 
     from kousoku.model.terms import Expression
 
-SPANS = {"t": Bounds(Name("first"), Name("last"))}
-CALLS: dict[Function, Callable[..., Any]] = {
-    Function.ADD: lambda *terms: sum(terms),
-    Function.MUL: operator.mul,
-    Function.DIV: operator.truediv,
-    Function.NEG: operator.neg,
-    Function.POW: operator.pow,
-    Function.SIN: np.sin,
-    Function.COS: np.cos,
-    Function.EXP: np.exp,
-    Function.ABS: np.abs,
-    Function.MIN: np.fmin,
-    Function.MAX: np.fmax,
+SPANS = {"t": Bounds(symbol("first"), symbol("last"))}
+CALLS: dict[Op, Callable[..., Any]] = {
+    Op.ADD: lambda *terms: sum(terms),
+    Op.MUL: operator.mul,
+    Op.DIV: operator.truediv,
+    Op.NEG: operator.neg,
+    Op.POW: operator.pow,
+    Op.SIN: np.sin,
+    Op.COS: np.cos,
+    Op.EXP: np.exp,
+    Op.ABS: np.abs,
+    Op.MIN: np.fmin,
+    Op.MAX: np.fmax,
 }
 #: Each with the power of what is zero at 5 that it is divided by.
 LIMITS = {
@@ -53,8 +54,8 @@ def in_doubles(expression: Expression, first: float, last: float) -> float:
     known: dict[int, np.float64] = {}
     with np.errstate(all="ignore"):
         for part in ordered(expression):
-            if isinstance(part, Apply):
-                known[id(part)] = CALLS[part.function](*(known[id(arg)] for arg in part.args))
+            if part.args:
+                known[id(part)] = CALLS[part.op](*(known[id(arg)] for arg in part.args))
             else:
                 known[id(part)] = np.float64(value_of(part, {"first": first, "last": last}))
     return float(known[id(expression)])
@@ -79,7 +80,7 @@ def test_bounds_are_those_of_the_limit(text: str) -> None:
 def test_a_quotient_of_a_quotient_varies_with_it() -> None:
     formula = parse_expression("sin(t)/t*(exp(t - 1) - 1)/(t - 1)", ["t"])
     anew, found = without_quotients(formula, SPANS)
-    assert anew == mul(*(Name(one.name) for one in found))
+    assert anew == mul(*(symbol(one.name) for one in found))
     assert [one.order for one in found] == [1, 1]
     assert without_quotients(parse_expression("(sin(t)/t)/t", ["t"]), SPANS)[1] == found[:1]
 
@@ -88,7 +89,7 @@ def test_what_varies_beside_is_a_factor() -> None:
     formula = parse_expression("t*sin(t - k)/(3*(t - k))", ["t", "k"])
     anew, (quotient,) = without_quotients(formula, SPANS)
     assert quotient.whole == parse_expression("sin(t - k)/(3*(t - k))", ["t", "k"])
-    assert anew == mul(Name("t"), Name(quotient.name))
+    assert anew == mul(symbol("t"), symbol(quotient.name))
 
 
 @pytest.mark.parametrize(
@@ -108,4 +109,4 @@ def test_factors_are_those_of_taylor() -> None:
     _, (quotient,) = without_quotients(formula, SPANS)
     found = coefficients(quotient.above, 4)
     assert found[0] == ZERO
-    assert [one.value * 6 for one in found[1:] if isinstance(one, Number)] == [6, 3, 1]
+    assert [one.value * 6 for one in found[1:] if one.value is not None] == [6, 3, 1]

@@ -7,19 +7,19 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.model.expression import parse_expression
-from kousoku.model.terms import Apply, Function, Name, Number, add, evaluated
+from kousoku.model.graph import Graph, Node, Op
+from kousoku.model.terms import Expression, add, evaluated, number, symbol
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.terms import Expression
 
-T, X = Name("t"), Name("x")
+T, X = symbol("t"), symbol("x")
 
 
 def doubled(times: int) -> Expression:
     """Return 2ⁿ t as sums of two equal parts, which are shared."""
-    term: Expression = Name("t")
+    term: Expression = symbol("t")
     for _ in range(times):
         term = add(term, term)
     return term
@@ -35,13 +35,13 @@ def test_formulas_that_share_their_parts_are_compared_at_once() -> None:
 
 
 def test_what_is_written_differently_differs() -> None:
-    a, b, one = Name("a"), Name("b"), Number(Fraction(1))
+    a, b, one = symbol("a"), symbol("b"), number(Fraction(1))
     formulas = [
-        *(a, Name("number"), Name("1"), one, Number(Fraction(1, 11)), Number(Fraction(11, 1))),
-        *(Apply(Function.ADD, (a, b)), Apply(Function.ADD, (b, a)), Apply(Function.MUL, (a, b))),
+        *(a, symbol("number"), symbol("1"), one, number(Fraction(1, 11)), number(Fraction(11, 1))),
+        *(Expression(Op.ADD, (a, b)), Expression(Op.ADD, (b, a)), Expression(Op.MUL, (a, b))),
         *(
-            Apply(Function.ADD, (a, b, one)),
-            Apply(Function.ADD, (Apply(Function.ADD, (a, b)), one)),
+            Expression(Op.ADD, (a, b, one)),
+            Expression(Op.ADD, (Expression(Op.ADD, (a, b)), one)),
         ),
     ]
     assert len(set(formulas)) == len(formulas)
@@ -59,10 +59,23 @@ def test_a_formula_that_was_pickled_is_the_same() -> None:
     assert again == formula and again.key == formula.key
 
 
+def test_a_formula_is_made_of_the_nodes_of_graphs() -> None:
+    """The operations, numbers and names are those that a kernel has; only operands are nodes."""
+    graph = Graph()
+    x = graph.input("x", 0)
+    node = graph.nodes[graph.div(graph.sin(x), graph.const(3))]
+    formula = parse_expression("sin(x)/3", ("x",))
+    assert isinstance(formula, Node) and formula.op is node.op
+    inner = [graph.nodes[arg] for arg in node.args]
+    assert [part.op for part in formula.args] == [part.op for part in inner]
+    assert formula.args[1].value == inner[1].value == 3
+    assert formula.args[0].args[0].symbol == graph.nodes[x].symbol
+
+
 def test_a_formula_is_evaluated_over_whatever_its_leaves_are() -> None:
-    def text(function: Function, args: Sequence[str]) -> str:
-        return f"{function.value}({', '.join(args)})"
+    def text(op: Op, args: Sequence[str]) -> str:
+        return f"{op.value}({', '.join(args)})"
 
     formula = parse_expression("max(t, x) - t", ("t", "x"))
-    found = evaluated(formula, lambda leaf: leaf.name if isinstance(leaf, Name) else "?", text)
+    found = evaluated(formula, str, {"t": "t", "x": "x"}, text)
     assert found == "add(max(t, x), neg(t))"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from kousoku.runtime.arguments import Signature
-from kousoku.runtime.library import read_manifest
+from kousoku.runtime.sources import read_manifest
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -7,6 +7,7 @@ import os
 import pickle
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,9 +20,9 @@ from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import read_scene
 from kousoku.runtime import notice
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.dynamics_targets import Memory, open_solver
+from kousoku.runtime.dynamics_targets import Memory, open_target
 from kousoku.runtime.integrate.settings import Status
-from kousoku.runtime.library import read_files, read_manifest
+from kousoku.runtime.sources import Sources
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -295,22 +296,23 @@ def test_folder_without_a_target_is_refused_or_the_other_is_taken(
     compiler: Toolchain, folder: Folder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     where = folder("pendulum")
-    manifest = read_manifest(where)
-    files = read_files(where, manifest)
-    only_c = {name: text for name, text in files.items() if name != "solver.py"}
-    only_numpy = {name: text for name, text in files.items() if name != "solver.c"}
+    both = Sources.read(where)
+    only_c, only_numpy = (
+        replace(both, files={name: text for name, text in both.files.items() if name != left_out})
+        for left_out in ("solver.py", "solver.c")
+    )
     with pytest.raises(TargetError, match=r"without NumPy: solver\.py is not listed"):
-        open_solver(where, manifest, only_c, "numpy")
+        open_target(only_c, "numpy")
     with pytest.raises(TargetError, match=r"without C: solver\.c is not listed"):
-        open_solver(where, manifest, only_numpy, "c")
-    assert open_solver(where, manifest, only_numpy, "auto").name == "numpy"
-    assert open_solver(where, manifest, files, "auto").name == "c"
+        open_target(only_numpy, "c")
+    assert open_target(only_numpy, "auto").name == "numpy"
+    assert open_target(both, "auto").name == "c"
     other: Any = "fortran"
     with pytest.raises(TargetError, match="fortran"):
-        open_solver(where, manifest, files, other)
+        open_target(both, other)
     monkeypatch.setenv("KOUSOKU_CC", "none")
     with pytest.raises(NoCompilerError):
-        open_solver(where, manifest, only_c, "auto")
+        open_target(only_c, "auto")
 
 
 @pytest.mark.usefixtures("numpy_solver")

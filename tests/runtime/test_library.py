@@ -243,9 +243,7 @@ def load_path(folder: Path) -> Path:
     code = (
         "import sys; from kousoku.runtime.library import *\n"
         "from kousoku.runtime.build import *; from kousoku.runtime.toolchain import *\n"
-        "from pathlib import Path; folder = Path(sys.argv[1]); manifest = read_manifest(folder)\n"
-        "files = read_files(folder, manifest)\n"
-        "source = Source('tiny', c_sources(files))\n"
+        "source = Source('tiny', c_sources(Sources.read(sys.argv[1]).files))\n"
         "print(build(source, find_toolchain()).path)\n"
     )
     run = subprocess.run(

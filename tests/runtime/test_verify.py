@@ -17,9 +17,9 @@ from kousoku.model.errors import VerifyError
 from kousoku.model.manifest import Manifest
 from kousoku.runtime import evaluate as evaluation
 from kousoku.runtime import load, verify
-from kousoku.runtime.library import read_files
 from kousoku.runtime.reference import Reference, read_references
 from kousoku.runtime.report import LIMIT
+from kousoku.runtime.sources import read_files
 from tests.runtime.conftest import SAID, write_tiny
 
 if TYPE_CHECKING:

@@ -21,8 +21,9 @@ import kousoku as ks
 from kousoku.model.errors import KousokuError, LoadError, MotionError
 from kousoku.runtime import toolchain
 from kousoku.runtime.evaluate import evaluate, ways
-from kousoku.runtime.library import load, read_files, read_manifest
+from kousoku.runtime.library import load
 from kousoku.runtime.reference import read_references
+from kousoku.runtime.sources import Sources
 from tests.random_scenes import random_scene
 from tests.stress.journal import ROOT
 
@@ -48,7 +49,7 @@ def files_of(thing: str) -> dict[str, str] | None:
     sort, name = thing.split()
     if sort == "kind":
         folder = KINDS / name
-        files = read_files(folder, read_manifest(folder))
+        files = Sources.read(folder).files
         texts = {file: data.decode() for file, data in files.items()}
         texts["lanes.h"] = (ROOT / "runtime" / "lanes.h").read_text(encoding="utf-8")
     else:
@@ -63,9 +64,9 @@ def computed(sort: str, name: str) -> Iterator[np.ndarray[Any, Any]]:
     """Yield all numbers of a thing."""
     if sort == "kind":
         folder = KINDS / name
-        library, manifest = load(folder, target="c"), read_manifest(folder)
-        references = read_references(folder, manifest, read_files(folder, manifest))
-        for kernel in manifest.kernels:
+        library, sources = load(folder, target="c"), Sources.read(folder)
+        references = read_references(folder, sources.manifest, sources.files)
+        for kernel in sources.manifest.kernels:
             for way in ways("c"):
                 for one in evaluate(library[kernel.name], references[kernel.name], way):
                     yield one.values

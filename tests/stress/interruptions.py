@@ -26,7 +26,8 @@ import numpy as np
 import kousoku as ks
 from kousoku.cli.app import main
 from kousoku.model.errors import KousokuError, NoCompilerError
-from kousoku.runtime import library, toolchain
+from kousoku.runtime import toolchain
+from kousoku.runtime.sources import Sources
 from tests.random_scenes import random_scene
 from tests.stress import children
 from tests.stress.kit import ROOT, Fault, Outcome, Question
@@ -346,7 +347,7 @@ def _is_whole(
     if found in (before, after):
         return True
     try:
-        library.read_files(place / "out", library.read_manifest(place / "out"))
+        Sources.read(place / "out")
     except KousokuError:
         return True
     return False

@@ -26,9 +26,10 @@ import kousoku as ks
 from kousoku.cli.app import main
 from kousoku.loading import generated
 from kousoku.model.errors import KousokuError, printable
+from kousoku.model.graph import Op
 from kousoku.model.manifest import Manifest
 from kousoku.model.read import scene_from_dict, scene_from_toml
-from kousoku.model.terms import Number
+from kousoku.model.terms import Expression
 from tests.stress import strange_inputs as strange
 from tests.stress import strange_runs
 from tests.stress.force_laws import BUMP
@@ -599,7 +600,7 @@ def evaluated() -> AbstractContextManager[object]:
 
     def formula(self: Any) -> Any:
         with contextlib.suppress(Exception):
-            return Number(eval(self.text))
+            return Expression(Op.CONST, value=eval(self.text))
         return right(self)
 
     return patch.object(expression._Parser, "formula", formula)

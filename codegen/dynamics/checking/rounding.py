@@ -135,7 +135,7 @@ def _add(table: dict[int, Array], place: int, slope: Array) -> None:
     table[place] = slope if known is None else known + slope
 
 
-def _roundings(node: Node) -> int:
+def _roundings(node: Node[int]) -> int:
     """Number of roundings that a node costs."""
     if node.op is Op.CONST:
         return int(node.value is not None and float(node.value) != node.value)
@@ -144,8 +144,8 @@ def _roundings(node: Node) -> int:
     return 2 if node.op in FUNCTIONS else 1
 
 
-def _slopes(node: Node, value: float, values: Sequence[float]) -> tuple[float, ...]:
+def _slopes(node: Node[int], value: float, values: Sequence[float]) -> tuple[float, ...]:
     """Derivatives of a node by its arguments."""
     if not node.args:
         return ()
-    return SLOPES[node.op.value](value, [values[arg] for arg in node.args], FLOAT)
+    return SLOPES[node.op](value, [values[arg] for arg in node.args], FLOAT)

@@ -14,7 +14,7 @@ from kousoku.model.exponentials import without_overflow
 from kousoku.model.formulas import TIME
 from kousoku.model.quotients import without_quotients
 from kousoku.model.switching import seen_of
-from kousoku.model.terms import Name, add, mul
+from kousoku.model.terms import add, mul, symbol
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -60,7 +60,9 @@ class Enclosed:
         varying = [TIME]
         for one in self.measures:
             varying += (one.name, one.rate, f"{one.rate}{SECOND}")
-        spans = {name: Bounds(Name(f"{name}{LEAST}"), Name(f"{name}{MOST}")) for name in varying}
+        spans = {
+            name: Bounds(symbol(f"{name}{LEAST}"), symbol(f"{name}{MOST}")) for name in varying
+        }
         names = [f"{name}{end}" for name in varying for end in (LEAST, MOST)]
         leaves = dict(zip((*names, *self.parameters), (*ranges, *parameters), strict=True))
         bounds = chain.from_iterable(self._bounds(one, spans) for one in self.formulas)
@@ -81,10 +83,10 @@ class Enclosed:
         """Derivative by time."""
         rate = derivative(formula, TIME)
         for each in quotients:
-            rate = add(rate, mul(derivative(formula, each.name), Name(each.rate)))
+            rate = add(rate, mul(derivative(formula, each.name), symbol(each.rate)))
         for one in self.measures:
-            rate = add(rate, mul(derivative(formula, one.name), Name(one.rate)))
-            second = Name(f"{one.rate}{SECOND}")
+            rate = add(rate, mul(derivative(formula, one.name), symbol(one.rate)))
+            second = symbol(f"{one.rate}{SECOND}")
             rate = add(rate, mul(derivative(formula, one.rate), second))
         return rate
 

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model.arithmetic import Arithmetic, FormulaArithmetic
-from kousoku.model.terms import Function, Number, evaluated
+from kousoku.model.arithmetic import FormulaArithmetic
+from kousoku.model.graph import Op
+from kousoku.model.terms import evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.model.real import Real
-    from kousoku.model.terms import Expression, Name
+    from kousoku.model.terms import Expression
 
 
 class Jet:
@@ -100,64 +101,30 @@ def formula(
     digits : FormulaArithmetic
         Its numbers.
     """
-
-    def leaf(part: Number | Name) -> Jet:
-        return Jet(digits.number(part.value)) if isinstance(part, Number) else names[part.name]
-
-    return evaluated(expression, leaf, lambda function, args: _applied(function, args, digits))
+    jets = arithmetic_of(digits)
+    return evaluated(expression, jets.number, names, jets.applied)
 
 
-def _applied(function: Function, args: Sequence[Jet], digits: FormulaArithmetic[Any]) -> Jet:
-    if function in _SIMPLE:
-        return _SIMPLE[function](*args)
-    a, b = args[0], args[-1]
-    match function:
-        case Function.POW:
-            return _power(a, b, digits)
-        case Function.ATAN2:
-            return atan2(a, b, digits)
-        case Function.SQRT:
-            return sqrt(a, digits)
-        case Function.SIGN:
-            return Jet(digits.sign(a.x))
-        case Function.SIN | Function.COS:
-            sine, cosine = digits.sin(a.x), digits.cos(a.x)
-            if function is Function.SIN:
-                return a.through(sine, cosine, -sine)
-            return a.through(cosine, -sine, -cosine)
-        case _:
-            value = digits.applied(function.value, (a.x,))
-            return a.through(value, *_SLOPES[function](a.x, value))
+def arithmetic_of(digits: FormulaArithmetic[Any]) -> FormulaArithmetic[Jet]:
+    """Arithmetic of jets, for the evaluation of formulas and kernels."""
 
+    def one(op: Op) -> Callable[[Jet], Jet]:
+        def applied(a: Jet) -> Jet:
+            value = digits.applied(op, (a.x,))
+            return a.through(value, *_SLOPES[op](a.x, value, digits))
 
-#: Functions that need no others.
-_SIMPLE: dict[Function, Callable[..., Jet]] = {
-    Function.ADD: lambda a, *rest: sum(rest, a),
-    Function.MUL: lambda a, b: a * b,
-    Function.DIV: lambda a, b: a / b,
-    Function.NEG: lambda a: -a,
-    Function.MIN: lambda a, b: a if a.x <= b.x else b,
-    Function.MAX: lambda a, b: a if a.x >= b.x else b,
-    Function.ABS: lambda a: a if a.x >= 0 else -a,
-}
+        return applied
 
-
-def arithmetic_of(digits: FormulaArithmetic[Any]) -> Arithmetic[Jet]:
-    """Arithmetic of jets, for the evaluation of kernels."""
-
-    def one(function: Function) -> Callable[[Jet], Jet]:
-        return lambda a: _applied(function, (a,), digits)
-
-    return Arithmetic(
+    return FormulaArithmetic(
         number=lambda value: Jet(digits.number(value)),
-        sqrt=one(Function.SQRT),
-        sin=one(Function.SIN),
-        cos=one(Function.COS),
+        sqrt=lambda a: sqrt(a, digits),
         atan2=lambda y, x: atan2(y, x, digits),
-        exp=one(Function.EXP),
-        log=one(Function.LOG),
-        abs=one(Function.ABS),
-        max=_SIMPLE[Function.MAX],
+        abs=lambda a: a if a.x >= 0 else -a,
+        max=lambda a, b: a if a.x >= b.x else b,
+        sign=lambda a: Jet(digits.sign(a.x)),
+        min=lambda a, b: a if a.x <= b.x else b,
+        pow=lambda a, b: _power(a, b, digits),
+        **{op.value: one(op) for op in _SLOPES},
     )
 
 
@@ -173,12 +140,14 @@ def _power(a: Jet, b: Jet, digits: FormulaArithmetic[Any]) -> Jet:
     return a.through(a.x**n, first, second)
 
 
-#: First and second derivative from argument and value.
-_SLOPES: dict[Function, Callable[[Real, Real], tuple[Real, Real]]] = {
-    Function.EXP: lambda _, y: (y, y),
-    Function.LOG: lambda x, _: (1 / x, -1 / x**2),
-    Function.TAN: lambda _, y: (1 + y**2, 2 * y * (1 + y**2)),
-    Function.ATAN: lambda x, _: (1 / (1 + x**2), -2 * x / (1 + x**2) ** 2),
-    Function.ASIN: lambda x, _: ((1 - x**2) ** -0.5, x * (1 - x**2) ** -1.5),
-    Function.ACOS: lambda x, _: (-((1 - x**2) ** -0.5), -x * (1 - x**2) ** -1.5),
+#: First and second derivative of functions of one argument, from this and the value.
+_SLOPES: dict[Op, Callable[[Real, Real, FormulaArithmetic[Any]], tuple[Real, Real]]] = {
+    Op.SIN: lambda x, y, digits: (digits.cos(x), -y),
+    Op.COS: lambda x, y, digits: (-digits.sin(x), -y),
+    Op.EXP: lambda _, y, __: (y, y),
+    Op.LOG: lambda x, *_: (1 / x, -1 / x**2),
+    Op.TAN: lambda _, y, __: (1 + y**2, 2 * y * (1 + y**2)),
+    Op.ATAN: lambda x, *_: (1 / (1 + x**2), -2 * x / (1 + x**2) ** 2),
+    Op.ASIN: lambda x, *_: ((1 - x**2) ** -0.5, x * (1 - x**2) ** -1.5),
+    Op.ACOS: lambda x, *_: (-((1 - x**2) ** -0.5), -x * (1 - x**2) ** -1.5),
 }

@@ -9,14 +9,12 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.codegen.passes.rebuild import copy_node, substitute
-from kousoku.model.graph import Graph, Op
+from kousoku.model.graph import Graph, Node, Op
 from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
-
-    from kousoku.model.graph import Node
 
     #: For each entry of a result what it is: a ``number`` 0 or ±1, a ``leaf`` or a ``fresh`` slot;
     #: of the last two ±(place + 1). And the shape of the result.
@@ -35,7 +33,7 @@ def with_finite_quotients(kernel: Kernel) -> Kernel:
     added = {k for k, x in enumerate(kernel.nodes) if x.op is Op.CONST and x.value == ADDED}
     if not added:
         return kernel
-    nodes = [x._replace(value=ADDED_HERE) if k in added else x for k, x in enumerate(kernel.nodes)]
+    nodes = [Node(x.op, value=ADDED_HERE) if k in added else x for k, x in enumerate(kernel.nodes)]
     return replace(kernel, nodes=tuple(nodes))
 
 
@@ -109,7 +107,7 @@ class Trace:
             stack.extend(nodes[node].args if known is None else (known,))
         return sorted(needed, key=lambda node: (self._depth(nodes[node]), node))
 
-    def _depth(self, node: Node) -> int:
+    def _depth(self, node: Node[int]) -> int:
         """Return 0 of leaves, 1 of the negatives of leaves, 2 of all else."""
         if not node.args:
             return 0

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from kousoku.codegen.linkage.assemble import Assembly, assemble
 from kousoku.codegen.linkage.blocks import Block, live_blocks, triangular_blocks
-from kousoku.model.assemble import System, assemble
 from kousoku.model.errors import SceneError
 from kousoku.model.planar import Input, Link, Node
 from kousoku.model.read import read_scene
@@ -16,12 +16,12 @@ from kousoku.model.scene import Scene
 SCENES = Path(__file__).parents[3] / "scenes"
 
 
-def named(system: System, blocks: tuple[Block, ...]) -> list[tuple[str, ...]]:
-    return [tuple(system.coordinates[u].name for u in block.unknowns) for block in blocks]
+def named(assembly: Assembly, blocks: tuple[Block, ...]) -> list[tuple[str, ...]]:
+    return [tuple(assembly.coordinates[u].name for u in block.unknowns) for block in blocks]
 
 
-def wanted(system: System) -> list[int]:
-    return [term.coordinate for _, x, y in system.nodes for term in (x, y)]
+def wanted(assembly: Assembly) -> list[int]:
+    return [term.coordinate for _, x, y in assembly.nodes for term in (x, y)]
 
 
 @pytest.mark.parametrize(
@@ -33,17 +33,17 @@ def wanted(system: System) -> list[int]:
     ],
 )
 def test_mechanisms_fall_apart_into_dyads(name: str, parts: list[tuple[str, ...]]) -> None:
-    system = assemble(read_scene(SCENES / f"{name}.toml"))
-    live = live_blocks(system, triangular_blocks(system), wanted(system))
-    assert named(system, live) == parts
+    assembly = assemble(read_scene(SCENES / f"{name}.toml"))
+    live = live_blocks(assembly, triangular_blocks(assembly), wanted(assembly))
+    assert named(assembly, live) == parts
 
 
 def test_rotations_at_hinges_are_blocks_of_their_own_and_not_computed() -> None:
-    system = assemble(read_scene(SCENES / "lever_crank.toml"))
-    blocks = triangular_blocks(system)
-    live = live_blocks(system, blocks, wanted(system))
+    assembly = assemble(read_scene(SCENES / "lever_crank.toml"))
+    blocks = triangular_blocks(assembly)
+    live = live_blocks(assembly, blocks, wanted(assembly))
     dropped = [block for block in blocks if block not in live]
-    assert named(system, tuple(dropped)) == [
+    assert named(assembly, tuple(dropped)) == [
         ("l1@O2",),
         ("l2@O2",),
         ("l2@O3",),
@@ -53,24 +53,24 @@ def test_rotations_at_hinges_are_blocks_of_their_own_and_not_computed() -> None:
 
 
 def test_rotation_of_a_rigid_connection_is_computed() -> None:
-    system = assemble(read_scene(SCENES / "watt_six_bar.toml"))
-    live = live_blocks(system, triangular_blocks(system), wanted(system))
-    assert ("r1@O3",) in named(system, live)
+    assembly = assemble(read_scene(SCENES / "watt_six_bar.toml"))
+    live = live_blocks(assembly, triangular_blocks(assembly), wanted(assembly))
+    assert ("r1@O3",) in named(assembly, live)
 
 
 def test_every_block_comes_after_those_it_depends_on() -> None:
-    system = assemble(read_scene(SCENES / "stephenson_six_bar.toml"))
-    blocks = triangular_blocks(system)
+    assembly = assemble(read_scene(SCENES / "stephenson_six_bar.toml"))
+    blocks = triangular_blocks(assembly)
     known: set[int] = set()
     for block in blocks:
         known.update(block.unknowns)
         for number, row in block.rows:
             places = ((0, 1, 3, 4), (0, 1, 2, 3, 4), (0, 1, 3, 4, 5))[row]
-            needed = {system.elements[number].ends[place].coordinate for place in places}
-            unknown = {n for n in needed if system.coordinates[n].role.value == "unknown"}
+            needed = {assembly.elements[number].ends[place].coordinate for place in places}
+            unknown = {n for n in needed if assembly.coordinates[n].role.value == "unknown"}
             assert unknown <= known
     assert sum(len(block.unknowns) for block in blocks) == sum(
-        len(element.rows) for element in system.elements
+        len(element.rows) for element in assembly.elements
     )
 
 
@@ -114,6 +114,6 @@ def test_long_chains_need_no_recursion() -> None:
         links[f"rod{k}"] = Link(nodes=(f"N{k}", f"N{k + 1}"), length=1.5)
         links[f"rocker{k}"] = Link(nodes=(f"F{k}", f"N{k + 1}"), length=4)
     inputs = {"alpha": Input(link="crank", about="O")}
-    system = assemble(Scene(name="tower", unit="m", nodes=nodes, links=links, inputs=inputs))
-    live = live_blocks(system, triangular_blocks(system), wanted(system))
+    assembly = assemble(Scene(name="tower", unit="m", nodes=nodes, links=links, inputs=inputs))
+    live = live_blocks(assembly, triangular_blocks(assembly), wanted(assembly))
     assert [len(block.unknowns) for block in live] == [2] * (count + 1)

@@ -17,12 +17,12 @@ from msgspec import structs
 from kousoku.codegen.emit import along
 from kousoku.codegen.generate import write_tree
 from kousoku.codegen.linkage import emit as linkage_emit
+from kousoku.codegen.linkage.assemble import assemble
 from kousoku.codegen.linkage.emit import emit_linkage
 from kousoku.codegen.linkage.generate import generate_scene, layout_of, program_of
 from kousoku.codegen.linkage.reference import ORDERS, reference_values
 from kousoku.codegen.linkage.solution import places
 from kousoku.model.arithmetic import FLOAT
-from kousoku.model.assemble import assemble
 from kousoku.model.graph import Op
 from kousoku.model.interpret import evaluate
 from kousoku.model.manifest import Manifest
@@ -91,7 +91,7 @@ def test_matrix_is_the_derivative_of_the_residual(name: str) -> None:
     first = made.regions["x"].base
     for number, block in enumerate(made.blocks):
         kernel = program_of(made).kernels[3 * number]
-        n, step = len(block.unknowns), 1e-6 * made.system.scene.largest_length
+        n, step = len(block.unknowns), 1e-6 * made.assembly.scene.largest_length
         matrix = np.reshape(evaluate(kernel, {"x0": here}, FLOAT)["D"], (n, n))
         for column in range(n):
             ends = []

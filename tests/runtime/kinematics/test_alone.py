@@ -34,8 +34,10 @@ RUN = Run(
 
 def solve_alone(mechanism: Mechanism, run: Run) -> Trajectory:
     """Return the motion as a folder without kousoku makes it."""
-    solver: Any = SimpleNamespace(mechanism=lambda _: mechanism, scene=lambda _: run, solve=solve)
-    return Linkage({"name": "bar"}, solver).solve()
+    solver: Any = SimpleNamespace(
+        name="numpy", mechanism=lambda _: mechanism, scene=lambda _: run, solve=solve
+    )
+    return Linkage(solver, {"name": "bar"}).solve()
 
 
 def test_results_are_by_node_and_by_link(four_bar: Any) -> None:

@@ -8,20 +8,20 @@ from typing import Any
 
 import pytest
 
-from kousoku.model.assemble import Role, System, assemble
+from kousoku.codegen.linkage.assemble import Assembly, Role, assemble
 from kousoku.model.errors import SceneError
 from kousoku.model.planar import Input, Link, Node, Rigid, Slider
 from kousoku.model.read import read_scene
 from kousoku.model.scene import Scene
 
-SCENES = Path(__file__).parents[2] / "scenes"
+SCENES = Path(__file__).parents[3] / "scenes"
 
 
-def system(name: str) -> System:
+def assembled(name: str) -> Assembly:
     return assemble(read_scene(SCENES / f"{name}.toml"))
 
 
-def names(made: System, role: Role) -> list[str]:
+def names(made: Assembly, role: Role) -> list[str]:
     return [coordinate.name for coordinate in made.coordinates if coordinate.role is role]
 
 
@@ -37,7 +37,7 @@ def scene(**parts: object) -> Scene:
 
 
 def test_piston_crank_has_the_coordinates_of_equation_29() -> None:
-    made = system("piston_crank")
+    made = assembled("piston_crank")
     assert names(made, Role.FIXED) == ["O1.x", "O1.y"]
     assert names(made, Role.INPUT) == ["alpha"]
     assert names(made, Role.UNKNOWN) == ["O2.x", "O2.y", "piston", "l1@O2", "l2@O2", "l2@O3"]
@@ -46,7 +46,7 @@ def test_piston_crank_has_the_coordinates_of_equation_29() -> None:
 
 
 def test_lever_crank_drops_its_frame_link() -> None:
-    made = system("lever_crank")
+    made = assembled("lever_crank")
     assert [element.name for element in made.elements] == ["l1", "l2", "l3"]
     assert "l4 dropped: both of its nodes are fixed" in made.notes
     unknown = names(made, Role.UNKNOWN)
@@ -54,7 +54,7 @@ def test_lever_crank_drops_its_frame_link() -> None:
 
 
 def test_rigid_connection_shares_one_rotation() -> None:
-    made = system("watt_six_bar")
+    made = assembled("watt_six_bar")
     assert "rotations of r1, r2 at O3 merged: rigid connection" in made.notes
     shared = {
         element.name: element.ends[2] for element in made.elements if element.name in {"r1", "r2"}

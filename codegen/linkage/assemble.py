@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.linkage.rotations import direction, merge_rotations
 from kousoku.model.directions import HALF_TURN, square_root, unit_vector
 from kousoku.model.errors import SceneError
-from kousoku.model.rotations import direction, merge_rotations
 from kousoku.model.validate import require_planar
 
 if TYPE_CHECKING:
-    from kousoku.model.rotations import NodeRotation
+    from kousoku.codegen.linkage.rotations import NodeRotation
     from kousoku.model.scene import Scene
 
 
@@ -31,7 +31,7 @@ class Role(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Coordinate:
+class LinkageCoordinate:
     """One number of the vector x.
 
     Parameters
@@ -56,7 +56,7 @@ class Coordinate:
 
 
 @dataclass(frozen=True, slots=True)
-class Term:
+class Affine:
     """One of the six numbers of a link's ends: offset + factor · coordinate."""
 
     coordinate: int
@@ -65,7 +65,7 @@ class Term:
 
 
 @dataclass(frozen=True, slots=True)
-class Element:
+class LinkElement:
     """A link with its place in the assembly.
 
     Parameters
@@ -77,7 +77,7 @@ class Element:
         end comes first.
     length : Fraction [unit of the scene]
         Design length l0.
-    ends : (6,) of Term
+    ends : (6,) of Affine
         x1 y1 β1 x2 y2 β2, (1).
     rows : tuple of int
         Which of ε1, ε2, ε3 must vanish; all but those that a link of the frame fulfils by itself.
@@ -86,23 +86,23 @@ class Element:
     name: str
     nodes: tuple[str, str]
     length: Fraction
-    ends: tuple[Term, Term, Term, Term, Term, Term]
+    ends: tuple[Affine, Affine, Affine, Affine, Affine, Affine]
     rows: tuple[int, ...] = (0, 1, 2)
 
 
 @dataclass(frozen=True, slots=True)
-class System:
+class Assembly:
     """An assembled linkage.
 
     Parameters
     ----------
     scene : Scene
         What was assembled.
-    coordinates : tuple of Coordinate
+    coordinates : tuple of LinkageCoordinate
         Node positions in the order of the nodes, then sliders, then rotations.
-    nodes : tuple of (str, Term, Term)
+    nodes : tuple of (str, Affine, Affine)
         Name, x and y of each node, in the order of the scene.
-    elements : tuple of Element
+    elements : tuple of LinkElement
         The links, in the order of the scene.
     inputs : tuple of int
         The prescribed coordinates, in the order of the scene's inputs.
@@ -111,15 +111,15 @@ class System:
     """
 
     scene: Scene
-    coordinates: tuple[Coordinate, ...]
-    nodes: tuple[tuple[str, Term, Term], ...]
-    elements: tuple[Element, ...]
+    coordinates: tuple[LinkageCoordinate, ...]
+    nodes: tuple[tuple[str, Affine, Affine], ...]
+    elements: tuple[LinkElement, ...]
     inputs: tuple[int, ...]
     notes: tuple[str, ...]
 
 
-def assemble(scene: Scene) -> System:
-    """Return the system of a scene.
+def assemble(scene: Scene) -> Assembly:
+    """Return the assembly of a scene.
 
     Raises
     ------
@@ -128,29 +128,29 @@ def assemble(scene: Scene) -> System:
         are prescribed or connected twice.
     """
     require_planar(scene)
-    return _Assembly(scene).system()
+    return _Assembler(scene).assembly()
 
 
-class _Assembly:
+class _Assembler:
     """The growing lists of one assembly."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.coordinates: list[Coordinate] = []
+        self.coordinates: list[LinkageCoordinate] = []
         self.notes: list[str] = []
         self.prescribed: dict[str, int] = {}
-        self.nodes: dict[str, tuple[Term, Term]] = {}
-        self.ends: dict[tuple[str, str], Term] = {}
+        self.nodes: dict[str, tuple[Affine, Affine]] = {}
+        self.ends: dict[tuple[str, str], Affine] = {}
         self.active: set[tuple[str, str]] = set()
 
-    def system(self) -> System:
+    def assembly(self) -> Assembly:
         sliding = {slider.node: name for name, slider in self.scene.sliders.items()}
         for name in self.scene.nodes:
             self.nodes[name] = self._slider(sliding[name]) if name in sliding else self._node(name)
         for rotation in merge_rotations(self.scene, self.notes):
             self._rotation(rotation)
         elements = [self._element(link) for link in self.scene.links]
-        return System(
+        return Assembly(
             scene=self.scene,
             coordinates=tuple(self.coordinates),
             nodes=tuple((name, x, y) for name, (x, y) in self.nodes.items()),
@@ -161,19 +161,19 @@ class _Assembly:
 
     def _add(self, name: str, role: Role, start: Fraction, length: Fraction | None = None) -> int:
         unit, scale = (self.scene.unit, Fraction(1)) if length is None else ("rad", length)
-        self.coordinates.append(Coordinate(name, unit, role, start, scale))
+        self.coordinates.append(LinkageCoordinate(name, unit, role, start, scale))
         return len(self.coordinates) - 1
 
-    def _node(self, name: str) -> tuple[Term, Term]:
+    def _node(self, name: str) -> tuple[Affine, Affine]:
         node = self.scene.nodes[name]
         role = Role.FIXED if node.fixed else Role.UNKNOWN
         x, y = (
             self._add(f"{name}.{axis}", role, Fraction(at))
             for axis, at in zip("xy", node.at, strict=True)
         )
-        return Term(x), Term(y)
+        return Affine(x), Affine(y)
 
-    def _slider(self, name: str) -> tuple[Term, Term]:
+    def _slider(self, name: str) -> tuple[Affine, Affine]:
         """Place a node on its line: node = through + s · direction."""
         slider = self.scene.sliders[name]
         through = tuple(map(Fraction, slider.through))
@@ -186,7 +186,7 @@ class _Assembly:
             self._prescribe(key, len(self.coordinates))
         s = self._add(name, Role.INPUT if keys else Role.UNKNOWN, start)
         self.notes.append(f"{slider.node}.x and {slider.node}.y merged: slider {name}")
-        x, y = (Term(s, d, t) for d, t in zip(along, through, strict=True))
+        x, y = (Affine(s, d, t) for d, t in zip(along, through, strict=True))
         return x, y
 
     def _prescribe(self, key: str, coordinate: int) -> None:
@@ -208,11 +208,11 @@ class _Assembly:
             self._prescribe(rotation.input, len(self.coordinates))
         number = self._add(name, role, start, Fraction(self.scene.length(first)))
         for link, angle in zip(rotation.links, rotation.angles, strict=True):
-            self.ends[link, node] = Term(number, offset=angle)
+            self.ends[link, node] = Affine(number, offset=angle)
             if rotation.input or len(rotation.links) > 1:
                 self.active.add((link, node))
 
-    def _element(self, name: str) -> Element:
+    def _element(self, name: str) -> LinkElement:
         link = self.scene.links[name]
         first, second = link.nodes
         if (name, second) in self.active and (name, first) not in self.active:
@@ -224,11 +224,11 @@ class _Assembly:
             rows = tuple(row for row, node in ends if (name, node) in self.active)
             if not rows:
                 self.notes.append(f"{name} dropped: both of its nodes are fixed")
-        seen = self.ends.get((name, second), Term(0))
-        turned = Term(seen.coordinate, seen.factor, seen.offset - HALF_TURN)
+        seen = self.ends.get((name, second), Affine(0))
+        turned = Affine(seen.coordinate, seen.factor, seen.offset - HALF_TURN)
         (x1, y1), (x2, y2) = self.nodes[first], self.nodes[second]
-        six = (x1, y1, self.ends.get((name, first), Term(0)), x2, y2, turned)
-        return Element(name, (first, second), Fraction(self.scene.length(name)), six, rows)
+        six = (x1, y1, self.ends.get((name, first), Affine(0)), x2, y2, turned)
+        return LinkElement(name, (first, second), Fraction(self.scene.length(name)), six, rows)
 
     def _check_fit(self, name: str) -> None:
         """Refuse a link of the frame whose length is not the distance of its fixed nodes."""
