@@ -309,15 +309,16 @@ static double longest_way(const Attempts *tried, const Trial *trial, const State
     if (!HAS_REFINEMENT || !is_loose || tried->is_fixed) return HUGE_VAL;
     const double top = larger(s->position_ratio, trial->top_ratio);
     if (smaller(trial->dip_ratio, trial->end_ratio) > LEVEL * top) return HUGE_VAL;
-    return tried->m->stages < MANY_STAGES ? LONGEST_OF_ALL : LONGEST_OF_MANY;
+    return IS_DRIVEN && tried->m->stages >= MANY_STAGES ? LONGEST_OF_MANY : LONGEST_OF_ALL;
 }
 
-/* whether a step is no longer than that: else it is made again */
+/* whether a step is no longer than that: else it is made again. Where bodies are free much shorter:
+ * they pass places where branches meet by momentum */
 static int is_short(double longest, Trial *trial, const State *s, const Work *work)
 {
     const double way = longest < HUGE_VAL ? way_of(trial, s, work) : 0.0;
     if (!(way > longest)) return 1;
-    trial->longest = NEARLY * trial->h * (longest / way);
+    if (IS_DRIVEN) trial->longest = NEARLY * trial->h * (longest / way);
     return 0;
 }
 
@@ -347,7 +348,7 @@ static void accept(const Attempts *tried, const Trial *trial, Work *work, State 
     if (error != 0.0) factor = SAFETY * pow(error, -0.8 * exponent) * pow(before, 0.2 * exponent);
     double next = h * smaller(tried->is_rejected ? 1.0 : 10.0, larger(0.2, factor));
     const double way = longest_way(tried, trial, s); /* what is longer is made in vain */
-    if (way < HUGE_VAL) next = smaller(next, NEARLY * way / size_of(work->y + NQ));
+    if (IS_DRIVEN && way < HUGE_VAL) next = smaller(next, NEARLY * way / size_of(work->y + NQ));
     if (!trial->is_last || next < s->step_size) s->step_size = next;
     s->error = larger(error, 1e-4);
     s->drift = larger(s->drift, trial->drift);

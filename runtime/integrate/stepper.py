@@ -442,7 +442,8 @@ def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> floa
     top = larger(state.position_ratio, trial.top_ratio)
     if smaller(trial.dip_ratio, trial.end_ratio) > LEVEL * top:
         return math.inf
-    return LONGEST_OF_ALL if tried.m.stages < MANY_STAGES else LONGEST_OF_MANY
+    is_dense = work.scene.is_driven and tried.m.stages >= MANY_STAGES
+    return LONGEST_OF_MANY if is_dense else LONGEST_OF_ALL
 
 
 def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
@@ -450,7 +451,8 @@ def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
     way = way_of(trial, state, work) if longest < math.inf else 0.0
     if not way > longest:
         return True
-    trial.longest = NEARLY * trial.h * (longest / way)
+    if work.scene.is_driven:  # free bodies pass places where branches meet by momentum
+        trial.longest = NEARLY * trial.h * (longest / way)
     return False
 
 
@@ -483,7 +485,7 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         factor = SAFETY * error ** (-0.8 * exponent) * before ** (0.2 * exponent)
     following = h * smaller(1.0 if tried.is_rejected else 10.0, larger(0.2, factor))
     way, speed = longest_way(tried, trial, work, state), work.w.size_of(work.y[work.scene.nq :])
-    if way < math.inf and speed > 0.0:  # what is longer is made in vain
+    if work.scene.is_driven and way < math.inf and speed > 0.0:  # what is longer is made in vain
         following = smaller(following, NEARLY * way / speed)
     if not trial.is_last or following < state.step_size:
         state.step_size = following
