@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.kit import seconds_of
-from kousoku.codegen.dynamics.generate import composed
+from kousoku.codegen.dynamics.generate import compose_scene
 from kousoku.codegen.dynamics.recording.counts import counts
 from kousoku.runtime.dynamics_targets import CompiledSolver
 from kousoku.runtime.toolchain import EXTENSION, find_toolchain
@@ -189,7 +189,7 @@ def instrumented(source: str) -> str:
 
 def share_of_factors(mechanism: Mechanism) -> float:
     """Part of the operations of the geometry that factorises C_q M⁻¹ C_qᵀ."""
-    program = composed(mechanism.scene, mechanism.outputs).program
+    program = compose_scene(mechanism.scene, mechanism.outputs).program
     own = [one for one in counts(program) if one.segment == "geometry"]
     factors = sum(one.operations for one in own if one.title.startswith(FACTORISES))
     return factors / max(1, sum(one.operations for one in own))

@@ -28,8 +28,7 @@ STAGES: dict[str, dict[str, tuple[str, ...]]] = {
     "read": {"kousoku.model.read": ("text_of", "scene_from_toml"), "kousoku.loading": ("_text",)},
     "analyse": {
         "kousoku.codegen.dynamics.generate": (
-            *("system_of", "require_kept", "put_together", "require_held", "without_held"),
-            *("analyse", "given_start", "require_driven"),
+            *("assemble_scene", "analyse", "given_start", "require_driven"),
             *("changes_of_assembly", "notes_of_freedom"),
         ),
     },

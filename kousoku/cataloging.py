@@ -152,7 +152,7 @@ def _catalog() -> Catalog:
         ),
         "drivers": _sorts(
             records["Driver"],
-            {name: one.keys for name, one in DRIVERS.items()},
+            {name: one.all_keys for name, one in DRIVERS.items()},
             {name: one.title for name, one in DRIVERS.items()},
         ),
         "coordinates": _sorts(

@@ -6,8 +6,8 @@ from kousoku.joint_shapes import (
     BoxShape,
     CylinderShape,
     JointFreedom,
+    JointPicture,
     Owner,
-    Shape,
     Solid,
     Vector,
     X,
@@ -25,8 +25,8 @@ def _pulley(owner: Owner, x: float, z: float) -> Solid:
 
 
 #: Body i is that of the first joint, body j that of the second one; both may move.
-COUPLED: dict[str, Shape] = {
-    "gear": Shape(
+COUPLING_PICTURES: dict[str, JointPicture] = {
+    "gear": JointPicture(
         (
             CylinderShape("j", (0.9, 0.15, 0.0), (0.9, -0.15, 0.0), 1.0),
             CylinderShape("i", (-0.7, 0.15, 0.0), (-0.7, -0.15, 0.0), 0.6),
@@ -38,7 +38,7 @@ COUPLED: dict[str, Shape] = {
         (((-0.7, 0.0, 0.0), Y), ((0.9, 0.0, 0.0), Y)),
         (),
     ),
-    "rack_and_pinion": Shape(
+    "rack_and_pinion": JointPicture(
         (
             BoxShape("j", (-1.7, -0.15, -0.6), (1.7, 0.15, -0.3)),
             CylinderShape("i", (0.0, 0.15, 0.4), (0.0, -0.15, 0.4), 0.7),
@@ -50,7 +50,7 @@ COUPLED: dict[str, Shape] = {
         (((0.0, 0.0, 0.4), Y),),
         (),
     ),
-    "linear": Shape(
+    "linear": JointPicture(
         (
             BoxShape("-", (-0.8, -0.2, 1.35), (1.5, 0.2, 1.45)),
             _rope((1.05, 0.0, -0.2), (1.05, 0.0, 1.35)),

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from kousoku.codegen.dynamics.assembled import assemble_scene
 from kousoku.codegen.dynamics.assembly.residuals import unit_of
 from kousoku.codegen.dynamics.composition.equations import NUMBERS, system_equations
 from kousoku.codegen.dynamics.emission.view_numbers import row_of
@@ -23,13 +24,11 @@ from kousoku.codegen.dynamics.operations.characteristic_length import characteri
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
-from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.labels import columns_of, is_turn, rows_of
 from kousoku.model.errors import SolveError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
-from kousoku.model.held import without_held
 from kousoku.model.interpret import ARRAY
 from kousoku.model.interpret import evaluate as evaluated
 from kousoku.model.system import system_of
@@ -62,11 +61,11 @@ KEPT = 8
 MOST_TURNS, WHOLE = 100, 1e-6
 
 
-def equations_of(scene: Scene) -> Equations:
+def equations_of(scene: Scene) -> SceneEquations:
     """Equations of a scene; those of the last scenes are kept."""
     known = _KEPT.get(id(scene))
     if known is None or known.scene is not scene:
-        known = Equations(scene)
+        known = SceneEquations(scene)
     _KEPT[id(scene)] = known
     _KEPT.move_to_end(id(scene))
     while len(_KEPT) > KEPT:
@@ -75,7 +74,7 @@ def equations_of(scene: Scene) -> Equations:
 
 
 #: Equations by the identity of their scenes, which they keep alive.
-_KEPT: OrderedDict[int, Equations] = OrderedDict()
+_KEPT: OrderedDict[int, SceneEquations] = OrderedDict()
 
 
 class CheckedState(NamedTuple):
@@ -126,7 +125,7 @@ class EquationsAtState(NamedTuple):
     f: Array
 
 
-class Equations:
+class SceneEquations:
     """The equations of a scene of bodies; what does not depend on a state is prepared once.
 
     Parameters
@@ -142,7 +141,7 @@ class Equations:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.system = without_held(put_together(system_of(scene, ())))
+        self.system = assemble_scene(scene, ()).system
         self._recorded = system_equations(self.system)
         self._program = self._recorded.program
         self._workspace = ProgramInterpreter(self._program)

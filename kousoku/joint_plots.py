@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from matplotlib.path import Path
 
-from kousoku.coupling_shapes import COUPLED
-from kousoku.joint_shapes import SHAPES, Ball, BoxShape, CylinderShape
+from kousoku.coupling_shapes import COUPLING_PICTURES
+from kousoku.joint_shapes import JOINT_PICTURES, Ball, BoxShape, CylinderShape
 from kousoku.plots import save
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from kousoku.joint_shapes import JointFreedom, Shape, Solid, Vector
+    from kousoku.joint_shapes import JointFreedom, JointPicture, Solid, Vector
 
     Array = NDArray[np.float64]
 
@@ -39,12 +39,12 @@ _HALF = (2.35, 1.6)
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 49)
 
 
-def draw_joint(shape: Shape) -> Figure:
+def draw_joint(shape: JointPicture) -> Figure:
     """Draw two bodies, their points and axes, and an arrow for each freedom that is left.
 
     Parameters
     ----------
-    shape : Shape
+    shape : JointPicture
         What is drawn: body i blue, body j orange, axes red; displacements of body j green and
         straight, its turns violet and round, a screw a violet thread.
     """
@@ -161,7 +161,7 @@ def _draw_freedom(axes: Axes, freedom: JointFreedom) -> None:
     )
 
 
-def _label(axes: Axes, shape: Shape, owner: str) -> None:
+def _label(axes: Axes, shape: JointPicture, owner: str) -> None:
     """Write the name of a body onto its largest box, cylinder or ball."""
     places = [_middle(solid) for solid in shape.solids if solid.owner == owner]
     place = max(places, key=lambda found: found[1])[0]
@@ -186,7 +186,7 @@ def _middle(solid: Solid) -> tuple[Array, float]:
 def main(folder: str) -> None:
     """Write the pictures of all joints and couplings into a folder."""
     FilePath(folder).mkdir(parents=True, exist_ok=True)
-    for name, shape in (SHAPES | COUPLED).items():
+    for name, shape in (JOINT_PICTURES | COUPLING_PICTURES).items():
         save(draw_joint(shape), FilePath(folder) / f"{name}.svg")
 
 

@@ -1,4 +1,4 @@
-"""What the pictures of joints show: two bodies, a point, axes, and the freedoms that are left.
+"""Pictures of joints: two bodies, a point, axes, the freedoms that are left; and their signs.
 
 A joint of the table is drawn where its point is the origin. Lengths are those of the picture.
 """
@@ -71,8 +71,8 @@ class JointFreedom:
 
 
 @dataclass(frozen=True, slots=True)
-class Shape:
-    """The picture of a joint.
+class JointPicture:
+    """A joint as it is drawn, alone and in a mechanism.
 
     Parameters
     ----------
@@ -84,12 +84,26 @@ class Shape:
         Axis of body i, and that of body j where it is another one.
     points : tuple of (3,)
         Point of body i, and that of body j where it is another one.
+    sign : tuple
+        What stands for it in a mechanism, where the rods that meet in it are 0.3 thick: mostly the
+        middle of its own picture. What is body i's stands in the joint frame of body i, along its
+        axis, the rest in that of body j.
+    slides : bool
+        Whether bodies move along its axis, which then is drawn as a guide.
+    has_pedestal : bool
+        Whether a pedestal stands under it on the ground.
+    is_rod : bool
+        Whether a rod is drawn from its point on body i to that on body j.
     """
 
     solids: tuple[Solid, ...]
     freedoms: tuple[JointFreedom, ...]
     axes: tuple[tuple[Vector, Vector], ...] = ()
     points: tuple[Vector, ...] = (ORIGIN,)
+    sign: tuple[Solid, ...] = ()
+    slides: bool = False
+    has_pedestal: bool = True
+    is_rod: bool = False
 
 
 def _turns(
@@ -113,6 +127,13 @@ def _ridge(x: float) -> CylinderShape:
 
 
 _PLATE = BoxShape("i", (-1.5, -1.0, -0.2), (1.5, 1.0, 0.0))
+_SMALL_PLATE = BoxShape("i", (-0.9, -0.9, -0.12), (0.9, 0.9, 0.0))
+_ON_PLATE = BoxShape("j", (-0.45, -0.35, 0.0), (0.45, 0.35, 0.45))
+_SLIDER = BoxShape("j", (-0.5, -0.4, -0.4), (0.5, 0.4, 0.4))
+_SLEEVE = CylinderShape("j", (-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), 0.4)
+_BALL = Ball("j", ORIGIN, 0.36)
+_NUT = BoxShape("j", (-0.4, -0.4, -0.4), (0.4, 0.4, 0.4))
+_CUP = (CylinderShape("i", (-0.5, 0.0, 0.0), (0.05, 0.0, 0.0), 0.5), Ball("-", ORIGIN, 0.36))
 _IN_PLATE = (
     JointFreedom("shift", X, (0.0, -0.8, 0.0), 0.7),
     JointFreedom("shift", Y, (1.1, 0.0, 0.0), 0.7),
@@ -126,15 +147,16 @@ _APART = (
 )
 _MIDDLE = (1.0, 0.0, 0.1)
 
-SHAPES: dict[str, Shape] = {
-    "fixed": Shape(
+JOINT_PICTURES: dict[str, JointPicture] = {
+    "fixed": JointPicture(
         (
             BoxShape("i", (-1.5, -0.35, -0.35), (0.0, 0.35, 0.35)),
             BoxShape("j", (0.0, -0.25, -0.25), (1.4, 0.25, 0.25)),
         ),
         (),
+        sign=(BoxShape("i", (-0.3, -0.3, -0.3), (0.3, 0.3, 0.3)),),
     ),
-    "revolute": Shape(
+    "revolute": JointPicture(
         (
             BoxShape("i", (-1.6, -0.25, -0.3), (0.3, 0.25, 0.0)),
             BoxShape("j", (-0.3, -0.25, 0.0), (1.6, 0.25, 0.3)),
@@ -142,20 +164,23 @@ SHAPES: dict[str, Shape] = {
         ),
         (JointFreedom("turn", Z, (0.0, 0.0, 0.75), 0.5),),
         ((ORIGIN, Z),),
+        sign=(CylinderShape("i", (0.0, 0.0, -0.5), (0.0, 0.0, 0.5), 0.36),),
     ),
-    "prismatic": Shape(
+    "prismatic": JointPicture(
         (
             BoxShape("i", (-1.7, -0.17, -0.17), (-0.5, 0.17, 0.17)),
-            BoxShape("j", (-0.5, -0.4, -0.4), (0.5, 0.4, 0.4)),
+            _SLIDER,
             BoxShape("i", (0.5, -0.17, -0.17), (1.7, 0.17, 0.17)),
         ),
         (JointFreedom("shift", X, (0.0, 0.0, 0.75), 0.8),),
         ((ORIGIN, X),),
+        sign=(_SLIDER,),
+        slides=True,
     ),
-    "cylindrical": Shape(
+    "cylindrical": JointPicture(
         (
             CylinderShape("i", (-1.7, 0.0, 0.0), (-0.5, 0.0, 0.0), 0.15),
-            CylinderShape("j", (-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), 0.4),
+            _SLEEVE,
             CylinderShape("i", (0.5, 0.0, 0.0), (1.7, 0.0, 0.0), 0.15),
         ),
         (
@@ -163,16 +188,19 @@ SHAPES: dict[str, Shape] = {
             JointFreedom("turn", X, (1.15, 0.0, 0.0), 0.5),
         ),
         ((ORIGIN, X),),
+        sign=(_SLEEVE,),
+        slides=True,
     ),
-    "spherical": Shape(
+    "spherical": JointPicture(
         (
             BoxShape("i", (-0.35, -0.35, -1.3), (0.35, 0.35, -0.2)),
-            Ball("j", ORIGIN, 0.36),
+            _BALL,
             CylinderShape("j", (0.25, 0.0, 0.25), (1.0, 0.0, 1.15), 0.14),
         ),
         _turns(z=0.85),
+        sign=(_BALL,),
     ),
-    "universal": Shape(
+    "universal": JointPicture(
         (
             CylinderShape("i", (-1.8, 0.0, 0.0), (-0.7, 0.0, 0.0), 0.15),
             BoxShape("i", (-0.75, -0.5, -0.14), (-0.6, 0.5, 0.14)),
@@ -190,13 +218,19 @@ SHAPES: dict[str, Shape] = {
             JointFreedom("turn", Z, (0.0, 0.0, 0.85), 0.4),
         ),
         ((ORIGIN, Y), (ORIGIN, Z)),
+        sign=(
+            CylinderShape("i", (0.0, 0.6, 0.0), (0.0, -0.6, 0.0), 0.24),
+            CylinderShape("j", (0.0, 0.0, -0.6), (0.0, 0.0, 0.6), 0.24),
+        ),
     ),
-    "planar": Shape(
-        (_PLATE, BoxShape("j", (-0.45, -0.35, 0.0), (0.45, 0.35, 0.45))),
+    "planar": JointPicture(
+        (_PLATE, _ON_PLATE),
         (*_IN_PLATE, JointFreedom("turn", Z, (0.0, 0.0, 0.75), 0.45)),
         ((ORIGIN, Z),),
+        sign=(_SMALL_PLATE, _ON_PLATE),
+        has_pedestal=False,
     ),
-    "rod": Shape(
+    "rod": JointPicture(
         (
             BoxShape("i", (-1.9, -0.35, -0.9), (-1.2, 0.35, -0.2)),
             CylinderShape("-", _START, _END, 0.05),
@@ -208,8 +242,10 @@ SHAPES: dict[str, Shape] = {
             *_turns(_END, 1.05, -1.0, 0.95),
         ),
         points=(_START, _END),
+        sign=(Ball("i", ORIGIN, 0.3), Ball("j", ORIGIN, 0.3)),
+        is_rod=True,
     ),
-    "point_on_line": Shape(
+    "point_on_line": JointPicture(
         (
             BoxShape("i", (-1.9, -0.25, -0.7), (-1.6, 0.25, 0.25)),
             CylinderShape("i", (-1.6, 0.0, 0.0), (1.6, 0.0, 0.0), 0.05),
@@ -220,8 +256,10 @@ SHAPES: dict[str, Shape] = {
         ),
         (JointFreedom("shift", X, (0.5, 0.0, -0.72), 0.7), *_turns(x=0.95, z=1.25)),
         ((ORIGIN, X),),
+        sign=(_BALL,),
+        slides=True,
     ),
-    "point_on_plane": Shape(
+    "point_on_plane": JointPicture(
         (
             _PLATE,
             CylinderShape("j", ORIGIN, (0.0, 0.0, 0.5), 0.07),
@@ -229,14 +267,17 @@ SHAPES: dict[str, Shape] = {
         ),
         (*_IN_PLATE, *_turns(x=1.9, y=-1.4, z=1.25)),
         ((ORIGIN, Z),),
+        sign=(_SMALL_PLATE, _BALL),
+        has_pedestal=False,
     ),
-    "parallel_axes": Shape(
+    "parallel_axes": JointPicture(
         _APART,
         (*_shifts(_MIDDLE), JointFreedom("turn", Z, (1.0, 0.0, 1.05), 0.35)),
         (((-1.2, 0.0, 0.0), Z), (_MIDDLE, Z)),
         (),
+        has_pedestal=False,
     ),
-    "perpendicular_axes": Shape(
+    "perpendicular_axes": JointPicture(
         _APART,
         (
             *_shifts(_MIDDLE),
@@ -245,23 +286,29 @@ SHAPES: dict[str, Shape] = {
         ),
         (((-1.2, 0.0, 0.0), Z), (_MIDDLE, X)),
         (),
+        has_pedestal=False,
     ),
-    "screw": Shape(
+    "screw": JointPicture(
         (
             CylinderShape("i", (-1.7, 0.0, 0.0), (-0.4, 0.0, 0.0), 0.17),
             *(_ridge(-1.5 + 0.2 * k) for k in range(6)),
-            BoxShape("j", (-0.4, -0.4, -0.4), (0.4, 0.4, 0.4)),
+            _NUT,
             CylinderShape("i", (0.4, 0.0, 0.0), (1.7, 0.0, 0.0), 0.17),
             *(_ridge(0.5 + 0.2 * k) for k in range(6)),
         ),
         (JointFreedom("screw", X, (0.0, 0.0, 0.0), 0.72, 0.45),),
         ((ORIGIN, X),),
+        sign=(
+            _NUT,
+            CylinderShape("j", (-0.62, 0.0, 0.0), (-0.4, 0.0, 0.0), 0.3),
+            CylinderShape("j", (0.4, 0.0, 0.0), (0.62, 0.0, 0.0), 0.3),
+        ),
+        slides=True,
     ),
-    "constant_velocity": Shape(
+    "constant_velocity": JointPicture(
         (
             CylinderShape("i", (-1.8, 0.0, 0.0), (-0.5, 0.0, 0.0), 0.15),
-            CylinderShape("i", (-0.5, 0.0, 0.0), (0.05, 0.0, 0.0), 0.5),
-            Ball("-", ORIGIN, 0.36),
+            *_CUP,
             CylinderShape("j", (0.3, 0.0, 0.0), (1.8, 0.0, 0.0), 0.15),
         ),
         (
@@ -269,44 +316,7 @@ SHAPES: dict[str, Shape] = {
             JointFreedom("turn", Z, (0.0, 0.0, 0.95), 0.4),
         ),
         ((ORIGIN, X),),
+        sign=_CUP,
     ),
 }
 """The picture of each joint, by its name in :data:`kousoku.model.joints.JOINTS`."""
-
-
-def _of(joint: str, *places: int) -> tuple[Solid, ...]:
-    """Solids that a joint is drawn with, those that are wanted."""
-    return tuple(SHAPES[joint].solids[place] for place in places)
-
-
-SIGNS: dict[str, tuple[Solid, ...]] = {
-    "fixed": (BoxShape("i", (-0.3, -0.3, -0.3), (0.3, 0.3, 0.3)),),
-    "revolute": (CylinderShape("i", (0.0, 0.0, -0.5), (0.0, 0.0, 0.5), 0.36),),
-    "prismatic": _of("prismatic", 1),
-    "cylindrical": _of("cylindrical", 1),
-    "spherical": _of("spherical", 1),
-    "universal": (
-        CylinderShape("i", (0.0, 0.6, 0.0), (0.0, -0.6, 0.0), 0.24),
-        CylinderShape("j", (0.0, 0.0, -0.6), (0.0, 0.0, 0.6), 0.24),
-    ),
-    "planar": (BoxShape("i", (-0.9, -0.9, -0.12), (0.9, 0.9, 0.0)), *_of("planar", 1)),
-    "rod": (Ball("i", ORIGIN, 0.3), Ball("j", ORIGIN, 0.3)),
-    "point_on_line": (Ball("j", ORIGIN, 0.36),),
-    "point_on_plane": (
-        BoxShape("i", (-0.9, -0.9, -0.12), (0.9, 0.9, 0.0)),
-        Ball("j", ORIGIN, 0.36),
-    ),
-    "parallel_axes": (),
-    "perpendicular_axes": (),
-    "screw": (
-        *_of("screw", 7),
-        CylinderShape("j", (-0.62, 0.0, 0.0), (-0.4, 0.0, 0.0), 0.3),
-        CylinderShape("j", (0.4, 0.0, 0.0), (0.62, 0.0, 0.0), 0.3),
-    ),
-    "constant_velocity": _of("constant_velocity", 1, 2),
-}
-"""What stands for each joint in the picture of a mechanism: the middle of its own picture.
-
-Lengths are those of :data:`SHAPES`, where the rods that meet in a joint are 0.3 thick. What is body
-i's stands in the joint frame of body i, along its axis, the rest in that of body j.
-"""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
+from kousoku.model.elements.constraints import components_of
 from kousoku.model.own_kind import is_own, kind_name
-from kousoku.model.rows import ROWS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -48,9 +48,9 @@ def _component(system: System, one: Instance, row: int) -> str:
     if is_own(one.kind):
         return f"{kind_name(one.kind)} {row}"
     kind, _, axis = one.kind.partition("_")
-    if axis:
-        return f"{kind} {'xyz'[ROWS[axis][row]]}′"
-    return f"{kind} {'xyz'[row]}" if kind == "point" else kind
+    of_axis = "′" if axis else ""
+    components = components_of(one.kind)
+    return f"{kind} {'xyz'[components[row]]}{of_axis}" if components else kind
 
 
 def is_turn(column: str) -> bool:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from kousoku.equations import CheckedState, Equations, EquationsAtState
+    from kousoku.equations import CheckedState, EquationsAtState, SceneEquations
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.run_ledger import Violation
@@ -287,7 +287,7 @@ def evaluate(
 
 
 def _gaps(
-    equations: Equations, violations: Mapping[str, Violation], speeds: Array
+    equations: SceneEquations, violations: Mapping[str, Violation], speeds: Array
 ) -> Iterator[str]:
     """Joints that a state leaves open, and those of them that come apart.
 
@@ -352,7 +352,9 @@ def _of_linkage(
     )
 
 
-def _labelled(equations: Equations, numbers: EquationsAtState, state: CheckedState) -> Matrices:
+def _labelled(
+    equations: SceneEquations, numbers: EquationsAtState, state: CheckedState
+) -> Matrices:
     """Matrices with the names of rows and columns."""
     return Matrices(
         equations.name,
@@ -369,7 +371,7 @@ def _labelled(equations: Equations, numbers: EquationsAtState, state: CheckedSta
     )
 
 
-def _accelerations(equations: Equations, solver: DynamicsSolver, state: CheckedState) -> Array:
+def _accelerations(equations: SceneEquations, solver: DynamicsSolver, state: CheckedState) -> Array:
     """Accelerations v̇ of a solver as the scene is written."""
     there = solver.at(state.parameters)
     q, v = solver_state(there.bodies, state.q, state.v, there.unit, (there.q, there.v))
@@ -414,7 +416,9 @@ def _multipliers(
     return rows * lam, share < TAKES_PART
 
 
-def _require_there(equations: Equations, state: CheckedState, there: tuple[Array, Array]) -> None:
+def _require_there(
+    equations: SceneEquations, state: CheckedState, there: tuple[Array, Array]
+) -> None:
     """Refuse a state that the solver cannot have."""
     length = equations.length + float(np.abs(state.q).max(initial=0.0))
     speed = length + float(np.abs(state.v).max(initial=0.0))

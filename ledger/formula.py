@@ -55,7 +55,7 @@ class Cross:
 
 
 @dataclass(frozen=True, slots=True)
-class Quotient:
+class Division:
     """One thing over another."""
 
     over: Node
@@ -113,7 +113,7 @@ Node = (
     | Sum
     | Product
     | Cross
-    | Quotient
+    | Division
     | Power
     | Transposed
     | Tilde

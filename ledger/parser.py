@@ -9,12 +9,12 @@ from kousoku.ledger.formula import (
     Array,
     Cross,
     Derivative,
+    Division,
     FunctionCall,
     Node,
     Numeral,
     Power,
     Product,
-    Quotient,
     Statement,
     Sum,
     SymbolName,
@@ -145,7 +145,7 @@ def _product(stream: _Stream) -> Node:
         if stream.peek() == "/":
             stream.next()
             under = _factor(stream)
-            factors = [Quotient(_joined(factors), under)]
+            factors = [Division(_joined(factors), under)]
         elif stream.peek() == "\\times":
             stream.next()
             factors[-1] = Cross(factors[-1], _factor(stream))

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 from kousoku.ledger.formula import (
     Array,
     Cross,
+    Division,
     FunctionCall,
     Node,
     Numeral,
     Power,
     Product,
-    Quotient,
     Sum,
     SymbolName,
     Tilde,
@@ -47,7 +47,7 @@ def readings(node: Node, ways: Callable[[SymbolName], tuple[SymbolName, ...]]) -
         case Transposed() | Tilde():
             for inner in readings(node.inner, ways):
                 yield replace(node, inner=inner)
-        case Cross() | Quotient() | Power() | FunctionCall() | Array():
+        case Cross() | Division() | Power() | FunctionCall() | Array():
             raise LedgerError(f"primes are not looked for in {type(node).__name__}")
 
 

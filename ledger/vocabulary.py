@@ -18,12 +18,12 @@ from kousoku.ledger.formula import (
     Array,
     Cross,
     Derivative,
+    Division,
     FunctionCall,
     Node,
     Numeral,
     Power,
     Product,
-    Quotient,
     Sum,
     SymbolName,
     Tilde,
@@ -110,7 +110,7 @@ class Vocabulary:
                 return _product([self.value(factor) for factor in node.factors])
             case Cross():
                 return _product([_tilde(self.value(node.left)), self.value(node.right)])
-            case Quotient():
+            case Division():
                 return _product(
                     [as_value(1 / _number(self.value(node.under))), self.value(node.over)]
                 )

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT
-from kousoku.model.elements.constraints import is_length
+from kousoku.model.elements.constraints import COORDINATES, is_length
 from kousoku.model.frames import GROUND_FRAME
 from kousoku.model.joints import JOINTS, NAMES, sort_of
 from kousoku.model.mechanism import Coordinate
-from kousoku.model.precise import NOISE, ZERO
-from kousoku.model.traced import Traced, at_scene
+from kousoku.model.precise import ZERO
+from kousoku.model.traced import at_scene
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -59,25 +59,8 @@ class PreciseMeasure:
             name: (i if name.endswith("i_b") else j).to_ground(vector)
             for name, vector in self.vectors
         }
-        if self.kind == "angle":
-            sine = _clean(precise.dot(fixed["b_i_b"], fixed["a_j_b"]), 1)
-            return precise.atan2(sine, precise.dot(fixed["a_i_b"], fixed["a_j_b"]))
-        if self.kind == "n1":
-            return _clean(precise.dot(fixed["a_i_b"], fixed["a_j_b"]), 1)
-        assert self.points is not None
-        start, end = (frame.place(s) for frame, s in zip(self.ends, self.points, strict=True))
-        d = precise.subtract(end, start)
-        if self.kind == "length":
-            return precise.length(d)
-        size = precise.length(start) + precise.length(end)
-        return _clean(precise.dot(fixed["a_i_b"], d), size)
-
-
-def _clean(value: High, size: High) -> High:
-    """Value, or zero where it is only rounding of numbers of that size."""
-    if isinstance(value, Traced):
-        return value
-    return CONTEXT.mpf(0) if abs(value) <= NOISE * size else value
+        points = None if self.points is None else (i.place(self.points[0]), j.place(self.points[1]))
+        return COORDINATES[self.kind].value(fixed, points)
 
 
 def joint_measure(joint: Joint, sort: str, frames: Mapping[str, BodyFrame]) -> PreciseMeasure:
@@ -188,7 +171,7 @@ class CoordinateList:
             return self._places[name]
         place = self._places[name] = len(self._records)
         value, start = measure.value(), CONTEXT.mpf(0)
-        if measure.kind == "angle":
+        if COORDINATES[measure.kind].counts_turns:
             start = value if near is None else near
             turns = CONTEXT.nint(at_scene(start - value) / (2 * CONTEXT.pi))
             value += 2 * CONTEXT.pi * turns

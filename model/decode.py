@@ -164,8 +164,11 @@ def _fields_of(record: type[msgspec.Struct]) -> dict[str, Any]:
 def _own_inputs(
     tree: Mapping[Any, object], record: type[msgspec.Struct], problems: Problems
 ) -> Mapping[str, OwnInput | ElementInput] | None:
-    """Keys that a type alone has, or None where nobody knows what keys it has."""
-    sort = tree.get("type")
+    """Keys that a type alone has, or None where nobody knows what keys it has.
+
+    Of records without a type, those that their sorts have.
+    """
+    sort = tree.get("type") if "type" in _fields_of(record) else ""
     if not isinstance(sort, str):
         return {}
     found: Mapping[str, OwnInput | ElementInput] | None
@@ -192,7 +195,7 @@ def _unknown_key(
     near = _nearest(name, fields)
     sort = tree.get("type")
     own = _keys_of_type(sort, record)
-    if inputs and not own:
+    if inputs and not own and "type" in tree:
         own = ("type", "bodies", *inputs)
     listed = ", ".join(own or fields)
     known = f"{with_a(str(sort))} has {listed}" if own else f"known here: {listed}"

@@ -31,7 +31,7 @@ FORMULAS = "formulas"
 
 
 def read_formulas(scene: Scene, problems: Problems) -> Scene:
-    """Return a scene whose formulas have the values that its parameters give them.
+    """Scene whose formulas have the values that its parameters give them.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def read_formulas(scene: Scene, problems: Problems) -> Scene:
 
 
 def with_numbers(scene: Scene) -> Scene:
-    """Return a scene with the values of its formulas in place of them."""
+    """Scene with the values of its formulas in place of them."""
     if not scene.parameters:
         return scene
     return changed_scene(scene, lambda given, _: float(given))
@@ -88,7 +88,7 @@ def _in_fifty_digits(parameters: Mapping[str, float]) -> dict[str, Any]:
 
 
 def _value(text: str, parameters: Mapping[str, float], exact: Mapping[str, Any]) -> float:
-    """Return the number that a formula is in a scene: it has one in 50 digits and in doubles."""
+    """Number that a formula is in a scene: it has one in 50 digits and in doubles."""
     from kousoku.model.traced import traced
 
     expression = parse_expression(text, parameters)
@@ -100,7 +100,7 @@ def _value(text: str, parameters: Mapping[str, float], exact: Mapping[str, Any])
 
 
 def changed_scene(scene: Scene, change: Callable[[Formula, str], float]) -> Scene:
-    """Return a scene with other numbers in place of its formulas, itself where it has none.
+    """Scene with other numbers in place of its formulas, itself where it has none.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def changed_scene(scene: Scene, change: Callable[[Formula, str], float]) -> Scen
 
 
 def _with(value: T, key: str, change: Callable[[Formula, str], float]) -> T:
-    """Return a record, a tuple or a number with its formulas changed, itself where it has none."""
+    """Record, tuple or number with its formulas changed, itself where it has none."""
     found: Any = value
     if isinstance(value, Formula):
         found = change(value, key)

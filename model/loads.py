@@ -90,12 +90,12 @@ class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     @staticmethod
     def keys_of_type(sort: str) -> tuple[str, ...]:
-        """Return the keys of a force of a type, none where there is no such type."""
+        """Keys of a force of a type, none where there is no such type."""
         return ("type", *FORCES[sort].all_keys) if sort in FORCES else ()
 
     @staticmethod
     def own_inputs(sort: str, kinds: object) -> Mapping[str, ElementInput]:
-        """Return the keys that a type of forces alone has."""
+        """Keys that a type of forces alone has."""
         return FORCES[sort].inputs if sort in FORCES else {}
 
     type: str
@@ -121,5 +121,5 @@ class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     inputs: Mapping[str, Any] | None = None
 
     def input(self, name: str) -> Any:
-        """Return the value of a key that its type alone has, None where it is left out."""
+        """Value of a key that its type alone has, None where it is left out."""
         return (self.inputs or {}).get(name)

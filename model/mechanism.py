@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from kousoku.model.elements.constraints import COORDINATES
+
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
@@ -98,7 +100,7 @@ class Coordinate:
     @property
     def counts_turns(self) -> bool:
         """Whether it is an angle, which kernels know up to whole turns only."""
-        return self.kind == "angle"
+        return COORDINATES[self.kind].counts_turns
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,7 +256,7 @@ class Carried:
 
 
 @dataclass(frozen=True, slots=True)
-class GivenStart:
+class WrittenStart:
     """A body of the scene at the start, as it is written.
 
     Parameters
@@ -283,7 +285,7 @@ class GivenStart:
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class SystemEvent:
     """A formula that passes zero, and what a run does then.
 
     Parameters
@@ -346,9 +348,9 @@ class System:
         Keys of the scene whose numbers depend on parameters and must be positive, and the numbers.
     closure_tolerance : float [lengths of the scene, rad]
         Rows of joints that others imply but for less are redundant.
-    events : tuple of Event
+    events : tuple of SystemEvent
         In the order of the scene.
-    given : tuple of GivenStart
+    given : tuple of WrittenStart
         All bodies of the scene, in its order, where the start depends on parameters; else empty.
     """
 
@@ -369,9 +371,9 @@ class System:
     only_held: int = 0
     positive: tuple[tuple[str, float], ...] = ()
     closure_tolerance: float = CLOSURE_TOLERANCE
-    events: tuple[Event, ...] = ()
-    given: tuple[GivenStart, ...] = ()
+    events: tuple[SystemEvent, ...] = ()
+    given: tuple[WrittenStart, ...] = ()
 
     def has_gravity(self, axis: int) -> bool:
-        """Return whether gravity has a component along an axis, or may have one."""
+        """Whether gravity has a component along an axis, or may have one."""
         return self.gravity[axis] != 0.0 or bool(self.gravity_law[axis])

@@ -32,7 +32,7 @@ IDENTITY: Quadruple = (CONTEXT.mpf(1), *ZERO)
 
 
 def number(value: float | Fraction | High) -> High:
-    """Return a double without rounding, or a fraction rounded to 50 digits; 50 digits as they are.
+    """Number of a double without rounding, or of a fraction in 50 digits; 50 digits as they are.
 
     Of an angle in degrees it is the angle: 90 degrees are a right one.
 
@@ -52,7 +52,7 @@ def number(value: float | Fraction | High) -> High:
 
 
 def double(value: High) -> float:
-    """Return a number rounded to a double, with its formula if it has one."""
+    """Number rounded to a double, with its formula if it has one."""
     return Varying(value) if isinstance(value, Traced) else float(value)
 
 
@@ -62,63 +62,70 @@ def sqrt(value: High) -> High:
 
 
 def atan2(y: High, x: High) -> High:
-    """Return the angle of (x, y)."""
+    """Angle of (x, y) [rad]."""
     if isinstance(y, Traced) or isinstance(x, Traced):
         return applied(Op.ATAN2, y, x)
     return CONTEXT.atan2(y, x)
 
 
+def cleaned(value: High, size: High) -> High:
+    """Value, or zero where it is only rounding of numbers of that size."""
+    if isinstance(value, Traced):
+        return value
+    return CONTEXT.mpf(0) if abs(value) <= NOISE * size else value
+
+
 def total(values: Sequence[High]) -> High:
-    """Return a sum; it is rounded once where no number is traced."""
+    """Sum, which is rounded once where no number is traced."""
     if any(isinstance(value, Traced) for value in values):
         return sum(values, ZERO[0])
     return CONTEXT.fsum(values)
 
 
 def triple(values: Iterable[float]) -> Triple:
-    """Return three doubles as numbers of 50 digits."""
+    """Three doubles as numbers of 50 digits."""
     x, y, z = values
     return number(x), number(y), number(z)
 
 
 def add(a: Triple, b: Triple) -> Triple:
-    """Return a + b."""
+    """Sum a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 def subtract(a: Triple, b: Triple) -> Triple:
-    """Return a − b."""
+    """Difference a − b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 def scale(factor: High, a: Triple) -> Triple:
-    """Return factor · a."""
+    """Multiple factor · a."""
     return factor * a[0], factor * a[1], factor * a[2]
 
 
 def dot(a: Triple, b: Triple) -> High:
-    """Return a · b."""
+    """Scalar product a · b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Triple, b: Triple) -> Triple:
-    """Return a × b."""
+    """Vector product a × b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def length(a: Sequence[High]) -> High:
-    """Return |a|, of a vector or of a quaternion."""
+    """Norm |a| of a vector or of a quaternion."""
     return sqrt(sum(x * x for x in a))
 
 
 def unit(a: Triple) -> Triple:
-    """Return a / |a|; a is not zero."""
+    """Unit vector a / |a|; a is not zero."""
     size = length(a)
     return a[0] / size, a[1] / size, a[2] / size
 
 
 def across(axis: Triple) -> Triple:
-    """Return a unit vector that is perpendicular to a unit vector.
+    """Unit vector that is perpendicular to a unit vector.
 
     It lies near the coordinate axis that is furthest from ``axis``, the first of equals, and on it
     where it can: zeros of the axis stay zeros.
@@ -129,12 +136,12 @@ def across(axis: Triple) -> Triple:
 
 
 def without(a: Triple, axis: Triple) -> Triple:
-    """Return a less its part along a unit vector."""
+    """Part of a that is perpendicular to a unit vector."""
     return subtract(a, scale(dot(a, axis), axis))
 
 
 def rotate(p: Quadruple, a: Triple) -> Triple:
-    """Return A(p) a / (p·p), the vector turned by the quaternion p of any length."""
+    """Vector A(p) a / (p·p), rotated by the quaternion p of any norm."""
     scalar, e = p[0], (p[1], p[2], p[3])
     if not any(e):
         return a
@@ -144,24 +151,24 @@ def rotate(p: Quadruple, a: Triple) -> Triple:
 
 
 def rotate_back(p: Quadruple, a: Triple) -> Triple:
-    """Return A(p)ᵀ a / (p·p)."""
+    """Vector A(p)ᵀ a / (p·p), rotated back."""
     return rotate(conjugate(p), a)
 
 
 def conjugate(p: Quadruple) -> Quadruple:
-    """Return the quaternion that turns back."""
+    """Conjugate quaternion, which rotates back."""
     return p[0], -p[1], -p[2], -p[3]
 
 
 def compose(p: Quadruple, q: Quadruple) -> Quadruple:
-    """Return p ∘ q: A(p ∘ q) = A(p) A(q)."""
+    """Quaternion product p ∘ q: A(p ∘ q) = A(p) A(q)."""
     e, f = (p[1], p[2], p[3]), (q[1], q[2], q[3])
     vector = add(add(scale(p[0], f), scale(q[0], e)), cross(e, f))
     return (p[0] * q[0] - dot(e, f), *vector)
 
 
 def quaternion_of(matrix: Square) -> Quadruple:
-    """Return Euler parameters of a rotation matrix, of any length.
+    """Euler parameters of a rotation matrix, of any norm.
 
     Of the four candidates the one that divides by the largest is taken.
     """
@@ -178,7 +185,7 @@ def quaternion_of(matrix: Square) -> Quadruple:
 
 
 def rounded(values: Sequence[High], size: High = 0, noise: High = NOISE) -> tuple[float, ...]:
-    """Return numbers rounded to doubles, with rounded zeros as zeros.
+    """Numbers rounded to doubles, with rounded zeros as zeros.
 
     Parameters
     ----------

@@ -15,6 +15,7 @@ import msgspec
 
 from kousoku.model import loads, own_kind, planar, scene, spatial
 from kousoku.model.decode import LARGEST
+from kousoku.model.elements.drivers import own_inputs
 from kousoku.model.elements.forces import FORCES
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.names import LONGEST, PATTERN
@@ -102,9 +103,9 @@ def scene_schema() -> dict[str, Any]:
     of_joints += [one.inputs for one in COUPLINGS.values()]
     of_forces = [one.inputs for one in FORCES.values()]
     for name, types, inputs in (("Joint", NAMES, of_joints), ("Force", FORCES, of_forces)):
-        properties = definitions[name]["properties"]
-        properties["type"]["enum"] = list(types)
-        properties |= _of_types(inputs)
+        definitions[name]["properties"]["type"]["enum"] = list(types)
+        definitions[name]["properties"] |= _of_types(inputs)
+    definitions["Driver"]["properties"] |= _of_types([own_inputs()])
     for table in TABLES:
         definitions["Scene"]["properties"][table]["propertyNames"] = {
             "pattern": PATTERN,

@@ -257,7 +257,19 @@ class Driver(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
         With `body`, the point in its frame; its origin when left out.
     path : (3,) float or str, optional
         With `body`, the position of the point in frame O, three formulas in the unit of the scene.
+    inputs : mapping of str to object, optional
+        What its sort alone has, by name; in a file they are keys of the driver.
     """
+
+    FLAT: ClassVar = "inputs"
+
+    @staticmethod
+    def own_inputs(sort: str, kinds: object) -> Mapping[str, ElementInput]:
+        """Keys that sorts of drivers have for themselves; no key says beforehand which it is."""
+        # What drivers are checked with knows bodies, of this file.
+        from kousoku.model.elements.drivers import own_inputs  # noqa: PLC0415
+
+        return own_inputs()
 
     coordinate: str | None = None
     joint: str | None = None
@@ -266,6 +278,11 @@ class Driver(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     body: str | None = None
     point: Place | None = None
     path: Components | None = None
+    inputs: Mapping[str, Any] | None = None
+
+    def input(self, name: str) -> Any:
+        """Value of a key that its sort alone has, None where it is left out."""
+        return (self.inputs or {}).get(name)
 
 
 class Event(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -10,7 +10,7 @@ from kousoku.model.elements.forces import FORCES
 from kousoku.model.elements.kind import Lowering
 from kousoku.model.formulas import RATE, state_names, used_names
 from kousoku.model.frames import to_vector
-from kousoku.model.mechanism import Event
+from kousoku.model.mechanism import SystemEvent
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,7 +27,7 @@ DIRECTIONS = {"both": 0, "rising": 1, "falling": -1}
 def force_elements(
     scene: Scene, frames: Mapping[str, BodyFrame], coordinates: CoordinateList, unit: High
 ) -> tuple[ForceElement, ...]:
-    """Return the forces of a checked scene as elements; a bushing is several.
+    """Forces of a checked scene as elements; a bushing is several.
 
     Parameters
     ----------
@@ -52,30 +52,30 @@ def force_elements(
     return tuple(found)
 
 
-def events_of(scene: Scene, coordinates: CoordinateList) -> tuple[Event, ...]:
-    """Return the events of a checked scene; what they need is added to the coordinates."""
+def events_of(scene: Scene, coordinates: CoordinateList) -> tuple[SystemEvent, ...]:
+    """Events of a checked scene; what they need is added to the coordinates."""
     for name in _named(scene, [event.when for event in scene.events.values()]):
         coordinates.place(name)
     return tuple(
-        Event(name, event.when, DIRECTIONS[event.direction], event.action)
+        SystemEvent(name, event.when, DIRECTIONS[event.direction], event.action)
         for name, event in scene.events.items()
     )
 
 
 def gravity_of(scene: Scene, unit: High) -> Vector:
-    """Return the acceleration of free fall in SI units, zero where it is a formula."""
+    """Acceleration of free fall [m/s²], frame O; zero where it is a formula."""
     x, y, z = (0.0 if isinstance(value, str) else value for value in scene.gravity)
     return to_vector(precise.scale(unit, precise.triple((x, y, z))))
 
 
 def gravity_law(scene: Scene) -> tuple[str, str, str]:
-    """Return the components of gravity that are formulas; the others are empty."""
+    """Components of gravity that are formulas; the others are empty."""
     x, y, z = (value if isinstance(value, str) else "" for value in scene.gravity)
     return x, y, z
 
 
 def _named(scene: Scene, formulas: list[str]) -> list[str]:
-    """Return the coordinates that formulas name, or whose rates they name."""
+    """Coordinates that formulas name, or whose rates they name."""
     known = state_names(scene)
     names = chain.from_iterable(used_names(text, known) for text in formulas)
     rates = {f"{name}{RATE}": name for name in scene.coordinates}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.angles import Angle
 from kousoku.model.decode import LARGEST, join, require_known
+from kousoku.model.elements.inputs import given as value_given
 from kousoku.model.elements.joint import ANGLES, DISPLACEMENTS
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import ARGUMENTS
@@ -92,7 +93,7 @@ def only_one(given: object, names: tuple[str, ...], key: str) -> str:
     SceneError
         None of them is, or more than one.
     """
-    found = [name for name in names if getattr(given, name) is not None]
+    found = [name for name in names if value_given(given, name) is not None]
     if len(found) != 1:
         listed = f"{', '.join(names[:-1])} and {names[-1]}"
         got = " and ".join(found) or "none of them"
@@ -109,7 +110,7 @@ def refuse_foreign(given: object, own: tuple[str, ...], known: tuple[str, ...], 
         One of the known keys is given that is not the sort's own.
     """
     for name in known:
-        if name not in own and getattr(given, name) is not None:
+        if name not in own and value_given(given, name) is not None:
             raise SceneError(f"does not belong to '{own[0]}'; leave it out", key=f"{key}.{name}")
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join
 from kousoku.model.drivers import text_of
-from kousoku.model.elements.drivers import DRIVERS
+from kousoku.model.elements.drivers import DRIVERS, own_inputs
 from kousoku.model.errors import ExpressionError, SceneError
 from kousoku.model.exponentials import rate_of
 from kousoku.model.expression import parse_expression
@@ -63,8 +63,8 @@ def check_drivers(scene: Scene, problems: Problems) -> None:
 def _check_driven(scene: Scene, name: str, drives: dict[Driven, str]) -> None:
     driver, key = scene.drivers[name], join("drivers", name)
     kind = DRIVERS[only_one(driver, tuple(DRIVERS), key)]
-    known = tuple(dict.fromkeys(name for one in DRIVERS.values() for name in one.keys))
-    refuse_foreign(driver, kind.keys, known, key)
+    known = tuple(dict.fromkeys(name for one in DRIVERS.values() for name in one.all_keys))
+    refuse_foreign(driver, kind.all_keys, known, key)
     for driven in kind.driven(scene, driver, key):
         other = drives.setdefault(driven, key)
         if other != key:
@@ -76,6 +76,9 @@ def _check_laws(scene: Scene, driver: Driver, key: str) -> None:
     laws = {f"{key}.path[{index}]": value for index, value in enumerate(driver.path or ())}
     if driver.value is not None:
         laws[f"{key}.value"] = driver.value
+    for name, one in own_inputs().items():
+        if one.depends_on == "time" and driver.input(name) is not None:
+            laws[f"{key}.{name}"] = driver.input(name)
     problems = Problems()
     for place, value in laws.items():
         problems.check(place, (), _check_law, scene, value, place)

@@ -8,6 +8,7 @@ from kousoku.model.decode import join, require_known
 from kousoku.model.elements.forces import FORCES
 from kousoku.model.errors import SceneError
 from kousoku.model.formulas import (
+    TIME,
     fixed_names,
     formula_problems,
     state_names,
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def uses_of(force: Force) -> list[str]:
-    """Return the elements that the check of a force depends on."""
+    """Elements that the check of a force depends on."""
     tables = {
         "bodies": (force.body, *(force.bodies or ())),
         "joints": (force.joint,),
@@ -125,7 +126,8 @@ def _check_formulas(scene: Scene, force: Force, key: str, names: Collection[str]
     """Refuse texts that are no formulas, all of them."""
     fixed, start = fixed_names(scene), values_at_start(scene)
     known: dict[str, Collection[str]]
-    known = {"parameters": fixed, "law": fixed_names(scene, *LAW_NAMES), "motion": names}
+    known = {"parameters": fixed, "time": fixed_names(scene, TIME), "motion": names}
+    known["law"] = fixed_names(scene, *LAW_NAMES)
     given = [(name, getattr(force, name), depends_on) for name, depends_on in DEPENDS_ON.items()]
     given += [
         (name, force.input(name), one.depends_on)

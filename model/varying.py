@@ -54,7 +54,7 @@ class Varying(Guarded):
 
 
 def varying_scene(scene: Scene) -> Scene:
-    """Return a checked scene with numbers that can be traced in place of its formulas."""
+    """Checked scene with numbers that can be traced in place of its formulas."""
     if not scene.parameters:
         return scene
     pairs = enumerate(scene.parameters.items())
@@ -80,7 +80,7 @@ POSITIVE: dict[str, tuple[str, ...]] = {
 
 
 def positive_numbers(scene: Scene) -> Iterator[tuple[str, float]]:
-    """Yield the numbers that depend on parameters and must be positive, with their keys."""
+    """Numbers that depend on parameters and must be positive, with their keys."""
     for table in ("bodies", "joints") if scene.parameters else ():
         for name, item in getattr(scene, table).items():
             yield from _positive(item, f"{table}.{name}", is_wanted=False)
@@ -101,14 +101,14 @@ def _positive(value: object, key: str, *, is_wanted: bool) -> Iterator[tuple[str
 
 
 def is_varying(value: object) -> bool:
-    """Return whether a number, or one in a tuple, depends on parameters."""
+    """Whether a number, or one in a tuple, depends on parameters."""
     if isinstance(value, tuple):
         return any(map(is_varying, value))
     return isinstance(value, Varying)
 
 
 def fixed(value: T) -> T:
-    """Return a number, a tuple or a record with the numbers of the scene, which nothing varies.
+    """Number, tuple or record with the numbers of the scene, which nothing varies.
 
     What has no number that varies is returned as it is.
     """
@@ -127,6 +127,6 @@ def fixed(value: T) -> T:
 
 
 def fixed_system(system: System) -> System:
-    """Return a system with the numbers of the scene: for what is decided before it runs."""
+    """System with the numbers of the scene: for what is decided before it runs."""
     found = fixed(system) if system.parameters else system
     return replace(found, positive=()) if found.positive else found

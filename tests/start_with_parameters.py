@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.pose import normalised
-from kousoku.codegen.dynamics.redundancy.nearly import put_together
+from kousoku.codegen.dynamics.redundancy.nearly import with_consistent_start
 from kousoku.model import precise
 from kousoku.model.design_numbers import read_formulas, with_numbers
 from kousoku.model.problems import Problems
@@ -60,7 +60,7 @@ def missed(
     if is_there:
         bodies = tuple(_placed(body, unit, motion) for body in system.bodies)
         system = replace(system, bodies=bodies)
-    placed = put_together(system)
+    placed = with_consistent_start(system)
     found = _written(placed)
     speeds = [x for _, *rates in _written(system) + found for x in _sizes(rates, length)]
     lengths, rates = [0.0], [0.0]

@@ -29,7 +29,8 @@ MAY_IMPORT = {
 #: Rooms of ``codegen/dynamics``, and files beside them; each may import what stands before it.
 STAGES = (
     *("recording", "operations", "elements", "assembly", "simplification", "redundancy"),
-    *("analyse", "composition", "emission", "checking", "choose", "generate", "explanation"),
+    *("assembled", "analyse", "composition", "emission", "checking", "choose"),
+    *("generate", "explanation"),
 )
 #: The files of ``model`` that ``runtime`` uses.
 SHARED = {"angles", "quantity", "manifest", "errors", "cache", "compressed", "jsontext"}

@@ -18,9 +18,9 @@ from kousoku.model.system import system_of
 
 matplotlib = pytest.importorskip("matplotlib")
 
-from kousoku.coupling_shapes import COUPLED  # noqa: E402
+from kousoku.coupling_shapes import COUPLING_PICTURES  # noqa: E402
 from kousoku.joint_plots import draw_joint  # noqa: E402
-from kousoku.joint_shapes import SHAPES, BoxShape, CylinderShape  # noqa: E402
+from kousoku.joint_shapes import JOINT_PICTURES, BoxShape, CylinderShape  # noqa: E402
 from kousoku.plots import to_svg  # noqa: E402
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ mass = 1
 
 def two_bodies(joint: str) -> System:
     """Return two bodies at the origin with a joint as it is drawn."""
-    kind, shape = JOINTS[joint], SHAPES[joint]
+    kind, shape = JOINTS[joint], JOINT_PICTURES[joint]
     keys: dict[str, Any] = {}
     if kind.has_point:
         keys["points"] = (shape.points[0], shape.points[-1])
@@ -104,7 +104,9 @@ def motion_of(freedom: JointFreedom) -> NDArray[np.float64]:
 def test_the_arrows_of_a_picture_are_the_freedoms_that_the_joint_leaves(joint: str) -> None:
     rows = rows_of(joint)
     assert np.linalg.matrix_rank(rows) == JOINTS[joint].rows
-    motions = np.array([motion_of(freedom) for freedom in SHAPES[joint].freedoms]).reshape(-1, 6)
+    motions = np.array([motion_of(freedom) for freedom in JOINT_PICTURES[joint].freedoms]).reshape(
+        -1, 6
+    )
     assert np.linalg.matrix_rank(motions) == len(motions) if len(motions) else True
     assert len(motions) == 6 - JOINTS[joint].rows
     np.testing.assert_allclose(rows @ motions.T, 0.0, atol=1e-14)
@@ -118,7 +120,7 @@ def counted(pairs: list[tuple[int, str]]) -> str:
 @pytest.mark.parametrize("joint", JOINTS)
 def test_the_table_says_what_the_code_does(joint: str) -> None:
     entry, rows = JOINTS[joint], rows_of(joint)
-    drawn: list[str] = [freedom.kind for freedom in SHAPES[joint].freedoms]
+    drawn: list[str] = [freedom.kind for freedom in JOINT_PICTURES[joint].freedoms]
     words = {"shift": "displacement", "turn": "turn", "screw": "screw"}
     freedoms = counted([(drawn.count(kind), word) for kind, word in words.items()])
     forces = int(np.linalg.matrix_rank(rows[:, :3]))
@@ -155,19 +157,21 @@ def test_couplings_are_in_their_table(name: str) -> None:
 
 def test_the_document_shows_the_joints_of_the_code_and_no_others() -> None:
     pictures = {path.stem for path in (ROOT / "docs" / "joints").iterdir()}
-    assert set(JOINTS) == set(SHAPES)
-    assert pictures == set(JOINTS) | set(COUPLED)
+    assert set(JOINTS) == set(JOINT_PICTURES)
+    assert pictures == set(JOINTS) | set(COUPLING_PICTURES)
 
 
 def test_couplings_have_pictures_in_which_wheels_touch() -> None:
-    assert set(COUPLED) == set(COUPLINGS)
-    assert all(f"](joints/{name}.svg)" in TEXT for name in COUPLED)
-    small, large = sorted(COUPLED["gear"].solids, key=lambda wheel: getattr(wheel, "radius", 0.0))
+    assert set(COUPLING_PICTURES) == set(COUPLINGS)
+    assert all(f"](joints/{name}.svg)" in TEXT for name in COUPLING_PICTURES)
+    small, large = sorted(
+        COUPLING_PICTURES["gear"].solids, key=lambda wheel: getattr(wheel, "radius", 0.0)
+    )
     assert isinstance(small, CylinderShape) and isinstance(large, CylinderShape)
     assert large.start[0] - small.start[0] == pytest.approx(small.radius + large.radius)
     ratio = re.search(r'type = "gear"\n.*\nratio = (.*)\n', TEXT)
     assert ratio is not None and float(ratio[1]) == -small.radius / large.radius
-    rack, pinion = COUPLED["rack_and_pinion"].solids
+    rack, pinion = COUPLING_PICTURES["rack_and_pinion"].solids
     assert isinstance(rack, BoxShape) and isinstance(pinion, CylinderShape)
     assert pinion.start[2] - pinion.radius == pytest.approx(rack.high[2])
 
@@ -176,20 +180,20 @@ def test_the_rope_of_the_linear_coupling_keeps_its_length() -> None:
     """Its strands touch the pulleys; the arrows, up to which both go, show the factors."""
     factors = re.search(r'type = "linear"\n.*\nfactors = \[(.*), (.*)\]\n', TEXT)
     assert factors is not None
-    solids = [one for one in COUPLED["linear"].solids if isinstance(one, CylinderShape)]
+    solids = [one for one in COUPLING_PICTURES["linear"].solids if isinstance(one, CylinderShape)]
     pulleys = [one for one in solids if one.radius > 0.3]
     strands = [one for one in solids if one.radius < 0.05]
     ends = {round(one.start[0] + s * one.radius, 9) for one in pulleys for s in (-1, 1)}
     assert sorted(one.start[0] for one in strands) == pytest.approx(sorted(ends))
-    of_i, of_j = (freedom.size for freedom in COUPLED["linear"].freedoms)
+    of_i, of_j = (freedom.size for freedom in COUPLING_PICTURES["linear"].freedoms)
     strands_of_j = sum(one.start[2] == pulleys[1].start[2] for one in strands)
     assert [1, strands_of_j] == [float(factor) for factor in factors.groups()] == [1, of_i / of_j]
 
 
-@pytest.mark.parametrize("joint", [*JOINTS, *COUPLED])
+@pytest.mark.parametrize("joint", [*JOINTS, *COUPLING_PICTURES])
 def test_the_committed_picture_is_the_one_that_is_drawn(joint: str) -> None:
     committed = (ROOT / "docs" / "joints" / f"{joint}.svg").read_text(encoding="utf-8")
-    drawn = to_svg(draw_joint((SHAPES | COUPLED)[joint]))
+    drawn = to_svg(draw_joint((JOINT_PICTURES | COUPLING_PICTURES)[joint]))
     version = f"Matplotlib v{matplotlib.__version__},"
     if version in committed:
         assert drawn == committed

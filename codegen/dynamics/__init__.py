@@ -1,6 +1,7 @@
 """Compose the motion of a system from frozen kinds: a program of small kernels on one workspace.
 
 :mod:`~kousoku.codegen.dynamics.generate` is the way from a scene to the folder of its solver:
+:mod:`~kousoku.codegen.dynamics.assembled` makes the system and its consistent start,
 :mod:`~kousoku.codegen.dynamics.analyse` decides what is solved, ``composition`` records it, and
 :mod:`~kousoku.codegen.dynamics.choose` takes of two programs one, where only composing them tells.
 

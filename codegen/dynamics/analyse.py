@@ -31,9 +31,11 @@ from kousoku.codegen.dynamics.redundancy.own_rows import repeated_rows, require_
 from kousoku.codegen.dynamics.redundancy.redundant_rows import by_instance, shares_out, take_over
 from kousoku.codegen.dynamics.redundancy.unevenness import is_uneven
 from kousoku.codegen.dynamics.simplification.axis_permutation import (
+    Plane,
     permuted,
     permuted_columns,
     permuted_rows,
+    shift_of,
 )
 from kousoku.codegen.dynamics.simplification.conserved_momenta import conserved_momenta
 from kousoku.codegen.dynamics.simplification.joint_coordinates import velocity_transformations_of
@@ -92,12 +94,12 @@ class Analysed:
     @property
     def solved(self) -> list[Row]:
         """Rows that have multipliers."""
-        others = {*self.held, *self.left_out}
+        others = {*self.satisfied, *self.left_out}
         rows = self.outline.rows
         return [row for row in rows if row not in others] if others else list(rows)
 
     @property
-    def held(self) -> list[Row]:
+    def satisfied(self) -> list[Row]:
         """Rows that hold by themselves: those of joints that bodies are put onto."""
         places = {place for one in self.transformations.values() for place in one.instances}
         return [row for row in self.outline.rows if row.instance in places]
@@ -150,20 +152,20 @@ def analyse(system: System, wanted: Collection[str]) -> Analysed:
         Bodies lack masses, rows do not hold or depend on each other as they may not.
     """
     lumps = lump(system, wanted)
-    shift = plane_of(lumps.system)
-    heavy = with_placeholder_masses(lumps.system, shift)
-    found = ranked(heavy.system, shift)
+    plane = plane_of(lumps.system)
+    heavy = with_placeholder_masses(lumps.system, plane)
+    found = ranked(heavy.system, plane)
     return replace(found, lumped=lumps.joints, missing=heavy.missing, thin=heavy.thin)
 
 
-def with_all_rows(system: System, shift: int | None) -> Analysed:
+def with_all_rows(system: System, plane: Plane | None) -> Analysed:
     """System whose rows are all kept.
 
     Parameters
     ----------
     system : System
         A scene.
-    shift : int, optional
+    plane : Plane, optional
         Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it;
         None for equations in space.
 
@@ -173,17 +175,17 @@ def with_all_rows(system: System, shift: int | None) -> Analysed:
         A body lacks a mass or a moment that its motion needs, or has too many joints.
     """
     require_few_joints(system)
-    require_masses(permuted(system, shift or 0), is_planar=shift is not None)
-    outline = outline_of(system, shift)
+    require_masses(permuted(system, shift_of(plane)), is_planar=plane is not None)
+    outline = outline_of(system, plane)
     return Analysed(system, outline, Freedom.of(outline))
 
 
-def ranked(system: System, shift: int | None) -> Analysed:
+def ranked(system: System, plane: Plane | None) -> Analysed:
     """System without the rows that depend on others, at positions where the others hold.
 
     Parameters and refusals are those of :func:`with_all_rows`; rows that nothing changes must hold.
     """
-    found = with_all_rows(system, shift)
+    found = with_all_rows(system, plane)
     fixed = fixed_system(system)
     require_constant_rows_hold(fixed, found.outline)
     freedom = freedom_of(fixed, found.outline)
@@ -191,7 +193,7 @@ def ranked(system: System, shift: int | None) -> Analysed:
     freedom = replace(freedom, idle=(*freedom.idle, *repeated_rows(fixed, freedom)))
     if freedom.closed:
         system = assemble(system, [(row.instance, row.row) for row in freedom.dropped])
-        found = with_all_rows(system, None if shift is None else plane_of(system))
+        found = with_all_rows(system, plane and plane_of(system))
     return replace(found, freedom=freedom)
 
 
@@ -220,8 +222,7 @@ def with_joint_coordinates(found: Analysed, most_free: int = ANY) -> Analysed:
 
 def in_xy_plane(found: Analysed) -> Analysed:
     """System with its axes in an order in which its plane, if any, is the xy-plane."""
-    shift = found.outline.shift
-    if not shift:
+    if not (shift := shift_of(found.outline.plane)):
         return found
 
     def seen(rows: Sequence[Row]) -> tuple[Row, ...]:
@@ -232,7 +233,7 @@ def in_xy_plane(found: Analysed) -> Analysed:
     return replace(
         found,
         system=permuted(found.system, shift),
-        outline=replace(outline, shift=0, columns=columns, rows=seen(outline.rows)),
+        outline=replace(outline, plane=Plane.XY, columns=columns, rows=seen(outline.rows)),
         freedom=replace(freedom, dropped=seen(freedom.dropped), idle=seen(freedom.idle)),
     )
 

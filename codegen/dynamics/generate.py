@@ -1,9 +1,7 @@
 """From a scene of bodies to the folder of its solver, stage after stage; SymPy is never started.
 
-``system_of``: Scene → System
-    SI units, principal frames, instances of kinds.
-``put_together``: System → System
-    At positions and velocities that joints and drivers allow.
+``assemble_scene``: Scene → Assembled
+    SI units, principal frames, instances of kinds; at a start that joints and drivers allow.
 ``analyse``: System → Analysed
     Fewer bodies, the plane, masses, rows and ranks: all that is decided beforehand.
 ``program_of``: Analysed → Program
@@ -20,6 +18,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.analyse import analyse, require_driven
+from kousoku.codegen.dynamics.assembled import assemble_scene
 from kousoku.codegen.dynamics.assembly.changes import changes_of_assembly
 from kousoku.codegen.dynamics.checking.reference import solver_references
 from kousoku.codegen.dynamics.choose import program_of
@@ -27,12 +26,9 @@ from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
 from kousoku.codegen.dynamics.redundancy.given_rank import notes_of_rank
-from kousoku.codegen.dynamics.redundancy.nearly import put_together
-from kousoku.codegen.dynamics.simplification.given_start import given_start, require_held
+from kousoku.codegen.dynamics.simplification.given_start import given_start
 from kousoku.model.about import About
-from kousoku.model.held import require_kept, without_held
 from kousoku.model.manifest import REFERENCE_FILE
-from kousoku.model.system import system_of
 from kousoku.runtime.integrate.given_start import notes_of
 from kousoku.runtime.integrate.result import key_of, listed
 
@@ -77,7 +73,7 @@ def generate_dynamics(
         Its bodies do not fit together near the positions that it gives.
     """
     wanted = scene.outputs if outputs is None else outputs
-    made = composed(scene, wanted)
+    made = compose_scene(scene, wanted)
     program, system = made.program, made.system
     more = {}
     if references:
@@ -108,7 +104,7 @@ class Composed:
     written: System
 
 
-def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
+def compose_scene(scene: Scene, wanted: Sequence[str]) -> Composed:
     """Scene of bodies before it is emitted; all that is wrong with it is found here.
 
     Parameters
@@ -123,26 +119,22 @@ def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
     SceneError, AssemblyError
         As of :func:`generate_dynamics`.
     """
-    given = system_of(scene, wanted)
-    require_kept(given)
-    placed = put_together(given)
-    require_held(given, placed)
-    written = without_held(placed)
-    analysed = analyse(written, wanted)
+    start = assemble_scene(scene, wanted)
+    analysed = analyse(start.system, wanted)
     if analysed.freedom.degrees:
-        start = given_start(scene, given, analysed.system)
-        analysed = replace(analysed, system=replace(analysed.system, given=start))
+        given = given_start(scene, start.given, analysed.system)
+        analysed = replace(analysed, system=replace(analysed.system, given=given))
     require_driven(analysed, wanted)
     program = program_of(analysed, (*LEDGER, *wanted))
-    changes = changes_of_assembly(given, placed)
+    changes = changes_of_assembly(start.given, start.placed)
     notes = (
-        *notes_of(changes, given.unit, scene.unit),
+        *notes_of(changes, start.given.unit, scene.unit),
         *notes_of_freedom(analysed.system, analysed.freedom),
         *_of_reactions(program),
         *notes_of_rank(program, analysed.system),
     )
     about = replace(About.of(scene, notes), moved=tuple([one.body, *one.sizes] for one in changes))
-    return Composed(program, analysed.system, analysed.freedom.degrees, about, written)
+    return Composed(program, analysed.system, analysed.freedom.degrees, about, start.system)
 
 
 def _of_reactions(program: Program) -> Iterator[str]:

@@ -115,11 +115,11 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
             checked_again(scene)
         )
     from kousoku.codegen.dynamics.checking.start import events_without_value, forces_without_value
-    from kousoku.codegen.dynamics.generate import composed
+    from kousoku.codegen.dynamics.generate import compose_scene
     from kousoku.model.about import notes_of_dry_friction
     from kousoku.model.formulas import used_parameters
 
-    made = composed(scene, scene.outputs)
+    made = compose_scene(scene, scene.outputs)
     if names := forces_without_value(made.written):
         raise SceneError.of([Problem(NO_VALUE, join("forces", name)) for name in names])
     if events := events_without_value(made.program, made.system):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from kousoku.joint_shapes import SHAPES, SIGNS, Ball, BoxShape, CylinderShape
+from kousoku.joint_shapes import JOINT_PICTURES, Ball, BoxShape, CylinderShape
 from kousoku.view.meshes import box_name, coarse, cylinder_name, mesh_of
 
 if TYPE_CHECKING:
@@ -44,10 +44,6 @@ WIDE = 2.5
 """How much longer than the mechanism a body may be that is drawn after its moments of inertia."""
 GENERIC = "spherical"
 """What the sign of a joint of one's own is taken from."""
-SLIDING = ("prismatic", "cylindrical", "screw", "point_on_line")
-"""Joints along whose axis bodies move."""
-BEARINGS = ("planar", "point_on_plane", "parallel_axes", "perpendicular_axes")
-"""Joints that need no pedestal where one of the bodies is the ground."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -317,7 +313,7 @@ class _SpatialShapes:
         turning = []
         for joint in self._scene.joints.values():
             kind = JOINTS.get(NAMES.get(joint.type, ""))
-            if kind is not None and kind.axes and NAMES[joint.type] not in SLIDING:
+            if kind is not None and kind.axes and not JOINT_PICTURES[NAMES[joint.type]].slides:
                 ends = self._frames[joint.ends[0]], self._frames[joint.ends[1]]
                 axis = joint_axes(ends, joint)[0]
                 turning.append(abs(float(ends[0].to_ground(axis)[2])) > 1 - 1e-9)
@@ -418,24 +414,23 @@ class _SpatialShapes:
             for found in joint_vectors(ends, joint)
         ]
         unit = self._unit_of(mark)
-        shape = SHAPES[kind]
-        lines = [direction for _, direction in shape.axes] or [(0.0, 0.0, 1.0)]
+        picture = JOINT_PICTURES[kind]
+        lines = [direction for _, direction in picture.axes] or [(0.0, 0.0, 1.0)]
         bases = [
             _joint_basis(vectors[0], lines[0], mark.s_i, unit),
             _joint_basis(vectors[1], lines[-1], mark.s_j, unit),
         ]
-        for solid in SIGNS[kind]:
+        for solid in picture.sign:
             side = 1 if solid.owner == "j" else 0
             body = (mark.i, mark.j)[side]
             self._bodies[body].parts.append(_sign_part(solid, bases[side]))
-        if kind == "rod":
+        if picture.is_rod:
             self._struts.append(Strut("rod", mark.i, mark.j, mark.s_i, mark.s_j, 2 * self._thin))
-        slides = kind in SLIDING
-        half = 0.3 * self._size if slides else 3.4 * unit
+        half = 0.3 * self._size if picture.slides else 3.4 * unit
         ends_of = ((mark.i, mark.s_i), (mark.j, mark.s_j))[: JOINTS[kind].axes]
         for (body, s), found in zip(ends_of, vectors, strict=False):
-            self._axes.append(Axis(body, s, half * found["axis"], slides))
-        if 0 in (mark.i, mark.j) and kind not in BEARINGS:
+            self._axes.append(Axis(body, s, half * found["axis"], picture.slides))
+        if 0 in (mark.i, mark.j) and picture.has_pedestal:
             at, axis = (mark.s_i, vectors[0]) if mark.i == 0 else (mark.s_j, vectors[1])
             turns = JOINTS[kind].axes > 0
             self._bodies[0].parts.append(

@@ -52,7 +52,7 @@ ZERO = Numeral("0")
 
 
 @dataclass(frozen=True, slots=True)
-class Assembled(Vocabulary):
+class ExampleVocabulary(Vocabulary):
     """The words of the system of a mechanism, displacements and angles of any size.
 
     Parameters
@@ -116,7 +116,7 @@ def parts(node: Node) -> tuple[list[tuple[Node, ...]], list[Node]]:
     return rows, [cell for (cell,) in vector]
 
 
-def assembled(words: Assembled) -> ImmutableDenseMatrix:
+def assembled(words: ExampleVocabulary) -> ImmutableDenseMatrix:
     """Matrix (15) of each link in its three rows, in the columns of the nodes at which it ends."""
 
     def element(link: int) -> list[list[Scalar]]:
@@ -130,23 +130,25 @@ def assembled(words: Assembled) -> ImmutableDenseMatrix:
     return ImmutableDenseMatrix(words.mechanism.assembled(element))
 
 
-def _words(mechanism: ExampleMechanism) -> Assembled:
+def _words(mechanism: ExampleMechanism) -> ExampleVocabulary:
     links = range(1, len(mechanism.links) + 1)
     names = [f"{letter}_{link}^0" for link in links for letter in "βl"]
     quantities = tuple(Quantity(name, (), "", "") for name in (*mechanism.names, *names))
-    return Assembled(quantities, {name: Symbol(name) for name in names}, mechanism=mechanism)
+    return ExampleVocabulary(
+        quantities, {name: Symbol(name) for name in names}, mechanism=mechanism
+    )
 
 
 @NAMES.words
 @cache
-def piston() -> Assembled:
+def piston() -> ExampleVocabulary:
     """Words of (29)."""
     return _words(PISTON_CRANK)
 
 
 @NAMES.words
 @cache
-def lever() -> Assembled:
+def lever() -> ExampleVocabulary:
     """Words of (33)."""
     return _words(LEVER_CRANK)
 
@@ -154,7 +156,7 @@ def lever() -> Assembled:
 # -- what is wrong with a system -----------------------------------------------------------------
 
 
-def faults_of(latex: str, words: Assembled) -> list[str]:
+def faults_of(latex: str, words: ExampleVocabulary) -> list[str]:
     """Faults that make a printed system another one than that of the mechanism."""
     (statement,) = parse(latex)
     left, right = statement.sides

@@ -6,7 +6,16 @@ What they mean in a program and in the checks beside it stands in
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from kousoku.model.rows import ROWS
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kousoku.model.precise import High, Triple
 
 COMBINATION = "linear_combination"
 """The kind of an instance that combines coordinates."""
@@ -40,23 +49,97 @@ class ConstraintKind:
         return not self.inputs or any(name in (AXES_I, AXES_J)[body] for name in self.inputs)
 
 
+class CoordinateKind(ConstraintKind, ABC):
+    """A kind whose residual is a coordinate.
+
+    Attributes
+    ----------
+    counts_turns : bool
+        Whether it is an angle, which kernels know up to whole turns only.
+    """
+
+    counts_turns: ClassVar[bool] = False
+
+    @abstractmethod
+    def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
+        """Value of the coordinate, in rad or in the unit of the ends.
+
+        Parameters
+        ----------
+        axes : mapping of str to (3,)
+            Its axes by the names of the inputs, of norm one, frame O.
+        ends : ((3,), (3,)), optional
+            Its points on body i and on body j, frame O.
+        """
+
+
+class AngleKind(CoordinateKind):
+    """Angle from a_i to a_j about a_i × b_i, within half a turn."""
+
+    counts_turns = True
+
+    def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
+        """Angle atan2(b_i · a_j, a_i · a_j) [rad]."""
+        from kousoku.model import precise
+
+        sine = precise.cleaned(precise.dot(axes["b_i_b"], axes["a_j_b"]), 1)
+        return precise.atan2(sine, precise.dot(axes["a_i_b"], axes["a_j_b"]))
+
+
+class CosineKind(CoordinateKind):
+    """Cosine of the angle between two axes."""
+
+    def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
+        """Product a_i · a_j."""
+        from kousoku.model import precise
+
+        return precise.cleaned(precise.dot(axes["a_i_b"], axes["a_j_b"]), 1)
+
+
+class LengthKind(CoordinateKind):
+    """Distance of two points."""
+
+    def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
+        """Length |d| [unit of the ends]."""
+        from kousoku.model import precise
+
+        assert ends is not None
+        return precise.length(precise.subtract(ends[1], ends[0]))
+
+
+class DisplacementKind(CoordinateKind):
+    """Displacement along an axis of body i."""
+
+    def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
+        """Product a_i · d [unit of the ends]."""
+        from kousoku.model import precise
+
+        assert ends is not None
+        start, end = ends
+        size = precise.length(start) + precise.length(end)
+        return precise.cleaned(precise.dot(axes["a_i_b"], precise.subtract(end, start)), size)
+
+
 _ENDS = ("s_i_b", "s_j_b")
+_COSINE = CosineKind(1, "rad", ("a_i_b", "a_j_b"))
+_DISPLACEMENT = DisplacementKind(1, "m", ("a_i_b", *_ENDS))
 
 CONSTRAINTS: dict[str, ConstraintKind] = {
     "point": ConstraintKind(3, "m", _ENDS),
     "distance": ConstraintKind(1, "m", _ENDS),
-    "n1": ConstraintKind(1, "rad", ("a_i_b", "a_j_b")),
-    "n2": ConstraintKind(1, "m", ("a_i_b", *_ENDS)),
+    "n1": _COSINE,
+    "n2": _DISPLACEMENT,
     "p1": ConstraintKind(2, "rad", ("a_i_b", "a_j_b"), has_variants=True),
     "p2": ConstraintKind(2, "m", ("a_i_b", *_ENDS), has_variants=True),
     COMBINATION: ConstraintKind(1, "", ()),
 }
 """Those that joints are made of."""
 
-COORDINATES: dict[str, ConstraintKind] = {
-    "angle": ConstraintKind(1, "rad", ("a_i_b", "b_i_b", "a_j_b")),
-    "length": ConstraintKind(1, "m", _ENDS),
-    **{name: CONSTRAINTS[name] for name in ("n1", "n2")},
+COORDINATES: dict[str, CoordinateKind] = {
+    "angle": AngleKind(1, "rad", ("a_i_b", "b_i_b", "a_j_b")),
+    "length": LengthKind(1, "m", _ENDS),
+    "n1": _COSINE,
+    "n2": _DISPLACEMENT,
 }
 """Those whose residual is a coordinate."""
 
@@ -76,6 +159,16 @@ def kind_of(package: str) -> ConstraintKind:
 def is_known(package: str) -> bool:
     """Whether a package is one of these kinds, and none of one's own."""
     return base_of(package) in CONSTRAINTS or package in COORDINATES
+
+
+def components_of(package: str) -> tuple[int, ...]:
+    """Component of a vector that each row of a package is; none where its rows are no vector."""
+    base = base_of(package)
+    if base not in CONSTRAINTS:
+        return ()
+    if CONSTRAINTS[base].has_variants:
+        return ROWS.get(package.removeprefix(f"{base}_"), ())
+    return (0, 1, 2) if CONSTRAINTS[base].rows == 3 else ()
 
 
 def is_length(package: str) -> bool:

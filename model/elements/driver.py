@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, ClassVar
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from kousoku.model.coordinates import CoordinateList
+    from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Driver, Value
 
@@ -27,10 +28,18 @@ class DriverKind(ABC):
         What it is, in one line.
     keys : tuple of str
         The keys of :class:`~kousoku.model.spatial.Driver` that it has.
+    inputs : mapping of str to ElementInput
+        Keys that it alone has; the scene has their values in ``driver.inputs``.
     """
 
     title: ClassVar[str]
     keys: ClassVar[tuple[str, ...]]
+    inputs: ClassVar[Mapping[str, ElementInput]] = {}
+
+    @property
+    def all_keys(self) -> tuple[str, ...]:
+        """Its keys in a scene."""
+        return (*self.keys, *self.inputs)
 
     @abstractmethod
     def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 from kousoku.model.elements.driven_coordinate import DrivenCoordinate
 from kousoku.model.elements.driven_joint import DrivenJoint
 from kousoku.model.elements.driven_point import DrivenPoint
+from kousoku.model.elements.inputs import given
 
 if TYPE_CHECKING:
     from kousoku.model.elements.driver import DriverKind
+    from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.spatial import Driver
 
 DRIVERS: dict[str, DriverKind] = {
@@ -22,4 +24,9 @@ DRIVERS: dict[str, DriverKind] = {
 
 def kind_of(driver: Driver) -> DriverKind:
     """Kind of a driver that has one of these keys."""
-    return next(kind for key, kind in DRIVERS.items() if getattr(driver, key) is not None)
+    return next(kind for key, kind in DRIVERS.items() if given(driver, key) is not None)
+
+
+def own_inputs() -> dict[str, ElementInput]:
+    """Keys that one kind of drivers alone has, of all kinds."""
+    return {name: one for kind in DRIVERS.values() for name, one in kind.inputs.items()}

@@ -1,20 +1,21 @@
-"""Keys of a scene that one kind of force, joint or coupling has beside those of all."""
+"""Keys of a scene that one kind of force, joint, coupling or driver has beside those of all."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
-Dependence = Literal["nothing", "parameters", "law", "motion"]
-"""What formulas of a key may depend on: ``parameters`` only, or ``law`` with elongation, rate and
-time, or ``motion`` with time, coordinates and their rates. ``nothing`` where it has no formulas
+Dependence = Literal["nothing", "parameters", "time", "law", "motion"]
+"""What formulas of a key may depend on: ``parameters`` only, or ``time`` too, of which those of
+drivers have two derivatives, or ``law`` with elongation, rate and time, or ``motion`` with time,
+coordinates and their rates. ``nothing`` where it has no formulas
 that are checked with the forces: names of elements, and numbers of type
 :data:`~kousoku.model.design.Design`, whose formulas are read with them."""
 
 
 @dataclass(frozen=True, slots=True)
 class ElementInput:
-    """A key that one kind has beside those of :class:`~kousoku.model.loads.Force` or ``Joint``.
+    """A key that one kind has beside those of all forces, joints or drivers.
 
     Parameters
     ----------
@@ -22,10 +23,16 @@ class ElementInput:
         The type of its value in a scene, such as :data:`~kousoku.model.spatial.Value`.
     meaning : str
         What it is, with its unit.
-    depends_on : {"nothing", "parameters", "law", "motion"}
-        Of a force, what its formulas may depend on.
+    depends_on : {"nothing", "parameters", "time", "law", "motion"}
+        Of a force or a driver, what its formulas may depend on.
     """
 
     type: object
     meaning: str
     depends_on: Dependence = "nothing"
+
+
+def given(record: object, name: str) -> object:
+    """Value of a key of a record, or of one that its kind alone has; None where it is left out."""
+    own = getattr(record, getattr(record, "FLAT", ""), None) or {}
+    return own[name] if name in own else getattr(record, name, None)

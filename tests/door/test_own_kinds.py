@@ -19,7 +19,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 import kousoku as ks
 from kousoku import loading
 from kousoku.codegen import kernel_json
-from kousoku.codegen.dynamics.generate import composed
+from kousoku.codegen.dynamics.generate import compose_scene
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.own_kinds import own_kind_of
 from kousoku.model.arithmetic import EXACT
@@ -414,7 +414,7 @@ def test_no_momentum_is_said_to_be_kept(restated: list[Derivation]) -> None:
     head = two_bodies(2.0)
     mine = f'{head}type = "stick"\ns_i_b = [0, 0, 0]\ns_j_b = [0, 0, 0]\nlength = 2\n'
     theirs = f'{head}type = "rod"\npoints = [[0, 0, 0], [0, 0, 0]]\nlength = 2\n'
-    own, shipped = (composed(read(text, *restated), ()).program for text in (mine, theirs))
+    own, shipped = (compose_scene(read(text, *restated), ()).program for text in (mine, theirs))
     assert shipped.kept and not own.kept
     assert shipped.is_planar and own.is_planar
 
@@ -426,7 +426,7 @@ def test_a_plane_is_taken_only_where_nothing_ever_leads_out_of_it() -> None:
     for kind, is_planar in ((chance, False), (plain, True)):
         # ∂C/∂z is zero where both bodies start, and of the first not where they go.
         text = f'{two_bodies(0.0)}type = "{kind.name}"\nh = 1\n'
-        assert composed(read(text, kind), ()).program.is_planar is is_planar
+        assert compose_scene(read(text, kind), ()).program.is_planar is is_planar
 
 
 def test_rows_that_repeat_others_are_left_out(slant: Derivation) -> None:
@@ -506,7 +506,7 @@ d = {{ type = "slider", bodies = ["ground", "slider"], at = [3, 0, 0], axis = [1
 joint = "a"
 value = "0.3 + t"
 """
-    made = composed(read(text, *restated), ())
+    made = compose_scene(read(text, *restated), ())
     assert (made.degrees, made.program.is_planar) == (0, True)
     slider = made.system.bodies[2].r[0]
     assert slider == pytest.approx(np.cos(0.3) + (4 - np.sin(0.3) ** 2) ** 0.5, rel=1e-12)
@@ -514,22 +514,22 @@ value = "0.3 + t"
         'twin = { type = "touch", bodies = ["crank", "rod"], s_i_b = [1, 0, 0], s_j_b = [0, 0, 0] }'
     )
     twice = text.replace("[drivers", f"{twin}\n[drivers", 1)
-    rows = composed(read(twice, *restated), ()).program.left_out
+    rows = compose_scene(read(twice, *restated), ()).program.left_out
     assert len(rows) == 2  # in the plane, from both of the same kind
 
 
 def test_bodies_are_not_joined_through_them_nor_put_onto_them(restated: list[Derivation]) -> None:
-    system = composed(read(OWN, *restated), ()).system
+    system = compose_scene(read(OWN, *restated), ()).system
     own = [one for one in system.constraints if is_own(one.kind)]
     assert [kind_name(one.kind) for one in own] == ["touch", "stick", "square"]
     assert [body.name for body in system.bodies] == ["one", "two"]
-    assert not composed(read(OWN, *restated), ()).program.reduced
+    assert not compose_scene(read(OWN, *restated), ()).program.reduced
 
 
 def test_where_a_scene_stands_is_no_matter(restated: list[Derivation]) -> None:
     far = OWN.replace("position = [", "position = [100000")
     far = far.replace("s_i_b = [10, 2, 3]", "s_i_b = [10000010, 2, 3]")
-    near, there = (composed(read(text, *restated), ()) for text in (OWN, far))
+    near, there = (compose_scene(read(text, *restated), ()) for text in (OWN, far))
     assert near.degrees == there.degrees == 7
     a, b = (found.system.bodies for found in (near, there))
     for one, other in zip(a, b, strict=True):

@@ -13,7 +13,7 @@ import sympy
 from kousoku.codegen.linkage.assemble import Role, assemble
 from kousoku.ledger.documents import link_examples
 from kousoku.ledger.documents.link_examples import (
-    Assembled,
+    ExampleVocabulary,
     displacement,
     faults_of,
     has_faults,
@@ -118,7 +118,7 @@ def test_the_corrected_system_has_no_fault_and_the_printed_one_those_that_are_na
 
 def paper_system(key: str) -> tuple[sympy.Matrix, list[tuple[str, str]]]:
     """Return the corrected matrix and its displacements with their known values."""
-    words: Assembled = WORDS[key]()
+    words: ExampleVocabulary = WORDS[key]()
     rows, cells = parts(parse(ENTRIES[key].corrected)[0].sides[0])
     return sympy.Matrix(words.matrix(rows)), [displacement(cell) for cell in cells]
 

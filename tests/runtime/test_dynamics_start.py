@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from kousoku.codegen.dynamics.explanation.explain import explain
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.model.errors import SceneError, SolveError
 from kousoku.model.read import scene_from_toml
@@ -422,5 +423,6 @@ def test_what_parameters_change_is_not_held(kept: str, law: str, mass: str, says
     if not says:
         generate_dynamics(scene_from_toml(text))
         return
-    with pytest.raises(SceneError, match=rf"bodies\.b\.hold: .* with others {says}"):
-        generate_dynamics(scene_from_toml(text))
+    for asked in (generate_dynamics, explain):
+        with pytest.raises(SceneError, match=rf"bodies\.b\.hold: .* with others {says}"):
+            asked(scene_from_toml(text))

@@ -42,12 +42,12 @@ def _change(before: MovingBody, after: MovingBody, size: float) -> Change:
     fastest = speed + spin * size
     is_given = speed > ROUNDING * fastest  # what is at rest turns about an origin off its centre
     change = _length(precise.subtract(_velocity(after), v)) if is_given else 0.0
-    turned = precise.triple(after.omega_b)
+    omega_after = precise.triple(after.omega_b)
     if before.spins_in_o:
-        omega, turned = (
-            precise.rotate(_p(one), x) for one, x in ((before, omega), (after, turned))
+        omega, omega_after = (
+            precise.rotate(_p(one), x) for one, x in ((before, omega), (after, omega_after))
         )
-    spun = _length(precise.subtract(turned, omega)) if spin else 0.0
+    spun = _length(precise.subtract(omega_after, omega)) if spin else 0.0
     rates = (change / fastest, spun * size / fastest) if fastest else (0.0, 0.0)
     sizes = Moved(shift, angle, change, spun)
     return Change(before.name, sizes, (shift / size, angle, *rates))

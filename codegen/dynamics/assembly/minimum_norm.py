@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from kousoku.model.precise import High
 
 DEPENDENT = 1e-11
-"""Squares of singular values of C_q, in lengths, that belong to rows that depend on others."""
+"""Squares of singular values of C_q, in lengths, that belong to rows that depend on others: S has
+these squares, and in doubles the smaller ones are rounding of the largest."""
 
 MOST_DENSE = 2000
 """Rows that may depend on each other: S is dense then."""
@@ -171,8 +172,8 @@ class MinimumNormSolver:
             lengths = np.tile([1.0] * 3 + [self._metric.size] * 3, len(self._roots) // COLUMNS)
             vectors, sizes, _ = np.linalg.svd(rows / lengths, full_matrices=False)
             own = vectors[:, sizes**2 > DEPENDENT * sizes.max(initial=0.0) ** 2]
-            turned, sizes, _ = np.linalg.svd(own.T @ (rows * self._roots), full_matrices=False)
-            self._parts = sizes**2, own @ turned
+            left, sizes, _ = np.linalg.svd(own.T @ (rows * self._roots), full_matrices=False)
+            self._parts = sizes**2, own @ left
         return self._parts
 
     def _displacement(self, lam: Sequence[High]) -> list[High]:

@@ -55,10 +55,12 @@ ROUNDING = 16 * 2.0**-52
 """What fits to this part of the size of the system is taken as it is."""
 
 NEARLY = 1e-5
-"""What is violated by less, and yet not closed, was stopped by rows that lose rank."""
+"""What is violated by less, and yet not closed, was stopped by rows that lose rank, where
+Newton's method converges linearly."""
 
 FAR = 0.25
-"""Drivers go at most this far at once, in radians or sizes of the system."""
+"""Drivers go at most this far at once, in radians or sizes of the system: near enough that Newton's
+method stays on the branch that the scene is on."""
 
 MOST_STAGES, MOST_HALVINGS = 64, 5
 """Stages on the way of drivers, and how often one that fails is halved."""

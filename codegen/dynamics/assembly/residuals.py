@@ -23,6 +23,7 @@ from kousoku.model import precise
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import ARRAY, evaluate
+from kousoku.model.mechanism import Coordinate
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
     from kousoku.codegen.dynamics.assembly.pose import Pose
     from kousoku.model.kernel import Kernel
-    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
+    from kousoku.model.mechanism import Instance, MovingBody, System
     from kousoku.model.precise import High
 
 
@@ -275,7 +276,7 @@ class Residuals:
         return _Stack(
             kernel=frozen(sources[0].kind, "constraint"),
             residual=_residual_of(sources[0].kind),
-            is_angle=pieces[0].coordinate >= 0 and sources[0].kind == "angle",
+            is_angle=isinstance(sources[0], Coordinate) and sources[0].counts_turns,
             constants={name: np.array([own[name] for own in constants]).T for name in constants[0]},
             bodies={end: np.array([getattr(source, end) for source in sources]) for end in "ij"},
             first=np.array([piece.first for piece in pieces]),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.elements.constraints import Seen, facets_of_kind
+from kousoku.codegen.dynamics.elements.constraints import BodiesAtRest, facets_of_kind
 from kousoku.model import precise
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.own_kind import is_own
@@ -87,7 +87,7 @@ def _size(instance: Instance, pose: Pose) -> tuple[High, int]:
     start, end = (precise.add(pose.r[index], seen("s", body, index)) for body, index in ends)
     d = precise.subtract(end, start)
     length = constants.get("length")
-    now = Seen((axis, other), d, None if length is None else precise.number(length[0]))
+    now = BodiesAtRest((axis, other), d, None if length is None else precise.number(length[0]))
     return facets_of_kind(instance.kind).gap(now)
 
 

@@ -16,9 +16,9 @@ from kousoku.codegen.dynamics.checking.newton_euler import (
     BodyEquations,
     BodyState,
     ConstraintRow,
-    composed,
-    turned,
-    turned_back,
+    quaternion_product,
+    rotated,
+    rotated_back,
 )
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.arithmetic import FLOAT
@@ -172,7 +172,7 @@ class _States:
             if own and own[0] not in done:
                 p = _taken(body.p, q)
                 half = [change[k] / 2 if isinstance(k, int) else 0.0 for k in body.omega_b]
-                turn = np.array(composed(p, (1.0, *half)))
+                turn = np.array(quaternion_product(p, (1.0, *half)))
                 turn /= np.sqrt(turn @ turn)
                 for at, x in zip(body.p, turn, strict=True):
                     if isinstance(at, int):
@@ -239,8 +239,8 @@ def _pose(
     p = [x / size for x in p]
     axes, own = numbers(place.axes_b), numbers(body.axes_b)
     back = (own[0], -own[1], -own[2], -own[3])
-    change = composed(axes, back)
-    arm, center = numbers(place.origin_b), turned(change, numbers(body.origin_b))
+    change = quaternion_product(axes, back)
+    arm, center = numbers(place.origin_b), rotated(change, numbers(body.origin_b))
     arm = [a - b for a, b in zip(arm, center, strict=True)]
     turn = (
         omega[1] * arm[2] - omega[2] * arm[1],
@@ -248,10 +248,10 @@ def _pose(
         omega[0] * arm[1] - omega[1] * arm[0],
     )
     return BodyState(
-        [a + b for a, b in zip(r, turned(p, arm), strict=True)],
-        composed(p, change),
-        [a + b for a, b in zip(drift, turned(p, turn), strict=True)],
-        turned_back(change, omega),
+        [a + b for a, b in zip(r, rotated(p, arm), strict=True)],
+        quaternion_product(p, change),
+        [a + b for a, b in zip(drift, rotated(p, turn), strict=True)],
+        rotated_back(change, omega),
     )
 
 
@@ -454,7 +454,7 @@ class _Values:
         ]
         for place, (_, value) in zip(system.shown, shown, strict=True):
             one = system.coordinates[place]
-            if one.kind == "angle" and abs(float(value.x) - one.near) > NEAR:
+            if one.counts_turns and abs(float(value.x) - one.near) > NEAR:
                 raise _UnsuitableError
         length = min(1.0, self.length)
         names = [name for name, _ in shown]
@@ -561,7 +561,7 @@ class _Values:
         pose, own = self.poses[body], self.equations.own(body)
         slopes = [line.slopes.get(k, 0) for k in own]
         force, turning = slopes[:3], slopes[3:] or [0, 0, 0]
-        moment = turned(pose.p, turning)
+        moment = rotated(pose.p, turning)
         x, y, z = pose.r
         arm = (
             y * force[2] - z * force[1],

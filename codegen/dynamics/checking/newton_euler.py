@@ -60,7 +60,7 @@ class BodyState:
     omega_b: Sequence[Real]
 
 
-def composed(p: Sequence[Any], q: Sequence[Any]) -> tuple[Any, ...]:
+def quaternion_product(p: Sequence[Any], q: Sequence[Any]) -> tuple[Any, ...]:
     """Product p ∘ q of Euler parameters, of jets or numbers."""
     x, y, z = cross(p[1:], q[1:])
     return (
@@ -71,7 +71,7 @@ def composed(p: Sequence[Any], q: Sequence[Any]) -> tuple[Any, ...]:
     )
 
 
-def turned(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
+def rotated(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
     """Matrix A(p) a for p of norm one, of jets or numbers: a + 2 e₀ (e × a) + 2 e × (e × a)."""
     t = cross(p[1:], a)
     u = cross(p[1:], t)
@@ -79,9 +79,9 @@ def turned(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
     return x, y, z
 
 
-def turned_back(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
+def rotated_back(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
     """A(p)ᵀ a."""
-    return turned((p[0], -p[1], -p[2], -p[3]), a)
+    return rotated((p[0], -p[1], -p[2], -p[3]), a)
 
 
 class Course:
@@ -101,8 +101,10 @@ class Course:
         """Course of a body with v, ω′ and v̇, ω̇′; ṗ = ½ p ∘ (0, ω′)."""
         r = [Jet(x, rates[k], second[k]) for k, x in enumerate(pose.r)]
         omega, alpha = (0, *rates[3:]), (0, *second[3:])
-        first = [x / 2 for x in composed(pose.p, omega)]
-        halves = zip(composed(first, omega), composed(pose.p, alpha), strict=True)
+        first = [x / 2 for x in quaternion_product(pose.p, omega)]
+        halves = zip(
+            quaternion_product(first, omega), quaternion_product(pose.p, alpha), strict=True
+        )
         return cls(
             r, [Jet(x, d, (a + b) / 2) for x, d, (a, b) in zip(pose.p, first, halves, strict=True)]
         )
@@ -114,7 +116,7 @@ class Course:
 
     def vector(self, a: Sequence[Real]) -> Vector:
         """Body-fixed vector in frame O."""
-        return turned(self.p, [Jet(x) for x in a])
+        return rotated(self.p, [Jet(x) for x in a])
 
     def point(self, s: Sequence[Real]) -> Vector:
         """Place of a body-fixed point in frame O."""
@@ -268,7 +270,7 @@ class BodyEquations:
         for body, place in zip("ij", (one.i, one.j), strict=True):
             course, origin = at[place], dict(one.constants)[f"origin_{body}"]
             inputs[f"r_{body}"] = [*course.point(self._numbers(origin))]
-            inputs[f"p_{body}"] = [*composed(course.p, own[f"frame_{body}"])]
+            inputs[f"p_{body}"] = [*quaternion_product(course.p, own[f"frame_{body}"])]
         kernel = next(k for k in load_frozen(one.kind).kernels if k.name == "constraint")
         return evaluate(with_outputs(kernel, ["C"]), inputs, arithmetic_of(self.digits))["C"]
 
@@ -394,7 +396,7 @@ class BodyEquations:
         if body == GROUND_INDEX:
             return
         own = self.own(body)
-        torque = cross(arm, turned_back([x.x for x in at.p], force))
+        torque = cross(arm, rotated_back([x.x for x in at.p], force))
         for k, x in zip(own, (*force, *torque), strict=False):
             found.force[k] += x
 
@@ -402,8 +404,8 @@ class BodyEquations:
         """Add a torque in frame O that acts on a body; return its power."""
         p = [x.x for x in at.p]
         own = self.own(body)[3:] if body != GROUND_INDEX else range(0)
-        turning = turned_back(p, torque)
-        first = composed((p[0], -p[1], -p[2], -p[3]), [x.d for x in at.p])
+        turning = rotated_back(p, torque)
+        first = quaternion_product((p[0], -p[1], -p[2], -p[3]), [x.d for x in at.p])
         for k, x in zip(own, turning, strict=False):
             found.force[k] += x
         energy: Real = 2 * sum(a * b for a, b in zip(turning, first[1:], strict=True))
@@ -418,7 +420,7 @@ class BodyEquations:
         for k, body in enumerate(self.bodies):
             place = at[k].point(self._numbers(body.origin_b))
             alpha = [second[column] for column in self.own(k)[3:]]
-            turning = turned_back(self._numbers(body.axes_b), alpha) if alpha else ()
+            turning = rotated_back(self._numbers(body.axes_b), alpha) if alpha else ()
             yield [x.dd for x in place], turning
 
     def momentum(
@@ -440,6 +442,6 @@ class BodyEquations:
             spin: Sequence[Real] = (0, 0, 0)
             if not body.is_point:
                 moments = self._numbers(body.inertia)
-                spin = turned(one.p, [a * b for a, b in zip(moments, one.omega_b, strict=True)])
+                spin = rotated(one.p, [a * b for a, b in zip(moments, one.omega_b, strict=True)])
             total = [a + b + c for a, b, c in zip(total, part, spin, strict=True)]
         return linear, total

@@ -50,7 +50,7 @@ from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Kept, Program
 from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.redundancy.redundant_rows import by_instance
-from kousoku.codegen.dynamics.simplification.axis_permutation import permuted_back
+from kousoku.codegen.dynamics.simplification.axis_permutation import permuted_back, shift_of
 from kousoku.codegen.dynamics.simplification.bodies import (
     GROUND,
     BodyBlocks,
@@ -96,7 +96,7 @@ def compose(analysed: Analysed, wanted: Collection[str] = ()) -> Program:
     """
     there = in_xy_plane(analysed)
     program = _ProgramComposer(there, wanted).program()
-    return permuted_back(program, there.system, analysed.outline.shift or 0)
+    return permuted_back(program, there.system, shift_of(analysed.outline.plane))
 
 
 class _ProgramComposer:
@@ -128,18 +128,19 @@ class _ProgramComposer:
         self.forces = ForceRecorder(self.recorder, self.body, self.coordinates, names, rates)
         given = tuple(name for name, _ in system.parameters)
         combinations = Combinations(self.recorder, self.coordinates, *fixed, given)
-        told = system, self.recorder, self.body, combinations
-        self.tasks = JointRecorder(*told)
-        self.reduced = JointCoordinates(analysed.transformations, *told)
+        self.tasks = JointRecorder(system, self.recorder, self.body, combinations)
+        self.reduced = JointCoordinates(
+            analysed.transformations, system, self.recorder, self.body, combinations
+        )
         places = (*self.reduced.instances, *range(len(system.constraints)))
         place_numbers(system, self.recorder, places)
-        self.joints, self.held, self.left_out = (
+        self.joints, self.satisfied, self.left_out = (
             joints_of(system, self.recorder, by_instance(rows))
-            for rows in (analysed.solved, analysed.held, analysed.left_out)
+            for rows in (analysed.solved, analysed.satisfied, analysed.left_out)
         )
         self.rows = sum(joint.count for joint in self.joints)
         self.residuals = region("C", self.rows)
-        beside = sum(joint.count for joint in (*self.left_out, *self.held))
+        beside = sum(joint.count for joint in (*self.left_out, *self.satisfied))
         self.others = region("C_left_out", beside)
         at_once = not self.left_out and (len(self.joints) > SHORT or analysed.has_loops)
         self.schur = Schur(self.recorder, region("pivots", self.rows), at_once=at_once)
@@ -190,7 +191,7 @@ class _ProgramComposer:
             bodies=places,
             rows=rows_of(self.joints),
             left_out=rows_of(self.left_out),
-            reduced=rows_of(self.held),
+            reduced=rows_of(self.satisfied),
             placed=self.reduced.placed,
             is_planar=self.is_planar,
             auxiliary=self.auxiliary.placed(self.q),
@@ -325,8 +326,8 @@ class _ProgramComposer:
     def _powers(self, multipliers: Sequence[Block], *, is_whole: bool = True) -> list[Block]:
         """Record the power of each driver, or what multipliers add to it."""
         powers = {name: [one] for name, one in self.tasks.powers(self.joints, multipliers).items()}
-        told = self.reduced.powers(self.schur, self.joints, multipliers, is_whole=is_whole)
-        for name, one in told:
+        ground = self.reduced.powers(self.schur, self.joints, multipliers, is_whole=is_whole)
+        for name, one in ground:
             powers.setdefault(name, []).append(one)
         nothing = [column((0,))]
         names = drivers_of(self.system)
@@ -335,10 +336,16 @@ class _ProgramComposer:
     def _reaction(self, record: Callable[..., None] | None = None) -> None:
         """Record force and torque of each joint."""
         length = characteristic_length(self.system)
-        told = (self.schur, self.joints, self._by_body(self.v_dot), self.coordinates)
-        known = partial(self.reduced.wrenches, *told)
-        in_loops = "checks" in self.wanted and self.analysed.shares_out
-        record = record or partial(record_reactions, held=self.held, known=known, in_loops=in_loops)
+        if record is None:
+            v_dot = self._by_body(self.v_dot)
+            record = partial(
+                record_reactions,
+                satisfied=self.satisfied,
+                ground=partial(
+                    self.reduced.wrenches, self.schur, self.joints, v_dot, self.coordinates
+                ),
+                in_loops="checks" in self.wanted and self.analysed.shares_out,
+            )
         record(
             self.recorder,
             self.schur,
@@ -362,13 +369,13 @@ class _ProgramComposer:
         count = self.rows + self.others.height
         rates, second = (self.recorder.region(name, count) for name in ("C_dot", "C_ddot"))
         self.recorder.begin("check")
-        for joint in (*self.left_out, *self.held):
+        for joint in (*self.left_out, *self.satisfied):
             self.tasks.watch(joint, self._rows_of(self.others, joint))
         for output, values, region in (("nu", self.v, rates), ("gamma", self.v_dot, second)):
             by_body = self._by_body(values)
             self._rates(output, by_body, region)
             rest = region.part(self.rows, self.others.height)
-            self._rates(output, by_body, rest, [*self.left_out, *self.held])
+            self._rates(output, by_body, rest, [*self.left_out, *self.satisfied])
 
     def _where_rank_drops(self) -> None:
         """Record what runs need where digits are lost: where rows become dependent, as in loops."""

@@ -36,8 +36,8 @@ class Reaction:
         :mod:`~kousoku.codegen.dynamics.operations.joint_ends`.
     kept, left_out : JointBlocks or None
         With their Jacobians; one of them is there, unless it is known what the joint does.
-    known : JointBlocks or None
-        Rows of which that is known without multipliers.
+    satisfied : JointBlocks or None
+        Rows of which that is known without multipliers, as joint coordinates satisfy them.
     multipliers : list of (JointBlocks, Block)
         Rows, and their multipliers.
     """
@@ -48,31 +48,31 @@ class Reaction:
     ends: tuple[int, ...]
     kept: JointBlocks | None = None
     left_out: JointBlocks | None = None
-    known: JointBlocks | None = None
+    satisfied: JointBlocks | None = None
     multipliers: list[tuple[JointBlocks, Block]] = field(default_factory=list)
 
     @property
     def parts(self) -> list[JointBlocks]:
         """Its rows."""
-        return [rows for rows in (self.kept, self.left_out, self.known) if rows]
+        return [rows for rows in (self.kept, self.left_out, self.satisfied) if rows]
 
 
 def reactions_of(
     kept: Sequence[JointBlocks],
     left_out: Sequence[JointBlocks],
-    known: Sequence[JointBlocks] = (),
+    satisfied: Sequence[JointBlocks] = (),
 ) -> list[Reaction]:
     """Reactions of all joints in the order of the system."""
     found: dict[tuple[str, int, int], Reaction] = {}
-    for joint in (*kept, *left_out, *known):
+    for joint in (*kept, *left_out, *satisfied):
         ends = ends_of(joint.bodies)
         end = joint.i if joint.j == GROUND_INDEX else joint.j
         new = Reaction(joint.name, end, joint.j, ends)
         one = found.setdefault((joint.name, joint.i, joint.j), new)
         if any(joint is rows for rows in kept):
             one.kept = joint
-        elif any(joint is rows for rows in known):
-            one.known = joint
+        elif any(joint is rows for rows in satisfied):
+            one.satisfied = joint
         else:
             one.left_out = joint
     return sorted(found.values(), key=lambda one: min(min(x.instances) for x in one.parts))
@@ -86,8 +86,8 @@ def record_reactions(
     rows: tuple[Sequence[JointBlocks], Sequence[JointBlocks]],
     geometry: Callable[[JointBlocks], None],
     scale: Scale,
-    held: Sequence[JointBlocks] = (),
-    known: Callable[[], Mapping[tuple[str, int], Block]] = dict,
+    satisfied: Sequence[JointBlocks] = (),
+    ground: Callable[[], Mapping[tuple[str, int], Block]] = dict,
     in_loops: bool = False,
 ) -> None:
     """Record force and torque of each joint on the bodies that :func:`ends_of` gives.
@@ -106,22 +106,22 @@ def record_reactions(
         Records the Jacobians of the latter.
     scale : Scale
         What is least where reactions are not unique.
-    held : sequence of JointBlocks
+    satisfied : sequence of JointBlocks
         Joints with the ground that bodies are put onto.
-    known : callable
+    ground : callable
         Records force and torque of these, by the name of the joint and the body.
     in_loops : bool
         Whether a run finds them with :func:`record_wrenches`: then there is their region alone.
     """
     joints, left_out = rows
-    found = reactions_of(joints, left_out, held)
+    found = reactions_of(joints, left_out, satisfied)
     widths = [len(body(end).columns) for one in found for end in one.ends]
     target = recorder.region("reactions", sum(widths))
     if in_loops:
         return
     lam = recorder.known("lam")
     recorder.begin("reaction")
-    told = known()
+    wrenches = ground()
     for one in found:
         if one.kept:
             one.multipliers = [(one.kept, lam.part(one.kept.first, one.kept.count))]
@@ -133,7 +133,7 @@ def record_reactions(
         own = [one for one in found if one.name in group]
         if any(one.left_out for one in own):
             LeastNorm(recorder, schur, body, joints, scale).share_out(own)
-    _write_reactions(schur, found, widths, target, told)
+    _write_reactions(schur, found, widths, target, wrenches)
 
 
 def _write_reactions(
@@ -141,13 +141,13 @@ def _write_reactions(
     found: Sequence[Reaction],
     widths: Sequence[int],
     target: Block,
-    told: Mapping[tuple[str, int], Block] = MappingProxyType({}),
+    wrenches: Mapping[tuple[str, int], Block] = MappingProxyType({}),
 ) -> None:
     """Record force and torque of each joint on its bodies, as its multipliers are."""
     first = 0
     for (one, end), width in zip(((x, end) for x in found for end in x.ends), widths, strict=True):
         products = [(rows.whole[end].T, x) for rows, x in one.multipliers if end in rows.whole]
-        total = told.get((one.name, end)) or zeros(width, 1)
+        total = wrenches.get((one.name, end)) or zeros(width, 1)
         schur.gather(total, products, target.part(first, width))
         first += width
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 #: A pivot with more neighbours is eliminated by several tasks.
 FUSED = 2
-#: How many products one task subtracts.
+#: How many products one task subtracts: with longer sums in several tasks few kernels serve all.
 CHUNK = 4
 
 

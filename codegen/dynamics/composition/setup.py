@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.recording.design import Design, shown_numbers, starts
+from kousoku.codegen.dynamics.recording.design import DesignNumbers, shown_numbers, starts
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.expressions import to_graph
 from kousoku.model.terms import names_of
@@ -13,7 +13,7 @@ from kousoku.model.terms import names_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Coordinates
+    from kousoku.codegen.dynamics.recording.program import BodyCoordinates
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.mechanism import System
@@ -47,8 +47,8 @@ class ParameterFormulas:
 
 
 def record_setup(
-    recorder: Recorder, system: System, parameters: Block, places: Sequence[Coordinates]
-) -> Design:
+    recorder: Recorder, system: System, parameters: Block, places: Sequence[BodyCoordinates]
+) -> DesignNumbers:
     """Record the segment, if some number depends on parameters; return where the numbers are.
 
     Parameters
@@ -59,7 +59,7 @@ def record_setup(
         The scene.
     parameters : Block
         Where its parameters are.
-    places : sequence of Coordinates
+    places : sequence of BodyCoordinates
         Where its bodies are in q and v.
     """
     start = starts(system, places)
@@ -76,4 +76,4 @@ def record_setup(
     found = {name for one in expressions for name in names_of(one)}
     used = [name for name in names if name in found]
     places_of = {key: place for key, (place, _) in recorder.design.items()}
-    return Design.of(places_of, start, system.positive, used)
+    return DesignNumbers.of(places_of, start, system.positive, used)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.elements.constraints import facets_of_kind
 from kousoku.codegen.dynamics.elements.facets import Applied, E, ForceFacets
-from kousoku.codegen.dynamics.operations.heights import coordinate_leaves
 from kousoku.model.elements.along import CoordinateForce
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class OnCoordinate(ForceFacets[E]):
     def leaves_plane(self, system: System, normal: int) -> bool:
         """Whether J leads out of the plane."""
         one = system.coordinates[self.force.coordinate]
-        return coordinate_leaves(system, one, normal) is not False
+        return facets_of_kind(one.kind).leaves_plane(system, one, normal) is not False
 
     def applied(self) -> Applied:
         """Nothing applied: what it does to one body it does to the other."""

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from enum import Enum
+from typing import TYPE_CHECKING, ClassVar
 
+from kousoku.codegen.dynamics.operations.heights import FLAT, ends_of, is_level
 from kousoku.codegen.dynamics.operations.jets import Jet, atan2, cross, dot, sqrt
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.checking.newton_euler import Course
     from kousoku.codegen.dynamics.operations.jets import Vector
     from kousoku.model.arithmetic import FormulaArithmetic
+    from kousoku.model.mechanism import Coordinate, System
     from kousoku.model.precise import Triple
     from kousoku.model.real import Real
 
@@ -60,7 +63,7 @@ ANYTHING = Contact(through=precise.ZERO, turns=True)
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class BodiesAtRest:
     """Two bodies at rest, as a constraint between them sees them.
 
     Parameters
@@ -78,8 +81,28 @@ class Seen:
     length: Real | None
 
 
+class RelativeMotion(Enum):
+    """A motion of two bodies against each other, by an axis of a joint between them."""
+
+    SLIDE = "a displacement along the axis"
+    SHIFT = "a displacement across it"
+    SPIN = "a turn about it"
+    TILT = "a turn across it"
+
+
 class ConstraintFacets(ABC):
-    """A kind of constraint or coordinate."""
+    """A kind of constraint or coordinate.
+
+    Attributes
+    ----------
+    holds : frozenset of RelativeMotion
+        What it does not allow, whatever the position; empty where that depends on the position.
+    measures : RelativeMotion, optional
+        What changes it, of a coordinate that a joint may have for its own.
+    """
+
+    holds: ClassVar[frozenset[RelativeMotion]] = frozenset()
+    measures: ClassVar[RelativeMotion | None] = None
 
     @abstractmethod
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
@@ -95,7 +118,7 @@ class ConstraintFacets(ABC):
             What numbers are computed with.
         """
 
-    def gap(self, seen: Seen) -> tuple[Real, int]:
+    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
         """Gap that is left until it holds, and 0 for metres or 1 for radians."""
         raise NotImplementedError(f"{type(self).__name__} is no constraint")
 
@@ -111,6 +134,28 @@ class ConstraintFacets(ABC):
             Of the ground.
         """
 
+    def leaves_plane(self, system: System, one: Coordinate, normal: int) -> bool | None:
+        """Whether a force along a coordinate of the kind leads out of a coordinate plane.
+
+        A coordinate whose axes are in the plane, and whose points are level with the centres of
+        mass, does not; an angle does not either. None where it leads out of it, but motions in the
+        plane do not change the coordinate, because it is across the plane.
+
+        Parameters
+        ----------
+        system : System
+            A scene that moves in the plane.
+        one : Coordinate
+            The coordinate.
+        normal : int
+            The axis that the plane is across.
+        """
+        raise NotImplementedError(f"{type(self).__name__} is no coordinate")
+
+    def direction(self, own: Mapping[str, Sequence[float]]) -> Triple | None:
+        """Direction along or about which it grows, in body i; None unless it has one for good."""
+        return None
+
 
 class OfPoints(ConstraintFacets):
     """Kinds of two points and no axis."""
@@ -120,19 +165,21 @@ class OfPoints(ConstraintFacets):
         return Contact(through=point)
 
 
-class Point(OfPoints):
+class PointFacets(OfPoints):
     """Two points coincide."""
+
+    holds = frozenset({RelativeMotion.SLIDE, RelativeMotion.SHIFT})
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
         """Vector d [m]."""
         return _across(i, j, own)
 
-    def gap(self, seen: Seen) -> tuple[Real, int]:
+    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
         """Length |d| [m]."""
         return precise.length(seen.d), 0
 
 
-class Length(OfPoints):
+class LengthFacets(OfPoints):
     """The distance of two points."""
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
@@ -140,8 +187,12 @@ class Length(OfPoints):
         d = _across(i, j, own)
         return (sqrt(dot(d, d), digits),)
 
+    def leaves_plane(self, system: System, one: Coordinate, normal: int) -> bool | None:
+        """Whether its points are not level."""
+        return not _is_level(system, one, normal)
 
-class Distance(Length):
+
+class DistanceFacets(LengthFacets):
     """Two points at a given distance."""
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
@@ -149,7 +200,7 @@ class Distance(Length):
         (distance,), (length,) = super().residuals(i, j, own, digits), own["length"]
         return (distance - Jet(length),)
 
-    def gap(self, seen: Seen) -> tuple[Real, int]:
+    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
         """Gap ||d| − l| [m]."""
         return abs(precise.length(seen.d) - seen.length), 0
 
@@ -162,33 +213,51 @@ class OfAxes(ConstraintFacets):
         return Contact(about=axis)
 
 
-class Perpendicular(OfAxes):
-    """n1: two axes are perpendicular, or the cosine between them."""
+class PerpendicularFacets(OfAxes):
+    """n1: two axes are perpendicular, or the cosine between them.
+
+    Across an axis that another kind keeps parallel, as in joints, it holds the turn about that.
+    """
+
+    holds = frozenset({RelativeMotion.SPIN})
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
         """Product a_i · a_j."""
         return (dot(i.vector(own["a_i_b"]), j.vector(own["a_j_b"])),)
 
-    def gap(self, seen: Seen) -> tuple[Real, int]:
+    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
         """Difference of the angle between them from a right one [rad]."""
         sine, cosine = _angle(seen)
         return CONTEXT.atan2(cosine, sine), 1
 
+    def leaves_plane(self, system: System, one: Coordinate, normal: int) -> bool | None:
+        """Whether its axes are neither both in the plane nor both across it."""
+        heights = _heights(one, normal)
+        is_across = [height >= 1.0 - FLAT for height in heights]
+        if max(heights) <= FLAT or all(is_across):
+            return False
+        is_fixed = all(x <= FLAT or x >= 1.0 - FLAT for x in heights)
+        return None if is_fixed else True
 
-class Parallel(OfAxes):
+
+class ParallelFacets(OfAxes):
     """p1: two axes are parallel."""
+
+    holds = frozenset({RelativeMotion.TILT})
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
         """Product a_i × a_j."""
         return cross(i.vector(own["a_i_b"]), j.vector(own["a_j_b"]))
 
-    def gap(self, seen: Seen) -> tuple[Real, int]:
+    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
         """Angle between their lines."""
         return CONTEXT.atan2(*_angle(seen)), 1
 
 
-class Angle(ConstraintFacets):
+class AngleFacets(ConstraintFacets):
     """The angle from a_i to a_j, counted about a_i × b_i; without its turns."""
+
+    measures = RelativeMotion.SPIN
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
         """Angle."""
@@ -200,15 +269,25 @@ class Angle(ConstraintFacets):
         """Moments of any direction."""
         return Contact(turns=True)
 
+    def leaves_plane(self, system: System, one: Coordinate, normal: int) -> bool | None:
+        """Whether an axis is not in the plane."""
+        return max(_heights(one, normal)) > FLAT
 
-class InPlane(ConstraintFacets):
+    def direction(self, own: Mapping[str, Sequence[float]]) -> Triple | None:
+        """Axis a_i × b_i."""
+        return precise.cross(precise.triple(own["a_i_b"]), precise.triple(own["b_i_b"]))
+
+
+class InPlaneFacets(ConstraintFacets):
     """n2: d is perpendicular to an axis of body i, or its component along that."""
+
+    measures = RelativeMotion.SLIDE
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
         """Product a_i · d [m]."""
         return (dot(i.vector(own["a_i_b"]), _across(i, j, own)),)
 
-    def gap(self, seen: Seen) -> tuple[Real, int]:
+    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
         """Gap |a_i · d| [m]."""
         return abs(precise.dot(seen.axes[0], seen.d)), 0
 
@@ -216,15 +295,28 @@ class InPlane(ConstraintFacets):
         """Forces along the axis, wherever they act; where it turns, through the point."""
         return Contact(through=point) if axis is None else Contact(push=precise.unit(axis))
 
+    def leaves_plane(self, system: System, one: Coordinate, normal: int) -> bool | None:
+        """Whether its axis is not in the plane, or its points are not level."""
+        (height,) = _heights(one, normal)
+        if height <= FLAT:
+            return not _is_level(system, one, normal)
+        return None if height >= 1.0 - FLAT else True
 
-class OnLine(ConstraintFacets):
+    def direction(self, own: Mapping[str, Sequence[float]]) -> Triple | None:
+        """Axis a_i."""
+        return precise.triple(own["a_i_b"])
+
+
+class OnLineFacets(ConstraintFacets):
     """p2: d is parallel to an axis of body i."""
+
+    holds = frozenset({RelativeMotion.SHIFT})
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
         """Product a_i × d [m]."""
         return cross(i.vector(own["a_i_b"]), _across(i, j, own))
 
-    def gap(self, seen: Seen) -> tuple[Real, int]:
+    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
         """Gap |a_i × d| [m]."""
         return precise.length(precise.cross(seen.axes[0], seen.d)), 0
 
@@ -241,21 +333,31 @@ def _across(i: Course, j: Course, own: Own) -> Vector:
     return end[0] - start[0], end[1] - start[1], end[2] - start[2]
 
 
-def _angle(seen: Seen) -> tuple[Real, Real]:
+def _heights(one: Coordinate, normal: int) -> list[float]:
+    """Parts of the axes of a coordinate across the plane; 0 is in the plane and 1 across it."""
+    return [abs(axis[normal]) for name, axis in one.constants if not name.startswith("s_")]
+
+
+def _is_level(system: System, one: Coordinate, normal: int) -> bool:
+    """Whether the points of a coordinate are level with the centres of mass and each other."""
+    return is_level(ends_of(system, one, normal), [values for _, values in one.constants])
+
+
+def _angle(seen: BodiesAtRest) -> tuple[Real, Real]:
     """Sine and cosine of the angle between the lines of two axes."""
     axis, other = seen.axes
     return precise.length(precise.cross(axis, other)), abs(precise.dot(axis, other))
 
 
 FACETS: dict[str, ConstraintFacets] = {
-    "point": Point(),
-    "distance": Distance(),
-    "n1": Perpendicular(),
-    "n2": InPlane(),
-    "p1": Parallel(),
-    "p2": OnLine(),
-    "angle": Angle(),
-    "length": Length(),
+    "point": PointFacets(),
+    "distance": DistanceFacets(),
+    "n1": PerpendicularFacets(),
+    "n2": InPlaneFacets(),
+    "p1": ParallelFacets(),
+    "p2": OnLineFacets(),
+    "angle": AngleFacets(),
+    "length": LengthFacets(),
 }
 """By the names of the kinds; a combination is what its coordinates are."""
 
@@ -263,3 +365,9 @@ FACETS: dict[str, ConstraintFacets] = {
 def facets_of_kind(package: str) -> ConstraintFacets:
     """Facets of a package, such as ``p1_z``."""
     return FACETS[base_of(package)]
+
+
+def held_by(package: str) -> frozenset[RelativeMotion]:
+    """Motions that a package does not allow, whatever the position; one's own may depend on it."""
+    base = base_of(package)
+    return FACETS[base].holds if base in FACETS else frozenset()

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.along import OnCoordinate
+from kousoku.codegen.dynamics.elements.constraints import facets_of_kind
 from kousoku.codegen.dynamics.operations.forces import ELONGATION, column_of
 from kousoku.codegen.dynamics.operations.formulas import formula_node
-from kousoku.codegen.dynamics.operations.heights import FLAT, at_start, coordinate_leaves
+from kousoku.codegen.dynamics.operations.heights import FLAT, at_start
 from kousoku.codegen.dynamics.operations.jets import Jet
 from kousoku.model.elements.coordinate_spring import CoordinateSpring
 
@@ -113,7 +114,7 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         force at the start then has none for good.
         """
         one, force = system.coordinates[self.force.coordinate], self.force
-        leaves = coordinate_leaves(system, one, normal)
+        leaves = facets_of_kind(one.kind).leaves_plane(system, one, normal)
         if leaves is not None:
             return leaves
         if force.law or force.formulas:

@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
 )
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.joint_ends import ends_of, points_of
-from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, Coordinates, Place
+from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, BodyCoordinates, Place
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.model.about import About
 from kousoku.model.elements.constraints import is_length
@@ -34,7 +34,9 @@ if TYPE_CHECKING:
 GIVEN = ("t", "parameters", "constants", "q", "v", *ON_DEMAND_REGIONS)
 ZERO = Place(-1, 0.0)
 #: Where the ground is, for bodies that it carries.
-STILL = Coordinates("", (ZERO,) * 3, (Place(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3)
+STILL = BodyCoordinates(
+    "", (ZERO,) * 3, (Place(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3
+)
 
 
 def motion_data(
@@ -223,7 +225,7 @@ def _bodies(program: Program, system: System, q: int, v: int) -> list[dict[str, 
 
 
 def _body(
-    program: Program, body: MovingBody | Carried, places: Coordinates, q: int, v: int
+    program: Program, body: MovingBody | Carried, places: BodyCoordinates, q: int, v: int
 ) -> dict[str, object]:
     turns = not body.is_point
     return {

@@ -10,6 +10,7 @@ from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.analyse import PRESCRIBED, analyse, with_all_rows
+from kousoku.codegen.dynamics.assembled import assemble_scene
 from kousoku.codegen.dynamics.choose import cheaper, with_reactions
 from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
 from kousoku.codegen.dynamics.composition.compose import compose
@@ -20,15 +21,12 @@ from kousoku.codegen.dynamics.operations.shapes import thickened
 from kousoku.codegen.dynamics.recording.counts import counts, operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
-from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.simplification.bodies import gyroscopic_ratios
 from kousoku.codegen.dynamics.simplification.planar import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
 from kousoku.codegen.kernel_json import shipped_kinds
-from kousoku.model.held import without_held
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name
-from kousoku.model.system import system_of
 from kousoku.model.text import counted
 from kousoku.model.varying import fixed_system
 from kousoku.runtime.integrate.result import listed
@@ -147,13 +145,13 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         As :func:`kousoku.codegen.dynamics.generate.generate_dynamics` raises them.
     """
     names = scene.outputs if outputs is None else outputs
-    each = without_held(put_together(system_of(scene, names)))
+    each = assemble_scene(scene, names).system
     wanted = (*LEDGER, *names)
     found = analyse(each, wanted)
     apart = _heavy(each)
     system, freedom = found.system, found.freedom
     kept = compose(found, wanted)
-    full = compose(with_all_rows(system, found.outline.shift), wanted) if freedom.dropped else kept
+    full = compose(with_all_rows(system, found.outline.plane), wanted) if freedom.dropped else kept
     chosen, whole = with_reactions(found, wanted) if "reactions" in names else (found, kept)
     prescribed = cheaper(chosen, wanted, whole, PRESCRIBED)
     program = cheaper(chosen, wanted, whole)
@@ -210,7 +208,7 @@ def _compared(
     folded = structure_of(thick, in_space)
     yield _step("zeros and ones folded", _of_elements(folded), unfolded, spinning)
     yield _step("gyroscopic terms", _of_moments(thick), spinning, in_space)
-    everything = compose(with_all_rows(found.system, found.outline.shift), all_of)
+    everything = compose(with_all_rows(found.system, found.outline.plane), all_of)
     yield _step("planar", _of_plane(found), in_space, everything)
     yield _step("outputs not wanted", _of_outputs(wanted), everything, full)
 

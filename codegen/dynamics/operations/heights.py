@@ -1,4 +1,4 @@
-"""How far ends of forces and joints are from a coordinate plane, and which coordinates leave it."""
+"""How far ends of forces and joints are from a coordinate plane, and coordinates at the start."""
 
 from __future__ import annotations
 
@@ -50,26 +50,6 @@ def height(
     w, x, y, z = map(precise.number, body.p)
     seen = precise.rotate((w, x, y, z), precise.triple(point))
     return body.r[normal] + float(seen[normal])
-
-
-def coordinate_leaves(system: System, one: Coordinate, normal: int) -> bool | None:
-    """Whether a force along a coordinate leads out of the plane.
-
-    A coordinate whose axes are in the plane, and whose points are level with the centres of mass,
-    does not; an angle does not either. None where it leads out of it, but motions in the plane do
-    not change the coordinate, because it is across the plane.
-    """
-    given = dict(one.constants)
-    axes = [values for name, values in given.items() if not name.startswith("s_")]
-    heights = [abs(axis[normal]) for axis in axes]
-    if one.kind in {"length", "n2"} and max(heights, default=0.0) <= FLAT:
-        return not is_level(ends_of(system, one, normal), list(given.values()))
-    is_across = [height >= 1.0 - FLAT for height in heights]
-    if one.kind in {"n1", "angle"} and (max(heights) <= FLAT or all(is_across)):
-        return False
-    is_fixed = one.kind in {"n1", "n2"} and sum(is_across) == 1
-    is_fixed = is_fixed and all(x <= FLAT or x >= 1.0 - FLAT for x in heights)
-    return None if is_fixed else True
 
 
 def at_start(system: System, one: Coordinate) -> float:

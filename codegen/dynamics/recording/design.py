@@ -18,13 +18,13 @@ from kousoku.model.varying import Varying, is_varying
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Coordinates
+    from kousoku.codegen.dynamics.recording.program import BodyCoordinates
     from kousoku.model.mechanism import Carried, MovingBody, System
     from kousoku.model.precise import High, Quadruple, Triple
 
 
 @dataclass(frozen=True, slots=True)
-class Design:
+class DesignNumbers:
     """The numbers of a program that depend on parameters.
 
     Parameters
@@ -51,8 +51,8 @@ class Design:
         start: Sequence[tuple[int, float]],
         positive: Sequence[tuple[str, float]],
         names: Iterable[str],
-    ) -> Design:
-        """Return where numbers are, by the numbers."""
+    ) -> DesignNumbers:
+        """Places of numbers, by the numbers."""
         return cls(
             tuple(places.items()),
             tuple((slot, key_of(value)) for slot, value in start),
@@ -60,31 +60,31 @@ class Design:
             tuple(dict.fromkeys(names)),
         )
 
-    def moved(self, slots: Mapping[int, int]) -> Design:
-        """Return it in a workspace where slots have moved."""
+    def moved(self, slots: Mapping[int, int]) -> DesignNumbers:
+        """The same in a workspace where slots have moved."""
         return replace(self, start=tuple((slots[slot], key) for slot, key in self.start))
 
     def __bool__(self) -> bool:
         return bool(self.places)
 
     def place(self, value: float) -> int:
-        """Return the place of a number that depends on parameters."""
+        """Place of a number that depends on parameters."""
         return dict(self.places)[key_of(value)]
 
 
 def key_of(value: float) -> str:
-    """Return the key of a number that depends on parameters."""
+    """Key of a number that depends on parameters."""
     assert isinstance(value, Varying)
     return value.traced.expression.key
 
 
 def number(value: float) -> High:
-    """Return a number of a system to compute with, exactly: a fraction, or a formula."""
+    """Number of a system to compute with, exactly: a fraction, or a formula."""
     return value.traced if isinstance(value, Varying) else Fraction(value)
 
 
 def shown_numbers(system: System) -> Iterator[float]:
-    """Yield the numbers that those who read results need, and that depend on parameters."""
+    """Numbers that those who read results need, and that depend on parameters."""
     shown: list[MovingBody | Carried] = [*system.bodies, *system.carried]
     for one in shown:
         yield from (x for x in (*one.origin_b, *one.axes_b) if is_varying(x))
@@ -94,7 +94,7 @@ def shown_numbers(system: System) -> Iterator[float]:
 
 
 def start_of(body: MovingBody) -> tuple[Triple, Quadruple, Triple, Triple]:
-    """Return r, p, v and ω′ at the start: the frame of the user stays where the scene has it.
+    """Position r, p and velocity v, ω′ at the start: the user's frame stays where the scene has it.
 
     Where nothing of the body depends on parameters they are the numbers of the system.
     """
@@ -115,8 +115,8 @@ def start_of(body: MovingBody) -> tuple[Triple, Quadruple, Triple, Triple]:
     return precise.subtract(place, arm), turned, precise.subtract(velocity, rate), spin
 
 
-def starts(system: System, places: Sequence[Coordinates]) -> list[tuple[int, float]]:
-    """Return the slots of q and v whose value at the start depends on parameters, and the value."""
+def starts(system: System, places: Sequence[BodyCoordinates]) -> list[tuple[int, float]]:
+    """Slots of q and v whose value at the start depends on parameters, and the value."""
     found = []
     for body, own in zip(system.bodies, places, strict=True):
         slots = (own.r, own.p, own.v, own.omega_b)

@@ -26,7 +26,7 @@ class DisjointSets:
         self._above = {member: member for member in members}
 
     def of(self, member: int) -> int:
-        """Return the leader of the set that a member is in."""
+        """Leader of the set that a member is in."""
         above = self._above
         while above[member] != member:
             above[member] = above[above[member]]
@@ -40,7 +40,7 @@ class DisjointSets:
         return low != high
 
     def sets(self) -> list[list[int]]:
-        """Return the members of each set, all in the order in which they were given."""
+        """Members of each set, all in the order in which they were given."""
         found: dict[int, list[int]] = {}
         for member in self._above:
             found.setdefault(self.of(member), []).append(member)

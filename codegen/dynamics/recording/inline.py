@@ -27,7 +27,7 @@ from kousoku.model.quantity import Quantity
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Coordinates, Place, Program
+    from kousoku.codegen.dynamics.recording.program import BodyCoordinates, Place, Program
 
 #: Programs with more operations stay tasks: these are as fast then, and much faster to compile.
 LIMIT = 2_500
@@ -38,7 +38,7 @@ OFTEN = frozenset({"position", "velocity", "acceleration"})
 
 
 def inline(program: Program, *, limit: int = LIMIT, statements: int = STATEMENTS) -> Program:
-    """Return a program of straight-line functions that computes the same.
+    """Program of straight-line functions that computes the same.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ class _Inliner:
         )
 
     def _start(self) -> dict[int, int]:
-        """Return the nodes of what is in the workspace before any task has run."""
+        """Nodes of what is in the workspace before any task has run."""
         base = self.old.region("constants").base
         nodes = {base + k: self.graph.const(value) for k, value in enumerate(self.old.constants)}
         for slot, moved in self.moved.items():
@@ -137,7 +137,7 @@ class _Inliner:
                 values.update((base + k, node) for k, node in enumerate(result))
 
     def _written(self, segment: str, values: Mapping[int, int]) -> dict[int, int]:
-        """Return the node of each slot in a region that a segment writes, by its new place."""
+        """Node of each slot in a region that a segment writes, by its new place."""
         return {
             self.moved[slot]: values[slot]
             for task in self.old.segment(segment).tasks
@@ -147,7 +147,7 @@ class _Inliner:
         }
 
     def _passed(self, wanted: Mapping[str, Mapping[int, int]], shared: int) -> dict[int, int]:
-        """Return slots for what the geometry computes and the segments after it need.
+        """Slots for what the geometry computes and the segments after it need.
 
         What rows alone need, such as the matrix of a momentum, their segments compute themselves.
         """
@@ -172,7 +172,7 @@ class _Inliner:
         return node < shared and bool(found.args) and found.op is not Op.NEG
 
     def _order(self, roots: Iterable[int], is_known: Callable[[int], bool]) -> list[int]:
-        """Return what ``roots`` need, each after its operands; not what known nodes need."""
+        """Nodes that ``roots`` need, each after its operands; not what known nodes need."""
         done: dict[int, None] = {}
         stack = list(reversed(list(roots)))
         while stack:
@@ -242,7 +242,7 @@ class _Inliner:
         return Segment(name, tuple(tasks), self._contents(name))
 
     def _contents(self, name: str) -> tuple[str, ...]:
-        """Return what the tasks of a segment were, by what they belong to."""
+        """Titles of the tasks of a segment, by what they belong to."""
         titles: dict[str, dict[str, None]] = {}
         for task in self.old.segment(name).tasks:
             if task.owner:
@@ -252,7 +252,7 @@ class _Inliner:
     def _function(
         self, name: str, chunk: Sequence[int], written: Mapping[int, int], slots: Mapping[int, int]
     ) -> Task:
-        """Return the task of a function that computes ``chunk`` and writes some of it."""
+        """Task of a function that computes ``chunk`` and writes some of it."""
         graph = Graph()
         ids: dict[int, int] = {}
         for node in (*chunk, *written.values()):
@@ -291,7 +291,7 @@ class _Inliner:
             self._copy(graph, arg, ids, slots)
         ids[node] = copy_node(graph, self.graph.nodes[node], ids)
 
-    def _moved_body(self, body: Coordinates) -> Coordinates:
+    def _moved_body(self, body: BodyCoordinates) -> BodyCoordinates:
         def moved(places: tuple[Place, ...]) -> tuple[Place, ...]:
             return tuple(
                 replace(place, slot=self.moved[place.slot]) if place.slot >= 0 else place

@@ -43,13 +43,13 @@ class Matrix:
         return Matrix(self.graph, rows, len(self.rows))
 
     def columns(self, kept: Sequence[int]) -> Matrix:
-        """Return some of the columns."""
+        """Matrix of some of the columns."""
         return Matrix(
             self.graph, tuple(tuple(row[k] for k in kept) for row in self.rows), len(kept)
         )
 
     def select(self, kept: Sequence[int]) -> Matrix:
-        """Return some of the rows."""
+        """Matrix of some of the rows."""
         return Matrix(self.graph, tuple(self.rows[k] for k in kept), self.width)
 
     def __matmul__(self, other: Matrix) -> Matrix:
@@ -74,7 +74,7 @@ class Matrix:
         return Matrix(self.graph, rows, self.width)
 
     def cross(self, other: Matrix) -> Matrix:
-        """Return self × other; both are columns of three."""
+        """Vector product self × other; both are columns of three."""
         graph, a, b = self.graph, self.flat, other.flat
         rows = []
         for k in range(3):
@@ -83,7 +83,7 @@ class Matrix:
         return Matrix(graph, tuple(rows), 1)
 
     def scaled(self, factors: Matrix) -> Matrix:
-        """Return self · diag(factors); the factors are one row."""
+        """Product self · diag(factors); the factors are one row."""
         mul, diagonal = self.graph.mul, factors.flat
         rows = tuple(
             tuple(mul(a, d) for a, d in zip(row, diagonal, strict=True)) for row in self.rows
@@ -99,12 +99,12 @@ class Matrix:
 
 
 def stack(graph: Graph, parts: Iterable[Matrix], width: int) -> Matrix:
-    """Return the rows of all parts, one below the other."""
+    """Matrix of the rows of all parts, one below the other."""
     return Matrix(graph, tuple(row for part in parts for row in part.rows), width)
 
 
 def square(lower: Sequence[Sequence[int]], graph: Graph) -> Matrix:
-    """Return the symmetric matrix with the given lower triangle."""
+    """Symmetric matrix with the given lower triangle."""
     n = len(lower)
     rows = tuple(tuple(lower[max(i, j)][min(i, j)] for j in range(n)) for i in range(n))
     return Matrix(graph, rows, n)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.recording.design import Design
+from kousoku.codegen.dynamics.recording.design import DesignNumbers
 from kousoku.model.errors import EmitError
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
-class Coordinates:
+class BodyCoordinates:
     """Where position and velocity of a body are.
 
     Parameters
@@ -199,7 +199,7 @@ class Program:
         The numbers in the region ``constants``: they are put there once.
     size : int
         Count of slots.
-    bodies : tuple of Coordinates
+    bodies : tuple of BodyCoordinates
         In the order of the system.
     rows : tuple of Row
         In the order of the regions ``C`` and ``lam``.
@@ -230,7 +230,7 @@ class Program:
         The momenta of the region ``momenta``.
     on_demand : tuple of Segment
         What a run calls where it must: those of :data:`ON_DEMAND`.
-    design : Design
+    design : DesignNumbers
         The numbers of the region ``design``, which depend on parameters.
     is_inlined : bool
         Whether each kernel is one function of the whole workspace, called once.
@@ -242,7 +242,7 @@ class Program:
     regions: tuple[Region, ...]
     constants: tuple[Fraction, ...]
     size: int
-    bodies: tuple[Coordinates, ...]
+    bodies: tuple[BodyCoordinates, ...]
     rows: tuple[Row, ...]
     is_planar: bool
     auxiliary: tuple[Auxiliary, ...] = ()
@@ -257,7 +257,7 @@ class Program:
     is_weighed: bool = True
     parameters: tuple[float, ...] = ()
     on_demand: tuple[Segment, ...] = ()
-    design: Design = field(default_factory=Design)
+    design: DesignNumbers = field(default_factory=DesignNumbers)
     is_inlined: bool = False
 
     @property
@@ -267,7 +267,7 @@ class Program:
         return has_regions and all(one.name != "reaction" for one in self.segments)
 
     def region(self, name: str) -> Region:
-        """Return a region by its name."""
+        """Region by its name."""
         for region in self.regions:
             if region.name == name:
                 return region
@@ -275,7 +275,7 @@ class Program:
         raise EmitError(f"the program of {self.name} has no region {name}; it has {known}")
 
     def segment(self, name: str) -> Segment:
-        """Return a segment by its name."""
+        """Segment by its name."""
         for segment in (*self.segments, *self.on_demand):
             if segment.name == name:
                 return segment
@@ -369,7 +369,7 @@ AFTER_GEOMETRY = frozenset(
 
 
 def meaning_of(program: Program, segment: Segment) -> str:
-    """Return what a segment reads and writes, without the regions that it leaves alone here."""
+    """Regions that a segment reads and writes, without those that it leaves alone here."""
     if segment.meaning:
         return segment.meaning
     sides = []
@@ -388,19 +388,19 @@ def meaning_of(program: Program, segment: Segment) -> str:
 
 
 def reads(program: Program, task: Task) -> Iterator[tuple[int, int]]:
-    """Yield first slot and length of each run that a task reads."""
+    """First slot and length of each run that a task reads."""
     lengths = (quantity.size for quantity in program.kernels[task.kernel].inputs)
     return zip(task.inputs, lengths, strict=True)
 
 
 def writes(program: Program, task: Task) -> Iterator[tuple[int, int]]:
-    """Yield first slot and length of each run that a task writes."""
+    """First slot and length of each run that a task writes."""
     lengths = (quantity.size for quantity in program.kernels[task.kernel].outputs)
     return zip(task.outputs, lengths, strict=True)
 
 
 def levels(program: Program, segment: Segment) -> tuple[tuple[int, ...], ...]:
-    """Return the tasks of a segment by level: those of one level do not need each other.
+    """Tasks of a segment by level: those of one level do not need each other.
 
     Returns
     -------

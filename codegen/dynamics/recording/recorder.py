@@ -73,22 +73,22 @@ class Block:
         return Block(entries, self.height, self.width)
 
     def part(self, start: int, count: int) -> Block:
-        """Return some entries of a column, one after the other."""
+        """Block of some entries of a column, one after the other."""
         return Block(self.entries[start : start + count], count, 1)
 
 
 def column(entries: Sequence[int]) -> Block:
-    """Return entries as one column."""
+    """Block of entries as one column."""
     return Block(tuple(entries), len(entries), 1)
 
 
 def zeros(height: int, width: int) -> Block:
-    """Return a block of structural zeros."""
+    """Block of structural zeros."""
     return Block((0,) * (height * width), height, width)
 
 
 def slot_of(entry: int) -> int:
-    """Return the slot that an entry stands for: it is neither 0 nor ±1."""
+    """Slot that an entry stands for: it is neither 0 nor ±1."""
     return entry - 2
 
 
@@ -104,10 +104,10 @@ class Operation(Protocol):
         """What it computes, in one line; kernels and counts are named after it."""
 
     def __hash__(self) -> int:
-        """Return a hash that equal operations share."""
+        """Hash that equal operations share."""
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the results in terms of the nodes of ``blocks``."""
+        """Results in terms of the nodes of ``blocks``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,11 +143,11 @@ class Recorder:
         return _slots(base, size)
 
     def design_part(self, first: int, count: int) -> Block:
-        """Return some of the numbers that depend on parameters, in their order, as a column."""
+        """Column of some of the numbers that depend on parameters, in their order."""
         return _slots(DESIGN + first, count)
 
     def known(self, name: str) -> Block:
-        """Return a region that was set aside."""
+        """Region that was set aside."""
         base, size = next((one.base, one.size) for one in self.regions if one.name == name)
         return _slots(base, size)
 
@@ -163,7 +163,7 @@ class Recorder:
         self._owner = before
 
     def constant(self, values: Sequence[High]) -> Block:
-        """Return numbers as a column; equal columns of numbers are stored once.
+        """Column of numbers; equal columns of numbers are stored once.
 
         Those that depend on parameters are in the region ``design``, each formula once.
         """
@@ -238,7 +238,7 @@ class Recorder:
         return tuple(results)
 
     def finish(self) -> tuple[list[Segment], list[Region], int]:
-        """Return segments and regions with the constants behind all else, and the size."""
+        """Segments and regions with the constants behind all else, and the size."""
         regions, size = list(self.regions), self._size
         bases = {}
         for first, name, count in (
@@ -274,7 +274,7 @@ class Recorder:
         return base
 
     def _entry(self, kind: str, x: int, leaves: Sequence[int], base: int) -> int:
-        """Return the code of a result: x is a code over leaves, fresh slots or constants."""
+        """Code of a result: x is a code over leaves, fresh slots or constants."""
         if kind == "number" or not x:
             return x
         sign, place = (1, x - 1) if x > 0 else (-1, -x - 1)
@@ -311,7 +311,7 @@ def _traced_kernel(
 
 
 def pattern_of(blocks: Sequence[Block]) -> tuple[Pattern, list[int], list[int], list[int]]:
-    """Return what decides a trace, and what differs between its calls.
+    """Pattern that decides a trace, and what differs between its calls.
 
     Returns
     -------

@@ -29,7 +29,7 @@ ADDED_HERE = Fraction(1, 2**1000)
 
 
 def with_finite_quotients(kernel: Kernel) -> Kernel:
-    """Return a kernel whose divisors have an inverse, also where they are zero."""
+    """Kernel whose divisors have an inverse, also where they are zero."""
     added = {k for k, x in enumerate(kernel.nodes) if x.op is Op.CONST and x.value == ADDED}
     if not added:
         return kernel
@@ -58,14 +58,14 @@ class Trace:
         self._known: dict[int, int] = {}
 
     def leaf(self, code: int) -> int:
-        """Return the node of an entry: 0, ±1, or ±(leaf + 2)."""
+        """Node of an entry: 0, ±1, or ±(leaf + 2)."""
         if -1 <= code <= 1:
             return self.graph.const(code)
         node = self._leaves[abs(code) - 2]
         return node if code > 0 else self.graph.neg(node)
 
     def matrix(self, codes: Sequence[int], height: int, width: int) -> Matrix:
-        """Return the matrix of entries that are coded as in :meth:`leaf`."""
+        """Matrix of entries that are coded as in :meth:`leaf`."""
         nodes = [self.leaf(code) for code in codes]
         rows = tuple(tuple(nodes[k * width : (k + 1) * width]) for k in range(height))
         return Matrix(self.graph, rows, width)
@@ -81,7 +81,7 @@ class Trace:
                 self._known[node] = leaf
 
     def rebuilt(self, results: Sequence[Matrix]) -> tuple[Graph, list[list[int]]]:
-        """Return a graph of what ``results`` need beyond what is known, and their nodes in it."""
+        """Graph of what ``results`` need beyond what is known, and their nodes in it."""
         graph = Graph()
         new: dict[int, int] = {}
         order = self._needed(node for result in results for node in result.flat)
@@ -94,7 +94,7 @@ class Trace:
         return graph, [[new[node] for node in result.flat] for result in results]
 
     def _needed(self, wanted: Iterable[int]) -> list[int]:
-        """Return what is needed in an order in which it can be built: leaves first."""
+        """Nodes that are needed in an order in which they can be built: leaves first."""
         nodes = self.graph.nodes
         needed: dict[int, None] = {}
         stack = list(wanted)
@@ -117,7 +117,7 @@ class Trace:
 def traced_kernel(
     trace: Trace, title: str, results: Sequence[Matrix], pinned: Sequence[bool]
 ) -> tuple[Kernel, tuple[int, ...], int, tuple[Codes, ...]]:
-    """Return the kernel of a trace.
+    """Kernel of a trace.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ class _Sorter:
 def _compact(
     graph: Graph, title: str, lengths: Sequence[int], outputs: Sequence[Sequence[int]]
 ) -> tuple[Kernel, tuple[int, ...]]:
-    """Return the kernel of what ``outputs`` need, without name, and the runs that it reads."""
+    """Kernel of what ``outputs`` need, without name, and the runs that it reads."""
     order = _in_order(graph, outputs)
     symbols = [graph.nodes[node].symbol for node in order]
     read = {name for name, _ in filter(None, symbols)}
@@ -223,7 +223,7 @@ def _compact(
 
 
 def _in_order(graph: Graph, outputs: Sequence[Sequence[int]]) -> list[int]:
-    """Return what outputs need, each node after its operands and near where it is first used."""
+    """Nodes that outputs need, each after its operands and near where it is first used."""
     done: dict[int, None] = {}
     stack = [node for output in reversed(outputs) for node in reversed(output)]
     while stack:

@@ -26,15 +26,18 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
     from kousoku.model.mechanism import MovingBody
 
-#: How far the fastest body moves from one position to the next, in radians or lengths.
+#: How far the fastest body moves from one position to the next, in radians or lengths: far enough
+#: to leave what is special of a position, near enough that Newton's method comes back.
 STEP = 0.25
 #: How often a step that fails is halved.
 HALVINGS = 4
-#: What holds to this part of the length of the scene is on the branch.
+#: What holds to this part of the length of the scene is on the branch: ten times what assembly
+#: leaves open, so that the start is.
 HOLDS = 1e-11
 #: Steps back to the branch.
 MOST_STEPS, MOST_DAMPED_STEPS = 40, 60
-#: The least damping, where rows depend on each other on the branch.
+#: The least damping, where rows depend on each other on the branch: without any, what is singular
+#: there to rounding would be solved with.
 LEAST_DAMPING = 1e-13
 #: A position that came back to less than this part of a step was not left.
 MOVED = 0.05
@@ -344,7 +347,7 @@ class Branch:
         r[:-1] += by_body[:, :3]
         w, x, y, z = p[:-1].T
         a, b, c = by_body[:, 3:].T / 2
-        turned: Any = np.array(
+        product: Any = np.array(
             [
                 w - x * a - y * b - z * c,
                 x + w * a + y * c - z * b,
@@ -352,7 +355,7 @@ class Branch:
                 z + w * c + x * b - y * a,
             ]
         )
-        p[:-1] = (turned / np.sqrt((turned * turned).sum(axis=0))).T
+        p[:-1] = (product / np.sqrt((product * product).sum(axis=0))).T
         return r, p
 
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.violations import key_of
+from kousoku.codegen.dynamics.elements.constraints import RelativeMotion, held_by
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
 from kousoku.codegen.dynamics.redundancy.branch import (
@@ -47,14 +48,15 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
     from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
 
-#: Pivots below it are rounding.
+#: Pivots below it are rounding: rows have size one, and some hundred are eliminated.
 ROUNDING = 1e-12
 #: What rows miss at the start, of which assembly refuses more than ten times as much, and the same
 #: for each length that a scene is from the origin: more is no rounding.
 OPEN, OPEN_FAR = 1e-13, 2.0**-44
-#: Axes that lean more against each other are not meant to be parallel [rad].
+#: Axes that lean more against each other are not meant to be parallel [rad]: a message would name
+#: the wrong cause.
 NEARLY_PARALLEL = 0.1
-#: What counts as equal to the closure tolerance.
+#: What counts as equal to the closure tolerance: a scene that misses as much as it says is taken.
 ROUNDED = 1e-9
 #: Joints that a message names.
 SHOWN = 6
@@ -236,7 +238,7 @@ def _leaning(system: System, joints: Sequence[str]) -> str:
     """
     axes: dict[str, Array] = {}
     for one in system.constraints:
-        if one.joint in joints and one.kind.startswith("p1"):
+        if one.joint in joints and RelativeMotion.TILT in held_by(one.kind):
             axis = np.array(dict(one.constants)["a_i_b"])
             p = (1.0, 0.0, 0.0, 0.0) if one.i < 0 else system.bodies[one.i].p
             seen = precise.rotate(normalised(p), precise.triple(axis.tolist()))

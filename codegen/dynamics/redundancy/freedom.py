@@ -54,7 +54,8 @@ if TYPE_CHECKING:
 MOST_ROWS = 700
 #: Positions that are looked at, where they are cheap, and rows times positions where not.
 POSITIONS, ROWS_AND_POSITIONS = 24, 6000
-#: From so many lengths of the system on its bodies are far from the origin of frame O.
+#: From so many lengths of the system on its bodies are far from the origin of frame O: coordinates
+#: have lost four of the digits that tell dependent rows.
 FAR = 1e4
 
 

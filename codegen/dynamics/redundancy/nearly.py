@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import System
 
 
-def put_together(given: System) -> System:
+def with_consistent_start(given: System) -> System:
     """Scene at positions and velocities that its joints and drivers allow.
 
     Rows that others imply but for the closure tolerance need not hold there, if they are redundant

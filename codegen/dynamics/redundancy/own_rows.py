@@ -34,7 +34,8 @@ if TYPE_CHECKING:
 OUT = (2, 3, 4)
 #: How far bodies are moved, in lengths of the scene and radians, and in how many directions.
 STEP, DIRECTIONS = 0.1, 3
-#: What a row misses then that others do not imply, as a part of the square of the step.
+#: What a row misses then that others do not imply, as a part of the square of the step: 1 − cos θ
+#: misses half of it, and a row that others imply what is left of them.
 MISSED = 1e-3
 #: Singular values that are zero, as parts of the largest.
 ZERO = 1e-9
@@ -159,8 +160,8 @@ class _Moves:
         r[:-1] += by_body[:, :3]
         w, v, half = p[:-1, :1], p[:-1, 1:], by_body[:, 3:] / 2
         scalar = w - (v * half).sum(axis=1, keepdims=True)
-        turned = np.hstack([scalar, v + w * half + np.cross(v, half)])
-        p[:-1] = turned / np.sqrt((turned * turned).sum(axis=1, keepdims=True))
+        product = np.hstack([scalar, v + w * half + np.cross(v, half)])
+        p[:-1] = product / np.sqrt((product * product).sum(axis=1, keepdims=True))
         return r, p
 
 

@@ -17,11 +17,13 @@ if TYPE_CHECKING:
 
     Array = np.ndarray[Any, np.dtype[np.float64]]
 
-#: What is left of a row that depends on others, as a part of the largest row, is below this.
+#: What is left of a row that depends on others, as a part of the largest row, is below this: rows
+#: are looked at where they hold to 1e-11, and elimination in a large part costs three digits.
 DEPENDENT = 1e-8
-#: What is smaller in a unit vector of a dependence does not take part in it.
+#: What is smaller in a unit vector of a dependence does not take part in it: ten times what cannot
+#: be told from rounding there.
 TAKES_PART = 1e-7
-#: Rows whose sizes differ by less are equally good.
+#: Rows whose sizes differ by less are equally good: rounding shall not choose which are kept.
 EQUAL = 1e-6
 
 

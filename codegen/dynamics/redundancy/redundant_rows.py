@@ -9,10 +9,11 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import Row
 
-#: Rows up to which all of them are solved for at once.
+#: Rows up to which all of them are solved for at once: memory grows with their square, and the time
+#: of a step with their cube.
 MOST_DENSE = 200
 #: Products of the numbers of rows that are kept and left out up to which forces of joints are
-#: found by code of the scene.
+#: found by code of the scene: more would be longer to compile than the loops are slower.
 MOST_UNROLLED = 2000
 
 

@@ -8,10 +8,10 @@ xz-plane is composed as one that stays in the xy-plane, and its coordinates are 
 from __future__ import annotations
 
 from dataclasses import replace
+from enum import Enum
 from typing import TYPE_CHECKING, TypeVar
 
-from kousoku.model.elements.constraints import is_known
-from kousoku.model.own_kind import is_own
+from kousoku.model.elements.constraints import components_of, is_known
 from kousoku.model.rows import ROWS
 
 if TYPE_CHECKING:
@@ -25,6 +25,26 @@ if TYPE_CHECKING:
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
 
 AXES = "xyz"
+#: The axis across the xy-plane.
+NORMAL = 2
+
+
+class Plane(Enum):
+    """A coordinate plane of frame O, by how many places axes are permuted until it is xy."""
+
+    XY = 0
+    YZ = 1
+    ZX = 2
+
+    @property
+    def normal(self) -> int:
+        """Axis across it."""
+        return (NORMAL + self.value) % 3
+
+
+def shift_of(plane: Plane | None) -> int:
+    """Places by which axes are permuted until a plane is the xy-plane; none in space."""
+    return 0 if plane is None else plane.value
 
 
 def can_permute(system: System) -> bool:
@@ -70,11 +90,9 @@ def permuted_rows(rows: Iterable[Row], system: System, shift: int) -> tuple[Row,
 
 def permuted_row(kind: str, row: int, shift: int) -> int:
     """Row of the permuted kind that is a row of a kind; those of one's own are not permuted."""
-    if is_own(kind):
+    if not (kept := components_of(kind)):
         return row
-    kept = _components(kind)
-    component = (kept[row] - shift) % 3
-    return _components(_permuted_kind(kind, shift)).index(component) if len(kept) > 1 else row
+    return components_of(_permuted_kind(kind, shift)).index((kept[row] - shift) % 3)
 
 
 def permuted_back(program: Program, system: System, shift: int) -> Program:
@@ -142,11 +160,3 @@ def _permuted_constants(constants: Constants, shift: int) -> Constants:
 def _permuted_kind(kind: str, shift: int) -> str:
     name, _, axis = kind.partition("_")
     return f"{name}_{AXES[(AXES.index(axis) - shift) % 3]}" if axis in ROWS else kind
-
-
-def _components(kind: str) -> tuple[int, ...]:
-    """Component that each row of a kind is; a single row is none."""
-    if kind == "point":
-        return 0, 1, 2
-    _, _, axis = kind.partition("_")
-    return ROWS.get(axis, (0,))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.shapes import shape, start
 from kousoku.codegen.dynamics.recording.design import number
-from kousoku.codegen.dynamics.recording.program import Coordinates, Place
+from kousoku.codegen.dynamics.recording.program import BodyCoordinates, Place
 from kousoku.codegen.dynamics.recording.recorder import Block, column, slot_of
 
 if TYPE_CHECKING:
@@ -134,7 +134,7 @@ def body_blocks(
     return found
 
 
-def coordinates(body: MovingBody, blocks: BodyBlocks) -> Coordinates:
+def coordinates(body: MovingBody, blocks: BodyBlocks) -> BodyCoordinates:
     """Places of the coordinates of a body, for those who run the program."""
     position, velocity = start(body)
 
@@ -144,7 +144,7 @@ def coordinates(body: MovingBody, blocks: BodyBlocks) -> Coordinates:
             for k, entry in enumerate(block.entries)
         )
 
-    return Coordinates(
+    return BodyCoordinates(
         body.name,
         places(blocks.r, 0, blocks.coordinates, position),
         places(blocks.p, 3, blocks.coordinates, position),

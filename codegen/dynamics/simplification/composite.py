@@ -107,8 +107,8 @@ def _mass_of(
         axes = [precise.rotate(turn, precise.triple(row)) for row in AXES]
         for i in range(3):
             for j in range(3):
-                turned = sum(precise.number(one.inertia[k]) * axes[k][i] * axes[k][j] for k in ALL)
-                total[i][j] += turned + moved[i][j]
+                rotated = sum(precise.number(one.inertia[k]) * axes[k][i] * axes[k][j] for k in ALL)
+                total[i][j] += rotated + moved[i][j]
     try:
         moments, axes_of = principal(_without_noise(total, normal))
     except SceneError as error:

@@ -10,7 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.elements.constraints import ANYTHING, FACETS, Contact
+from kousoku.codegen.dynamics.elements.constraints import (
+    ANYTHING,
+    FACETS,
+    Contact,
+    RelativeMotion,
+    held_by,
+)
 from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.model import precise
 from kousoku.model.elements.constraints import COMBINATION, base_of, kind_of
@@ -36,7 +42,7 @@ def contacts_of(system: System) -> Iterator[tuple[int, Contact]]:
     parallel = {
         (row.i, given["a_i_b"]): given["a_j_b"]
         for row in system.constraints
-        if row.j == GROUND_INDEX and base_of(row.kind) == "p1"
+        if row.j == GROUND_INDEX and RelativeMotion.TILT in held_by(row.kind)
         for given in [dict(row.constants)]
     }
     for one in _acting(system):

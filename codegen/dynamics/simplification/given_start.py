@@ -10,7 +10,7 @@ from kousoku.model import precise
 from kousoku.model.errors import AssemblyError, SceneError
 from kousoku.model.formulas import used_names
 from kousoku.model.frames import to_quaternion
-from kousoku.model.mechanism import GivenStart
+from kousoku.model.mechanism import WrittenStart
 from kousoku.model.varying import fixed, fixed_system
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 REST = (0.0, 0.0, 0.0)
 
 
-def given_start(scene: Scene, written: System, joined: System) -> tuple[GivenStart, ...]:
+def given_start(scene: Scene, written: System, joined: System) -> tuple[WrittenStart, ...]:
     """Bodies as written, if the start depends on parameters.
 
     It does where they change numbers of the scene, or what drivers prescribe: what assembly made
@@ -42,7 +42,7 @@ def given_start(scene: Scene, written: System, joined: System) -> tuple[GivenSta
     for body, own in zip(scene.bodies.values(), written.bodies, strict=True):
         axes = fixed(own.axes_b)
         found.append(
-            GivenStart(
+            WrittenStart(
                 () if written.held else body.position,
                 to_quaternion(precise.compose(normalised(own.p), normalised(axes))),
                 body.velocity,

@@ -14,6 +14,11 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
+from kousoku.codegen.dynamics.elements.constraints import (
+    RelativeMotion,
+    facets_of_kind,
+    held_by,
+)
 from kousoku.codegen.dynamics.operations.joint_coordinates import AXIS, NOTHING, POINT
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.model import precise
@@ -32,16 +37,17 @@ if TYPE_CHECKING:
 
     Numbers = tuple[float, ...]
 
-#: What a joint leaves free, by the kinds that it is made of: how it turns, whether it slides.
+SLIDE, SHIFT, SPIN, TILT = RelativeMotion
+#: What a joint leaves free, how it turns and whether it slides, by what its kinds do not allow.
 FREEDOMS = {
-    ("point", "p1"): (AXIS, False),
-    ("point",): (POINT, False),
-    ("p1", "p2", "n1"): (NOTHING, True),
-    ("p1", "p2"): (AXIS, True),
+    frozenset({SLIDE, SHIFT, TILT}): (AXIS, False),
+    frozenset({SLIDE, SHIFT}): (POINT, False),
+    frozenset({SHIFT, TILT, SPIN}): (NOTHING, True),
+    frozenset({SHIFT, TILT}): (AXIS, True),
 }
 #: Of so many rows one must go at least, or a second program takes longer than it will ever save.
 WORTH = 8
-#: Sines of angles between vectors that count as parallel are smaller.
+#: Sines of angles between vectors that count as parallel are smaller: axes are rounded to doubles.
 PARALLEL = 1e-12
 NORMAL: Triple = (CONTEXT.mpf(0), CONTEXT.mpf(0), CONTEXT.mpf(1))
 
@@ -208,11 +214,12 @@ def _reduction(
         for one in system.constraints
     ):
         return None
-    parts = {system.constraints[k].kind.partition("_")[0]: k for k in joints}
-    freedoms = FREEDOMS.get(tuple(parts))
-    if freedoms is None or len(parts) < len(joints):
+    held = [held_by(system.constraints[k].kind) for k in joints]
+    by_motion = {motion: k for k, own in zip(joints, held, strict=True) for motion in own}
+    freedoms = FREEDOMS.get(frozenset(by_motion))
+    if freedoms is None or not all(held) or len(by_motion) < sum(map(len, held)):
         return None
-    found = _placed(system, body, parts, *freedoms, is_planar=is_planar)
+    found = _placed(system, body, by_motion, *freedoms, is_planar=is_planar)
     drivers = [k for k in places if system.constraints[k].is_driver]
     return _with_drivers(system, found, drivers)
 
@@ -220,25 +227,28 @@ def _reduction(
 def _placed(
     system: System,
     body: int,
-    parts: Mapping[str, int],
+    by_motion: Mapping[RelativeMotion, int],
     turn: str,
     slides: bool,
     *,
     is_planar: bool,
 ) -> VelocityTransformation:
-    """Velocity transformation of a body on a joint that nothing drives."""
-    of = {kind: dict(system.constraints[k].constants) for kind, k in parts.items()}
-    first = system.constraints[next(iter(parts.values()))]
+    """Velocity transformation of a body on a joint that nothing drives.
+
+    The joint is given by the places of its constraints, by the motions that they do not allow.
+    """
+    of = {motion: dict(system.constraints[k].constants) for motion, k in by_motion.items()}
+    instances = tuple(sorted(set(by_motion.values())))
+    first = system.constraints[instances[0]]
     own, ground = ("j", "i") if first.i == GROUND_INDEX else ("i", "j")
     moving = system.bodies[body]
     p = normalised(moving.p)
-    axis, axis_b = _axes(of.get("p1", {}), ground, own, p)
+    axis, axis_b = _axes(of.get(TILT, {}), ground, own, p)
     if is_planar:
         is_normal = not any(axis[:2])
         turn = AXIS if is_normal and turn != NOTHING else NOTHING
         slides = slides and not is_normal
-    ends = of["point" if "point" in of else "p2"]
-    joint, joint_b = (precise.triple(ends[f"s_{side}_b"]) for side in (ground, own))
+    joint, joint_b = (precise.triple(of[SHIFT][f"s_{side}_b"]) for side in (ground, own))
     if slides:  # the displacement is counted from where the body stands
         end = precise.add(precise.triple(moving.r), precise.rotate(p, joint_b))
         shift = precise.dot(axis, precise.subtract(end, joint))
@@ -247,7 +257,7 @@ def _placed(
     zero = CONTEXT.mpf(0)
     return VelocityTransformation(
         body=body,
-        instances=tuple(parts.values()),
+        instances=instances,
         turn=turn,
         slides=slides,
         joint=precise.rounded(joint),
@@ -299,21 +309,19 @@ def _with_drivers(
             continue
         led = Prescribed(place, sign, _at_start(system, coordinate))
         instances = (*found.instances, place)
-        if coordinate.kind == "angle" and found.turn == AXIS and not found.prescribed_turn:
+        measured = facets_of_kind(coordinate.kind).measures
+        if measured == SPIN and found.turn == AXIS and not found.prescribed_turn:
             found = replace(found, prescribed_turn=led, instances=instances)
-        elif coordinate.kind == "n2" and found.slides and not found.prescribed_slide:
+        elif measured == SLIDE and found.slides and not found.prescribed_slide:
             found = replace(found, prescribed_slide=led, instances=instances)
     return found
 
 
 def _along(found: VelocityTransformation, coordinate: Coordinate) -> int:
     """Sign 1 or −1 of a coordinate that grows or falls with what the joint leaves free, else 0."""
-    given = dict(coordinate.constants)
-    if coordinate.kind not in ("angle", "n2"):
+    direction = facets_of_kind(coordinate.kind).direction(dict(coordinate.constants))
+    if direction is None:
         return 0
-    direction = precise.triple(given["a_i_b"])
-    if coordinate.kind == "angle":
-        direction = precise.cross(direction, precise.triple(given["b_i_b"]))
     is_own = coordinate.i == found.body
     axis = precise.triple(found.axis_b if is_own else found.axis)
     cosine = precise.dot(direction, axis)

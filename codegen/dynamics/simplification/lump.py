@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.operations.placement import Placement, seen_from_carriers
-from kousoku.codegen.dynamics.simplification.axis_permutation import can_permute, permuted
+from kousoku.codegen.dynamics.simplification.axis_permutation import Plane, can_permute, permuted
 from kousoku.codegen.dynamics.simplification.composite import joined, on_ground
-from kousoku.codegen.dynamics.simplification.outline import NORMAL
 from kousoku.codegen.dynamics.simplification.planar import is_planar
 from kousoku.codegen.dynamics.simplification.rigid_groups import grouped
 from kousoku.codegen.dynamics.simplification.static_potential import static_potential
@@ -72,11 +71,11 @@ def _in_plane(system: System, groups: Sequence[Sequence[int]]) -> System | None:
     Parts at different heights have products of inertia. In a plane that they are held in these do
     not count, and without them the principal axes stay in the plane.
     """
-    for shift in (0, 1, 2) if can_permute(system) else ():
-        normal = (NORMAL + shift) % 3
+    for plane in Plane if can_permute(system) else ():
+        normal = plane.normal
         if all(x == 0 for body in system.bodies for k, x in enumerate(body.p[1:]) if k != normal):
             found = _joined(system, groups, normal)
-            if is_planar(permuted(found, shift), must_be_held=True):
+            if is_planar(permuted(found, plane.value), must_be_held=True):
                 return found
     return None
 

@@ -19,6 +19,7 @@ from kousoku.codegen.dynamics.simplification.axis_permutation import (
     permuted,
     permuted_columns,
     permuted_rows,
+    shift_of,
 )
 from kousoku.codegen.dynamics.simplification.bodies import GROUND, body_blocks
 from kousoku.model.elements.constraints import COMBINATION
@@ -28,13 +29,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from kousoku.codegen.dynamics.recording.recorder import Pattern
+    from kousoku.codegen.dynamics.simplification.axis_permutation import Plane
     from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
     from kousoku.model.mechanism import Coordinate, Instance, System
 
     Elements = tuple[tuple[bool, ...], ...]
-
-#: The axis across the xy-plane.
-NORMAL = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,29 +42,27 @@ class Outline:
 
     Parameters
     ----------
-    shift : int, optional
-        The permutation of axes that brings the plane of the motion into the xy-plane, see
-        :mod:`~kousoku.codegen.dynamics.simplification.axis_permutation`; None where bodies move
-        in space.
+    plane : Plane, optional
+        The plane of the motion; None where bodies move in space.
     columns : tuple of tuple of int
         Of each body the places in (δr, δθ′) that are velocities.
     rows : tuple of Row
         In the order in which they are composed.
     """
 
-    shift: int | None
+    plane: Plane | None
     columns: tuple[tuple[int, ...], ...]
     rows: tuple[Row, ...]
 
     @property
     def is_planar(self) -> bool:
         """Whether bodies move in parallel coordinate planes."""
-        return self.shift is not None
+        return self.plane is not None
 
     @property
     def normal(self) -> int | None:
         """The axis across the plane."""
-        return None if self.shift is None else (NORMAL + self.shift) % 3
+        return None if self.plane is None else self.plane.normal
 
     @property
     def velocities(self) -> int:
@@ -77,19 +74,19 @@ class Outline:
         return [COLUMNS * body + k for body in bodies for k in self.columns[body]]
 
 
-def outline_of(system: System, shift: int | None) -> Outline:
+def outline_of(system: System, plane: Plane | None) -> Outline:
     """Outline of a system that moves in a plane, or in space.
 
     Parameters
     ----------
     system : System
         A scene, as it starts.
-    shift : int, optional
+    plane : Plane, optional
         Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it;
         None for equations in space.
     """
-    is_planar = shift is not None
-    there = permuted(system, shift or 0)
+    is_planar, shift = plane is not None, shift_of(plane)
+    there = permuted(system, shift)
     live = live_rows(there, is_planar=is_planar)
     rows = tuple(
         Row(one.joint, place, row)
@@ -98,9 +95,9 @@ def outline_of(system: System, shift: int | None) -> Outline:
     )
     shapes = (shape(body, is_planar=is_planar) for body in system.bodies)
     return Outline(
-        shift=shift,
-        columns=tuple(permuted_columns(columns, shift or 0) for _, columns in shapes),
-        rows=permuted_rows(rows, there, -(shift or 0)),
+        plane=plane,
+        columns=tuple(permuted_columns(columns, shift) for _, columns in shapes),
+        rows=permuted_rows(rows, there, -shift),
     )
 
 

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.shapes import shape
-from kousoku.codegen.dynamics.simplification.axis_permutation import permuted
+from kousoku.codegen.dynamics.simplification.axis_permutation import permuted, shift_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from kousoku.codegen.dynamics.simplification.axis_permutation import Plane
     from kousoku.model.mechanism import MovingBody, System
 
 
@@ -39,7 +40,7 @@ class PlaceholderMasses:
     thin: tuple[str, ...] = ()
 
 
-def with_placeholder_masses(system: System, shift: int | None) -> PlaceholderMasses:
+def with_placeholder_masses(system: System, plane: Plane | None) -> PlaceholderMasses:
     """System with drivers whose bodies weigh something: 1 kg, and 1 kg · length².
 
     A system without drivers stays as it is, and so do masses and moments that are given.
@@ -48,14 +49,14 @@ def with_placeholder_masses(system: System, shift: int | None) -> PlaceholderMas
     ----------
     system : System
         A scene.
-    shift : int, optional
+    plane : Plane, optional
         Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it.
     """
     if not any(one.is_driver for one in system.constraints):
         return PlaceholderMasses(system)
     if all(body.mass > 0 and (body.is_point or min(body.inertia) > 0) for body in system.bodies):
         return PlaceholderMasses(system)
-    missing = tuple(_missing(system, shift))
+    missing = tuple(_missing(system, plane))
     if not missing:
         return PlaceholderMasses(system)
     length = characteristic_length(system)
@@ -65,10 +66,10 @@ def with_placeholder_masses(system: System, shift: int | None) -> PlaceholderMas
     return PlaceholderMasses(replace(system, bodies=bodies), missing, thin)
 
 
-def _missing(system: System, shift: int | None) -> Iterator[str]:
+def _missing(system: System, plane: Plane | None) -> Iterator[str]:
     """Keys of masses and moments that bodies lack and their motion depends on."""
-    for body in permuted(system, shift or 0).bodies:
-        _, columns = shape(body, is_planar=shift is not None)
+    for body in permuted(system, shift_of(plane)).bodies:
+        _, columns = shape(body, is_planar=plane is not None)
         if body.mass <= 0:
             yield f"bodies.{body.name}.mass"
         elif any(body.inertia[k - 3] <= 0 for k in columns if k > 2):

@@ -25,6 +25,8 @@ from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
 from kousoku.codegen.dynamics.operations.shapes import NO_TURN, start
 from kousoku.codegen.dynamics.simplification.axis_permutation import (
+    NORMAL,
+    Plane,
     can_permute,
     permuted,
 )
@@ -32,7 +34,7 @@ from kousoku.codegen.dynamics.simplification.forces_plane import (
     leaves_plane,
     leaves_with_parameters,
 )
-from kousoku.codegen.dynamics.simplification.outline import NORMAL, live_elements
+from kousoku.codegen.dynamics.simplification.outline import live_elements
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import evaluate
@@ -98,16 +100,18 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
     )
 
 
-def plane_of(system: System) -> int | None:
-    """Turn that brings the plane of a system into the xy-plane, None of no plane.
+def plane_of(system: System) -> Plane | None:
+    """Coordinate plane in which all bodies of a system stay, None of no plane.
 
     A scene in the xy-plane is meant to be planar. In another plane only joints make it so: a chain
     that hangs at rest stays in a plane, too, but not when it is started otherwise.
     """
     if is_planar(system):
-        return 0
-    shifts = (1, 2) if can_permute(system) else ()
-    return next((k for k in shifts if is_planar(permuted(system, k), must_be_held=True)), None)
+        return Plane.XY
+    for plane in (Plane.YZ, Plane.ZX) if can_permute(system) else ():
+        if is_planar(permuted(system, plane.value), must_be_held=True):
+            return plane
+    return None
 
 
 @dataclass(slots=True)

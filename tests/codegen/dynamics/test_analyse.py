@@ -11,7 +11,7 @@ from kousoku.codegen.dynamics import analyse as analysing
 from kousoku.codegen.dynamics import choose
 from kousoku.codegen.dynamics.analyse import analyse, in_xy_plane
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.generate import composed
+from kousoku.codegen.dynamics.generate import compose_scene
 from kousoku.codegen.dynamics.simplification.axis_permutation import permuted
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.read import read_scene
@@ -43,7 +43,7 @@ def check(found: Analysed) -> Program:
     assert program.region("v").size == found.outline.velocities
     assert program.rows == tuple(found.solved)
     assert program.left_out == tuple(found.left_out)
-    assert program.reduced == tuple(found.held)
+    assert program.reduced == tuple(found.satisfied)
     return program
 
 
@@ -68,7 +68,7 @@ def test_rows_in_space_are_those_that_are_composed(mechanisms: SimpleNamespace) 
 def test_rows_that_hold_by_themselves_have_no_multipliers(mechanisms: SimpleNamespace) -> None:
     found = jointed(mechanisms.chain(2))
     assert len(check(found).rows) == 5
-    assert {row.joint for row in found.held}.isdisjoint(row.joint for row in found.solved)
+    assert {row.joint for row in found.satisfied}.isdisjoint(row.joint for row in found.solved)
 
 
 def test_analyses_tell_what_they_found() -> None:
@@ -113,5 +113,5 @@ def test_a_plane_is_looked_for_once_and_a_program_composed_for_each_way_to_solve
 
     counted(analysing, "plane_of")
     counted(choose, "compose")
-    composed(read_scene(SCENES / f"{name}.toml"), ())
+    compose_scene(read_scene(SCENES / f"{name}.toml"), ())
     assert calls == ["plane_of", *["compose"] * programs]

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.generate import composed
+from kousoku.codegen.dynamics.generate import compose_scene
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
-from kousoku.codegen.dynamics.redundancy.nearly import nearly_implied, put_together
+from kousoku.codegen.dynamics.redundancy.nearly import nearly_implied, with_consistent_start
 from kousoku.model.errors import SceneError
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
@@ -91,11 +91,11 @@ def bricard(digits: int) -> str:
 
 @cache
 def made(text: str, *wanted: str) -> Composed:
-    return composed(scene_from_toml(text), wanted)
+    return compose_scene(scene_from_toml(text), wanted)
 
 
 def freedom(text: str) -> Freedom:
-    system = put_together(system_of(scene_from_toml(text), ()))
+    system = with_consistent_start(system_of(scene_from_toml(text), ()))
     return freedom_of(system, all_rows(system).outline)
 
 
@@ -218,7 +218,7 @@ def test_door_on_hinges_that_are_nearly_in_line_keeps_its_speed(by: float) -> No
     text = door(by).replace(
         "mass = 1", "mass = 1, velocity = [0, 1, 0], angular_velocity = [0, 0, 2]"
     )
-    placed = put_together(system_of(scene_from_toml(text), ()))
+    placed = with_consistent_start(system_of(scene_from_toml(text), ()))
 
     assert placed.bodies[0].omega_b == pytest.approx((0, 0, 2), abs=10 * by)
 
@@ -226,7 +226,7 @@ def test_door_on_hinges_that_are_nearly_in_line_keeps_its_speed(by: float) -> No
 def test_bodies_stay_where_they_are_typed() -> None:
     """Where all rows hold the linkage is stiff: assembly must not look for that place."""
     given = system_of(scene_from_toml(bricard(4)), ())
-    placed = put_together(given)
+    placed = with_consistent_start(given)
 
     moved = [np.subtract(a.r, b.r) for a, b in zip(given.bodies, placed.bodies, strict=True)]
     assert np.abs(moved).max() < 1e-3
