@@ -84,7 +84,7 @@ ANSWERS = {
         ),
     },
     "runtime/integrate/stepper.h": {
-        "'*' -> '/' in 'if (!(h > SMALLEST * larger(": (
+        "'*' -> '/' in 'if (!(trial.h > SMALLEST * larger(": (
             "another least length of steps, which are given up a little earlier or later"
         ),
     },
