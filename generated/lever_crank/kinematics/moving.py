@@ -5,7 +5,6 @@ Told with kousoku's errors; where that is not installed with ``ValueError`` and 
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +18,6 @@ from .trajectory import trajectory_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
-    from pathlib import Path
 
     from .mechanism import Array
     from .rows import Rows, Run
@@ -45,21 +43,16 @@ class Linkage:
 
     Parameters
     ----------
+    target : Solver
+        What computes: the solver of the folder, or what does the same.
     data : mapping
         What its ``motion.json`` holds.
-    solver : Solver
-        That of the folder.
     """
 
-    def __init__(self, data: Mapping[str, Any], solver: Solver) -> None:
+    def __init__(self, target: Solver, data: Mapping[str, Any]) -> None:
         self.name: str = data["name"]
-        self.solver = solver
-        self.mechanism, self.scene = solver.mechanism(data), solver.scene(data)
-
-    @property
-    def target(self) -> str:
-        """What computes, ``c`` or ``numpy``."""
-        return "numpy"
+        self.target = target
+        self.mechanism, self.scene = target.mechanism(data), target.scene(data)
 
     def request(self, **options: Any) -> Run:
         """Return the run that options ask for, those of :meth:`solve`.
@@ -73,7 +66,7 @@ class Linkage:
 
     def rows(self, run: Run) -> Rows:
         """Return what :meth:`solve` starts from, for a run."""
-        return self.solver.solve(self.mechanism, run)
+        return self.target.solve(self.mechanism, run)
 
     def solve(self, **options: Any) -> Trajectory:
         """Return the motion of the scene.
@@ -141,7 +134,7 @@ class Linkage:
 
     def _moved(self, options: dict[str, Any], times: Array | None = None) -> Trajectory:
         run, rows = self._rows(options, times)
-        good = trajectory_of(self.mechanism, run, rows, name=self.name, target=self.target)
+        good = trajectory_of(self.mechanism, run, rows, name=self.name, target=self.target.name)
         if rows.status != Status.GOOD:
             raise self._error(run, rows, good)
         return good
@@ -221,16 +214,3 @@ class Linkage:
                 )
         fits = "no link is violated much, but they cannot all be met"
         return f"{', '.join(parts) or fits}; change lengths or positions"
-
-
-def linkage_of(solver: Solver, folder: Path) -> Linkage:
-    """Return the linkage of a folder alone.
-
-    Parameters
-    ----------
-    solver : Solver
-        That of the folder.
-    folder : Path
-        Where its ``motion.json`` is.
-    """
-    return Linkage(json.loads((folder / "motion.json").read_text(encoding="utf-8")), solver)

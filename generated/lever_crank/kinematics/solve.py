@@ -35,6 +35,9 @@ class Solver:
         As of :func:`kinematics.equations.segments_of`; none where a compiled library computes.
     """
 
+    #: What computes.
+    name = "numpy"
+
     def __init__(
         self,
         kernels: Sequence[tuple[Function, int, str, str]] = (),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +20,6 @@ from .trust import CheckedRows, trust_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from pathlib import Path
     from typing import TypeAlias
 
     import numpy.typing as npt
@@ -40,14 +38,14 @@ class Alone:
     ----------
     solver : Solver
         That of the folder.
-    folder : Path
-        Where its ``motion.json`` is.
+    data : mapping
+        What its ``motion.json`` holds.
     """
 
-    def __init__(self, solver: Solver, folder: Path) -> None:
+    def __init__(self, solver: Solver, data: Mapping[str, Any]) -> None:
         self.solver = solver
-        self.data: dict[str, Any] = json.loads((folder / "motion.json").read_text(encoding="utf-8"))
-        self.layout = Layout.from_data(self.data)
+        self.data = data
+        self.layout = Layout.from_data(data)
 
     def simulate(
         self, end: float | None = None, *, times: Any = None, samples: int = 1001, **options: Any

@@ -41,12 +41,15 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     s->position_ratio = s->usual_ratio = branch_ratio(work, s);
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, s->least_pivot_ratio);
     energy(work->w);
-    s->energy = energy_balance(work->w, s);
+    s->energy = energy_balance(work->w, work->w + W_Q, s);
     s->potential = work->w[W_ENERGIES + 1];
     if (MOMENTA > 0) {
         momentum(work->w);
         memcpy(s->momenta, work->w + W_MOMENTA, MOMENTA * sizeof *s->momenta);
     }
+    coordinate(work->w);
+    for (size_t k = 0; k != NQ + N_SHOWN; ++k) s->lowest[k] = HUGE_VAL, s->highest[k] = -HUGE_VAL;
+    note_extent(s->y, work->w, s);
     if (NCHECK > NC && are_changed(s->parameters) && !stay_closed(s, work)) return NOT_CLOSED;
 #if HAS_RANK
     if (are_changed(s->parameters) && !keep_rank(s, work)) return DEPENDENT;

@@ -592,21 +592,32 @@ static double cut_at(double end, Look *look)
     return end;
 }
 
-/* by how much a function differs from one side of a time to the other, so far away; negative where
- * values, as far as they are known, are not on the sides of zero */
-static double gap_across(
-    size_t k, int side, double time, double far, const Look *look, const State *s, Work *work)
+/* by how much a function differs from one side of a time to the other, so far away in the
+ * polynomial or beyond it; 0 where values, as far as they are known, are not on the sides of zero,
+ * and negative where it gets on the other one */
+static double gap_across(size_t k, int side, double time, double far, int is_beyond,
+    const Look *look, const State *s, Work *work)
 {
+    double read[ROOM(N_READ)];
     Node a, b;
-    look_closely(look->rounding, time - far, look, s, work, &a);
-    look_closely(look->rounding, time + far, look, s, work, &b);
-    if (side_at(&a, k) != -side || side_at(&b, k) != side) return -1.0;
+    if (is_beyond) {
+        read_at(time, look, s, work, read);
+        see_beside(-far, time, read, look->rounding, look, work, &a);
+        see_beside(far, time, read, look->rounding, look, work, &b);
+    } else {
+        look_closely(look->rounding, time - far, look, s, work, &a);
+        look_closely(look->rounding, time + far, look, s, work, &b);
+    }
+    if (side_at(&a, k) != -side || side_at(&b, k) != side)
+        return side_at(&a, k) == side && side_at(&b, k) == -side ? -1.0 : 0.0;
     return side > 0 ? b.least[k] - a.most[k] : a.least[k] - b.most[k];
 }
 
 /* whether an event that gets on a side of zero in a step to an end is zero there. Else it jumps, or
  * goes through infinity: right beside the place it is as large as further away, or larger. Where
- * rounding hides that it counts as zero */
+ * rounding hides that it counts as zero. It may be beyond a short step, of whose end no more is
+ * known, where its polynomial tells nothing. Where it gets on the other side rounding brought it
+ * back over a jump that was passed */
 static int passes_zero(size_t k, int side, double end, const Look *look, const State *s, Work *work)
 {
     double first = look->start, last = end;
@@ -622,11 +633,13 @@ static int passes_zero(size_t k, int side, double end, const Look *look, const S
         else first = time;
     }
     double far = ROUNDINGS * SMALLEST * larger(fabs(last), look->h);
-    for (; far < look->h / FURTHER; far *= FURTHER) {
-        const double gap = gap_across(k, side, last, far, look, s, work);
-        if (gap > 0.0) {
-            return gap_across(k, side, last, FURTHER * far, look, s, work) >= LARGER_THERE * gap;
-        }
+    for (; far < larger(look->h, s->stride) / FURTHER; far *= FURTHER) {
+        const int is_beyond = !(far < look->h / FURTHER);
+        const double gap = gap_across(k, side, last, far, is_beyond, look, s, work);
+        if (gap == 0.0) continue;
+        far *= FURTHER;
+        return gap > 0.0 &&
+               gap_across(k, side, last, far, is_beyond, look, s, work) >= LARGER_THERE * gap;
     }
     return 1;
 }

@@ -603,15 +603,23 @@ def why_stopped(seen: float, look: Look) -> Status:
     return Status.GOOD
 
 
-def gap_across(k: int, side: float, time: float, far: float, look: Look) -> float:
+def gap_across(
+    k: int, side: float, time: float, far: float, look: Look, *, is_beyond: bool
+) -> float:
     """Return by how much a function differs from one side of a time to the other, so far away.
 
-    It is negative where values, as far as they are known, are not on the sides of zero.
+    That is in the polynomial, or beyond it. It is 0 where values, as far as they are known, are not
+    on the sides of zero, and negative where it gets on the other one.
     """
-    a = look_closely(look.rounding, time - far, look)
-    b = look_closely(look.rounding, time + far, look)
+    if is_beyond:
+        read = read_at(time, look)
+        a = see_beside(-far, time, read, look.rounding, look)
+        b = see_beside(far, time, read, look.rounding, look)
+    else:
+        a = look_closely(look.rounding, time - far, look)
+        b = look_closely(look.rounding, time + far, look)
     if side_at(a)[k] != -side or side_at(b)[k] != side:
-        return -1.0
+        return -1.0 if side_at(a)[k] == side and side_at(b)[k] == -side else 0.0
     return float(b.least[k] - a.most[k] if side > 0.0 else a.least[k] - b.most[k])
 
 
@@ -619,7 +627,9 @@ def passes_zero(k: int, side: float, end: float, look: Look) -> bool:
     """Return whether an event that gets on a side of zero in a step to an end is zero there.
 
     Else it jumps, or goes through infinity: right beside the place it is as large as further away,
-    or larger. Where rounding hides that it counts as zero.
+    or larger. Where rounding hides that it counts as zero. It may be beyond a short step, of
+    whose end no more is known, where its polynomial tells nothing. Where it gets on the other side
+    rounding brought it back over a jump that was passed.
     """
     if look.work.scene.events[k, 2] == 0:
         return True
@@ -635,10 +645,12 @@ def passes_zero(k: int, side: float, end: float, look: Look) -> bool:
         else:
             first = time
     far = ROUNDINGS * SMALLEST * larger(abs(last), look.h)
-    while far < look.h / FURTHER:
-        gap = gap_across(k, side, last, far, look)
-        if gap > 0.0:
-            return gap_across(k, side, last, FURTHER * far, look) >= LARGER_THERE * gap
+    while far < larger(look.h, look.state.stride) / FURTHER:
+        is_beyond = not far < look.h / FURTHER
+        gap = gap_across(k, side, last, far, look, is_beyond=is_beyond)
+        if gap != 0.0:
+            further = gap_across(k, side, last, FURTHER * far, look, is_beyond=is_beyond)
+            return gap > 0.0 and further >= LARGER_THERE * gap
         far *= FURTHER
     return True
 

@@ -24,6 +24,8 @@
  * many steps it is tried even so */
 #define SURE 1e-3
 #define TRIALS 64.0
+/* energies are rounding below that part of them */
+#define CERTAIN 1e-13
 /* what a rule left counts from step to step by this part: at a turning point of the rate it is
  * small */
 #define FADING 0.5
@@ -73,14 +75,17 @@ static int predict_and_correct(
 /* how far a step is from a smooth one, which is at most one: the prediction met the constraints,
  * and the accelerations explain the change of the velocities; on another branch they do not. It
  * goes with the square of h */
-static double roughness(double h, double drift, Position from, Position to, double *change)
+static double roughness(
+    double h, double drift, Position from, Position to, Work *work, const State *s)
 {
     const double *v[2] = { from.y + NQ, to.y + NQ }, *v_dot[2] = { from.f + NQ, to.f + NQ };
+    double *change = work->scratch;
     const double way = h * larger(size_of(v[0]), size_of(v[1]));
     for (size_t k = 0; k < NV; ++k) {
         change[k] = h * (v[1][k] - v[0][k] - 0.5 * h * (v_dot[0][k] + v_dot[1][k]));
     }
-    double rough = larger(drift, size_of(change)) / larger(NEGLIGIBLE, FAITHFUL * way);
+    const double known = larger(larger(NEGLIGIBLE, blur_of(work, s)), FAITHFUL * way);
+    double rough = larger(drift, size_of(change)) / known;
     /* no prediction tells how far drivers turn */
     for (size_t k = COUNTED; FITS && k != COUNTED_END; ++k) {
         const double turn = fabs(to.y[k] - from.y[k]) / COUNTABLE;
@@ -134,9 +139,10 @@ static Position position_at(size_t place, Work *work)
 
 /* goes on to the end in parts, or in one leap; whether that was smooth. Powers at the ends and in
  * the middle are summed by Simpson's rule to the works. The largest roughness of the parts goes to
- * rough; it is infinite where no position was found. */
-static int reach(
-    double end, const Part *ways, size_t n, State *s, Work *work, double *drift, double *rough)
+ * rough; it is infinite where no position was found. No position inside has a pivot ratio smaller
+ * than weak, where the largest is 1. */
+static int reach(double end, const Part *ways, size_t n, double weak, State *s, Work *work,
+    double *drift, double *rough)
 {
     const Position start = { s->y, s->f }, half = position_at(0, work), last = position_at(1, work);
     const double h = end - s->time;
@@ -154,9 +160,9 @@ static int reach(
             *rough = HUGE_VAL;
             return 0;
         }
-        *rough = larger(roughness(way, first, before, to, work->scratch), *rough);
+        *rough = larger(roughness(way, first, before, to, work, s), *rough);
         if (!(*rough <= 1.0)) return 0;
-        if (part->x < 1.0 && pivot_ratio(work, s) < WEAK * s->largest_pivot_ratio) return 0;
+        if (part->x < 1.0 && pivot_ratio(work, s) < weak * s->largest_pivot_ratio) return 0;
         const double there = told_ratio(work, s);
         if (!is_leap && may_leap(way, ratio, there, to, s)) return 0;
         gone = part->x;
@@ -186,7 +192,7 @@ static int branch_at(double end, State *s, Work *work)
 }
 
 /* finds the positions of a step in halves at the other nodes; whether they are */
-static int find_between(double end, State *s, Work *work)
+static int find_between(double end, double weak, State *s, Work *work)
 {
     const double h = end - s->time;
     for (size_t k = 0; k != 2; ++k) {
@@ -195,8 +201,8 @@ static int find_between(double end, State *s, Work *work)
         const double x = k == 0 ? LOBATTO : 1.0 - LOBATTO, way = (k == 0 ? x : x - 0.5) * h;
         double drift = 0.0;
         if (!predict_and_correct(s->time + x * h, way, from, to, work, s, &drift)) return 0;
-        if (!(roughness(way, drift, from, to, work->scratch) <= 1.0)) return 0;
-        if (pivot_ratio(work, s) < WEAK * s->largest_pivot_ratio) return 0;
+        if (!(roughness(way, drift, from, to, work, s) <= 1.0)) return 0;
+        if (pivot_ratio(work, s) < weak * s->largest_pivot_ratio) return 0;
     }
     return 1;
 }
@@ -208,14 +214,31 @@ static double least_size_of_works(double h, const State *s, Work *work)
     return usual_energy(usual_rate(h, position_at(1, work).y, s)) + work->w[W_ENERGIES];
 }
 
+/* what a step of length h leaves of energy that no work explains, in tolerances: the energy of
+ * positions is exact, and tells what no rule says of its own error, as where powers are narrow
+ * beside the nodes */
+static double unbalanced(const Settings *settings, double h, const State *s, Work *work)
+{
+    const double *w = work->w, *end = position_at(1, work).y;
+    const double left = fabs(energy_balance(w, end, s) - s->balance);
+    double most = 0.0;
+    for (size_t k = NQ - WORKS; k != NQ; ++k) {
+        most = larger(larger(fabs(s->y[k]), fabs(end[k])), most);
+    }
+    const double moving = usual_energy(usual_rate(h, end, s)) + w[W_ENERGIES], size = moving + most;
+    const double known = CERTAIN * larger(fabs(w[W_ENERGIES + 1]), fabs(s->energy));
+    const double blur = blur_of(work, s); /* velocities: as much of the way to another branch */
+    return left / ((settings->tolerance + blur * blur / BLURRED) * size + known);
+}
+
 /* sums the works of a step by a better rule than Simpson's, unless that is good enough, and returns
  * the error in units of the tolerance. What Simpson's rule leaves is about the square of what
  * trapezoids leave, each compared with what they sum. Where this is not far below the tolerance two
  * more positions tell it, and works are summed by Lobatto's rule. So it is tried in every so many
  * steps anyway: where periodic powers are the same at both ends and in the middle, they are not at
  * its nodes. What Simpson's rule has left since the last trial goes to the ledger. */
-static double sum_works(
-    const Settings *settings, double end, int has_nodes, State *s, Work *work, int *is_told)
+static double sum_works(const Settings *settings, double end, double weak, int has_nodes, State *s,
+    Work *work, int *is_told)
 {
     const double h = end - s->time, *rate = s->f, *half = position_at(0, work).f;
     const double *f = position_at(1, work).f, *one = position_at(2, work).f;
@@ -234,7 +257,7 @@ static double sum_works(
     error = s->simpson = larger(error / settings->tolerance, FADING * s->simpson);
     if (!has_nodes) {
         if (error < SURE && fmod(s->steps, TRIALS) != 0.0) return error;
-        has_nodes = find_between(end, s, work);
+        has_nodes = find_between(end, weak, s, work);
         place(end, y, work->w); /* its geometry again */
         ratio_at(y, work, s);
         if (!has_nodes) return error;
@@ -257,10 +280,30 @@ static double sum_works(
     }
     s->simpson = larger(missed / settings->tolerance, s->simpson);
     if (error < SURE) {
-        s->work_error += most / h * s->untold;
+        s->work_error += most / h * smaller(s->untold, TRIALS * h);
         s->untold = 0.0;
     }
     return larger(told / settings->tolerance, FADING * s->error);
+}
+
+/* what is known of the works of a step: their error, in units of the tolerance, and at its end the
+ * energy that no work explains, and that which has moved [J]; whether more positions told it */
+typedef struct {
+    double error, balance, moved;
+    int is_told;
+} Told;
+
+/* sums the works of a step better unless it leaps, and tells what its energy says of them */
+static void tell_works(
+    const Settings *settings, double end, double weak, size_t n, State *s, Work *work, Told *told)
+{
+    const double *y = position_at(1, work).y;
+    if (n > 1) told->error = sum_works(settings, end, weak, n == 4, s, work, &told->is_told);
+    else if (WORKS > 0) energy(work->w);
+    if (WORKS == 0) return;
+    told->error = larger(unbalanced(settings, end - s->time, s, work), told->error);
+    if (settings->checks) told->moved = energy_moved(work->w, y, s);
+    told->balance = energy_balance(work->w, y, s);
 }
 
 /* keeps a position, at or behind the time that is asked for */
@@ -344,20 +387,19 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         const int has_nodes = part <= 1.0 && tells_works && s->simpson >= SURE;
         const Part *ways = part > 1.0 ? leap : has_nodes ? nodes : halves;
         const size_t n = part > 1.0 ? 1 : has_nodes ? 4 : 2;
-        const int good = reach(end, ways, n, s, work, &drift, &rough);
+        const double weak = WEAK * (is_deep ? DEEPER : 1.0);
+        const int good = reach(end, ways, n, weak, s, work, &drift, &rough);
         const double ratio = pivot_ratio(work, s);
-        double error = 0.0, moved = 0.0;
-        int is_told = 0;
-        if (good && part <= 1.0 && tells_works) {
-            error = sum_works(settings, end, has_nodes, s, work, &is_told);
-            if (WORKS > 0 && settings->checks)
-                moved = energy_moved(work->w, position_at(1, work).y, s);
-        }
-        const double factor = following(error, rough, good, is_told);
+        Told told = { 0.0, 0.0, 0.0, 0 };
+        if (good && tells_works) tell_works(settings, end, weak, n, s, work, &told);
+        const double error = part > 1.0 ? 0.0 : told.error; /* leaps sum no works well */
+        const double factor = following(error, rough, good, told.is_told);
         const int is_avoided = part < FURTHEST && !is_deep && ratio < WEAK * s->largest_pivot_ratio;
         const int is_fit = good && error <= 1.0 && !is_avoided;
         const int branch = is_fit ? branch_at(end, s, work) : STAYS;
-        const int is_leap = part > 1.0 && branch == LEAPS;
+        /* onto another branch, or over what one can go through, as works want */
+        const int is_leap = part > 1.0 &&
+                            (branch == LEAPS || (branch == STAYS && told.error > 1.0));
         if (is_avoided) {
             s->avoided += 1;
             part = part == 0.5 ? 1.25 : part <= 1.0 ? part - 0.25 : 1.25 * part;
@@ -386,10 +428,11 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         note_branch(end, branch, s);
         note_ratios(ratio, end, is_deep, s, work);
         s->drift = larger(s->drift, drift);
-        s->energy_moved = larger(s->energy_moved, moved);
-        s->untold += is_told ? 0.0 : end - s->time;
+        s->energy_moved = larger(s->energy_moved, told.moved);
+        s->untold += told.is_told ? 0.0 : end - s->time;
         s->step_size = larger(is_last ? s->step_size : 0.0, factor * whole);
-        s->error = is_told ? error : 0.0;
+        s->error = told.is_told ? error : 0.0;
+        s->balance = told.balance;
         accept_position(end, asked, work, s);
         return GOOD;
     }

@@ -25,7 +25,9 @@ from .crossing import (
 from .dense_output import hermite_cubic
 from .methods import METHODS
 from .pivot_monitor import (
+    BLURRED,
     WEAK,
+    blur_of,
     branch_ratio,
     note_largest_pivot,
     note_pivot_ratio,
@@ -36,6 +38,7 @@ from .row_switch import forget_trials
 from .settings import Status
 from .stepper import (
     LEVEL,
+    energy_balance,
     energy_moved,
     meeting_part,
     note_motion,
@@ -78,6 +81,8 @@ COUNTABLE = 1.0
 #: many steps it is tried even so.
 SURE = 1e-3
 TRIALS = 64.0
+#: Energies are rounding below that part of them.
+CERTAIN = 1e-13
 #: What a rule left counts from step to step by this part: at a turning point of the rate it is
 #: small.
 FADING = 0.5
@@ -104,6 +109,25 @@ class Position(NamedTuple):
     f: Array
 
 
+class Told(NamedTuple):
+    """What is known of the works of a step.
+
+    Parameters
+    ----------
+    error : float
+        Of them, in units of the tolerance.
+    is_told : bool
+        Whether more positions than ends and middle told it.
+    balance, moved : float [J]
+        At its end the energy that no work explains, and that which has moved.
+    """
+
+    error: float = 0.0
+    is_told: bool = False
+    balance: float = 0.0
+    moved: float = 0.0
+
+
 def predict_and_correct(
     t: float, h: float, start: Position, to: Position, work: Work, state: State
 ) -> float:
@@ -121,7 +145,9 @@ def predict_and_correct(
     return project(t, 0.0, to.y, None, to.f, work, state)
 
 
-def roughness(h: float, drift: float, start: Position, to: Position, work: Work) -> float:
+def roughness(
+    h: float, drift: float, start: Position, to: Position, work: Work, state: State
+) -> float:
     """Return how far a step is from a smooth one: that is at most one.
 
     The prediction met the constraints, and the accelerations explain the change of the velocities;
@@ -134,7 +160,8 @@ def roughness(h: float, drift: float, start: Position, to: Position, work: Work)
     nq = scene.nq
     way = h * larger(size_of(start.y[nq:]), size_of(to.y[nq:]))
     change = h * (to.y[nq:] - start.y[nq:] - 0.5 * h * (start.f[nq:] + to.f[nq:]))
-    rough = larger(drift, size_of(change)) / larger(NEGLIGIBLE, FAITHFUL * way)
+    known = larger(larger(NEGLIGIBLE, blur_of(work, state)), FAITHFUL * way)
+    rough = larger(drift, size_of(change)) / known
     if scene.fits:  # no prediction tells how far drivers turn
         counted = slice(*scene.counted)
         turn = float(np.max(np.abs(to.y[counted] - start.y[counted]), initial=0.0)) / COUNTABLE
@@ -187,7 +214,7 @@ def position_at(place: int, work: Work) -> Position:
 
 
 def reach(
-    end: float, parts: Sequence[tuple[float, int]], state: State, work: Work
+    end: float, parts: Sequence[tuple[float, int]], weak: float, state: State, work: Work
 ) -> tuple[float, float]:
     """Go on to the end in parts, or in one leap.
 
@@ -199,6 +226,8 @@ def reach(
         The time there.
     parts : sequence of (float, int)
         Up to which part of the step each goes, and where its position is kept.
+    weak : float
+        No position inside has a pivot ratio smaller than that, where the largest is 1.
 
     Returns
     -------
@@ -217,10 +246,10 @@ def reach(
         way, to = (x - gone) * h, position_at(place, work)
         time = end if x == 1.0 else state.time + x * h
         first = predict_and_correct(time, way, before, to, work, state)
-        rough = larger(roughness(way, first, before, to, work), rough)
+        rough = larger(roughness(way, first, before, to, work, state), rough)
         if not rough <= 1.0:
             return -1.0, rough
-        if x < 1.0 and pivot_ratio(work, state) < WEAK * state.largest_pivot_ratio:
+        if x < 1.0 and pivot_ratio(work, state) < weak * state.largest_pivot_ratio:
             return -1.0, rough
         there = told_ratio(work, state)
         if not is_leap and may_leap(way, ratio, there, to, state, work):
@@ -250,16 +279,16 @@ def branch_at(end: float, state: State, work: Work) -> int:
     return found
 
 
-def find_between(end: float, state: State, work: Work) -> bool:
+def find_between(end: float, weak: float, state: State, work: Work) -> bool:
     """Find the positions of a step in halves at the other nodes; return whether they are."""
     h = end - state.time
     start, half = Position(state.y, state.f), position_at(0, work)
     for x, place, before, gone in ((LOBATTO, 2, start, 0.0), (1.0 - LOBATTO, 3, half, 0.5)):
         way, to = (x - gone) * h, position_at(place, work)
         drift = predict_and_correct(state.time + x * h, way, before, to, work, state)
-        if not roughness(way, drift, before, to, work) <= 1.0:
+        if not roughness(way, drift, before, to, work, state) <= 1.0:
             return False
-        if pivot_ratio(work, state) < WEAK * state.largest_pivot_ratio:
+        if pivot_ratio(work, state) < weak * state.largest_pivot_ratio:
             return False
     return True
 
@@ -271,8 +300,24 @@ def least_size_of_works(h: float, state: State, work: Work) -> float:
     return usual_energy(rate, work.scene) + float(work.w.energies[0])
 
 
+def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:
+    """Return what a step of length h leaves of energy that no work explains, in tolerances.
+
+    The energy of positions is exact: it tells what no rule says of its own error, as where powers
+    are narrow beside the nodes.
+    """
+    scene, w, end = work.scene, work.w, position_at(1, work).y
+    done = slice(scene.nq - scene.works, scene.nq)
+    left = abs(energy_balance(end, work, state) - state.balance)
+    moving = usual_energy(usual_rate(h, end, state, work), scene) + float(w.energies[0])
+    size = moving + float(np.max(np.maximum(np.abs(state.y[done]), np.abs(end[done]))))
+    known = CERTAIN * larger(abs(w.energies[1]), abs(state.energy))
+    blur = blur_of(work, state)  # velocities are known to as much of the way to another branch
+    return left / ((s.tolerance + blur * blur / BLURRED) * size + known)
+
+
 def sum_works(
-    s: Settings, end: float, state: State, work: Work, *, has_nodes: bool
+    s: Settings, end: float, weak: float, state: State, work: Work, *, has_nodes: bool
 ) -> tuple[float, bool]:
     """Sum the works of a step by a better rule than Simpson's, unless that is good enough.
 
@@ -304,7 +349,7 @@ def sum_works(
     if not has_nodes:
         if error < SURE and math.fmod(state.steps, TRIALS) != 0.0:
             return error, False
-        has_nodes = find_between(end, state, work)
+        has_nodes = find_between(end, weak, state, work)
         work.w.place(end, position_at(1, work).y)  # its geometry again
         ratio_at(position_at(1, work).y[: scene.nq], work, state)
         if not has_nodes:
@@ -313,7 +358,8 @@ def sum_works(
     ends = 0.5 * (rate + f)
     more = 49.0 / 90.0 * h * (0.5 * (one + other) - half - 3.0 / 7.0 * (ends - half))
     if error < SURE:
-        state.work_error += float(np.max(np.abs(more))) / h * state.untold
+        untold = smaller(state.untold, TRIALS * h)
+        state.work_error += float(np.max(np.abs(more))) / h * untold
         state.untold = 0.0
     coarse = h * (ends - half) / 3.0
     square = more * more + coarse * coarse
@@ -326,6 +372,28 @@ def sum_works(
     state.simpson = larger(float(np.max(np.abs(more) / sizes)) / s.tolerance, state.simpson)
     told = larger(float(np.max(even_left / sizes)), float(np.max(odd_left / sizes)))
     return larger(told / s.tolerance, FADING * state.error), True
+
+
+def tell_works(
+    s: Settings,
+    end: float,
+    weak: float,
+    state: State,
+    work: Work,
+    parts: Sequence[tuple[float, int]],
+) -> Told:
+    """Sum the works of a step better unless it leaps, and tell what its energy says of them."""
+    scene, last = work.scene, position_at(1, work)
+    error, is_told = 0.0, False
+    if parts is not LEAP:
+        error, is_told = sum_works(s, end, weak, state, work, has_nodes=parts is NODES)
+    elif scene.works > 0:
+        work.w.run("energy")
+    if scene.works == 0:
+        return Told(error, is_told)
+    error = larger(unbalanced(s, end - state.time, state, work), error)
+    moved = energy_moved(last.y, work, state) if s.checks else 0.0
+    return Told(error, is_told, energy_balance(last.y, work, state), moved)
 
 
 def accept_position(end: float, asked: float, state: State, work: Work) -> None:
@@ -404,18 +472,18 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         if not end - state.time > SMALLEST * larger(abs(state.time), abs(asked)):
             return Status.STEP_TOO_SMALL
         parts = LEAP if part > 1.0 else NODES if tells_works and state.simpson >= SURE else HALVES
-        drift, rough = reach(end, parts, state, work)
-        is_good, error, is_told, moved = drift >= 0.0, 0.0, False, 0.0
-        ratio = pivot_ratio(work, state)
-        if is_good and part <= 1.0 and tells_works:
-            error, is_told = sum_works(s, end, state, work, has_nodes=parts is NODES)
-            if work.scene.works > 0 and s.checks:
-                moved = energy_moved(position_at(1, work).y, work, state)
-        factor = following(error, rough, is_good=is_good, is_told=is_told)
+        weak = WEAK * (DEEPER if is_deep else 1.0)
+        drift, rough = reach(end, parts, weak, state, work)
+        is_good, ratio = drift >= 0.0, pivot_ratio(work, state)
+        tells = is_good and tells_works
+        told = tell_works(s, end, weak, state, work, parts) if tells else Told()
+        error = told.error if part <= 1.0 else 0.0  # leaps sum no works well
+        factor = following(error, rough, is_good=is_good, is_told=told.is_told)
         is_avoided = part < FURTHEST and not is_deep and ratio < WEAK * state.largest_pivot_ratio
         is_fit = is_good and error <= 1.0 and not is_avoided
         branch = branch_at(end, state, work) if is_fit else STAYS
-        is_leap = part > 1.0 and branch == LEAPS
+        # onto another branch, or over what one can go through, as works want
+        is_leap = part > 1.0 and (branch == LEAPS or (branch == STAYS and told.error > 1.0))
         if is_avoided:
             state.avoided += 1
             part = 1.25 if part == 0.5 else part - 0.25 if part <= 1.0 else 1.25 * part
@@ -439,9 +507,10 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     note_branch(end, branch, state)
     note_ratios(ratio, end, state, work, is_deep=is_deep)
     state.drift = larger(state.drift, drift)
-    state.energy_moved = larger(state.energy_moved, moved)
-    state.untold += 0.0 if is_told else end - state.time
+    state.energy_moved = larger(state.energy_moved, told.moved)
+    state.untold += 0.0 if told.is_told else end - state.time
     state.step_size = larger(state.step_size if is_last else 0.0, factor * whole)
-    state.error = error if is_told else 0.0
+    state.error = error if told.is_told else 0.0
+    state.balance = told.balance
     accept_position(end, asked, state, work)
     return Status.GOOD

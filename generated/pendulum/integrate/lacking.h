@@ -110,6 +110,9 @@ static void wrench(double *w) { (void)w; }
 #define HAS_ENERGIES 0
 #endif
 #ifndef HAS_COORDINATES
+#define N_SHOWN 0
+#define PER_SHOWN 0
+#define W_COORDINATES 0
 static void coordinate(double *w) { (void)w; }
 #endif
 #ifndef ACCELERATES

@@ -133,6 +133,8 @@ class Layout:
         For each function that is zero where a force may be infinite the key of that force.
     given : tuple of GivenStart
         Where the scene has its bodies and how they move, where parameters may change its start.
+    driven : tuple of str
+        Coordinates that drivers determine, alone or by gears, screws and couplings.
     """
 
     name: str
@@ -157,6 +159,12 @@ class Layout:
     poles: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
     given: tuple[GivenStart, ...] = ()
+    driven: tuple[str, ...] = ()
+
+    @property
+    def has_drivers(self) -> bool:
+        """Whether anything is driven."""
+        return any(one.startswith("drivers.") for one in self.checked)
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Layout:
@@ -189,6 +197,7 @@ class Layout:
             led=tuple(data["led"]),
             poles=tuple(data["poles"]),
             given=tuple(map(GivenStart.from_data, data.get("given", ()))),
+            driven=tuple(data.get("driven", ())),
         )
 
     def at(self, design: Array) -> Layout:

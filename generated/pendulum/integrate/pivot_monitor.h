@@ -5,6 +5,9 @@
 #define WEAK 1e-6
 /* one this much smaller: small errors of positions decide about velocities and accelerations */
 #define VAGUE 1e-8
+/* rounding may leave as much of a position over the root of what tells branches: branches that miss
+ * each other by less meet in double precision */
+#define BLURRED 1e-14
 
 /* whether drivers and joints leave no freedom; where bodies are put onto joints, the rows of these
  * are checked only */
@@ -73,6 +76,13 @@ static double branch_ratio(const Work *work, const State *s)
     if (!inverse_pivots(work->w, &least, &most)) return 0.0;
     for (size_t k = 0; k != NC; ++k) product *= work->w[W_PIVOTS + k] * s->usual_pivots[k];
     return 1.0 / product;
+}
+
+/* what rounding may leave of a position, in lengths and radians */
+static double blur_of(const Work *work, const State *s)
+{
+    const double ratio = larger(pivot_ratio(work, s), branch_ratio(work, s));
+    return BLURRED / sqrt(larger(ratio, BLURRED));
 }
 
 /* the largest so far of what tells branches */

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .arithmetic import smaller
+from .arithmetic import larger, smaller
 
 if TYPE_CHECKING:
     from .scene import Work
@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 WEAK = 1e-6
 #: One this much smaller: small errors of positions decide about velocities and accelerations.
 VAGUE = 1e-8
+#: Rounding may leave as much of a position over the root of what tells branches: branches that miss
+#: each other by less meet in double precision.
+BLURRED = 1e-14
 
 
 def inverse_pivots(work: Work) -> tuple[float, float] | None:
@@ -73,6 +76,12 @@ def branch_ratio(work: Work, state: State) -> float:
     if inverse_pivots(work) is None:
         return 0.0
     return 1.0 / float(np.cumprod(work.w.pivots * usual)[-1])
+
+
+def blur_of(work: Work, state: State) -> float:
+    """Return what rounding may leave of a position, in lengths and radians."""
+    ratio = larger(pivot_ratio(work, state), branch_ratio(work, state))
+    return BLURRED / math.sqrt(larger(ratio, BLURRED))
 
 
 def usual_ratio(work: Work, state: State) -> float:

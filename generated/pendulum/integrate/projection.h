@@ -139,7 +139,8 @@ static double project_position(double enough, Work *work, double *low, State *s)
         const double size = size_of(w + W_DQ);
         if (!(size < HUGE_VAL)) return -1.0;
         if (k == 0) first = size;
-        if (size <= ROUNDING || (size <= SETTLED && size >= 0.5 * before)) return first;
+        if (size <= ROUNDING) return first;
+        if (size >= 0.5 * before && (size <= SETTLED || size <= blur_of(work, s))) return first;
         displace(w, low);
         before = size;
     }

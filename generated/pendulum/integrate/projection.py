@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger, rounding_of_sum
-from .pivot_monitor import pivot_ratio
+from .pivot_monitor import blur_of, pivot_ratio
 from .row_switch import accelerate_all_rows, drive, find_geometry, refine_all_rows, solve_rows
 
 if TYPE_CHECKING:
@@ -173,7 +173,9 @@ def project_position(enough: float, work: Work, low: Array | None, state: State)
             return -1.0
         if attempt == 0:
             first = size
-        if size <= ROUNDING or (size <= SETTLED and size >= 0.5 * before):
+        if size <= ROUNDING:
+            return first
+        if size >= 0.5 * before and (size <= SETTLED or size <= blur_of(work, state)):
             return first
         w.displace(low)
         before = size

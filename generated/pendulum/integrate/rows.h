@@ -1,14 +1,6 @@
 /* The rows that are written, at steps and between them, and what the ledger of a run notes of
  * them. */
 
-/* the change of energy since the start that no force explains */
-static double energy_balance(const double *w, const State *s)
-{
-    double balance = w[W_ENERGIES] + w[W_ENERGIES + 1] - s->energy;
-    for (size_t k = NQ - WORKS; k != NQ; ++k) balance -= w[W_Q + k];
-    return balance;
-}
-
 /* whether rows miss so many times CLOSURE_TOLERANCE at most, relative to LENGTH: those that are
  * left out do, and others where these took over */
 static int are_closed(const double *misses, double times)
@@ -30,7 +22,7 @@ static void note_checks(double *w, State *s)
         double *worst = s->violations[level];
         for (size_t k = 0; k != NCHECK; ++k) worst[k] = larger(fabs(left[level][k]), worst[k]);
     }
-    s->energy_error = larger(s->energy_error, fabs(energy_balance(w, s)));
+    s->energy_error = larger(s->energy_error, fabs(energy_balance(w, w + W_Q, s)));
     s->energy_moved = larger(s->energy_moved, energy_moved(w, w + W_Q, s));
     if (MOMENTA > 0) momentum(w);
     for (size_t k = 0; k != MOMENTA; ++k) {

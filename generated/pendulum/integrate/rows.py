@@ -14,7 +14,7 @@ from .pivot_monitor import VAGUE, WEAK, pivot_ratio
 from .projection import accelerate, project, ratio_at
 from .row_switch import find_geometry, forget_trials, least_norm_reactions, take_multipliers
 from .settings import CLEARLY, Status
-from .stepper import energy_moved
+from .stepper import energy_balance, energy_moved
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -27,15 +27,6 @@ if TYPE_CHECKING:
     Array = npt.NDArray[np.float64]
 
 #: A row that is left out does not hold at the start, or later, when its residual is larger,
-
-
-def energy_balance(work: Work, state: State) -> float:
-    """Return the change of energy since the start that no force explains."""
-    w, scene = work.w, work.scene
-    balance = w.energies[0] + w.energies[1] - state.energy
-    for done in w.q[scene.nq - scene.works :]:
-        balance -= done
-    return float(balance)
 
 
 def are_closed(misses: Array, times: float, scene: Scene) -> bool:
@@ -52,7 +43,7 @@ def note_checks(work: Work, state: State) -> None:
     w.run("check")
     for worst, left in zip(state.violations, (w.all_C, w.C_dot, w.C_ddot), strict=True):
         np.fmax(worst, np.abs(left), out=worst)
-    state.energy_error = larger(state.energy_error, abs(energy_balance(work, state)))
+    state.energy_error = larger(state.energy_error, abs(energy_balance(work.w.q, work, state)))
     state.energy_moved = larger(state.energy_moved, energy_moved(work.w.q, work, state))
     w.run("momentum")
     changes = np.abs(w.momenta - state.momenta)

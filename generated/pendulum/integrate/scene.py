@@ -246,6 +246,11 @@ class Scene:
         return any(part in self.parts for part in ("v_dot", "coordinates", "reactions"))
 
     @property
+    def per_shown(self) -> int:
+        """Count of numbers that a row has of a coordinate that it shows."""
+        return 3 if "v_dot" in self.parts else 2
+
+    @property
     def state_sizes(self) -> dict[str, int]:
         """What the layout of a state depends on."""
         return {
@@ -256,6 +261,7 @@ class Scene:
             "NCHECK": self.nc + self.size("C_left_out"),
             "N_CROSSINGS": self.size("crossings") // 4 + self.n_poles,
             "EVENTS": len(self.events),
+            "RANGED": self.nq + self.size("coordinates") // self.per_shown,
         }
 
     @property
@@ -300,6 +306,7 @@ class Workspace:
     more_lam: Array
     more_power: Array
     all_lam: Array
+    coordinates: Array
     wrenches: Array
     design: Array
     span: Array

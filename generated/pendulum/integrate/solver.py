@@ -17,10 +17,10 @@ from .methods import METHODS
 from .pivot_monitor import branch_ratio, note_largest_pivot, pivot_ratio
 from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
-from .rows import energy_balance, find_reactions, write_row
+from .rows import find_reactions, write_row
 from .scene import Work, Workspace, state_of
 from .settings import ACTIONS, Status
-from .stepper import first_step, step
+from .stepper import energy_balance, first_step, note_extent, step
 from .switching import even_end, meet_switches, resolved_step
 
 if TYPE_CHECKING:
@@ -111,10 +111,13 @@ class Solver:
         s.position_ratio = s.usual_ratio = branch_ratio(work, s)
         s.largest_pivot_ratio = larger(s.largest_pivot_ratio, s.least_pivot_ratio)
         work.w.run("energy")
-        s.energy = energy_balance(work, s)
+        s.energy = energy_balance(work.w.q, work, s)
         s.potential = work.w.energies[1]
         work.w.run("momentum")
         s.momenta[:] = work.w.momenta
+        work.w.run("coordinate")
+        s.lowest[:], s.highest[:] = math.inf, -math.inf
+        note_extent(s.y, work, s)
         are_changed = bool((s.parameters != self.scene.parameters).any())
         if len(work.w.C_left_out) > 0 and are_changed and not stay_closed(s, work):
             return Status.NOT_CLOSED

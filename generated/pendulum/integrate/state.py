@@ -139,6 +139,7 @@ class State:
     stride = Number("s", "the longest step so far, or what moves a part of a length at the start")
     work_error = Number("J", "of works under kinematics, what Simpson's rule left unnoticed")
     simpson = Number("-", "error of works by Simpson's rule, in units of the tolerance, fading")
+    balance = Number("J", "energy that no work explains, at the last position under kinematics")
     untold = Number("s", "length of the steps since that was looked at")
     is_refined = Number("-", "1: accelerations are refined all along, 0.5: looked at, else 0")
     method = Number("-", "1 + the method; 0 before the first step")
@@ -191,6 +192,8 @@ class State:
     sides = Numbers("N_CROSSINGS", unit="-", meaning="1 or -1, side of each function; 0: not known")
     counts = Numbers("EVENTS", unit="-", meaning="how often each event was")
     fired = Numbers("EVENTS", unit="-", meaning="1 of an event that is still to be told")
+    lowest = Numbers("RANGED", unit="", meaning="of q, then of coordinates, at ends of steps")
+    highest = Numbers("RANGED", unit="", meaning="the same; under kinematics at the start")
 
     def __init__(self, numbers: Array, sizes: Mapping[str, int]) -> None:
         self.numbers = numbers
@@ -220,7 +223,8 @@ def fields(sizes: Mapping[str, int]) -> tuple[Field, ...]:
     Parameters
     ----------
     sizes : mapping of str to int
-        ``NY``, ``DENSE``, ``N_PARAMETERS``, ``MOMENTA``, ``NCHECK``, ``N_CROSSINGS``, ``EVENTS``.
+        ``NY``, ``DENSE``, ``N_PARAMETERS``, ``MOMENTA``, ``NCHECK``, ``N_CROSSINGS``, ``EVENTS``,
+        ``RANGED``.
     """
     known = {"LEVELS": LEVELS, **sizes}
     found: list[Field] = []

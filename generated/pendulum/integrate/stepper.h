@@ -40,11 +40,17 @@
 #define FAR 0.5
 /* such steps are no longer than this, in lengths and radians: how ratios go is not known over
  * longer ones. At tolerances above that, and where drivers determine the motion, none is longer
- * than this: stages may pass by such a place, unless ratios are as level as this */
+ * than this: stages may pass by such a place, unless ratios are as level as this. Where there are
+ * so many stages they lie twice as densely, but two bodies turn towards each other by twice as
+ * much: by less than half a turn, so that no step passes two such places */
 #define LONGEST 0.75
 #define LOOSE 1e-3
 #define LONGEST_OF_ALL 1.2
+#define MANY_STAGES 12
+#define LONGEST_OF_MANY 1.5
 #define LEVEL 0.999
+/* a step after one that tells how long it may be is this part of that */
+#define NEARLY 0.98
 /* a step is not made shorter than this to find its branch */
 #define STILL_LONG 1e-4
 /* a step is this much shorter than what would meet the tolerance */
@@ -60,7 +66,8 @@
 
 /* a step of length h that is tried */
 typedef struct {
-    double h, drift, error;         /* its length [s], largest correction, error / tolerance */
+    double h, end;                  /* its length, and where it ends [s] */
+    double drift, error;            /* largest correction, error / tolerance */
     double moved;                   /* the energy that has moved at its end, if rows are checked */
     double least_ratio, most_ratio; /* of the pivot ratios of its stages */
     double inner_ratio, inner;      /* that of one inside, and at which part of the step it is */
@@ -68,8 +75,31 @@ typedef struct {
     double last_ratio;              /* that of the end */
     double end_ratio, top_ratio;    /* what tells branches there, and the largest of all stages */
     int branch;                     /* whether it may end on another branch: see branches.h */
-    int is_last;                    /* whether it ends at the last time */
+    double longest;        /* how long it may be to tell that, where it is longer, else 0 [s] */
+    int is_last;           /* whether it ends where the step does at most */
+    int is_good, is_whole; /* whether stages lead to its end; whether it can be kept */
+    int is_vague;          /* whether its length is fixed, and its error large */
 } Trial;
+
+/* the attempts to make a step */
+typedef struct {
+    const Method *m;
+    const Settings *settings;
+    int is_fixed;             /* whether its length is asked for */
+    double asked, end, limit; /* next time to be written; where it ends at most, and may [s] */
+    double best, best_h; /* of the pivot ratios of those with nearly dependent rows; its length */
+    int avoided;         /* how many of them there were */
+    int is_beyond;       /* whether the end is to lie inside of the step */
+    int is_rejected;     /* whether one had too large an error */
+    int is_guessed;      /* whether one was cut short for what is seen in it */
+    int shorter, thrown; /* how often for narrow parts, and for stages that pass a switch by */
+    int polished;        /* how often an event was found again */
+    int status;          /* GOOD, or why there is no step */
+    Look look;           /* what is seen in the last one */
+} Attempts;
+
+/* whether a trial meets the tolerance */
+static int is_kept(const Trial *trial) { return trial->error <= 1.0; }
 
 /* adds y to what it starts from: a small sum, so that y is rounded once; what that leaves over goes
  * to low if it is not NULL */
@@ -103,8 +133,26 @@ static void note_motion(double h, const double *end, State *s)
     s->stride = larger(s->stride, h);
 }
 
+/* notes how far coordinates go, those too that rows show, which were found there */
+static void note_extent(const double *end, const double *w, State *s)
+{
+    for (size_t k = 0; k != NQ + N_SHOWN; ++k) {
+        const double x = k < NQ ? end[k] : w[W_COORDINATES + PER_SHOWN * (k - NQ)];
+        if (x < s->lowest[k]) s->lowest[k] = x;
+        if (x > s->highest[k]) s->highest[k] = x;
+    }
+}
+
 /* the energy of all bodies where they move at such a rate */
 static double usual_energy(double rate) { return MASS * (LENGTH * rate) * (LENGTH * rate) / 2.0; }
+
+/* the change of energy since the start that no work explains; works are in q */
+static double energy_balance(const double *w, const double *q, const State *s)
+{
+    double balance = w[W_ENERGIES] + w[W_ENERGIES + 1] - s->energy;
+    for (size_t k = NQ - WORKS; k != NQ; ++k) balance -= q[k];
+    return balance;
+}
 
 /* kinetic energy, change of potential energy since the start, and all works, which are in q; that
  * of every step counts, whatever rows are written */
@@ -188,6 +236,25 @@ static double norm_error(const Method *m, double h, const State *s, Work *work)
     return most;
 }
 
+/* looks at the pivot ratios of a stage at a part of a step */
+static void look_at_ratios(double part, Trial *trial, const Work *work, const State *s)
+{
+    trial->last_ratio = last_ratio(work, s);
+    trial->least_ratio = smaller(trial->least_ratio, trial->last_ratio);
+    trial->most_ratio = larger(trial->most_ratio, trial->last_ratio);
+    trial->end_ratio = IS_DRIVEN ? branch_ratio(work, s) : trial->last_ratio;
+    if (!HAS_REFINEMENT) return;
+    trial->top_ratio = larger(trial->top_ratio, trial->end_ratio);
+    if (trial->inner == 0.0 && part >= INSIDE) {
+        trial->inner_ratio = trial->end_ratio;
+        trial->inner = part;
+    }
+    if (part < 1.0 && trial->end_ratio < trial->dip_ratio) {
+        trial->dip_ratio = trial->end_ratio;
+        trial->dip = part;
+    }
+}
+
 /* the stages from which the end of the step is made; 0 where one is impossible */
 static int make_stages(const Method *m, double tolerance, Trial *trial, Work *work, State *s)
 {
@@ -197,19 +264,7 @@ static int make_stages(const Method *m, double tolerance, Trial *trial, Work *wo
         good = stage(m, n, trial->h, is_inner ? INNER * tolerance : 0.0, work->y,
             is_inner ? NULL : work->low, work, s, &trial->drift);
         if (good && !is_inner) look_at_digits(work->k[n], work, s);
-        trial->last_ratio = last_ratio(work, s);
-        trial->least_ratio = smaller(trial->least_ratio, trial->last_ratio);
-        trial->most_ratio = larger(trial->most_ratio, trial->last_ratio);
-        trial->end_ratio = branch_ratio(work, s);
-        trial->top_ratio = larger(trial->top_ratio, trial->end_ratio);
-        if (trial->inner == 0.0 && m->c[n] >= INSIDE) {
-            trial->inner_ratio = trial->end_ratio;
-            trial->inner = m->c[n];
-        }
-        if (m->c[n] < 1.0 && trial->end_ratio < trial->dip_ratio) {
-            trial->dip_ratio = trial->end_ratio;
-            trial->dip = m->c[n];
-        }
+        look_at_ratios(m->c[n], trial, work, s);
     }
     return good;
 }
@@ -264,38 +319,54 @@ static double dipping_part(double first, double last, const Trial *trial)
                                          : x * first / (first + dip);
 }
 
+/* how far a step may lead so that ratios of its stages tell of places where branches meet; it is
+ * infinite where any way is short enough */
+static double longest_way(const Attempts *tried, const Trial *trial, const State *s)
+{
+    const int is_loose = IS_DRIVEN || tried->settings->tolerance > LOOSE;
+    if (!HAS_REFINEMENT || !is_loose || tried->is_fixed) return HUGE_VAL;
+    const double top = larger(s->position_ratio, trial->top_ratio);
+    if (smaller(trial->dip_ratio, trial->end_ratio) > LEVEL * top) return HUGE_VAL;
+    return IS_DRIVEN && tried->m->stages >= MANY_STAGES ? LONGEST_OF_MANY : LONGEST_OF_ALL;
+}
+
+/* whether a step is no longer than that: else it is made again. Where bodies are free much shorter:
+ * they pass places where branches meet by momentum */
+static int is_short(double longest, Trial *trial, const State *s, const Work *work)
+{
+    const double way = longest < HUGE_VAL ? way_of(trial, s, work) : 0.0;
+    if (!(way > longest)) return 1;
+    if (IS_DRIVEN) trial->longest = NEARLY * trial->h * (longest / way);
+    return 0;
+}
+
 /* whether a step may end on another branch: LEAPS, STAYS or MEETS */
-static int branch_of(
-    const Method *m, const Settings *settings, const Trial *trial, Work *work, State *s)
+static int branch_of(const Attempts *tried, Trial *trial, Work *work, State *s)
 {
     if (!HAS_REFINEMENT) return STAYS;
-    const int is_free = !(settings->fixed_step > 0.0);
-    const int is_loose = IS_DRIVEN || settings->tolerance > LOOSE;
-    const double first = s->position_ratio, last = trial->end_ratio;
-    const double top = larger(first, trial->top_ratio);
-    const int is_steady = smaller(trial->dip_ratio, last) > LEVEL * top;
-    if (is_free && is_loose && !is_steady && way_of(trial, s, work) > LONGEST_OF_ALL) return LEAPS;
-    const double most = usual_ratio(s);
+    const double first = s->position_ratio, last = trial->end_ratio, most = usual_ratio(s);
+    if (!is_short(longest_way(tried, trial, s), trial, s, work)) return LEAPS;
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
     const int is_sinking = is_dip || sinks(SINKS, trial, s);
     if (!is_sinking && !(smaller(first, last) < BESIDE_IT * most)) return STAYS;
-    const double way = way_of(trial, s, work);
-    if (!is_sinking && !(way > FAR * sqrt(larger(first, last) / most))) return STAYS;
-    if (is_free && way > LONGEST) return LEAPS;
-    const double before = sqrt(first), after = sqrt(last), *f = work->k[m->stages];
+    const double far = FAR * sqrt(larger(first, last) / most);
+    if (!is_sinking && !(way_of(trial, s, work) > far)) return STAYS;
+    if (!tried->is_fixed && !is_short(LONGEST, trial, s, work)) return LEAPS;
+    const double before = sqrt(first), after = sqrt(last), *f = work->k[tried->m->stages];
     const double part = is_dip ? dipping_part(before, after, trial) : meeting_part(before, after);
     return follow_branch(trial->h, work->y, f, part, before + after, work, s);
 }
 
 /* keeps a step, and says how long the next one is: a proportional and integral controller */
-static void accept(
-    const Method *m, const Trial *trial, double end, int was_rejected, Work *work, State *s)
+static void accept(const Attempts *tried, const Trial *trial, Work *work, State *s)
 {
-    const double h = trial->h, error = trial->error, exponent = 1.0 / (double)m->order;
+    const double h = trial->h, error = trial->error, exponent = 1.0 / (double)tried->m->order;
     const double before = larger(s->error, 1e-4);
     double factor = 10.0;
     if (error != 0.0) factor = SAFETY * pow(error, -0.8 * exponent) * pow(before, 0.2 * exponent);
-    const double next = h * smaller(was_rejected ? 1.0 : 10.0, larger(0.2, factor));
+    double next = h * smaller(tried->is_rejected ? 1.0 : 10.0, larger(0.2, factor));
+    const double way = longest_way(tried, trial, s); /* what is longer is made in vain */
+    if (IS_DRIVEN && way < HUGE_VAL) next = smaller(next, NEARLY * way / size_of(work->y + NQ));
     if (!trial->is_last || next < s->step_size) s->step_size = next;
     s->error = larger(error, 1e-4);
     s->drift = larger(s->drift, trial->drift);
@@ -303,16 +374,256 @@ static void accept(
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, trial->last_ratio);
     note_pivot_ratio(trial->least_ratio, s->time + 0.5 * h, s);
     s->time_before = s->time;
-    s->time = trial->is_last ? end : s->time + h;
+    s->time = trial->end;
     s->steps += 1;
     note_branch(s->time, trial->branch, s);
     s->position_ratio = trial->end_ratio;
     s->usual_ratio = larger(s->usual_ratio, trial->end_ratio);
     note_motion(h, work->y, s);
+    note_extent(work->y, work->w, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(s->y, work->y, NY * sizeof *s->y);
     memcpy(s->low, work->low, NY * sizeof *s->y);
-    memcpy(s->f, work->k[m->stages], NY * sizeof *s->y);
+    memcpy(s->f, work->k[tried->m->stages], NY * sizeof *s->y);
+}
+
+/* a trial of the length that is to be tried next, no longer than to where the step ends at most */
+static Trial next_trial(Attempts *tried, const State *s)
+{
+    Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .branch = STAYS };
+    trial.dip_ratio = HUGE_VAL;
+    trial.h = smaller(s->step_size, tried->settings->largest_step);
+    if (tried->is_fixed && tried->avoided == 0) trial.h = tried->settings->fixed_step;
+    trial.is_last = !tried->is_beyond && s->time + 1.0000001 * trial.h >= tried->end;
+    if (trial.is_last) trial.h = tried->end - s->time;
+    trial.end = trial.is_last ? tried->end : s->time + trial.h;
+    if (!(trial.h > SMALLEST * larger(fabs(s->time), fabs(tried->end)))) {
+        tried->status = STEP_TOO_SMALL;
+    }
+    return trial;
+}
+
+/* whether rows are nearly dependent at a pivot ratio */
+static int is_weak(double ratio, const Attempts *tried, const State *s)
+{
+    return ratio < (tried->is_fixed ? VAGUE : WEAK) * s->largest_pivot_ratio;
+}
+
+/* makes the stages of a trial. 0 where Newton has gone far away in a step that cannot be shorter,
+ * or where the end is no place to stop at: it is to lie inside of a longer step then */
+static int is_made(Attempts *tried, Trial *trial, Work *work, State *s)
+{
+    forget_trials(work);
+    trial->is_good = make_stages(tried->m, tried->settings->tolerance, trial, work, s);
+    /* no error tells how far drivers led */
+    if (HAS_DRIVERS && !tried->is_fixed && trial->drift > NEAR) trial->is_good = 0;
+    if (tried->is_fixed && !trial->is_good) {
+        const double there = smaller(trial->least_ratio, ratio_at(work->y, work, s));
+        if (!is_weak(there, tried, s)) {
+            tried->status = NOT_PROJECTED;
+            return 0;
+        }
+        trial->least_ratio = 0.0;
+    }
+    if (trial->is_last && is_weak(trial->least_ratio, tried, s)) {
+        tried->is_beyond = 1;
+        s->avoided += 1;
+        return 0;
+    }
+    return 1;
+}
+
+/* finds the error of a trial whose stages are all there, and what else its end tells: its geometry
+ * is in the workspace */
+static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s)
+{
+    const Method *m = tried->m;
+    const Settings *settings = tried->settings;
+    if (tried->is_fixed) trial->drift = larger(trial->drift, norm_error(m, trial->h, s, work));
+    if (WORKS > 0 || settings->checks) energy(work->w);
+    if (settings->checks) trial->moved = energy_moved(work->w, work->y, s);
+    if (tried->is_fixed) {
+        trial->is_vague = N_SEEN > 0 && !(local_error(m, trial, 0, s, work, LEAST_PART) <= 1.0);
+    } else {
+        const int is_locked = trial->is_last && s->time == s->switched &&
+                              (tried->end == s->limit || tried->end == tried->look.cut);
+        trial->error = local_error(m, trial, is_locked, s, work, settings->tolerance);
+        if (tells_drift(trial, s)) {
+            const double most = MOST_DRIFT * larger(settings->tolerance, LEAST_DRIFT);
+            trial->error = larger(trial->drift / most, trial->error);
+        }
+    }
+    if (is_kept(trial)) {
+        note_largest_pivot(work, s);
+        coordinate(work->w);
+    }
+}
+
+/* whether rows are independent enough at the stages of a trial. Else it is made a little shorter,
+ * rounding is large there and other stages lie elsewhere; at last it is the best of those */
+static int is_clear(Attempts *tried, Trial *trial, State *s)
+{
+    if (!(trial->is_good || tried->is_fixed)) return 1;
+    if (!is_weak(trial->least_ratio, tried, s)) return 1;
+    if (trial->least_ratio > 0.0 && is_weak(trial->most_ratio, tried, s)) {
+        /* it is so everywhere: shorter steps stay there */
+        s->largest_pivot_ratio = trial->least_ratio / (tried->is_fixed ? VAGUE : WEAK);
+    } else if (tried->avoided <= PATIENCE) {
+        if (trial->least_ratio > tried->best) {
+            tried->best = trial->least_ratio;
+            tried->best_h = trial->h;
+        }
+        s->step_size = tried->avoided++ < PATIENCE ? SHORTER * trial->h : tried->best_h;
+        s->avoided += 1;
+        return 0;
+    }
+    trial->is_whole = trial->least_ratio > 0.0;
+    return 1;
+}
+
+/* tries a step, but for what is seen in it; 0 where that tells nothing: it is to be tried again, or
+ * there is none. Its error is large where it may not be kept */
+static int is_tried(Attempts *tried, Trial *trial, Work *work, State *s)
+{
+    if (!is_made(tried, trial, work, s)) return 0;
+    if (trial->is_good) find_error(tried, trial, work, s);
+    trial->is_whole = trial->is_good;
+    if (trial->is_good && is_kept(trial) && (N_SWITCHING > 0 || tried->asked < trial->end)) {
+        trial->is_whole = make_dense_stages(tried->m, trial, work, s);
+    }
+    if (!is_clear(tried, trial, s)) return 0;
+    if (tried->is_fixed && !trial->is_whole) {
+        tried->status = NOT_PROJECTED;
+        return 0;
+    }
+    if (trial->is_whole && is_kept(trial)) {
+        trial->branch = branch_of(tried, trial, work, s);
+        if (trial->branch == LEAPS && !tried->is_fixed)
+            trial->is_whole = !(way_of(trial, s, work) > STILL_LONG);
+    }
+    if (!trial->is_whole) trial->error = 1e3;
+    return 1;
+}
+
+/* where a trial must end by what crosses in it. Poles of forces are looked for once more where its
+ * polynomial has not all of its stages */
+static double seen_in(Attempts *tried, Trial *trial, Work *work, State *s)
+{
+    const Method *m = tried->m;
+    Look *look = &tried->look;
+    const double *f = work->k[m->stages];
+    const int has_stages = N_SWITCHING > 0 && is_kept(trial);
+    look_into(tried->settings, m, has_stages, trial->h, work->y, s->f, f, look, s, work);
+    look->least_part = is_kept(trial) && !trial->is_vague ? 0.0 : LEAST_PART;
+    look->is_kept = is_kept(trial);
+    /* one that leads beyond its end stays as it is */
+    double seen = tried->is_beyond ? trial->end : seen_end(trial->end, look, s, work);
+    if (look->pole && !has_stages && make_dense_stages(m, trial, work, s)) {
+        look_into(tried->settings, m, 1, trial->h, work->y, s->f, f, look, s, work);
+        seen = seen_end(trial->end, look, s, work);
+    }
+    return look->pole ? end_before_pole(look, s) : seen;
+}
+
+/* where a trial must end so that samples tell up to a time how narrow parts vary; noted where it
+ * cannot be shorter for that */
+static double told_in(double told, Attempts *tried, const Trial *trial, Work *work, State *s)
+{
+    Look *look = &tried->look;
+    if (N_NARROW == 0 || !is_kept(trial)) return trial->end;
+    if (tried->shorter++ < MOST_SHORTER) {
+        const double there = told_end(told, look, s, work);
+        return there < told ? there : trial->end;
+    }
+    look->is_untold = look->is_untold || (!are_narrow_told(s->time, told, look, s, work) &&
+                                             !is_at_pole(1, s->time, told, look, s, work));
+    return trial->end;
+}
+
+/* where a trial must end so that its polynomial meets up to a time what its stages do; noted where
+ * it cannot be shorter for that. At a cut rounding decides */
+static double met_in(double told, Attempts *tried, const Trial *trial, Work *work, State *s)
+{
+    Look *look = &tried->look;
+    if (N_SWITCHING == 0 || !is_kept(trial)) return trial->end;
+    if (tried->is_beyond || trial->end == look->cut) return trial->end;
+    const double beyond = stage_beyond(told, look, s, work);
+    if (beyond < told && tried->thrown++ < MOST_SHORTER) return beyond;
+    if (beyond < told) look->is_untold = 1;
+    return trial->end;
+}
+
+/* whether a trial that was cut for an event ends there, as its own polynomial tells: else the cut
+ * is there */
+static int is_at_event(Attempts *tried, const Trial *trial, Work *work, State *s)
+{
+    Look *look = &tried->look;
+    if (EVENTS == 0 || !is_kept(trial) || trial->end != look->cut) return 1;
+    if (!(tried->polished++ < MOST_POLISHED)) return 1;
+    const double there = smaller(polished_cut(look, s, work), tried->limit);
+    if (!(fabs(there - trial->end) > 4.0 * SMALLEST * fabs(trial->end))) return 1;
+    tried->end = look->cut = there;
+    s->step_size = larger(s->step_size, there - s->time);
+    return 0;
+}
+
+/* how long a step is that meets the tolerance, where a trial does not, or tells its branch */
+static double length_by_error(const Method *m, const Trial *trial)
+{
+    double factor = 0.2;
+    if (trial->longest > 0.0) return trial->longest;
+    if (isfinite(trial->error)) {
+        factor = larger(factor, SAFETY * pow(trial->error, -1.0 / (double)m->order));
+    }
+    return factor * trial->h;
+}
+
+/* has a step end at a time when it is tried again: one that could be longer and is cut can so
+ * still, however short it gets */
+static void end_at(double to, Attempts *tried, const Trial *trial, State *s)
+{
+    const double way = to - s->time;
+    tried->is_guessed = 1;
+    if (tried->is_fixed) {
+        tried->end = to;
+        tried->is_beyond = 0;
+    }
+    s->rejected += 1;
+    const double size = is_kept(trial) ? s->step_size : length_by_error(tried->m, trial);
+    s->step_size = to == tried->look.cut ? larger(size, way) : way;
+}
+
+/* whether a trial ends where it may by what is seen in it: else it is to end there */
+static int ends_well(Attempts *tried, Trial *trial, Work *work, State *s)
+{
+    Look *look = &tried->look;
+    if (N_SEEN == 0 || !trial->is_whole || !(is_kept(trial) || !tried->is_guessed)) return 1;
+    const double seen = seen_in(tried, trial, work, s);
+    tried->status = why_stopped(seen, look, s);
+    if (tried->status != GOOD) return 0;
+    const double told = smaller(seen, trial->end); /* what follows a cut is seen later */
+    const double narrow = told_in(told, tried, trial, work, s);
+    double to = smaller(narrow, met_in(told, tried, trial, work, s));
+    if (seen <= to && seen < trial->end) to = tried->end = cut_at(seen, look);
+    else if (!is_at_event(tried, trial, work, s)) return 0;
+    if (!(to < trial->end && (is_kept(trial) || to == look->cut))) return 1;
+    end_at(to, tried, trial, s);
+    return 0;
+}
+
+/* keeps a trial, and notes what was seen in it */
+static void keep(const Attempts *tried, const Trial *trial, Work *work, State *s)
+{
+    const Look *look = &tried->look;
+    const double before = s->step_size;
+    accept(tried, trial, work, s);
+    if (N_SEEN == 0) return;
+    note_crossings(trial->end, look, s, work);
+    if (look->is_untold) note_unresolved(s->time_before, s);
+    if (s->time == look->cut) {
+        s->step_size = larger(s->step_size, before);
+        s->switched = s->time;
+    }
 }
 
 /* one step with error control, or of the length that was asked for, to the end at most unless rows
@@ -321,153 +632,25 @@ static void accept(
 static int step(
     const Method *m, const Settings *settings, double asked, double end, State *s, Work *work)
 {
-    const int is_fixed = settings->fixed_step > 0.0;
-    const double weak = is_fixed ? VAGUE : WEAK; /* ratios below this, where usual ones are 1 */
-    int rejected = 0, avoided = 0, is_beyond = 0;
-    double best = -1.0, best_h = 0.0; /* of the lengths that were tried near dependent rows */
-    Look look = { .cut = s->time, .has_error = !is_fixed && N_SWITCHING > 0 };
-    int shorter = 0, thrown = 0, is_guessed = 0, polished = 0;
-    const double limit = end;
+    Attempts tried = { .m = m, .settings = settings, .asked = asked, .end = end, .limit = end };
+    tried.is_fixed = settings->fixed_step > 0.0;
+    tried.best = -1.0;
+    tried.look.cut = s->time;
+    tried.look.has_error = N_SWITCHING > 0 && !tried.is_fixed;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
-        Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .branch = STAYS };
-        trial.dip_ratio = HUGE_VAL;
-        double h = is_fixed && avoided == 0 ? settings->fixed_step
-                                            : smaller(s->step_size, settings->largest_step);
-        trial.is_last = !is_beyond && s->time + 1.0000001 * h >= end;
-        if (trial.is_last) h = end - s->time;
-        if (!(h > SMALLEST * larger(fabs(s->time), fabs(end)))) return STEP_TOO_SMALL;
-        trial.h = h;
-        forget_trials(work);
-        int good = make_stages(m, settings->tolerance, &trial, work, s);
-        /* no error tells how far drivers led */
-        if (HAS_DRIVERS && !is_fixed && trial.drift > NEAR) good = 0;
-        if (is_fixed && !good) { /* Newton may have gone far away from where it began */
-            const double there = smaller(trial.least_ratio, ratio_at(work->y, work, s));
-            if (!(there < weak * s->largest_pivot_ratio)) return NOT_PROJECTED;
-            trial.least_ratio = 0.0;
-        }
-        if (trial.is_last && trial.least_ratio < weak * s->largest_pivot_ratio) {
-            /* the end may be no place to stop at: let it lie inside of a longer step */
-            is_beyond = 1;
-            s->avoided += 1;
-            continue;
-        }
-        if (is_fixed && good) trial.drift = larger(trial.drift, norm_error(m, h, s, work));
-        if (good && (WORKS > 0 || settings->checks)) energy(work->w);
-        if (good && settings->checks) trial.moved = energy_moved(work->w, work->y, s);
-        if (!is_fixed && good) {
-            const int is_locked = trial.is_last && s->time == s->switched &&
-                                  (end == s->limit || end == look.cut);
-            trial.error = local_error(m, &trial, is_locked, s, work, settings->tolerance);
-            if (tells_drift(&trial, s)) {
-                const double most = MOST_DRIFT * larger(settings->tolerance, LEAST_DRIFT);
-                trial.error = larger(trial.drift / most, trial.error);
+        Trial trial = next_trial(&tried, s);
+        if (tried.status == GOOD && is_tried(&tried, &trial, work, s) &&
+            ends_well(&tried, &trial, work, s)) {
+            if (is_kept(&trial)) {
+                keep(&tried, &trial, work, s);
+                return GOOD;
             }
+            tried.is_rejected = 1;
+            s->rejected += 1;
+            s->step_size = length_by_error(m, &trial);
         }
-        const int is_vague = N_SEEN > 0 && is_fixed && good &&
-                             !(local_error(m, &trial, 0, s, work, LEAST_PART) <= 1.0);
-        if (good && trial.error <= 1.0) note_largest_pivot(work, s);
-        int is_whole = good;
-        const double last = trial.is_last ? end : s->time + h;
-        if (good && trial.error <= 1.0 && (N_SWITCHING > 0 || asked < last)) {
-            is_whole = make_dense_stages(m, &trial, work, s);
-        }
-        if ((good || is_fixed) && trial.least_ratio < weak * s->largest_pivot_ratio) {
-            if (trial.least_ratio > 0.0 && trial.most_ratio < weak * s->largest_pivot_ratio) {
-                /* it is so everywhere: shorter steps stay there */
-                s->largest_pivot_ratio = trial.least_ratio / weak;
-            } else if (avoided <= PATIENCE) {
-                /* rounding is large there: other stages lie elsewhere */
-                if (trial.least_ratio > best) {
-                    best = trial.least_ratio;
-                    best_h = h;
-                }
-                s->step_size = avoided++ < PATIENCE ? SHORTER * h : best_h;
-                s->avoided += 1;
-                continue;
-            }
-            is_whole = trial.least_ratio > 0.0;
-        }
-        if (is_fixed && !is_whole) return NOT_PROJECTED;
-        if (is_whole && trial.error <= 1.0) {
-            trial.branch = branch_of(m, settings, &trial, work, s);
-            if (trial.branch == LEAPS && !is_fixed)
-                is_whole = !(way_of(&trial, s, work) > STILL_LONG);
-        }
-        if (!is_whole) trial.error = 1e3;
-        double by_error = 0.2;
-        if (isfinite(trial.error)) {
-            by_error = larger(by_error, SAFETY * pow(trial.error, -1.0 / (double)m->order));
-        }
-        if (N_SEEN > 0 && is_whole && (trial.error <= 1.0 || !is_guessed)) {
-            const int is_kept = trial.error <= 1.0;
-            const double *f = work->k[m->stages];
-            const int has_stages = N_SWITCHING > 0 && is_kept;
-            look_into(settings, m, has_stages, h, work->y, s->f, f, &look, s, work);
-            look.least_part = is_kept && !is_vague ? 0.0 : LEAST_PART;
-            look.is_kept = is_kept;
-            /* one that leads beyond its end stays as it is */
-            double seen = is_beyond ? last : seen_end(last, &look, s, work);
-            if (look.pole && !has_stages && make_dense_stages(m, &trial, work, s)) {
-                look_into(settings, m, 1, h, work->y, s->f, f, &look, s, work);
-                seen = seen_end(last, &look, s, work);
-            }
-            if (look.pole) seen = end_before_pole(&look, s);
-            const int why = why_stopped(seen, &look, s);
-            if (why != GOOD) return why;
-            const double told = smaller(seen, last); /* what follows a cut is seen later */
-            double to = last;
-            if (N_NARROW > 0 && is_kept && shorter++ < MOST_SHORTER) {
-                const double there = told_end(told, &look, s, work);
-                if (there < told) to = there;
-            } else if (N_NARROW > 0 && is_kept) { /* it cannot be shorter for that */
-                look.is_untold = look.is_untold ||
-                                 (!are_narrow_told(s->time, told, &look, s, work) &&
-                                     !is_at_pole(1, s->time, told, &look, s, work));
-            }
-            if (has_stages && !is_beyond && last != look.cut) { /* at a cut rounding decides */
-                const double beyond = stage_beyond(told, &look, s, work);
-                if (beyond < told && thrown++ < MOST_SHORTER) to = smaller(to, beyond);
-                else if (beyond < told) look.is_untold = 1;
-            }
-            if (seen <= to && seen < last) {
-                to = end = cut_at(seen, &look);
-            } else if (EVENTS > 0 && is_kept && last == look.cut && polished++ < MOST_POLISHED) {
-                const double there = smaller(polished_cut(&look, s, work), limit);
-                if (fabs(there - last) > 4.0 * SMALLEST * fabs(last)) {
-                    end = look.cut = there;
-                    s->step_size = larger(s->step_size, there - s->time);
-                    continue;
-                }
-            }
-            if (to < last && (is_kept || to == look.cut)) {
-                is_guessed = 1;
-                if (is_fixed) {
-                    end = to;
-                    is_beyond = 0;
-                }
-                s->rejected += 1;
-                /* one that could be longer and is cut can so still, however short it gets */
-                by_error = is_kept ? s->step_size : by_error * h;
-                s->step_size = to == look.cut ? larger(by_error, to - s->time) : to - s->time;
-                continue;
-            }
-        }
-        if (trial.error <= 1.0) {
-            const double before = s->step_size;
-            accept(m, &trial, end, rejected, work, s);
-            if (N_SEEN > 0) note_crossings(last, &look, s, work);
-            if (look.is_untold) note_unresolved(s->time_before, s);
-            if (s->time == look.cut) {
-                s->step_size = larger(s->step_size, before);
-                s->switched = s->time;
-            }
-            return GOOD;
-        }
-        rejected = 1;
-        s->rejected += 1;
-        s->step_size = h * by_error;
+        if (tried.status != GOOD) return tried.status;
     }
 }
 

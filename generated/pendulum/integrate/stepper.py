@@ -97,11 +97,17 @@ BESIDE_IT = 1e-3
 FAR = 0.5
 #: Such steps are no longer than this, in lengths and radians: how ratios go is not known over
 #: longer ones. At tolerances above that, and where drivers determine the motion, none is longer
-#: than this: stages may pass by such a place, unless ratios are as level as this.
+#: than this: stages may pass by such a place, unless ratios are as level as this. Where there are
+#: so many stages they lie twice as densely, but two bodies turn towards each other by twice as
+#: much: by less than half a turn, so that no step passes two such places.
 LONGEST = 0.75
 LOOSE = 1e-3
 LONGEST_OF_ALL = 1.2
+MANY_STAGES = 12
+LONGEST_OF_MANY = 1.5
 LEVEL = 0.999
+#: A step after one that tells how long it may be is this part of that.
+NEARLY = 0.98
 #: A step is not made shorter than this to find its branch.
 STILL_LONG = 1e-4
 #: A step is this much shorter than what would meet the tolerance.
@@ -122,10 +128,10 @@ class Trial:
 
     Parameters
     ----------
-    h : float [s]
-        Its length.
+    h, end : float [s]
+        Its length, and where it ends.
     is_last : bool
-        Whether it ends at the last time.
+        Whether it ends where the step does at most.
     drift, error : float
         Largest correction, negative where a stage is impossible; error in units of the tolerance.
     moved : float [J]
@@ -140,9 +146,16 @@ class Trial:
         The same of the smallest inside.
     branch : int
         Whether it may end on another branch, see ``branches.py``.
+    longest : float [s]
+        How long it may be to tell that, where it is longer, else 0.
+    is_good, is_whole : bool
+        Whether stages lead to its end, and whether it can be kept.
+    is_vague : bool
+        Whether its length is fixed, and its error large.
     """
 
     h: float
+    end: float
     is_last: bool
     drift: float = 0.0
     error: float = 0.0
@@ -157,6 +170,62 @@ class Trial:
     dip_ratio: float = math.inf
     dip: float = 0.0
     branch: int = STAYS
+    longest: float = 0.0
+    is_good: bool = False
+    is_whole: bool = False
+    is_vague: bool = False
+
+
+@dataclass(slots=True)
+class Attempts:
+    """The attempts to make a step.
+
+    Parameters
+    ----------
+    m, s : Method, Settings
+        How it is made.
+    look : Look
+        What is seen in the last one.
+    asked, end, limit : float [s]
+        Next time to be written; where the step ends at most, and may.
+    is_fixed, has_switches : bool
+        Whether its length is asked for; whether formulas of the state switch, or tell events.
+    best, best_h, avoided : float, float [s], int
+        Of the pivot ratios of those with nearly dependent rows; its length; how many there were.
+    is_beyond : bool
+        Whether the end is to lie inside of the step.
+    is_rejected, is_guessed : bool
+        Whether one had too large an error, and was cut short for what is seen in it.
+    shorter, thrown, polished : int
+        How often for narrow parts, and for stages that pass a switch by; how often an event was
+        found again.
+    status : Status
+        ``GOOD``, or why there is no step.
+    """
+
+    m: Method
+    s: Settings
+    look: Look
+    asked: float
+    end: float
+    limit: float
+    is_fixed: bool
+    has_switches: bool
+    best: float = -1.0
+    best_h: float = 0.0
+    avoided: int = 0
+    is_beyond: bool = False
+    is_rejected: bool = False
+    is_guessed: bool = False
+    shorter: int = 0
+    thrown: int = 0
+    polished: int = 0
+    status: Status = Status.GOOD
+
+
+def is_kept(trial: Trial) -> bool:
+    """Return whether a trial meets the tolerance."""
+    return trial.error <= 1.0
 
 
 def add_to_start(start: Array, y: Array, low: Array | None) -> None:
@@ -191,9 +260,25 @@ def note_motion(h: float, end: Array, state: State, work: Work) -> None:
     state.stride = larger(state.stride, h)
 
 
+def note_extent(end: Array, work: Work, state: State) -> None:
+    """Note how far coordinates go, those too that rows show, which were found there."""
+    scene, w = work.scene, work.w
+    found = np.concatenate((end[: scene.nq], w.coordinates[:: scene.per_shown]))
+    state.lowest[:] = np.where(found < state.lowest, found, state.lowest)
+    state.highest[:] = np.where(found > state.highest, found, state.highest)
+
+
 def usual_energy(rate: float, scene: Scene) -> float:
     """Return the energy of all bodies where they move at such a rate."""
     return scene.mass * (scene.length * rate) * (scene.length * rate) / 2.0
+
+
+def energy_balance(q: Array, work: Work, state: State) -> float:
+    """Return the change of energy since the start that no work explains; works are in q."""
+    balance = work.w.energies[0] + work.w.energies[1] - state.energy
+    for done in q[work.scene.nq - work.scene.works : work.scene.nq]:
+        balance -= done
+    return float(balance)
 
 
 def energy_moved(q: Array, work: Work, state: State) -> float:
@@ -288,6 +373,22 @@ def norm_error(m: Method, h: float, state: State, work: Work) -> float:
     return most
 
 
+def look_at_ratios(part: float, trial: Trial, work: Work, state: State) -> None:
+    """Look at the pivot ratios of a stage at a part of a step."""
+    trial.last_ratio = last_ratio(work, state)
+    trial.least_ratio = smaller(trial.least_ratio, trial.last_ratio)
+    trial.most_ratio = larger(trial.most_ratio, trial.last_ratio)
+    is_driven = work.scene.is_driven
+    trial.end_ratio = branch_ratio(work, state) if is_driven else trial.last_ratio
+    if not work.scene.has_refinement:
+        return
+    trial.top_ratio = larger(trial.top_ratio, trial.end_ratio)
+    if trial.inner == 0.0 and part >= INSIDE:
+        trial.inner_ratio, trial.inner = trial.end_ratio, part
+    if part < 1.0 and trial.end_ratio < trial.dip_ratio:
+        trial.dip_ratio, trial.dip = trial.end_ratio, part
+
+
 def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: State) -> None:
     """Make the stages from which the end of the step is made, as far as they are possible."""
     for n in range(1, m.stages + 1):
@@ -296,15 +397,7 @@ def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: St
         trial.drift = stage(m, n, trial.h, enough, work.y, low, work, state)
         if trial.drift >= 0.0 and low is not None:
             look_at_digits(work.k[n], work, state)
-        trial.last_ratio = last_ratio(work, state)
-        trial.least_ratio = smaller(trial.least_ratio, trial.last_ratio)
-        trial.most_ratio = larger(trial.most_ratio, trial.last_ratio)
-        trial.end_ratio = branch_ratio(work, state)
-        trial.top_ratio = larger(trial.top_ratio, trial.end_ratio)
-        if trial.inner == 0.0 and m.c[n] >= INSIDE:
-            trial.inner_ratio, trial.inner = trial.end_ratio, m.c[n]
-        if m.c[n] < 1.0 and trial.end_ratio < trial.dip_ratio:
-            trial.dip_ratio, trial.dip = trial.end_ratio, m.c[n]
+        look_at_ratios(m.c[n], trial, work, state)
         if trial.drift < 0.0:
             return
 
@@ -357,39 +450,59 @@ def dipping_part(first: float, last: float, trial: Trial) -> float:
     return x * first / (first + dip)
 
 
-def branch_of(m: Method, settings: Settings, trial: Trial, work: Work, state: State) -> int:
+def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
+    """Return how far a step may lead so that ratios tell of other branches; infinite if any way."""
+    is_loose = work.scene.is_driven or tried.s.tolerance > LOOSE
+    if not work.scene.has_refinement or not is_loose or tried.is_fixed:
+        return math.inf
+    top = larger(state.position_ratio, trial.top_ratio)
+    if smaller(trial.dip_ratio, trial.end_ratio) > LEVEL * top:
+        return math.inf
+    is_dense = work.scene.is_driven and tried.m.stages >= MANY_STAGES
+    return LONGEST_OF_MANY if is_dense else LONGEST_OF_ALL
+
+
+def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
+    """Return whether a step is no longer than that: else it is made again."""
+    way = way_of(trial, state, work) if longest < math.inf else 0.0
+    if not way > longest:
+        return True
+    if work.scene.is_driven:  # free bodies pass places where branches meet by momentum
+        trial.longest = NEARLY * trial.h * (longest / way)
+    return False
+
+
+def branch_of(tried: Attempts, trial: Trial, work: Work, state: State) -> int:
     """Return whether a step may end on another branch: LEAPS, STAYS or MEETS."""
     if not work.scene.has_refinement:
         return STAYS
-    is_free = not settings.fixed_step > 0.0
-    is_loose = work.scene.is_driven or settings.tolerance > LOOSE
     first, last, most = state.position_ratio, trial.end_ratio, usual_ratio(work, state)
-    is_steady = smaller(trial.dip_ratio, last) > LEVEL * larger(first, trial.top_ratio)
-    if is_free and is_loose and not is_steady and way_of(trial, state, work) > LONGEST_OF_ALL:
+    if not is_short(longest_way(tried, trial, work, state), trial, state, work):
         return LEAPS
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
     is_sinking = is_dip or sinks(SINKS, trial, state, work)
     if not is_sinking and not smaller(first, last) < BESIDE_IT * most:
         return STAYS
-    way = way_of(trial, state, work)
-    if not is_sinking and not way > FAR * math.sqrt(larger(first, last) / most):
+    far = 0.0 if is_sinking else FAR * math.sqrt(larger(first, last) / most)
+    if not is_sinking and not way_of(trial, state, work) > far:
         return STAYS
-    if is_free and way > LONGEST:
+    if not tried.is_fixed and not is_short(LONGEST, trial, state, work):
         return LEAPS
-    before, after, f = math.sqrt(first), math.sqrt(last), work.k[m.stages]
+    before, after, f = math.sqrt(first), math.sqrt(last), work.k[tried.m.stages]
     part = dipping_part(before, after, trial) if is_dip else meeting_part(before, after)
     return follow_branch(trial.h, work.y, f, part, before + after, work, state)
 
 
-def accept(
-    m: Method, trial: Trial, end: float, work: Work, state: State, *, was_rejected: bool
-) -> None:
+def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     """Keep a step, and say how long the next one is: a proportional and integral controller."""
-    h, error, exponent, factor = trial.h, trial.error, 1.0 / m.order, 10.0
+    h, error, exponent, factor = trial.h, trial.error, 1.0 / tried.m.order, 10.0
     if error != 0.0:
         before = larger(state.error, 1e-4)
         factor = SAFETY * error ** (-0.8 * exponent) * before ** (0.2 * exponent)
-    following = h * smaller(1.0 if was_rejected else 10.0, larger(0.2, factor))
+    following = h * smaller(1.0 if tried.is_rejected else 10.0, larger(0.2, factor))
+    way, speed = longest_way(tried, trial, work, state), work.w.size_of(work.y[work.scene.nq :])
+    if work.scene.is_driven and way < math.inf and speed > 0.0:  # what is longer is made in vain
+        following = smaller(following, NEARLY * way / speed)
     if not trial.is_last or following < state.step_size:
         state.step_size = following
     state.error = larger(error, 1e-4)
@@ -398,16 +511,238 @@ def accept(
     state.largest_pivot_ratio = larger(state.largest_pivot_ratio, trial.last_ratio)
     note_pivot_ratio(trial.least_ratio, state.time + 0.5 * h, state)
     state.time_before = state.time
-    state.time = end if trial.is_last else state.time + h
+    state.time = trial.end
     state.steps += 1
     note_branch(state.time, trial.branch, state)
     state.position_ratio = trial.end_ratio
     state.usual_ratio = larger(state.usual_ratio, trial.end_ratio)
     note_motion(h, work.y, state, work)
+    note_extent(work.y, work, state)
     state.y_before[:] = state.y
     state.y[:] = work.y
     state.low[:] = work.low
-    state.f[:] = work.k[m.stages]
+    state.f[:] = work.k[tried.m.stages]
+
+
+def next_trial(tried: Attempts, state: State) -> Trial:
+    """Return a trial of the length that is next, no longer than to where the step ends at most."""
+    h = smaller(state.step_size, tried.s.largest_step)
+    if tried.is_fixed and tried.avoided == 0:
+        h = tried.s.fixed_step
+    is_last = not tried.is_beyond and state.time + 1.0000001 * h >= tried.end
+    if is_last:
+        h = tried.end - state.time
+    if not h > SMALLEST * larger(abs(state.time), abs(tried.end)):
+        tried.status = Status.STEP_TOO_SMALL
+    return Trial(h, tried.end if is_last else state.time + h, is_last)
+
+
+def is_weak(ratio: float, tried: Attempts, state: State) -> bool:
+    """Return whether rows are nearly dependent at a pivot ratio."""
+    return ratio < (VAGUE if tried.is_fixed else WEAK) * state.largest_pivot_ratio
+
+
+def is_made(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
+    """Make the stages of a trial; return False where they lead nowhere, or to no place to stop."""
+    forget_trials(work)
+    make_stages(tried.m, tried.s.tolerance, trial, work, state)
+    trial.is_good = trial.drift >= 0.0
+    if work.scene.has_drivers and not tried.is_fixed and trial.drift > NEAR:
+        trial.is_good = False  # no error tells how far drivers led
+    if tried.is_fixed and not trial.is_good:
+        there = smaller(trial.least_ratio, ratio_at(work.y[: work.scene.nq], work, state))
+        if not is_weak(there, tried, state):  # Newton has gone far away
+            tried.status = Status.NOT_PROJECTED
+            return False
+        trial.least_ratio = 0.0
+    # the end is to lie inside of a longer step then
+    if trial.is_last and is_weak(trial.least_ratio, tried, state):
+        tried.is_beyond = True
+        state.avoided += 1
+        return False
+    return True
+
+
+def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
+    """Find the error of a trial whose end is in the workspace, and what else that tells."""
+    m, s = tried.m, tried.s
+    if tried.is_fixed:
+        trial.drift = larger(trial.drift, norm_error(m, trial.h, state, work))
+    if work.scene.works > 0 or s.checks:
+        work.w.run("energy")
+    if s.checks:
+        trial.moved = energy_moved(work.y, work, state)
+    if tried.is_fixed:
+        is_seen = work.scene.sees
+        trial.is_vague = is_seen and not local_error(m, trial, state, work, LEAST_PART) <= 1.0
+    else:
+        is_locked = trial.is_last and state.time == state.switched
+        is_locked = is_locked and tried.end in {state.limit, tried.look.cut}
+        trial.error = local_error(m, trial, state, work, s.tolerance, is_locked=is_locked)
+        if tells_drift(trial, state, work):
+            most = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
+            trial.error = larger(trial.drift / most, trial.error)
+    if is_kept(trial):
+        note_largest_pivot(work, state)
+        work.w.run("coordinate")
+
+
+def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:
+    """Return whether rows are independent at the stages of a trial: else others lie elsewhere."""
+    if not (trial.is_good or tried.is_fixed) or not is_weak(trial.least_ratio, tried, state):
+        return True
+    if trial.least_ratio > 0.0 and is_weak(trial.most_ratio, tried, state):
+        # it is so everywhere: shorter steps stay there
+        state.largest_pivot_ratio = trial.least_ratio / (VAGUE if tried.is_fixed else WEAK)
+    elif tried.avoided <= PATIENCE:
+        if trial.least_ratio > tried.best:
+            tried.best, tried.best_h = trial.least_ratio, trial.h
+        state.step_size = SHORTER * trial.h if tried.avoided < PATIENCE else tried.best_h
+        tried.avoided += 1
+        state.avoided += 1
+        return False
+    trial.is_whole = trial.least_ratio > 0.0
+    return True
+
+
+def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
+    """Try a step, but for what is seen in it; return False where that tells nothing."""
+    if not is_made(tried, trial, work, state):
+        return False
+    if trial.is_good:
+        find_error(tried, trial, work, state)
+    trial.is_whole = trial.is_good
+    is_wanted = tried.has_switches or tried.asked < trial.end
+    if trial.is_good and is_kept(trial) and is_wanted:
+        trial.is_whole = make_dense_stages(tried.m, trial, work, state)
+    if not is_clear(tried, trial, state):
+        return False
+    if tried.is_fixed and not trial.is_whole:
+        tried.status = Status.NOT_PROJECTED
+        return False
+    if trial.is_whole and is_kept(trial):
+        trial.branch = branch_of(tried, trial, work, state)
+        if trial.branch == LEAPS and not tried.is_fixed:
+            trial.is_whole = not way_of(trial, state, work) > STILL_LONG
+    if not trial.is_whole:
+        trial.error = 1e3
+    return True
+
+
+def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
+    """Return where a trial must end by what crosses in it; poles want all stages."""
+    m, s, look = tried.m, tried.s, tried.look
+    has_stages = tried.has_switches and is_kept(trial)
+    look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
+    look.least_part = 0.0 if is_kept(trial) and not trial.is_vague else LEAST_PART
+    look.is_kept = is_kept(trial)
+    # one that leads beyond its end stays as it is
+    seen = trial.end if tried.is_beyond else seen_end(trial.end, look)
+    if look.pole and not has_stages and make_dense_stages(m, trial, work, state):
+        look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
+        seen = seen_end(trial.end, look)
+    return end_before_pole(look) if look.pole else seen
+
+
+def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:
+    """Return where a trial must end so that samples tell up to a time how narrow parts vary."""
+    look = tried.look
+    if not work.scene.has_narrow or not is_kept(trial):
+        return trial.end
+    if tried.shorter < MOST_SHORTER:
+        tried.shorter += 1
+        there = told_end(told, look)
+        return there if there < told else trial.end
+    is_told = are_narrow_told(state.time, told, look)
+    is_told = is_told or is_at_pole(state.time, told, look, in_between=True)
+    look.is_untold = look.is_untold or not is_told
+    return trial.end
+
+
+def met_in(told: float, tried: Attempts, trial: Trial) -> float:
+    """Return where a trial must end so that its polynomial meets what its stages do."""
+    look, is_cut = tried.look, trial.end == tried.look.cut  # at a cut rounding decides
+    if not tried.has_switches or not is_kept(trial) or tried.is_beyond or is_cut:
+        return trial.end
+    beyond = stage_beyond(told, look)
+    if beyond < told and tried.thrown < MOST_SHORTER:
+        tried.thrown += 1
+        return beyond
+    look.is_untold = look.is_untold or beyond < told
+    return trial.end
+
+
+def is_at_event(tried: Attempts, trial: Trial, state: State) -> bool:
+    """Return whether a trial that was cut for an event ends there: else the cut is there."""
+    look, end = tried.look, trial.end
+    if len(state.counts) == 0 or not is_kept(trial) or end != look.cut:
+        return True
+    if tried.polished >= MOST_POLISHED:
+        return True
+    tried.polished += 1
+    there = smaller(polished_cut(look), tried.limit)
+    if not abs(there - end) > 4.0 * SMALLEST * abs(end):
+        return True
+    tried.end = look.cut = there
+    state.step_size = larger(state.step_size, there - state.time)
+    return False
+
+
+def length_by_error(m: Method, trial: Trial) -> float:
+    """Return how long a step is that meets the tolerance, where a trial does not, or its branch."""
+    factor = 0.2
+    if trial.longest > 0.0:
+        return trial.longest
+    if math.isfinite(trial.error):
+        factor = larger(factor, SAFETY * trial.error ** (-1.0 / m.order))
+    return factor * trial.h
+
+
+def end_at(to: float, tried: Attempts, trial: Trial, state: State) -> None:
+    """Have a step end at a time when it is tried again; one that is cut can be longer still."""
+    way = to - state.time
+    tried.is_guessed = True
+    if tried.is_fixed:
+        tried.end, tried.is_beyond = to, False
+    state.rejected += 1
+    size = state.step_size if is_kept(trial) else length_by_error(tried.m, trial)
+    state.step_size = larger(size, way) if to == tried.look.cut else way
+
+
+def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
+    """Return whether a trial ends where it may by what is seen in it: else it is to end there."""
+    look = tried.look
+    if not work.scene.sees or not trial.is_whole or not (is_kept(trial) or not tried.is_guessed):
+        return True
+    seen = seen_in(tried, trial, work, state)
+    tried.status = why_stopped(seen, look)
+    if tried.status != Status.GOOD:
+        return False
+    told = smaller(seen, trial.end)  # what follows a cut is seen later
+    narrow = told_in(told, tried, trial, work, state)
+    to = smaller(narrow, met_in(told, tried, trial))
+    if seen <= to and seen < trial.end:
+        to = tried.end = cut_at(seen, look)
+    elif not is_at_event(tried, trial, state):
+        return False
+    if not (to < trial.end and (is_kept(trial) or to == look.cut)):
+        return True
+    end_at(to, tried, trial, state)
+    return False
+
+
+def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
+    """Keep a trial, and note what was seen in it."""
+    look, before = tried.look, state.step_size
+    accept(tried, trial, work, state)
+    if not work.scene.sees:
+        return
+    note_crossings(trial.end, look)
+    if look.is_untold:
+        note_unresolved(state.time_before, state)
+    if state.time == look.cut:
+        state.step_size = larger(state.step_size, before)
+        state.switched = state.time
 
 
 def step(m: Method, s: Settings, asked: float, end: float, state: State, work: Work) -> Status:
@@ -417,152 +752,22 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
     it is, unless a length is asked for. If the next time to be written lies inside of it, it has
     the stages that its polynomial wants.
     """
-    is_fixed = s.fixed_step > 0.0
-    weak = VAGUE if is_fixed else WEAK  # ratios below this, where usual ones are 1
-    avoided, was_rejected, is_beyond = 0, False, False
-    best, best_h = -1.0, 0.0  # of the lengths that were tried near dependent rows
-    has_switches = len(state.sides) > work.scene.n_poles
+    is_fixed, has_switches = s.fixed_step > 0.0, len(state.sides) > work.scene.n_poles
     look = Look(state, work, state.time, has_error=has_switches and not is_fixed)
-    shorter, thrown, is_guessed = 0, 0, False
-    limit, polished = end, 0
+    tried = Attempts(m, s, look, asked, end, end, is_fixed, has_switches)
     work.k[0] = state.f
     while True:
-        h = smaller(state.step_size, s.largest_step)
-        if is_fixed and avoided == 0:
-            h = s.fixed_step
-        is_last = not is_beyond and state.time + 1.0000001 * h >= end
-        trial = Trial(end - state.time if is_last else h, is_last)
-        if not trial.h > SMALLEST * larger(abs(state.time), abs(end)):
-            return Status.STEP_TOO_SMALL
-        forget_trials(work)
-        make_stages(m, s.tolerance, trial, work, state)
-        is_good = trial.drift >= 0.0
-        if work.scene.has_drivers and not is_fixed and trial.drift > NEAR:
-            is_good = False  # no error tells how far drivers led
-        if is_fixed and not is_good:
-            # Newton may have gone far away from where it began
-            there = smaller(trial.least_ratio, ratio_at(work.y[: work.scene.nq], work, state))
-            if not there < weak * state.largest_pivot_ratio:
-                return Status.NOT_PROJECTED  # the step is too long
-            trial.least_ratio = 0.0
-        if is_last and trial.least_ratio < weak * state.largest_pivot_ratio:
-            # the end may be no place to stop at: let it lie inside of a longer step
-            is_beyond = True
-            state.avoided += 1
-            continue
-        if is_fixed and is_good:
-            trial.drift = larger(trial.drift, norm_error(m, trial.h, state, work))
-        if is_good and (work.scene.works > 0 or s.checks):
-            work.w.run("energy")
-        if is_good and s.checks:
-            trial.moved = energy_moved(work.y, work, state)
-        if not is_fixed and is_good:
-            is_locked = is_last and state.time == state.switched and end in {state.limit, look.cut}
-            trial.error = local_error(m, trial, state, work, s.tolerance, is_locked=is_locked)
-            if tells_drift(trial, state, work):
-                most = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
-                trial.error = larger(trial.drift / most, trial.error)
-        is_vague = (
-            work.scene.sees
-            and is_fixed
-            and is_good
-            and not local_error(m, trial, state, work, LEAST_PART) <= 1.0
-        )
-        if is_good and trial.error <= 1.0:
-            note_largest_pivot(work, state)
-        is_whole = is_good
-        last = end if is_last else state.time + trial.h
-        has_crossings = len(state.sides) > work.scene.n_poles
-        has_events = len(state.counts) > 0
-        if is_good and trial.error <= 1.0 and (has_crossings or asked < last):
-            is_whole = make_dense_stages(m, trial, work, state)
-        if (is_good or is_fixed) and trial.least_ratio < weak * state.largest_pivot_ratio:
-            if trial.least_ratio > 0.0 and trial.most_ratio < weak * state.largest_pivot_ratio:
-                # it is so everywhere: shorter steps stay there
-                state.largest_pivot_ratio = trial.least_ratio / weak
-            elif avoided <= PATIENCE:  # rounding is large there: other stages lie elsewhere
-                if trial.least_ratio > best:
-                    best, best_h = trial.least_ratio, trial.h
-                state.step_size = SHORTER * trial.h if avoided < PATIENCE else best_h
-                avoided += 1
-                state.avoided += 1
-                continue
-            is_whole = trial.least_ratio > 0.0
-        if is_fixed and not is_whole:
-            return Status.NOT_PROJECTED
-        if is_whole and trial.error <= 1.0:
-            trial.branch = branch_of(m, s, trial, work, state)
-            if trial.branch == LEAPS and not is_fixed:
-                is_whole = not way_of(trial, state, work) > STILL_LONG
-        if not is_whole:
-            trial.error = 1e3
-        by_error = larger(0.2, SAFETY * trial.error ** (-1.0 / m.order)) if trial.error else 1.0
-        if not math.isfinite(trial.error):
-            by_error = 0.2
-        is_kept = trial.error <= 1.0
-        if work.scene.sees and is_whole and (is_kept or not is_guessed):
-            has_stages = has_crossings and is_kept
-            look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
-            look.least_part = 0.0 if is_kept and not is_vague else LEAST_PART
-            look.is_kept = is_kept
-            # one that leads beyond its end stays as it is
-            seen = last if is_beyond else seen_end(last, look)
-            if look.pole and not has_stages and make_dense_stages(m, trial, work, state):
-                look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
-                seen = seen_end(last, look)
-            if look.pole:
-                seen = end_before_pole(look)
-            why = why_stopped(seen, look)
-            if why != Status.GOOD:
-                return why
-            told = smaller(seen, last)  # what follows a cut is seen later
-            to = last
-            if work.scene.has_narrow and is_kept and shorter < MOST_SHORTER:
-                there, shorter = told_end(told, look), shorter + 1
-                to = there if there < told else last
-            elif work.scene.has_narrow and is_kept:  # it cannot be shorter for that
-                is_told = are_narrow_told(state.time, told, look)
-                is_told = is_told or is_at_pole(state.time, told, look, in_between=True)
-                look.is_untold = look.is_untold or not is_told
-            if has_stages and not is_beyond and last != look.cut:  # at a cut rounding decides
-                beyond = stage_beyond(told, look)
-                if beyond < told and thrown < MOST_SHORTER:
-                    to, thrown = smaller(to, beyond), thrown + 1
-                elif beyond < told:
-                    look.is_untold = True
-            if seen <= to and seen < last:
-                to = end = cut_at(seen, look)
-            elif has_events and is_kept and last == look.cut and polished < MOST_POLISHED:
-                polished += 1
-                there = smaller(polished_cut(look), limit)
-                if abs(there - last) > 4.0 * SMALLEST * abs(last):
-                    end = look.cut = there
-                    state.step_size = larger(state.step_size, there - state.time)
-                    continue
-            if to < last and (is_kept or to == look.cut):
-                is_guessed = True
-                if is_fixed:
-                    end, is_beyond = to, False
-                state.rejected += 1
-                to_there = to - state.time
-                # one that could be longer and is cut can so still, however short it gets
-                by_error = state.step_size if is_kept else by_error * trial.h
-                state.step_size = larger(by_error, to_there) if to == look.cut else to_there
-                continue
-        if trial.error <= 1.0:
-            before = state.step_size
-            accept(m, trial, end, work, state, was_rejected=was_rejected)
-            if work.scene.sees:
-                note_crossings(last, look)
-            if look.is_untold:
-                note_unresolved(state.time_before, state)
-            if state.time == look.cut:
-                state.step_size = larger(state.step_size, before)
-                state.switched = state.time
-            return Status.GOOD
-        was_rejected = True
-        state.rejected += 1
-        state.step_size = trial.h * by_error
+        trial = next_trial(tried, state)
+        is_judged = tried.status == Status.GOOD and is_tried(tried, trial, work, state)
+        if is_judged and ends_well(tried, trial, work, state):
+            if is_kept(trial):
+                keep(tried, trial, work, state)
+                return Status.GOOD
+            tried.is_rejected = True
+            state.rejected += 1
+            state.step_size = length_by_error(m, trial)
+        if tried.status != Status.GOOD:
+            return tried.status
 
 
 def first_step(m: Method, s: Settings, end: float, state: State, work: Work) -> Status:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -100,6 +101,11 @@ class Trust:
         How far bodies move in the longest step at most, in lengths of the scene or radians, where
         that is so little that the tolerance does not tell the energy that moves from what steps
         lose: at rest, or in a motion too small for this tolerance. Else None.
+    below_tolerance : mapping of str to float
+        Coordinates that rows show, then bodies, that move by no more than the limit in the whole
+        run, and how far: in lengths of the scene or radians, the least first. Steps may lose as
+        much, so that rows tell little of such a motion beside a larger one. Left out are those that
+        stand still but for rounding, and what drivers lead, which is exact.
     branch_point_time : float or None [s]
         When the motion first went so near to another branch of it that the length of steps may have
         decided which of them goes on.
@@ -127,6 +133,7 @@ class Trust:
     pivot_ratio: float | None
     unresolved: int
     stillness: float | None
+    below_tolerance: Mapping[str, float]
     branch_point_time: float | None
     meeting_time: float | None
     error: Any
@@ -161,6 +168,12 @@ class Trust:
         if self.stillness is not None:
             part = shortly(self.stillness)
             yield f"bodies move by {part} of a length or rad a step, less than this tolerance tells"
+        if self.below_tolerance:
+            name, moved = next(iter(self.below_tolerance.items()))
+            rest = len(self.below_tolerance) - 1
+            more = f", so do {rest} more" * (rest > 0)
+            way = f"{shortly(moved)} of a length or rad"
+            yield f"{name} moves by {way}, less than this tolerance tells{more}"
         if self.branch_point_time is not None:
             when = shortly(self.branch_point_time, 6)
             yield f"branch not known beyond t = {when} s, where another one comes near"
@@ -321,12 +334,41 @@ def trust_of(
         pivot_ratio=single["least_pivot_ratio"] if single["factorisations"] > 0 else None,
         unresolved=int(single["unresolved"]),
         stillness=single["fastest"] * single["stride"] if is_still else None,
+        below_tolerance=below_tolerance(state, layout, settings, verdict.limit),
         branch_point_time=single["branch_point_time"] if single["branch_points"] else None,
         meeting_time=single["meeting_time"] if single["meetings"] else None,
         error=error,
         limit=verdict.limit,
         problems=tuple(problems),
     )
+
+
+def below_tolerance(
+    state: Mapping[str, Array], layout: Layout, settings: Settings, limit: float
+) -> dict[str, float]:
+    """Return what moves by no more than steps may lose, as in :class:`Trust`.
+
+    Where drivers lead, bodies are left out: some are exact, and which of them is not known.
+    """
+    if settings.fixed_step > 0.0 or settings.method == len(METHODS):
+        return {}
+    low, high = state["lowest"], state["highest"]
+    ranges, sizes = high - low, np.maximum(np.abs(low), np.abs(high))
+    first, length = len(low) - len(layout.coordinates), layout.length
+    far = [k for body in layout.bodies for k in body.r if isinstance(k, int)]
+    rounding = KNOWN * (1.0 + float(np.max(sizes[far], initial=0.0)) / length)
+    shown, bodies = {}, {}
+    for k, (name, is_length, _) in enumerate(layout.coordinates, first):
+        unit = length if is_length else 1.0
+        if name not in layout.driven and ranges[k] > rounding * larger(unit, sizes[k]):
+            shown[f"coordinates.{name}"] = float(ranges[k] / unit)
+    for body in () if layout.has_drivers else layout.bodies:
+        ways = [ranges[k] / length for k in body.r if isinstance(k, int)]
+        ways += [2.0 * ranges[k] for k in body.p if isinstance(k, int)]
+        if max(ways, default=0.0) > rounding:
+            bodies[f"bodies.{body.name}"] = float(max(ways))
+    every = [*sorted(shown.items(), key=itemgetter(1)), *sorted(bodies.items(), key=itemgetter(1))]
+    return {name: way for name, way in every if way <= limit}
 
 
 def untold(single: Mapping[str, float], advice: str) -> str:
