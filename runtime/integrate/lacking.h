@@ -47,7 +47,7 @@ static void momentum(double *w) { (void)w; }
 #endif
 
 /* rows of the constraints that are solved for; whether bodies are put onto joints with the ground,
- * and whether constraints depend on time */
+ * whether constraints depend on time, and whether they leave no freedom */
 #ifndef HAS_ROWS
 #define NC 0
 static void position(double *w) { memset(w + W_DQ, 0, NV * sizeof *w); }
@@ -57,6 +57,9 @@ static void position(double *w) { memset(w + W_DQ, 0, NV * sizeof *w); }
 #endif
 #ifndef HAS_DRIVERS
 #define HAS_DRIVERS 0
+#endif
+#ifndef IS_DRIVEN
+#define IS_DRIVEN 0
 #endif
 
 /* rows whose rank is looked at where parameters are given */
@@ -156,9 +159,9 @@ static void crossing(double *w) { (void)w; }
 static const double constants[ROOM(CONSTANTS)];
 /* values of the parameters, unless a run is given others */
 static const double values[ROOM(N_PARAMETERS)];
-/* for each velocity whether it is that of a length; what errors of q are compared with */
+/* for each velocity whether it is that of a length; what changes of q are compared with */
 static const unsigned char is_length[ROOM(NV)];
-static const double floor_of[ROOM(NQ)];
+static const double floor_of[ROOM((IS_DRIVEN || HAS_RANK) * NQ)];
 /* where each length is in q and v; where Euler parameters are in q, their turn in v, their count */
 static const size_t shifts[ROOM(SHIFTS)][2];
 static const size_t turns[ROOM(TURNS)][3];

@@ -9,10 +9,6 @@
  * each other by less meet in double precision */
 #define BLURRED 1e-14
 
-/* whether drivers and joints leave no freedom; where bodies are put onto joints, the rows of these
- * are checked only */
-enum { IS_DRIVEN = HAS_DRIVERS && (FITS ? NCHECK : NC) == NV };
-
 /* the smallest and the largest inverse of the pivots in the workspace; 0 if one is not positive, or
  * not finite */
 static int inverse_pivots(const double *w, double *least, double *most)

@@ -268,11 +268,12 @@ def test_solver_that_is_called_alone_refuses_what_a_run_refuses(
     settings = solver.begin(TIMES).options.settings()
     rows = np.empty((len(TIMES), solver.target.row_size))
 
-    def status_with(**given: Any) -> int:
+    def status_with(times: Any = TIMES, **given: Any) -> int:
         """Return what the first call of a new run returns."""
         run = solver.begin(TIMES)
         memory = Memory(run.state, run._memory.work)
-        return solver.target.runner(settings._replace(**given), TIMES, memory)(1, rows)
+        go = solver.target.runner(settings._replace(**given), np.array(times), memory)
+        return go(1, rows)
 
     for tolerance in (0.0, -1.0, 9e-16, 1.0, 2.0, np.inf, np.nan):
         assert status_with(tolerance=tolerance) == Status.BAD_ARGUMENT, tolerance
@@ -287,6 +288,8 @@ def test_solver_that_is_called_alone_refuses_what_a_run_refuses(
     assert status_with(fixed_step=0.1, largest_step=0.1) >= Status.GOOD
     for longest in (0.0, -1.0, np.nan):
         assert status_with(largest_step=longest) == Status.BAD_ARGUMENT, longest
+    for times in ([0.5, 0.2], [0.5, -1.0], [0.5, np.inf], [0.5, np.nan], [np.nan, 0.5], [-1.0]):
+        assert status_with(times) == Status.BAD_ARGUMENT, times
 
 
 @pytest.mark.usefixtures("interrupts")

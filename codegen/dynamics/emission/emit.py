@@ -32,8 +32,9 @@ TEMPLATES = {
     "__init__.py": "dynamics/__init__.py.jinja",
     "integrate/methods.h": "dynamics/methods.h.jinja",
 }
-#: What scenes lack whose parameters change no rows of loops.
+#: What scenes lack whose parameters change no rows of loops, or that drivers leave freedom.
 OF_RANK = tuple(f"integrate/{name}" for name in ("rank.h", "rank.py", "nearly_dependent.py"))
+OF_KINEMATICS = ("integrate/kinematics.h", "integrate/kinematics.py")
 #: What the text is made of beside the integrator, for the digest.
 PARTS = (
     *TEMPLATES.values(),
@@ -74,9 +75,8 @@ def emit_dynamics(
     length = characteristic_length(system)
     parts = tuple(part for name, part in PARTS_OF_ROWS.items() if name in outputs)
     view = dynamics_view(program, system, length, parts)
-    integrator = along("integrate")
-    if not view.looks_at_rank:
-        integrator = {name: text for name, text in integrator.items() if name not in OF_RANK}
+    lacked = OF_RANK * (not view.looks_at_rank) + OF_KINEMATICS * (not view.is_driven)
+    integrator = {name: text for name, text in along("integrate").items() if name not in lacked}
     inputs = hashed(
         scene=repr(astuple(system)),
         composition=repr(view),

@@ -432,6 +432,7 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
         "HAS_ROWS": "position" in segments,
         "FITS": bool(program.reduced),
         "HAS_DRIVERS": has_drivers(system),
+        "IS_DRIVEN": is_driven(program, system),
         "HAS_PARAMETERS": bool(system.parameters),
         "HAS_CONSTANTS": bool(program.constants),
         "HAS_DESIGN": bool(program.design),

@@ -95,10 +95,14 @@ def tables(
     lengths = {slot for pair in shifts for slot in pair}
     switched, seen = has_row_switch(program), seen_of(system)
     rows = (*program.rows, *program.left_out, *program.reduced)
+    looked_at = rank_rows(program, system)
+    compares = bool(looked_at) or is_driven(program, system)
     return {
         "parameters": list(system.parameters),
         "is_length": [(owner[slot], int(slot in lengths)) for slot in v],
-        "floors": list(zip((owner[slot] for slot in q), floors(program, length), strict=True)),
+        "floors": list(zip((owner[slot] for slot in q), floors(program, length), strict=True))
+        if compares
+        else [],
         "shifts": [(owner[a], (a - q.start, b - v.start)) for a, b in shifts],
         "turns": [(owner[a], (a - q.start, b - v.start, n)) for a, b, n in turn_slots(program)],
         "inverse_masses": [
@@ -113,7 +117,7 @@ def tables(
         if switched
         else [],
         "drivers": driver_rows(program, system) if switched else [],
-        "rank_rows": rank_rows(program, system),
+        "rank_rows": looked_at,
         "starts": [(owner[(*q, *v)[place]], (place, at)) for place, at in starts],
         "positive": positive_places(program),
         "measure_sizes": [
@@ -229,7 +233,7 @@ def slots(program: Program, name: str) -> range:
 
 
 def floors(program: Program, length: float) -> list[float]:
-    """Floors of the coordinates: what the error of each is compared with."""
+    """Floors of the coordinates: what the change of each is compared with."""
     lengths = {slot for slot, _ in shift_slots(program)}
     ignored = {one.place.slot for one in program.auxiliary}
     own = slots(program, "q")

@@ -96,12 +96,14 @@ static int advance(
         if (status != GOOD || asked <= s->time) return status;
         target = smaller(s->limit, end);
     }
-    if (IS_DRIVEN && settings->method == METHODS) {
+#if IS_DRIVEN
+    if (settings->method == METHODS) {
         double h = settings->largest_step;
         if (s->step_size > 0.0) h = smaller(s->step_size, h);
         target = resolved_step(h, 0.5, smaller(asked, target), s, work);
         return driven_step(settings, target, s, work);
     }
+#endif
     if (s->step_size == 0.0 && !is_fixed) status = first_step(m, settings, end, s, work);
     if (status == GOOD) {
         const double h = is_fixed ? settings->fixed_step
@@ -151,7 +153,7 @@ int PUBLIC(run)(const Settings *settings, const double *times, size_t n_times, s
     const double end = n_times ? times[n_times - 1] : s->time;
     for (size_t steps = 0; (size_t)s->next_row < n_times;) {
         const double t = times[(size_t)s->next_row];
-        if (!(t >= s->time_before)) return BAD_ARGUMENT;
+        if (!(s->time_before <= t && t <= end && end < HUGE_VAL)) return BAD_ARGUMENT;
         if (t <= s->time) {
             if (*n_rows == max_rows) return BUFFER_FULL;
             const int status = write_row(m, settings, t, s, work, rows + *n_rows * ROW_SIZE);

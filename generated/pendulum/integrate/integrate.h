@@ -35,7 +35,9 @@
 #include "branches.h"
 #include "stepper.h"
 #include "switching.h"
+#if IS_DRIVEN
 #include "kinematics.h"
+#endif
 #include "rows.h"
 #include "continuation.h"
 #if HAS_RANK

@@ -65,7 +65,8 @@ class Scene:
     lengths : (nv,) array
         What corrections are compared with: the length [m] where a velocity moves, 1 where it turns.
     floors : (nq,) array
-        What errors of coordinates are compared with.
+        What changes of coordinates are compared with, where drivers leave no freedom or the rank of
+        rows is looked at; else empty.
     shifts : (n, 2) array
         Of each length that changes: its place in q and in v; first those that corrections are
         added to.

@@ -12,7 +12,6 @@ from .continuation import continue_parameters, is_possible, stay_closed
 from .crossing import first_without_value
 from .dense_output import add_led_rows, has_led_works, prepare_dense
 from .given import LEAST_TOLERANCE
-from .kinematics import driven_step
 from .methods import METHODS
 from .pivot_monitor import branch_ratio, note_largest_pivot, pivot_ratio
 from .projection import note_lost_digits, project
@@ -198,7 +197,7 @@ class Solver:
         n_rows = steps = 0
         while int(s.next_row) < len(times):
             t = float(times[int(s.next_row)])
-            if not t >= s.time_before:
+            if not s.time_before <= t <= end < math.inf:
                 return Status.BAD_ARGUMENT, n_rows
             if t <= s.time:
                 if n_rows == len(rows):
@@ -255,6 +254,8 @@ class Solver:
                 return status
             target = smaller(s.limit, end)
         if self.scene.is_driven and settings.method == len(METHODS):
+            from .kinematics import driven_step  # other scenes do not have it
+
             h = settings.largest_step
             if s.step_size > 0.0:
                 h = smaller(s.step_size, h)

@@ -87,6 +87,8 @@ def test_a_solver_is_strict_c_and_says_nothing_of_what_its_scene_lacks(
         for count in names:
             assert (f" {count} = " in text) == parts.issuperset(needed)
     assert not re.search(r"\{ (\{?0\}?|\(void\)w;) \}", text)
+    assert ("IS_DRIVEN" in parts) == ("integrate/kinematics.h" in files)
+    assert ("IS_DRIVEN" in parts) == ("integrate/kinematics.py" in files)
     tables = files["solver.py"].partition("TABLES = {")[2]
     assert not re.search(r'": """\n\n|=False|, 0\),', tables)
 
