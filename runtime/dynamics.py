@@ -213,8 +213,9 @@ class DynamicsSolver:
         chosen = times_of(self.name, end, times, samples, self.target.row_size)
         return self.begin(chosen, **options).finish(progress)
 
-    #: What the door calls: linkages say there which options are of bodies.
-    in_time = simulate
+    def in_time(self, **options: Any) -> Motion:
+        """Motion in time, see :meth:`simulate`; linkages say here which options are of bodies."""
+        return self.simulate(**options)
 
     def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
         """Run at time 0 that can be stopped and go on.

@@ -260,7 +260,7 @@ class Solver:
             if s.step_size > 0.0:
                 h = smaller(s.step_size, h)
             to = smaller(asked, target)
-            return driven_step(settings, resolved_step(h, 0.5, to, s, work), s, work)
+            return Status(driven_step(settings, resolved_step(h, 0.5, to, s, work), s, work))
         is_fixed = settings.fixed_step > 0.0
         if s.step_size == 0.0 and not is_fixed:
             status = first_step(m, settings, end, s, work)
