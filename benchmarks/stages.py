@@ -44,7 +44,7 @@ STAGES: dict[str, dict[str, tuple[str, ...]]] = {
         "kousoku.runtime.build": ("_compile",),
         "kousoku.runtime.toolchain": ("find_toolchain",),
     },
-    "load": {"kousoku.loading": ("_open",)},
+    "load": {"kousoku.loading": ("load_solver",)},
 }
 #: In the order in which they run.
 ORDER = ("start", "import", "look up", *STAGES, "first step")
