@@ -94,10 +94,17 @@ def applied(parts: tuple[str, Pair]) -> Pair:
     return f"{name}({a})", lambda *at: ONE_ARGUMENT[name](f(*at))
 
 
+def power(base: float, exponent: Fraction) -> float:
+    """Return Python's power, but of -0 with a root: sqrt keeps its sign, which pow drops."""
+    if base == 0.0 and math.copysign(1.0, base) < 0.0 and exponent.denominator > 1:
+        raise ValueError("the sign of a root of -0")
+    return math.pow(base, float(exponent))
+
+
 def raised(parts: tuple[Pair, Fraction]) -> Pair:
     (a, f), exponent = parts
     shown = str(float(exponent))
-    return f"({a})^{shown}", lambda *at: math.pow(f(*at), float(exponent))
+    return f"({a})^{shown}", lambda *at: power(f(*at), exponent)
 
 
 def extended(inner: st.SearchStrategy[Pair]) -> st.SearchStrategy[Pair]:
