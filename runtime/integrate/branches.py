@@ -107,9 +107,8 @@ def follow_branch(
     About at a part of it, with a slope of the roots of pivot ratios, branches meet, or nearly.
     """
     forget_trials(work)
-    nq, size_of = work.scene.nq, work.w.size_of
-    x, c = begin_way(h, state.y, state.f, y, f, nq)
-    way = h * larger(size_of(state.y[nq:]), size_of(y[nq:]))
+    x, c = begin_way(h, state.y, state.f, y, f, work.scene.nq)
+    way = work.w.way_of(h, state.y, y)
     before = math.sqrt(abs(state.position_ratio))
     low, high = smaller(before, slope - before), larger(before, slope - before)
     is_even = high <= ALIKE * low or not work.scene.is_driven

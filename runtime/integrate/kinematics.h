@@ -80,7 +80,7 @@ static double roughness(
 {
     const double *v[2] = { from.y + NQ, to.y + NQ }, *v_dot[2] = { from.f + NQ, to.f + NQ };
     double *change = work->scratch;
-    const double way = h * larger(size_of(v[0]), size_of(v[1]));
+    const double way = way_of(h, from.y, to.y);
     for (size_t k = 0; k < NV; ++k) {
         change[k] = h * (v[1][k] - v[0][k] - 0.5 * h * (v_dot[0][k] + v_dot[1][k]));
     }
@@ -221,7 +221,7 @@ static double least_size_of_works(double h, const State *s, Work *work)
 static double unbalanced(const Settings *settings, double h, const State *s, Work *work)
 {
     const double *w = work->w, *end = position_at(1, work).y;
-    if (h * larger(size_of(s->y + NQ), size_of(end + NQ)) <= FINEST_WAY) return 0.0;
+    if (way_of(h, s->y, end) <= FINEST_WAY) return 0.0;
     const double left = fabs(energy_balance(w, end, s) - s->balance);
     double most = 0.0;
     for (size_t k = NQ - WORKS; k != NQ; ++k) {

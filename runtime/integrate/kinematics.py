@@ -158,7 +158,7 @@ def roughness(
         return math.inf
     scene, size_of = work.scene, work.w.size_of
     nq = scene.nq
-    way = h * larger(size_of(start.y[nq:]), size_of(to.y[nq:]))
+    way = work.w.way_of(h, start.y, to.y)
     change = h * (to.y[nq:] - start.y[nq:] - 0.5 * h * (start.f[nq:] + to.f[nq:]))
     known = larger(larger(NEGLIGIBLE, blur_of(work, state)), FAITHFUL * way)
     rough = larger(drift, size_of(change)) / known
@@ -308,7 +308,7 @@ def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:
     rates are rounded to, of which a shorter step has as much.
     """
     scene, w, end = work.scene, work.w, position_at(1, work).y
-    if h * larger(w.size_of(state.y[scene.nq :]), w.size_of(end[scene.nq :])) <= FINEST_WAY:
+    if w.way_of(h, state.y, end) <= FINEST_WAY:
         return 0.0
     done = slice(scene.nq - scene.works, scene.nq)
     left = abs(energy_balance(end, work, state) - state.balance)

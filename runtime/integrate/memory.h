@@ -109,3 +109,9 @@ static double size_of(const double *u)
     }
     return size;
 }
+
+/* how far bodies move in a step of length h from y to an end, in lengths and radians */
+static double way_of(double h, const double *y, const double *end)
+{
+    return h * larger(size_of(y + NQ), size_of(end + NQ));
+}

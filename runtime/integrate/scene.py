@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .arithmetic import rounding_of_sum
+from .arithmetic import larger, rounding_of_sum
 from .methods import METHODS
 from .state import State, size_of_state
 from .tasks import Kernel, numbers, places, run_tasks, segment_of
@@ -369,6 +369,11 @@ class Workspace:
     def size_of(self, u: Array) -> float:
         """Return the largest element of a correction, lengths relative to that of the scene."""
         return float(np.max(np.abs(u) / self.scene.lengths))  # a NaN stays
+
+    def way_of(self, h: float, y: Array, end: Array) -> float:
+        """Return how far bodies move in a step of length h to an end, in lengths and radians."""
+        nq = self.scene.nq
+        return h * larger(self.size_of(y[nq:]), self.size_of(end[nq:]))
 
 
 class Work:

@@ -428,12 +428,6 @@ def sinks(part: float, trial: Trial, state: State, work: Work) -> bool:
     return least_of_parabola(trial, state) < part * smaller(ends, usual_ratio(work, state))
 
 
-def way_of(trial: Trial, state: State, work: Work) -> float:
-    """Return how far bodies move in a step, in lengths and radians."""
-    size_of, nq = work.w.size_of, work.scene.nq
-    return trial.h * larger(size_of(state.y[nq:]), size_of(work.y[nq:]))
-
-
 def meeting_part(first: float, last: float) -> float:
     """Return at which part of a step branches seem to meet.
 
@@ -464,7 +458,7 @@ def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> floa
 
 def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
     """Return whether a step is no longer than that: else it is made again."""
-    way = way_of(trial, state, work) if longest < math.inf else 0.0
+    way = work.w.way_of(trial.h, state.y, work.y) if longest < math.inf else 0.0
     if not way > longest:
         return True
     if work.scene.is_driven:  # free bodies pass places where branches meet by momentum
@@ -484,7 +478,7 @@ def branch_of(tried: Attempts, trial: Trial, work: Work, state: State) -> int:
     if not is_sinking and not smaller(first, last) < BESIDE_IT * most:
         return STAYS
     far = 0.0 if is_sinking else FAR * math.sqrt(larger(first, last) / most)
-    if not is_sinking and not way_of(trial, state, work) > far:
+    if not is_sinking and not work.w.way_of(trial.h, state.y, work.y) > far:
         return STAYS
     if not tried.is_fixed and not is_short(LONGEST, trial, state, work):
         return LEAPS
@@ -623,7 +617,7 @@ def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     if trial.is_whole and is_kept(trial):
         trial.branch = branch_of(tried, trial, work, state)
         if trial.branch == LEAPS and not tried.is_fixed:
-            trial.is_whole = not way_of(trial, state, work) > STILL_LONG
+            trial.is_whole = not work.w.way_of(trial.h, state.y, work.y) > STILL_LONG
     if not trial.is_whole:
         trial.error = 1e3
     return True

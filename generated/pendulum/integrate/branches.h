@@ -79,7 +79,7 @@ static int follow_branch(
     double h, const double *y, const double *f, double part, double slope, Work *work, State *s)
 {
     double x[WAY], beside = ASIDE, roots[2], off[2], farthest = 0.0, nearest = HUGE_VAL;
-    const double way = h * larger(size_of(s->y + NQ), size_of(y + NQ));
+    const double way = way_of(h, s->y, y);
     const double before = sqrt(fabs(s->position_ratio)), after = slope - before;
     const int is_even = !IS_DRIVEN || larger(before, after) <= ALIKE * smaller(before, after);
     size_t n = 4;

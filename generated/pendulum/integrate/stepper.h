@@ -298,12 +298,6 @@ static int sinks(double part, const Trial *trial, const State *s)
     return least_of_parabola(trial, s) < part * smaller(ends, usual_ratio(s));
 }
 
-/* how far bodies move in a step, in lengths and radians */
-static double way_of(const Trial *trial, const State *s, const Work *work)
-{
-    return trial->h * larger(size_of(s->y + NQ), size_of(work->y + NQ));
-}
-
 /* at which part of a step roots of ratios at its ends, which go with the distance from a place
  * where branches meet, tell that this is */
 static double meeting_part(double first, double last)
@@ -334,7 +328,7 @@ static double longest_way(const Attempts *tried, const Trial *trial, const State
  * they pass places where branches meet by momentum */
 static int is_short(double longest, Trial *trial, const State *s, const Work *work)
 {
-    const double way = longest < HUGE_VAL ? way_of(trial, s, work) : 0.0;
+    const double way = longest < HUGE_VAL ? way_of(trial->h, s->y, work->y) : 0.0;
     if (!(way > longest)) return 1;
     if (IS_DRIVEN) trial->longest = NEARLY * trial->h * (longest / way);
     return 0;
@@ -350,7 +344,7 @@ static int branch_of(const Attempts *tried, Trial *trial, Work *work, State *s)
     const int is_sinking = is_dip || sinks(SINKS, trial, s);
     if (!is_sinking && !(smaller(first, last) < BESIDE_IT * most)) return STAYS;
     const double far = FAR * sqrt(larger(first, last) / most);
-    if (!is_sinking && !(way_of(trial, s, work) > far)) return STAYS;
+    if (!is_sinking && !(way_of(trial->h, s->y, work->y) > far)) return STAYS;
     if (!tried->is_fixed && !is_short(LONGEST, trial, s, work)) return LEAPS;
     const double before = sqrt(first), after = sqrt(last), *f = work->k[tried->m->stages];
     const double part = is_dip ? dipping_part(before, after, trial) : meeting_part(before, after);
@@ -499,7 +493,7 @@ static int is_tried(Attempts *tried, Trial *trial, Work *work, State *s)
     if (trial->is_whole && is_kept(trial)) {
         trial->branch = branch_of(tried, trial, work, s);
         if (trial->branch == LEAPS && !tried->is_fixed)
-            trial->is_whole = !(way_of(trial, s, work) > STILL_LONG);
+            trial->is_whole = !(way_of(trial->h, s->y, work->y) > STILL_LONG);
     }
     if (!trial->is_whole) trial->error = 1e3;
     return 1;
