@@ -74,8 +74,10 @@ NO_WAY = 1e-6
 #: further away tells nothing of how near it comes between.
 BANDS = 16.0
 #: What gets further than so many times what it is known to passes by, as fast as it is at a time:
-#: in the longest step, and before it comes to rest.
+#: in the longest step, and before it comes to rest. So it is with rates, as fast as they change.
 PASSING = 16.0
+#: How often the way to where a rate switches is halved.
+MOST_HALVINGS = 20
 
 
 def largest(a: Array, b: Array) -> Array:
@@ -143,8 +145,12 @@ class Look:
         What values are known to, in the motion and in its polynomial.
     bend : (n,) array
         By what rates change in it, in the mean.
+    lean : (n,) array
+        By how much more they do at its end than in the mean.
     pull : (n,) array
         By what they do at most.
+    error : (n,) array
+        What errors of steps may leave of rates.
     crosses, was_crossing : array of bool
         Which functions cross, and crossed where it was cut.
     is_untold : bool
@@ -172,7 +178,9 @@ class Look:
     noise: Array = field(init=False)
     rounding: Array = field(init=False)
     bend: Array = field(init=False)
+    lean: Array = field(init=False)
     pull: Array = field(init=False)
+    error: Array = field(init=False)
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
     is_untold: bool = False
@@ -212,23 +220,44 @@ def read_at(time: float, look: Look) -> Array:
     return read_of(time, look.work.scratch, look.work.w)
 
 
-def look_at(time: float, look: Look) -> Node:
+def look_at(time: float, look: Look, *, are_rates_exact: bool = True) -> Node:
     """Node at a time of the motion.
 
-    Of what passes by there its polynomial tells where it is, however far off that may be, so that
-    nothing that is narrower is passed over. Where a force may be infinite places are known to the
-    noise.
+    Of what passes by there its polynomial tells where it is, however far off that may be, and of a
+    rate that does what it is, so that nothing that is narrower is passed over. Where a force may be
+    infinite places are known to the noise.
     """
     read, n, n_poles = read_at(time, look), len(look.state.sides), look.work.scene.n_poles
     if n_poles:
         node = see_at(read, look.noise, time, look.work.w)
         if not side_at(node)[n - n_poles : n].all():
             return node
-    noise, speed = look.noise.copy(), np.abs(read[:, 1])
-    far = PASSING * noise[:, 0]
-    passes = (speed * larger(look.state.stride, look.h) > far) & (speed * speed > far * look.pull)
-    noise[:, 0] = np.where(passes, look.rounding[:, 0], noise[:, 0])
+    noise = noise_at(time, read, look)
+    if not are_rates_exact:
+        noise[:, 1] = look.noise[:, 1]
     return see_at(read, noise, time, look.work.w)
+
+
+def noise_at(time: float, read: Array, look: Look) -> Array:
+    """Noise of what formulas read at a time: of what passes by there only rounding."""
+    jolt = 2.0 * np.abs(look.lean) / look.h
+    pulls = np.column_stack((look.pull, jolt))
+    speeds = np.column_stack((np.abs(read[:, 1]), change_at(time, look)))
+    return np.where(passes_by(speeds, pulls, look), look.rounding, look.noise)
+
+
+def passes_by(speeds: Array, pulls: Array, look: Look) -> Flags:
+    """Whether what is as fast, and is pulled at most so much, gets further than it is known to."""
+    far = PASSING * look.noise
+    found: Flags = speeds * larger(look.state.stride, look.h) > far
+    return found & (speeds * speeds > far * pulls)
+
+
+def change_at(time: float, look: Look) -> Array:
+    """How fast rates change at a time of a step, but for what rounding makes of it."""
+    part, h = (time - look.start) / look.h, look.h
+    change = np.abs(look.bend + (2.0 * part - 1.0) * look.lean)
+    return change - 2.0 * look.rounding[:, 1] / h
 
 
 def look_closely(noise: Array, time: float, look: Look) -> Node:
@@ -281,7 +310,9 @@ def look_into(
     first, last = read_at(state.time, look), read_at(state.time + h, look)
     most = largest(np.abs(first), np.abs(last))
     look.bend = (last[:, 1] - first[:, 1]) / h
-    look.pull = np.abs(look.bend) + bend_of(sizes, first, last, h)
+    look.lean = bend_of(sizes, first, last, h)
+    look.pull = np.abs(look.bend) + np.abs(look.lean)
+    look.error = s.tolerance * (most[:, 1] + sizes * state.fastest)
     look.noise = np.empty_like(most)
     look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
     look.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
@@ -291,15 +322,15 @@ def look_into(
 
 
 def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
-    """By how much second derivatives are further from their mean than those of parabolas.
+    """By how much second derivatives at the end of h are above their mean, as those of cubics.
 
-    Values and rates at both ends of h tell. What reads a coordinate are numbers as large as its
+    Values and rates at both ends tell. What reads a coordinate are numbers as large as its
     size, however small it is.
     """
     (x, v), (y, u) = a.T, b.T
     rounding = 6.0 * SMALLEST * (sizes + np.abs(x) + np.abs(y)) / h
-    off = np.abs(3.0 * (v + u) - 6.0 * (y - x) / h)
-    return largest(np.zeros_like(off), off - rounding) / h
+    off = 3.0 * (v + u) - 6.0 * (y - x) / h
+    return np.copysign(largest(np.zeros_like(off), np.abs(off) - rounding) / h, off)
 
 
 def bound_seen(a: Node, b: Node, look: Look) -> Array:
@@ -308,7 +339,7 @@ def bound_seen(a: Node, b: Node, look: Look) -> Array:
     (x, v), (y, u) = a.read.T, b.read.T
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = a.time, b.time
-    mean, bend = (u - v) / h, bend_of(look.work.scene.measure_sizes, a.read, b.read, h)
+    mean, bend = (u - v) / h, np.abs(bend_of(look.work.scene.measure_sizes, a.read, b.read, h))
     own[:, 4], own[:, 5] = mean - DOUBT * bend, mean + DOUBT * bend
     reach_between(v, u, own[:, 4], own[:, 5], h, own[:, 2:4])
     reach_between(x, y, own[:, 2], own[:, 3], h, own[:, :2])
@@ -423,7 +454,9 @@ def time_of(k: int, a: Node, b: Node, look: Look) -> float:
     side.
     """
     side, first, last = -float(side_at(b)[k]), a.time, b.time
-    is_event, noise = k < len(look.work.scene.events), noise_of(k, look)
+    is_event, noise = k < len(look.work.scene.events), noise_of(k, look).copy()
+    if not is_event:  # rates may be in a window that is narrower
+        noise[:, 1] = noise_at(last, b.read, look)[:, 1]
     # by the polynomial it is beyond zero, by less than that
     if side_at(look_closely(noise, last, look))[k] != -side:
         noise = look.rounding
@@ -491,6 +524,9 @@ def seen_end(end: float, look: Look) -> float:
         sides[:] = np.where(sides == 0.0, side_at(a)[:n], sides)
         now = np.where(passed, -sides, sides)
         look.crosses = (now != 0.0) & (side_at(b)[:n] == -now)
+        if b.time == look.cut and look.crosses.any():  # rates are there as far as they are known
+            known = look_at(end, look, are_rates_exact=False)
+            look.crosses &= ~look.was_crossing | (side_at(known)[:n] == -now)
         passes = look.crosses & is_pole
         look.crosses &= ~is_pole
         valued, is_lost = valued_end(a, b, look), np.zeros(n, dtype=bool)
@@ -678,6 +714,58 @@ def polished_cut(look: Look) -> float:
         a, before, there = b, there, time
         b = value(there)
     return there
+
+
+def sides_beside(k: int, far: float, read: Array, end: float, look: Look) -> Array:
+    """Side of each function that switches where a rate is so far from what formulas read."""
+    there = read.copy()
+    there[k, 1] += far
+    events, n = len(look.work.scene.events), len(look.state.sides) - look.work.scene.n_poles
+    return side_at(see_at(there, np.zeros_like(read), end, look.work.w))[events:n]
+
+
+def sides_up_to(k: int, far: float, read: Array, end: float, look: Look) -> Array:
+    """Side of each function that switches all the way to there, 0 where it has none."""
+    there, half = read.copy(), np.zeros_like(read)
+    there[k, 1] += 0.5 * far
+    half[k, 1] = 0.5 * abs(far)
+    events, n = len(look.work.scene.events), len(look.state.sides) - look.work.scene.n_poles
+    return side_at(see_at(there, half, end, look.work.w))[events:n]
+
+
+def is_window_at(end: float, look: Look) -> bool:
+    """Whether formulas switch twice within what errors of steps may leave of a rate.
+
+    What holds a motion in such a window may lose it, or never meet it.
+    """
+    events, n = len(look.work.scene.events), len(look.state.sides) - look.work.scene.n_poles
+    read, error = read_at(end, look), BANDS * look.error
+    every = np.column_stack((np.zeros_like(error), error))
+    if side_at(see_at(read, every, end, look.work.w))[events:n].all():
+        return False
+    for k, most in enumerate(error.tolist()):
+        there = sides_beside(k, 0.0, read, end, look)
+        is_known, ways = there != 0.0, 0
+        for far in (-most, most):
+            beyond = sides_beside(k, far, read, end, look)
+            leaves = is_known & (sides_up_to(k, far, read, end, look) != there)
+            if np.any(leaves & (beyond == there)):
+                return True
+            if not leaves.any():
+                continue
+            ways += 1
+            near, last = 0.0, far
+            for _ in range(MOST_HALVINGS):
+                way = 0.5 * (near + last)
+                if np.any(leaves & (sides_beside(k, way, read, end, look) != there)):
+                    last = way
+                else:
+                    near = way
+            if np.any(leaves & (sides_beside(k, last, read, end, look) == there)):
+                return True
+        if ways > 1:
+            return True
+    return False
 
 
 def note_crossings(end: float, look: Look) -> None:
