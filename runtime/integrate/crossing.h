@@ -54,7 +54,7 @@
  * in the longest step, and before it comes to rest. So it is with rates, as fast as they change */
 #define PASSING 16.0
 /* how often the way to where a rate switches is halved */
-#define MOST_HALVINGS 20
+#define MOST_HALVINGS 40
 
 enum {
     N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
@@ -784,12 +784,19 @@ static int is_window_at(double end, const Look *look, const State *s, Work *work
 /* notes what a step that is kept has crossed: one that was cut, also what is at zero there */
 static void note_crossings(double end, const Look *look, State *s, Work *work)
 {
-    Node last, known;
+    double noise[ROOM(N_READ)];
+    Node last, known, before;
     look_at(1, end, look, s, work, &last);
     look_closely(look->noise, end, look, s, work, &known);
+    before = known;
+    noise_at(end, known.read, look, s, noise);
+    for (size_t k = 0; k < N_READ; k += 2) noise[k] = look->noise[k];
+    /* rates may be before a window that is narrower */
+    see_at(noise, end, work->w, &before);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         const int side = (int)s->sides[k], now = side_at(&last, k);
-        const int is_near = now == 0 || side_at(&known, k) == 0;
+        const Node *near = (int)k < EVENTS ? &known : &before;
+        const int is_near = now == 0 || side_at(near, k) == 0;
         const int is_there = is_near && end == look->cut && look->was_crossing[k];
         if (side == 0 || !(now == -side || is_there)) continue;
         s->sides[k] = -side;

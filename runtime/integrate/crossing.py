@@ -77,7 +77,7 @@ BANDS = 16.0
 #: in the longest step, and before it comes to rest. So it is with rates, as fast as they change.
 PASSING = 16.0
 #: How often the way to where a rate switches is halved.
-MOST_HALVINGS = 20
+MOST_HALVINGS = 40
 
 
 def largest(a: Array, b: Array) -> Array:
@@ -773,6 +773,11 @@ def note_crossings(end: float, look: Look) -> None:
     state, events = look.state, look.work.scene.events
     sides, now = state.sides.copy(), side_at(look_at(end, look))
     is_near = (now == 0.0) | (side_at(look_closely(look.noise, end, look)) == 0.0)
+    read, noise = read_at(end, look), look.noise.copy()
+    noise[:, 1] = noise_at(end, read, look)[:, 1]  # rates may be before a window that is narrower
+    before = side_at(see_at(read, noise, end, look.work.w)) != 0.0
+    before[: len(events)] = False
+    is_near &= ~before | (now == 0.0)
     for k, side in enumerate(sides.tolist()):
         is_there = is_near[k] and end == look.cut and look.was_crossing[k]
         if side == 0.0 or not (now[k] == -side or is_there):
