@@ -85,12 +85,12 @@ typedef struct {
  * whether it is kept if nothing cuts it, the event without a value right behind its start, counted
  * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
  * is, by what rates change in it, in the mean, by how much more at its end, and at most,
- * and what errors of steps may leave of rates */
+ * and what errors of steps may leave of rates, and rounding */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
     double pole_time, bend[ROOM(N_MEASURES)], lean[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
-    double error[ROOM(N_MEASURES)];
+    double error[ROOM(N_MEASURES)], grain[ROOM(N_MEASURES)];
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold, has_error;
     int is_kept, lost, pole;
 } Look;
@@ -156,7 +156,7 @@ static double change_at(size_t k, double time, const Look *look)
 {
     const double part = (time - look->start) / look->h, h = look->h;
     const double change = fabs(look->bend[k] + (2.0 * part - 1.0) * look->lean[k]);
-    return change - 2.0 * look->rounding[2 * k + 1] / h;
+    return change - 2.0 * look->grain[k] / h;
 }
 
 /* whether what is as fast, and is pulled at most so much, gets further than what it is known to */
@@ -177,7 +177,7 @@ static void noise_at(
         if (passes_by(speed, look->pull[k], noise[2 * k], look, s))
             noise[2 * k] = look->rounding[2 * k];
         if (passes_by(change, jolt, noise[2 * k + 1], look, s))
-            noise[2 * k + 1] = look->rounding[2 * k + 1];
+            noise[2 * k + 1] = look->grain[k];
     }
 }
 
@@ -249,13 +249,15 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
         const double most = larger(fabs(a[0]), fabs(b[0]));
         look->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
         const double speed = larger(fabs(a[1]), fabs(b[1])), fast = speed + SLOW * size / h;
-        look->error[k] = settings->tolerance * (speed + size * s->fastest);
+        const double speeds = speed + size * s->fastest;
+        look->error[k] = settings->tolerance * speeds;
         look->noise[2 * k + 1] = settings->tolerance * fast;
         look->bend[k] = (b[1] - a[1]) / h;
         look->lean[k] = bend_of(size, a, b, h);
         look->pull[k] = fabs(look->bend[k]) + fabs(look->lean[k]);
         look->rounding[2 * k] = SMALLEST * (size + most);
         look->rounding[2 * k + 1] = SMALLEST * fast;
+        look->grain[k] = smaller(SMALLEST * speeds, look->rounding[2 * k + 1]);
     }
 }
 

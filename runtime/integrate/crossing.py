@@ -149,8 +149,8 @@ class Look:
         By how much more they do at its end than in the mean.
     pull : (n,) array
         By what they do at most.
-    error : (n,) array
-        What errors of steps may leave of rates.
+    error, grain : (n,) array
+        What errors of steps may leave of rates, and rounding.
     crosses, was_crossing : array of bool
         Which functions cross, and crossed where it was cut.
     is_untold : bool
@@ -181,6 +181,7 @@ class Look:
     lean: Array = field(init=False)
     pull: Array = field(init=False)
     error: Array = field(init=False)
+    grain: Array = field(init=False)
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
     is_untold: bool = False
@@ -243,7 +244,8 @@ def noise_at(time: float, read: Array, look: Look) -> Array:
     jolt = 2.0 * np.abs(look.lean) / look.h
     pulls = np.column_stack((look.pull, jolt))
     speeds = np.column_stack((np.abs(read[:, 1]), change_at(time, look)))
-    return np.where(passes_by(speeds, pulls, look), look.rounding, look.noise)
+    rounding = np.column_stack((look.rounding[:, 0], look.grain))
+    return np.where(passes_by(speeds, pulls, look), rounding, look.noise)
 
 
 def passes_by(speeds: Array, pulls: Array, look: Look) -> Flags:
@@ -257,7 +259,7 @@ def change_at(time: float, look: Look) -> Array:
     """How fast rates change at a time of a step, but for what rounding makes of it."""
     part, h = (time - look.start) / look.h, look.h
     change = np.abs(look.bend + (2.0 * part - 1.0) * look.lean)
-    return change - 2.0 * look.rounding[:, 1] / h
+    return change - 2.0 * look.grain / h
 
 
 def look_closely(noise: Array, time: float, look: Look) -> Node:
@@ -312,13 +314,15 @@ def look_into(
     look.bend = (last[:, 1] - first[:, 1]) / h
     look.lean = bend_of(sizes, first, last, h)
     look.pull = np.abs(look.bend) + np.abs(look.lean)
-    look.error = s.tolerance * (most[:, 1] + sizes * state.fastest)
+    speeds = most[:, 1] + sizes * state.fastest
+    look.error, look.grain = s.tolerance * speeds, SMALLEST * speeds
     look.noise = np.empty_like(most)
     look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
     look.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
     look.rounding = np.empty_like(most)
     look.rounding[:, 0] = SMALLEST * (sizes + most[:, 0])
     look.rounding[:, 1] = SMALLEST * (most[:, 1] + SLOW * sizes / h)
+    look.grain = smallest(look.grain, look.rounding[:, 1])
 
 
 def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
