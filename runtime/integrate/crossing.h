@@ -547,6 +547,22 @@ static int why_stopped(double seen, const Look *look, State *s)
     return GOOD;
 }
 
+/* on which side functions are where formulas read this, by rates, which may be before a window:
+ * places are known to the noise, and events are looked for until they are exact, of those it is 0 */
+static void rate_sides(
+    const double *read, double time, const Look *look, const State *s, Work *work, int *sides)
+{
+    double noise[ROOM(N_READ)];
+    Node node;
+    memcpy(node.read, read, sizeof node.read);
+    noise_at(time, read, look, s, noise);
+    for (size_t k = 0; k < N_READ; k += 2) noise[k] = look->noise[k];
+    see_at(noise, time, work->w, &node);
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        sides[k] = (int)k < EVENTS || (int)k >= N_SWITCHING ? 0 : side_at(&node, k);
+    }
+}
+
 /* where a step to an end must end: where a function first crosses, or how far was looked */
 static double seen_end(double end, Look *look, State *s, Work *work)
 {
@@ -554,13 +570,17 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     const double nearest = look->start + larger(ONWARD * tiny, look->least_part * look->h);
     const double widest = look->h / CELLS;
     const double soon = look->start + larger(ONWARD * tiny, look->slack);
-    int passed[ROOM(N_POLES)] = { 0 }, passes[ROOM(N_POLES)] = { 0 };
+    int passed[ROOM(N_POLES)] = { 0 }, passes[ROOM(N_POLES)] = { 0 }, by_rates[ROOM(N_SEEN)];
     double width = widest;
     Node a, b, known;
     look->pole = 0;
     look_at(1, look->start, look, s, work, &a);
     valued_end(&a, &a, look, s, work);
     if (look->lost) return end;
+    rate_sides(a.read, look->start, look, s, work, by_rates);
+    for (size_t k = 0; k != N_CROSSINGS; ++k) { /* it may have left a window within the noise */
+        if (by_rates[k] == -(int)s->sides[k]) s->sides[k] = by_rates[k];
+    }
     for (size_t n = 0; n != MOST_LOOKS && a.time < end; ++n) {
         int is_known = 1, any = 0, is_lost = 0, may_be_infinite = 0;
         look_at(1, a.time + 1.0000001 * width < end ? a.time + width : end, look, s, work, &b);
@@ -786,19 +806,14 @@ static int is_window_at(double end, const Look *look, const State *s, Work *work
 /* notes what a step that is kept has crossed: one that was cut, also what is at zero there */
 static void note_crossings(double end, const Look *look, State *s, Work *work)
 {
-    double noise[ROOM(N_READ)];
-    Node last, known, before;
+    Node last, known;
+    int by_rates[ROOM(N_SEEN)];
     look_at(1, end, look, s, work, &last);
     look_closely(look->noise, end, look, s, work, &known);
-    before = known;
-    noise_at(end, known.read, look, s, noise);
-    for (size_t k = 0; k < N_READ; k += 2) noise[k] = look->noise[k];
-    /* rates may be before a window that is narrower */
-    see_at(noise, end, work->w, &before);
+    rate_sides(known.read, end, look, s, work, by_rates);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         const int side = (int)s->sides[k], now = side_at(&last, k);
-        const Node *near = (int)k < EVENTS ? &known : &before;
-        const int is_near = now == 0 || side_at(near, k) == 0;
+        const int is_near = now == 0 || (side_at(&known, k) == 0 && by_rates[k] == 0);
         const int is_there = is_near && end == look->cut && look->was_crossing[k];
         if (side == 0 || !(now == -side || is_there)) continue;
         s->sides[k] = -side;

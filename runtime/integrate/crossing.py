@@ -506,6 +506,18 @@ def first_left(a: Node, b: Node, look: Look) -> float:
     return first
 
 
+def rate_sides(read: Array, time: float, look: Look) -> Array:
+    """Side of each function where formulas read this, by rates, which may be before a window.
+
+    Places are known to the noise, and events are looked for until they are exact: of those it is 0.
+    """
+    noise, n = look.noise.copy(), len(look.state.sides)
+    noise[:, 1] = noise_at(time, read, look)[:, 1]
+    found = side_at(see_at(read, noise, time, look.work.w))
+    found[: len(look.work.scene.events)] = found[n - look.work.scene.n_poles :] = 0.0
+    return found
+
+
 def seen_end(end: float, look: Look) -> float:
     """Time at which a step to an end must end: where a function first crosses, or what was seen."""
     sides = look.state.sides
@@ -521,6 +533,8 @@ def seen_end(end: float, look: Look) -> float:
     valued_end(a, a, look)
     if look.lost:
         return end
+    by_rates = rate_sides(a.read, start, look)[:n]  # it may have left a window within the noise
+    sides[:] = np.where(by_rates == -sides, by_rates, sides)
     for _ in range(MOST_LOOKS):
         if not a.time < end:
             break
@@ -777,11 +791,7 @@ def note_crossings(end: float, look: Look) -> None:
     state, events = look.state, look.work.scene.events
     sides, now = state.sides.copy(), side_at(look_at(end, look))
     is_near = (now == 0.0) | (side_at(look_closely(look.noise, end, look)) == 0.0)
-    read, noise = read_at(end, look), look.noise.copy()
-    noise[:, 1] = noise_at(end, read, look)[:, 1]  # rates may be before a window that is narrower
-    before = side_at(see_at(read, noise, end, look.work.w)) != 0.0
-    before[: len(events)] = False
-    is_near &= ~before | (now == 0.0)
+    is_near &= (now == 0.0) | (rate_sides(read_at(end, look), end, look) == 0.0)
     for k, side in enumerate(sides.tolist()):
         is_there = is_near[k] and end == look.cut and look.was_crossing[k]
         if side == 0.0 or not (now[k] == -side or is_there):
