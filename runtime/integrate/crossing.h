@@ -176,7 +176,8 @@ static void noise_at(
         const double jolt = 2.0 * fabs(look->lean[k]) / look->h;
         if (passes_by(speed, look->pull[k], noise[2 * k], look, s))
             noise[2 * k] = look->rounding[2 * k];
-        if (passes_by(change, jolt, noise[2 * k + 1], look, s))
+        const double known = smaller(noise[2 * k + 1], look->error[k]);
+        if (passes_by(change, jolt, known, look, s))
             noise[2 * k + 1] = look->grain[k];
     }
 }

@@ -250,7 +250,8 @@ def noise_at(time: float, read: Array, look: Look) -> Array:
 
 def passes_by(speeds: Array, pulls: Array, look: Look) -> Flags:
     """Whether what is as fast, and is pulled at most so much, gets further than it is known to."""
-    far = PASSING * look.noise
+    known = np.column_stack((look.noise[:, 0], smallest(look.noise[:, 1], look.error)))
+    far = PASSING * known
     found: Flags = speeds * larger(look.state.stride, look.h) > far
     return found & (speeds * speeds > far * pulls)
 
