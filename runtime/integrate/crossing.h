@@ -250,7 +250,8 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
         const double most = larger(fabs(a[0]), fabs(b[0]));
         look->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
         const double speed = larger(fabs(a[1]), fabs(b[1])), fast = speed + SLOW * size / h;
-        const double speeds = speed + size * s->fastest;
+        const double usual = larger(s->fastest, SLOW / larger(s->stride, h));
+        const double speeds = speed + size * usual;
         look->error[k] = settings->tolerance * speeds;
         look->noise[2 * k + 1] = settings->tolerance * fast;
         look->bend[k] = (b[1] - a[1]) / h;

@@ -315,7 +315,7 @@ def look_into(
     look.bend = (last[:, 1] - first[:, 1]) / h
     look.lean = bend_of(sizes, first, last, h)
     look.pull = np.abs(look.bend) + np.abs(look.lean)
-    speeds = most[:, 1] + sizes * state.fastest
+    speeds = most[:, 1] + sizes * larger(state.fastest, SLOW / larger(state.stride, h))
     look.error, look.grain = s.tolerance * speeds, SMALLEST * speeds
     look.noise = np.empty_like(most)
     look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
