@@ -177,8 +177,7 @@ static void noise_at(
         if (passes_by(speed, look->pull[k], noise[2 * k], look, s))
             noise[2 * k] = look->rounding[2 * k];
         const double known = smaller(noise[2 * k + 1], look->error[k]);
-        if (passes_by(change, jolt, known, look, s))
-            noise[2 * k + 1] = look->grain[k];
+        if (passes_by(change, jolt, known, look, s)) noise[2 * k + 1] = look->grain[k];
     }
 }
 
@@ -565,6 +564,16 @@ static void rate_sides(
     }
 }
 
+/* notes on which side functions are where a step starts: of rates some left it in the noise */
+static void note_left(const Node *a, const Look *look, State *s, Work *work)
+{
+    int by_rates[ROOM(N_SEEN)];
+    rate_sides(a->read, a->time, look, s, work, by_rates);
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        if (by_rates[k] == -(int)s->sides[k]) s->sides[k] = by_rates[k];
+    }
+}
+
 /* where a step to an end must end: where a function first crosses, or how far was looked */
 static double seen_end(double end, Look *look, State *s, Work *work)
 {
@@ -572,17 +581,14 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     const double nearest = look->start + larger(ONWARD * tiny, look->least_part * look->h);
     const double widest = look->h / CELLS;
     const double soon = look->start + larger(ONWARD * tiny, look->slack);
-    int passed[ROOM(N_POLES)] = { 0 }, passes[ROOM(N_POLES)] = { 0 }, by_rates[ROOM(N_SEEN)];
+    int passed[ROOM(N_POLES)] = { 0 }, passes[ROOM(N_POLES)] = { 0 };
     double width = widest;
     Node a, b, known;
     look->pole = 0;
     look_at(1, look->start, look, s, work, &a);
     valued_end(&a, &a, look, s, work);
     if (look->lost) return end;
-    rate_sides(a.read, look->start, look, s, work, by_rates);
-    for (size_t k = 0; k != N_CROSSINGS; ++k) { /* it may have left a window within the noise */
-        if (by_rates[k] == -(int)s->sides[k]) s->sides[k] = by_rates[k];
-    }
+    note_left(&a, look, s, work);
     for (size_t n = 0; n != MOST_LOOKS && a.time < end; ++n) {
         int is_known = 1, any = 0, is_lost = 0, may_be_infinite = 0;
         look_at(1, a.time + 1.0000001 * width < end ? a.time + width : end, look, s, work, &b);
@@ -756,6 +762,29 @@ static void sides_up_to(
     see_at(half, end, work->w, node);
 }
 
+/* whether functions that leave sides towards a rate do so one behind the other */
+static int are_apart(
+    size_t n, double far, const int *there, const double *read, double end, Work *work)
+{
+    double near = 0.0, last = far;
+    Node node;
+    for (int i = 0; i != MOST_HALVINGS; ++i) {
+        const double way = 0.5 * (near + last);
+        int is_beyond = 0;
+        sides_beside(n, way, read, end, work, &node);
+        for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
+            if (there[k] && side_at(&node, k) != there[k]) is_beyond = 1;
+        }
+        if (is_beyond) last = way;
+        else near = way;
+    }
+    sides_beside(n, last, read, end, work, &node);
+    for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
+        if (there[k] && side_at(&node, k) == there[k]) return 1;
+    }
+    return 0;
+}
+
 /* whether formulas switch twice within what errors of steps may leave of a rate: what holds a
  * motion in such a window may lose it, or never meet it */
 static int is_window_at(double end, const Look *look, const State *s, Work *work)
@@ -772,11 +801,10 @@ static int is_window_at(double end, const Look *look, const State *s, Work *work
         sides_beside(n, 0.0, read, end, work, &there);
         for (int m = 0; m != 2; ++m) {
             const double far = m == 0 ? -every[2 * n + 1] : every[2 * n + 1];
-            double near = 0.0, last = far;
             int leaves[ROOM(N_SEEN)] = { 0 }, any = 0;
             sides_up_to(n, far, read, end, work, &node);
             for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
-                leaves[k] = side_at(&there, k) && side_at(&node, k) != side_at(&there, k);
+                leaves[k] = side_at(&node, k) != side_at(&there, k) ? side_at(&there, k) : 0;
                 any = any || leaves[k];
             }
             sides_beside(n, far, read, end, work, &node);
@@ -785,20 +813,7 @@ static int is_window_at(double end, const Look *look, const State *s, Work *work
             }
             if (!any) continue;
             ways += 1;
-            for (int i = 0; i != MOST_HALVINGS; ++i) {
-                const double way = 0.5 * (near + last);
-                int is_beyond = 0;
-                sides_beside(n, way, read, end, work, &node);
-                for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
-                    if (leaves[k] && side_at(&node, k) != side_at(&there, k)) is_beyond = 1;
-                }
-                if (is_beyond) last = way;
-                else near = way;
-            }
-            sides_beside(n, last, read, end, work, &node);
-            for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
-                if (leaves[k] && side_at(&node, k) == side_at(&there, k)) return 1;
-            }
+            if (are_apart(n, far, leaves, read, end, work)) return 1;
         }
         if (ways > 1) return 1;
     }

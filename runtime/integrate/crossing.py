@@ -519,6 +519,13 @@ def rate_sides(read: Array, time: float, look: Look) -> Array:
     return found
 
 
+def note_left(a: Node, look: Look) -> None:
+    """Note on which side functions are where a step starts: of rates some left it in the noise."""
+    sides = look.state.sides
+    by_rates = rate_sides(a.read, a.time, look)[: len(sides)]
+    sides[:] = np.where(by_rates == -sides, by_rates, sides)
+
+
 def seen_end(end: float, look: Look) -> float:
     """Time at which a step to an end must end: where a function first crosses, or what was seen."""
     sides = look.state.sides
@@ -534,8 +541,7 @@ def seen_end(end: float, look: Look) -> float:
     valued_end(a, a, look)
     if look.lost:
         return end
-    by_rates = rate_sides(a.read, start, look)[:n]  # it may have left a window within the noise
-    sides[:] = np.where(by_rates == -sides, by_rates, sides)
+    note_left(a, look)
     for _ in range(MOST_LOOKS):
         if not a.time < end:
             break
@@ -752,6 +758,18 @@ def sides_up_to(k: int, far: float, read: Array, end: float, look: Look) -> Arra
     return side_at(see_at(there, half, end, look.work.w))[events:n]
 
 
+def are_apart(k: int, far: float, there: Array, read: Array, end: float, look: Look) -> bool:
+    """Whether functions that leave sides towards a rate do so one behind the other."""
+    near, last = 0.0, far
+    for _ in range(MOST_HALVINGS):
+        way = 0.5 * (near + last)
+        if np.any((there != 0.0) & (sides_beside(k, way, read, end, look) != there)):
+            last = way
+        else:
+            near = way
+    return bool(np.any((there != 0.0) & (sides_beside(k, last, read, end, look) == there)))
+
+
 def is_window_at(end: float, look: Look) -> bool:
     """Whether formulas switch twice within what errors of steps may leave of a rate.
 
@@ -773,14 +791,7 @@ def is_window_at(end: float, look: Look) -> bool:
             if not leaves.any():
                 continue
             ways += 1
-            near, last = 0.0, far
-            for _ in range(MOST_HALVINGS):
-                way = 0.5 * (near + last)
-                if np.any(leaves & (sides_beside(k, way, read, end, look) != there)):
-                    last = way
-                else:
-                    near = way
-            if np.any(leaves & (sides_beside(k, last, read, end, look) == there)):
+            if are_apart(k, far, np.where(leaves, there, 0.0), read, end, look):
                 return True
         if ways > 1:
             return True
