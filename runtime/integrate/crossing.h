@@ -574,6 +574,18 @@ static void note_left(const Node *a, const Look *look, State *s, Work *work)
     }
 }
 
+/* whether a function that was on a side is beyond zero at a node; where a step was cut for it, it
+ * is there as far as rates are known */
+static int are_crossed(
+    size_t k, int side, const Node *b, const Look *look, const State *s, Work *work)
+{
+    Node known;
+    if (side == 0 || side_at(b, k) != -side) return 0;
+    if (b->time != look->cut || !look->was_crossing[k]) return 1;
+    look_at(0, b->time, look, s, work, &known);
+    return side_at(&known, k) == -side;
+}
+
 /* where a step to an end must end: where a function first crosses, or how far was looked */
 static double seen_end(double end, Look *look, State *s, Work *work)
 {
@@ -583,7 +595,7 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     const double soon = look->start + larger(ONWARD * tiny, look->slack);
     int passed[ROOM(N_POLES)] = { 0 }, passes[ROOM(N_POLES)] = { 0 };
     double width = widest;
-    Node a, b, known;
+    Node a, b;
     look->pole = 0;
     look_at(1, look->start, look, s, work, &a);
     valued_end(&a, &a, look, s, work);
@@ -595,18 +607,13 @@ static double seen_end(double end, Look *look, State *s, Work *work)
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
             if (s->sides[k] == 0.0) s->sides[k] = side_at(&a, k);
             const int side = (int)s->sides[k];
-            look->crosses[k] = side != 0 && side_at(&b, k) == -side;
+            look->crosses[k] = are_crossed(k, side, &b, look, s, work);
             if (N_POLES > 0 && (int)k >= N_SWITCHING) {
                 const size_t pole = k - N_SWITCHING;
                 const int now = passed[pole] ? -side : side;
                 look->crosses[k] = 0;
                 passes[pole] = now != 0 && side_at(&b, k) == -now;
                 may_be_infinite = may_be_infinite || passes[pole];
-            }
-            if (b.time == look->cut && look->crosses[k] && look->was_crossing[k]) {
-                /* rates are there as far as they are known */
-                look_at(0, end, look, s, work, &known);
-                look->crosses[k] = side_at(&known, k) == -side;
             }
             any = any || look->crosses[k];
         }

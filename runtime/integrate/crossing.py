@@ -260,7 +260,8 @@ def change_at(time: float, look: Look) -> Array:
     """How fast rates change at a time of a step, but for what rounding makes of it."""
     part, h = (time - look.start) / look.h, look.h
     change = np.abs(look.bend + (2.0 * part - 1.0) * look.lean)
-    return change - 2.0 * look.grain / h
+    known: Array = change - 2.0 * look.grain / h
+    return known
 
 
 def look_closely(noise: Array, time: float, look: Look) -> Node:
@@ -526,6 +527,18 @@ def note_left(a: Node, look: Look) -> None:
     sides[:] = np.where(by_rates == -sides, by_rates, sides)
 
 
+def are_crossed(sides: Array, b: Node, look: Look) -> Flags:
+    """Whether functions that were on sides are beyond zero at a node.
+
+    Where a step was cut for one it is there as far as rates are known.
+    """
+    crosses: Flags = (sides != 0.0) & (side_at(b)[: len(sides)] == -sides)
+    if b.time == look.cut and crosses.any():
+        known = look_at(b.time, look, are_rates_exact=False)
+        crosses &= ~look.was_crossing | (side_at(known)[: len(sides)] == -sides)
+    return crosses
+
+
 def seen_end(end: float, look: Look) -> float:
     """Time at which a step to an end must end: where a function first crosses, or what was seen."""
     sides = look.state.sides
@@ -548,10 +561,7 @@ def seen_end(end: float, look: Look) -> float:
         b = look_at(a.time + width if a.time + 1.0000001 * width < end else end, look)
         sides[:] = np.where(sides == 0.0, side_at(a)[:n], sides)
         now = np.where(passed, -sides, sides)
-        look.crosses = (now != 0.0) & (side_at(b)[:n] == -now)
-        if b.time == look.cut and look.crosses.any():  # rates are there as far as they are known
-            known = look_at(end, look, are_rates_exact=False)
-            look.crosses &= ~look.was_crossing | (side_at(known)[:n] == -now)
+        look.crosses = are_crossed(now, b, look)
         passes = look.crosses & is_pole
         look.crosses &= ~is_pole
         valued, is_lost = valued_end(a, b, look), np.zeros(n, dtype=bool)
