@@ -31,7 +31,7 @@ def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tu
 
 
 def accelerations(
-    trace: Trace, forces: Sequence[int], columns: Sequence[int], weights: Matrix
+    trace: Trace, forces: Sequence[int], columns: Sequence[int], inverse_mass: Matrix
 ) -> Matrix:
     """Share of force and torque (F, N′) of a body in the accelerations of its columns.
 
@@ -43,9 +43,9 @@ def accelerations(
         Force in frame O, torque in the principal frame.
     columns : sequence of int
         Its coordinates.
-    weights : Matrix
+    inverse_mass : Matrix
         The diagonal of M⁻¹ of these.
     """
     mul = trace.graph.mul
-    pairs = zip(columns, weights.flat, strict=True)
-    return column_of(trace, *(mul(forces[k], weight) for k, weight in pairs))
+    pairs = zip(columns, inverse_mass.flat, strict=True)
+    return column_of(trace, *(mul(forces[k], inverse) for k, inverse in pairs))
