@@ -174,7 +174,7 @@ def page_of(
     took = sum(answer.seconds for answer in answers.values())
     words = [chosen[name].words(answer.records) for name, answer in answers.items()]
     return page_in(Path(__file__).parent).render(
-        words=" ".join(filter(None, words)),
+        words="\n\n".join(filter(None, words)),
         date=time.strftime("%Y-%m-%d"),
         machine=about,
         size="full" if size.is_full else "quick",

@@ -4,8 +4,14 @@
     SI units, principal frames, instances of kinds; at a start that joints and drivers allow.
 ``analyse``: System → Analysed
     Fewer bodies, the plane, masses, rows and ranks: all that is decided beforehand.
+``given_start``: Scene, System → System
+    How runs with other parameters start.
+``require_driven``: Analysed
+    Refused in words if masses are missing, or forces wanted that nothing determines.
 ``program_of``: Analysed → Program
     Composed; of two programs that solve it the better one.
+``solver_references``: Program, System → text
+    States with results in 50 digits, if wanted.
 ``inline``: Program → Program
     Small ones in one function a segment.
 ``emit_dynamics``: Program → {file: text}
