@@ -23,7 +23,24 @@ def column_of(trace: Trace, *nodes: int) -> Matrix:
 
 
 def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tuple[int, ...]:
-    """Force in frame O and its torque in the body frame."""
+    """Force in frame O, and its torque about the centre of mass, s̃′ A(p)ᵀ F, in the body frame.
+
+    Parameters
+    ----------
+    trace : Trace
+        Where it goes.
+    p : (4,) nodes [-]
+        Euler parameters of the body.
+    point : (3,) Matrix [m]
+        Where it acts, from the centre of mass, in the principal frame.
+    force : (3,) Matrix [N]
+        In frame O.
+
+    Returns
+    -------
+    tuple of int
+        Force (3,) [N] and torque (3,) [N m].
+    """
     rest = (trace.graph.const(0),) * 6
     inputs = {"p": p, "s_b": (*point.flat, *rest), "f": (*force.flat, *rest)}
     found = trace.inline(frozen("mass_points", "resultant"), inputs)
