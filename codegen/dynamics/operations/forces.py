@@ -23,7 +23,7 @@ def column_of(trace: Trace, *nodes: int) -> Matrix:
 
 
 def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tuple[int, ...]:
-    """Force in frame O, and its torque about the centre of mass, s̃′ A(p)ᵀ F, in the body frame.
+    """Force in frame O, and its torque s̃′ A(p)ᵀ F: three mass points, (torque-definition).
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tu
     Returns
     -------
     tuple of int
-        Force (3,) [N] and torque (3,) [N m].
+        Force (3,) [N] in frame O; torque (3,) [N m] about the centre of mass, in the body frame.
     """
     rest = (trace.graph.const(0),) * 6
     inputs = {"p": p, "s_b": (*point.flat, *rest), "f": (*force.flat, *rest)}
