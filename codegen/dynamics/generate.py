@@ -4,10 +4,10 @@
     SI units, principal frames, instances of kinds; at a start that joints and drivers allow.
 ``analyse``: System → Analysed
     Fewer bodies, the plane, masses, rows and ranks: all that is decided beforehand.
-``given_start``: Scene, System → System
-    How runs with other parameters start.
+``given_start``: Scene, System → bodies as written
+    Where the start depends on parameters.
 ``require_driven``: Analysed
-    Refused in words if masses are missing, or forces wanted that nothing determines.
+    Refused in words where what is wanted depends on masses that are missing.
 ``program_of``: Analysed → Program
     Composed; of two programs that solve it the better one.
 ``solver_references``: Program, System → text
