@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.operations.placement import Placement
-    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.model.mechanism import Coordinate, Instance, System, Vector
     from kousoku.model.real import Real
 
@@ -67,7 +67,7 @@ class ForceFacets(ABC, Generic[E]):
     # In a program.
 
     @abstractmethod
-    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """Record what it adds to the accelerations of body i and of body j, then its power.
 
         The power is that of what is no potential energy; it may be missing where nothing
@@ -75,11 +75,13 @@ class ForceFacets(ABC, Generic[E]):
         looked at.
         """
 
-    def energy(self, tasks: ForceRecorder) -> Block:
+    def energy(self, tasks: ForceRecorder) -> SlotMatrix:
         """Record (0, V), of a force that has a potential energy."""
         raise NotImplementedError(f"no energy of a force of kind {self.force.kind}")
 
-    def elongation(self, tasks: ForceRecorder) -> tuple[Block, Block, Block, Block]:
+    def elongation(
+        self, tasks: ForceRecorder
+    ) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix, SlotMatrix]:
         """Record what its law is of: a value, its rate, where it is free, and the unit of both."""
         raise NotImplementedError(f"no elongation of a force of kind {self.force.kind}")
 

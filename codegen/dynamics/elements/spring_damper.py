@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.elements.facets import Source
     from kousoku.codegen.dynamics.operations.placement import Placement
     from kousoku.codegen.dynamics.recording.matrix import Matrix
-    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.mechanism import System
     from kousoku.model.real import Real
@@ -130,7 +130,7 @@ class SpringFacets(ForceFacets[PointSpring]):
 
     is_carried = True
 
-    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """Record M⁻¹f of both bodies, and the power of what is no potential energy."""
         constants = tasks.constants(self.force)
         i, j = tasks.body(self.force.i), tasks.body(self.force.j)
@@ -146,13 +146,15 @@ class SpringFacets(ForceFacets[PointSpring]):
         operation = SpringEffect(i.columns, j.columns, self.force.law, names, self.force.works)
         return tasks.recorder.call(operation, *ends, *constants, *given)
 
-    def energy(self, tasks: ForceRecorder) -> Block:
+    def energy(self, tasks: ForceRecorder) -> SlotMatrix:
         """Record ½ k (l − l⁰)²."""
         constants = tasks.constants(self.force)
         i, j = tasks.body(self.force.i), tasks.body(self.force.j)
         return tasks.recorder.call(SpringEnergy(), i.r, i.p, j.r, j.p, *constants)[0]
 
-    def elongation(self, tasks: ForceRecorder) -> tuple[Block, Block, Block, Block]:
+    def elongation(
+        self, tasks: ForceRecorder
+    ) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix, SlotMatrix]:
         """Record l and its rate; l⁰ and the unit of the scene."""
         start, end, unit, free = tasks.constants(self.force)
         bodies = (tasks.body(self.force.i), tasks.body(self.force.j))
