@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.choice import Target
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.kinematics.mechanism import Array, Mechanism
-    from kousoku.runtime.kinematics.rows import Rows, Run
+    from kousoku.runtime.kinematics.rows import Rows, RunRequest
 
 __all__ = ["LinkageSolver", "Trajectory", "load_scene"]
 
@@ -57,7 +57,7 @@ class CompiledLinkage(Solver):
         self.sources = sources
         self._segments: list[str] = sources.data["segments"]
 
-    def solve(self, mechanism: Mechanism, run: Run) -> Rows:
+    def solve(self, mechanism: Mechanism, run: RunRequest) -> Rows:
         """Run the whole turn in one call of the compiled library."""
         rows = empty_rows(mechanism, run.rows)
         record = record_of(run, rows)
@@ -98,11 +98,11 @@ class NumpyLinkage(Solver):
         """What ``motion.json`` says of the mechanism."""
         return self._solver.mechanism(data)
 
-    def scene(self, data: Mapping[str, Any]) -> Run:
+    def scene(self, data: Mapping[str, Any]) -> RunRequest:
         """What it says of the run that the scene asks for."""
         return self._solver.scene(data)
 
-    def solve(self, mechanism: Mechanism, run: Run) -> Rows:
+    def solve(self, mechanism: Mechanism, run: RunRequest) -> Rows:
         """Run the whole turn by the analysis of the folder."""
         return self._solver.solve(mechanism, run)
 
@@ -236,7 +236,7 @@ def _open_same(sources: Sources, target: Target) -> LinkageSolver:
     return open_linkage(*on_this_machine(sources, target))
 
 
-def record_of(run: Run, rows: Rows) -> Any:
+def record_of(run: RunRequest, rows: Rows) -> Any:
     """Return the record of ``solver.h`` that asks for a run and points at room for its rows."""
     record = _run_type(len(run.origin))()
     for field in RUN:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.arguments import Floats
     from kousoku.runtime.choice import Target
-    from kousoku.runtime.kinematics.rows import Run
+    from kousoku.runtime.kinematics.rows import RunRequest
     from kousoku.runtime.solver_verify import Data
 
 #: Largest difference, relative to the largest length, velocity or acceleration: far above the
@@ -126,7 +126,9 @@ def _motion_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iter
         yield from _problems(f"{where}, at other rates", solver, other, rows, wanted)
 
 
-def _at_other_rates(run: Run, exact: dict[str, Floats]) -> tuple[Run, dict[str, Floats]]:
+def _at_other_rates(
+    run: RunRequest, exact: dict[str, Floats]
+) -> tuple[RunRequest, dict[str, Floats]]:
     """Return a run whose time goes by otherwise, and what it must give.
 
     With t(τ), dt/dτ = s and d²t/dτ² = c, a velocity v becomes s v, an acceleration a becomes
@@ -147,7 +149,11 @@ def _at_other_rates(run: Run, exact: dict[str, Floats]) -> tuple[Run, dict[str, 
 
 
 def _problems(
-    where: str, solver: LinkageSolver, run: Run, rows: Sequence[int], exact: dict[str, Floats]
+    where: str,
+    solver: LinkageSolver,
+    run: RunRequest,
+    rows: Sequence[int],
+    exact: dict[str, Floats],
 ) -> Iterator[str]:
     """Yield how a run differs from the rows that are known."""
     mechanism, got = solver.mechanism, solver.rows(run)

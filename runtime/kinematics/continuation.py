@@ -14,7 +14,7 @@ from .status import MOST_TILT, MOST_TRIES, SETTLED, SMALLEST_STEP, Status, StopE
 
 if TYPE_CHECKING:
     from .mechanism import Array, Mechanism
-    from .rows import Run
+    from .rows import RunRequest
 
 
 class Continuation:
@@ -24,7 +24,7 @@ class Continuation:
     ----------
     mechanism : Mechanism
         The tables and segments.
-    run : Run
+    run : RunRequest
         Inputs, method and limits.
 
     Attributes
@@ -41,7 +41,7 @@ class Continuation:
         The next step to try, in divisions or in time, where a row is not nearer.
     """
 
-    def __init__(self, mechanism: Mechanism, run: Run) -> None:
+    def __init__(self, mechanism: Mechanism, run: RunRequest) -> None:
         self.run = run
         self.newton = Newton(mechanism, run)
         # Whole turns lead to the same inputs: the first position may be that of any.

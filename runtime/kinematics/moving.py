@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from .mechanism import Array
-    from .rows import Rows, Run
+    from .rows import Rows, RunRequest
     from .solve import Solver
     from .trajectory import Trajectory
 
@@ -54,7 +54,7 @@ class Linkage:
         self.target = target
         self.mechanism, self.scene = target.mechanism(data), target.scene(data)
 
-    def request(self, **options: Any) -> Run:
+    def request(self, **options: Any) -> RunRequest:
         """Return the run that options ask for, those of :meth:`solve`.
 
         Raises
@@ -64,7 +64,7 @@ class Linkage:
         """
         return request(self.scene, **options)
 
-    def rows(self, run: Run) -> Rows:
+    def rows(self, run: RunRequest) -> Rows:
         """Return what :meth:`solve` starts from, for a run."""
         return self.target.solve(self.mechanism, run)
 
@@ -139,7 +139,7 @@ class Linkage:
             raise self._error(run, rows, good)
         return good
 
-    def _rows(self, options: dict[str, Any], times: Array | None) -> tuple[Run, Rows]:
+    def _rows(self, options: dict[str, Any], times: Array | None) -> tuple[RunRequest, Rows]:
         self._check(options)
         try:
             run = self.request(**options)
@@ -168,7 +168,7 @@ class Linkage:
             if not 0.0 < limit < np.inf:
                 raise refusal(f"{self.name}: limit {shown(limit)}; wanted a length above 0")
 
-    def _error(self, run: Run, rows: Rows, good: Trajectory) -> Exception:
+    def _error(self, run: RunRequest, rows: Rows, good: Trajectory) -> Exception:
         """Say what went wrong, where, and what to do."""
         mechanism, name = self.mechanism, self.name
         block, status = mechanism.blocks[rows.block], Status(rows.status)

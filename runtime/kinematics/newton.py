@@ -12,7 +12,7 @@ from .status import ROUNDING, SETTLED, SINGULAR, Status, StopError
 
 if TYPE_CHECKING:
     from .mechanism import Array, Mechanism
-    from .rows import Run
+    from .rows import RunRequest
 
 
 class Convergence(NamedTuple):
@@ -47,7 +47,7 @@ class Newton:
     ----------
     mechanism : Mechanism
         The tables and segments.
-    run : Run
+    run : RunRequest
         Limit of the residual and of the iterations.
 
     Attributes
@@ -59,7 +59,7 @@ class Newton:
         The block that was worked on last.
     """
 
-    def __init__(self, mechanism: Mechanism, run: Run) -> None:
+    def __init__(self, mechanism: Mechanism, run: RunRequest) -> None:
         self.equations = Equations(mechanism)
         self.blocks = self.equations.blocks
         self.scale = np.array([unknown.scale for unknown in mechanism.unknowns])

@@ -57,7 +57,8 @@ class Field(NamedTuple):
 
 
 #: The record ``run``, which the header states and the compiled solver is called with: what is
-#: asked, the fields of :class:`Run`; then where it goes, and what happened, those of :class:`Rows`.
+#: asked, the fields of :class:`RunRequest`; then where it goes, and what happened, those of
+#: :class:`Rows`.
 RUN = (
     Field("int", "method", "0 full Newton, 1 the iteration of the paper"),
     Field("int", "max_iterations", "in one step"),
@@ -93,7 +94,7 @@ RUN = (
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class RunRequest:
     """What is asked. The inputs of a division are those of ``solver.h``.
 
     Parameters
@@ -202,7 +203,7 @@ class Run:
 
 
 def request(
-    scene: Run,
+    scene: RunRequest,
     *,
     method: str | None = None,
     divisions: int | None = None,
@@ -210,12 +211,12 @@ def request(
     first_turn: int = 0,
     from_turn: int | None = None,
     limit: float | None = None,
-) -> Run:
+) -> RunRequest:
     """Return a run over whole turns of the inputs, or once over the way that they go.
 
     Parameters
     ----------
-    scene : Run
+    scene : RunRequest
         What the scene asks for, where nothing else is said.
     method : {"newton", "paper"}, optional
         Full Newton, or the iteration of the paper.

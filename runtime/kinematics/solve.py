@@ -15,7 +15,7 @@ from .assembly import assemble
 from .continuation import Continuation
 from .equations import Coordinates, segments_of
 from .mechanism import Mechanism
-from .rows import OF_LINKS, OF_NODES, Rows, Run, empty_rows
+from .rows import OF_LINKS, OF_NODES, Rows, RunRequest, empty_rows
 from .status import Status, StopError
 
 if TYPE_CHECKING:
@@ -49,23 +49,23 @@ class Solver:
         """Return what ``motion.json`` says of the mechanism."""
         return Mechanism.from_data(data, self.segments)
 
-    def scene(self, data: Mapping[str, Any]) -> Run:
+    def scene(self, data: Mapping[str, Any]) -> RunRequest:
         """Return what it says of the run that the scene asks for."""
-        return Run(**data["run"])
+        return RunRequest(**data["run"])
 
-    def solve(self, mechanism: Mechanism, run: Run) -> Rows:
+    def solve(self, mechanism: Mechanism, run: RunRequest) -> Rows:
         """Return what is asked, as far as the mechanism moves."""
         return solve(mechanism, run)
 
 
-def solve(mechanism: Mechanism, run: Run) -> Rows:
+def solve(mechanism: Mechanism, run: RunRequest) -> Rows:
     """Return what is asked, as far as the mechanism moves.
 
     Parameters
     ----------
     mechanism : Mechanism
         The tables and segments.
-    run : Run
+    run : RunRequest
         What is asked.
     """
     rows = empty_rows(mechanism, max(run.rows, 0))
@@ -80,7 +80,7 @@ def solve(mechanism: Mechanism, run: Run) -> Rows:
 class _Analysis:
     """A continuation whose positions are written into rows."""
 
-    def __init__(self, mechanism: Mechanism, run: Run, rows: Rows) -> None:
+    def __init__(self, mechanism: Mechanism, run: RunRequest, rows: Rows) -> None:
         self.wants_angles = mechanism.wants_angles
         self.run = run
         self.rows = rows
