@@ -12,7 +12,7 @@ from kousoku.model.errors import LoadError, SolveError
 from kousoku.runtime.dynamics_targets import exported, numpy_module, on_this_machine, open_either
 from kousoku.runtime.kinematics.moving import Linkage
 from kousoku.runtime.kinematics.rows import RUN, empty_rows
-from kousoku.runtime.kinematics.solve import Solver
+from kousoku.runtime.kinematics.solve import KinematicSolver
 from kousoku.runtime.kinematics.trajectory import Trajectory
 from kousoku.runtime.notice import say_once
 from kousoku.runtime.options import ALL_OPTIONS
@@ -38,7 +38,7 @@ _TYPES: dict[str, Any] = {
 }
 
 
-class CompiledLinkage(Solver):
+class CompiledLinkage(KinematicSolver):
     """The compiled solver of a linkage.
 
     Parameters
@@ -78,18 +78,18 @@ class CompiledLinkage(Solver):
         self._function("evaluate", None)(number, slots.ctypes.data_as(ctypes.c_void_p))
 
 
-class NumpyLinkage(Solver):
+class NumpyLinkage(KinematicSolver):
     """What ``solver.py`` has, with the methods of :class:`CompiledLinkage`.
 
     Parameters
     ----------
-    solver : Solver
+    solver : KinematicSolver
         That of the imported ``solver.py``, with the analysis of its folder.
     sources : Sources
         The generated files.
     """
 
-    def __init__(self, solver: Solver, sources: Sources) -> None:
+    def __init__(self, solver: KinematicSolver, sources: Sources) -> None:
         super().__init__()
         self._solver = solver
         self.sources = sources

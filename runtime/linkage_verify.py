@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.runtime.kinematics.rows import METHODS, OF_NODES
-from kousoku.runtime.kinematics.status import Status
+from kousoku.runtime.kinematics.status import AnalysisStatus
 from kousoku.runtime.linkage import LinkageSolver, open_linkage
 from kousoku.runtime.reference import Expected
 from kousoku.runtime.report import Row, worst_rows
@@ -159,7 +159,7 @@ def _problems(
     mechanism, got = solver.mechanism, solver.rows(run)
     good = [k for k, row in enumerate(rows) if row < got.done]
     if len(good) < len(rows):
-        yield f"{where}: stops after {got.done} rows: {Status(got.status).message}"
+        yield f"{where}: stops after {got.done} rows: {AnalysisStatus(got.status).message}"
     if not good:
         return
     inputs = np.array([run.counted_inputs(run.first + rows[k]) for k in good])

@@ -10,7 +10,7 @@ import numpy as np
 from .certificate import Certifier, Way
 from .equations import Coordinates
 from .newton import Convergence, Newton, largest
-from .status import MOST_TILT, MOST_TRIES, SETTLED, SMALLEST_STEP, Status, StopError
+from .status import MOST_TILT, MOST_TRIES, SETTLED, SMALLEST_STEP, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
     from .mechanism import Array, Mechanism
@@ -119,14 +119,16 @@ class Continuation:
             trial = predicted.copy()
             try:
                 if not part <= 1.0:
-                    raise StopError(Status.TOO_FAR)
+                    raise StopError(AnalysisStatus.TOO_FAR)
                 found = self._correct(alpha, trial)
                 way = self._way(step, pace, pace_dot, trial - predicted)
                 tilt = self._tilt(way, max(residual, found.residual))
             except StopError as stop:
                 self.step = 0.5 * step
                 if 0.5 * part < SMALLEST_STEP or tries > MOST_TRIES:
-                    raise StopError(Status.TOO_FAR if tries > MOST_TRIES else stop.status) from None
+                    raise StopError(
+                        AnalysisStatus.TOO_FAR if tries > MOST_TRIES else stop.status
+                    ) from None
                 continue
             left -= step
             self.step = max(self.step, 2 * step) if 2 * tilt <= MOST_TILT else step
@@ -173,7 +175,7 @@ class Continuation:
             self.newton.at = number
             tilt = one.tilt(self.newton.blocks[number], way, residual)
             if not tilt <= MOST_TILT:
-                raise StopError(Status.DEAD_CENTRE)
+                raise StopError(AnalysisStatus.DEAD_CENTRE)
             most = max(most, tilt)
         return most
 

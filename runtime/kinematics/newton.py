@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .equations import Coordinates, Equations
-from .status import ROUNDING, SETTLED, SINGULAR, Status, StopError
+from .status import ROUNDING, SETTLED, SINGULAR, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
     from .mechanism import Array, Mechanism
@@ -81,21 +81,21 @@ class Newton:
             epsilon, pivot = block.evaluate()
             residual = largest(epsilon)
             if not math.isfinite(residual):
-                raise StopError(Status.NOT_FINITE)
+                raise StopError(AnalysisStatus.NOT_FINITE)
             if is_dead_centre(pivot, self.orientation[number]):
-                raise StopError(Status.DEAD_CENTRE)
+                raise StopError(AnalysisStatus.DEAD_CENTRE)
             correction = block.solve(epsilon)
             step = largest(correction * block.scale)
             is_settled, is_stalled = last <= SETTLED * self.length, step >= 0.5 * last
             if residual <= self.run.limit and (is_settled or is_stalled):
                 return Convergence(k, residual)
             if is_settled and is_stalled:
-                raise StopError(Status.LIMIT_TOO_SMALL)
+                raise StopError(AnalysisStatus.LIMIT_TOO_SMALL)
             if k > 2 and step >= 2 * last:
-                raise StopError(Status.DEAD_CENTRE)
+                raise StopError(AnalysisStatus.DEAD_CENTRE)
             block.x -= correction
             last = step
-        raise StopError(Status.DEAD_CENTRE)
+        raise StopError(AnalysisStatus.DEAD_CENTRE)
 
     def full(self, alpha: Array, trial: Array) -> Convergence:
         """Improve all unknowns in ``trial`` by full Newton."""
@@ -127,20 +127,20 @@ class Newton:
             if residual <= self.run.limit:
                 break
             if not math.isfinite(residual):
-                raise StopError(Status.NOT_FINITE)
+                raise StopError(AnalysisStatus.NOT_FINITE)
             self._correct_from(reference, correction)
             step = largest(correction * self.scale)
             if step >= last and last <= ROUNDING * self.length:
-                raise StopError(Status.LIMIT_TOO_SMALL)
+                raise StopError(AnalysisStatus.LIMIT_TOO_SMALL)
             if k >= self.run.max_iterations or (k > 2 and step >= 2 * last):
-                raise StopError(Status.DEAD_CENTRE)
+                raise StopError(AnalysisStatus.DEAD_CENTRE)
             trial -= correction
             last, k = step, k + 1
         for number, block in enumerate(self.blocks):
             self.at = number
             _, pivot = block.evaluate()
             if is_dead_centre(pivot, self.orientation[number]):
-                raise StopError(Status.DEAD_CENTRE)
+                raise StopError(AnalysisStatus.DEAD_CENTRE)
         return Convergence(k, residual)
 
     def _correct_from(self, reference: Coordinates, correction: Array) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .status import Status
+from .status import AnalysisStatus
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -281,7 +281,7 @@ class Rows:
     done, block : int
         Good rows, and the block that failed.
     status : int
-        Why it ended, a :class:`Status`.
+        Why it ended, a :class:`AnalysisStatus`.
     """
 
     alpha: Array
@@ -297,7 +297,7 @@ class Rows:
     reached: Array
     done: int = 0
     block: int = 0
-    status: int = Status.GOOD
+    status: int = AnalysisStatus.GOOD
 
 
 def empty_rows(mechanism: Mechanism, count: int) -> Rows:

@@ -16,7 +16,7 @@ from .continuation import Continuation
 from .equations import Coordinates, segments_of
 from .mechanism import Mechanism
 from .rows import OF_LINKS, OF_NODES, Rows, RunRequest, empty_rows
-from .status import Status, StopError
+from .status import AnalysisStatus, StopError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .mechanism import Array
 
 
-class Solver:
+class KinematicSolver:
     """What a folder computes with: its segments, and the analysis beside them.
 
     Parameters
@@ -70,7 +70,7 @@ def solve(mechanism: Mechanism, run: RunRequest) -> Rows:
     """
     rows = empty_rows(mechanism, max(run.rows, 0))
     if not run.is_possible:
-        rows.status = Status.BAD_ARGUMENT
+        rows.status = AnalysisStatus.BAD_ARGUMENT
         return rows
     with np.errstate(all="ignore"):
         _Analysis(mechanism, run, rows).make()
@@ -94,7 +94,7 @@ class _Analysis:
         except StopError as stop:
             rows.status = stop.status
         rows.reached = way.counted_inputs
-        if rows.status != Status.GOOD and rows.done < self.run.rows:
+        if rows.status != AnalysisStatus.GOOD and rows.done < self.run.rows:
             none = np.zeros_like(way.position.x)
             self._write(0, none, none)
             rows.alpha[rows.done] = rows.reached
