@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from .initial import Evaluate
     from .initial_given import Initial
-    from .solver import Solver
+    from .solver import SceneSolver
 
     Array: TypeAlias = npt.NDArray[np.float64]
 
@@ -36,13 +36,13 @@ class Alone:
 
     Parameters
     ----------
-    solver : Solver
+    solver : SceneSolver
         That of the folder.
     data : mapping
         What its ``motion.json`` holds.
     """
 
-    def __init__(self, solver: Solver, data: Mapping[str, Any]) -> None:
+    def __init__(self, solver: SceneSolver, data: Mapping[str, Any]) -> None:
         self.solver = solver
         self.data = data
         self.layout = Layout.from_data(data)

@@ -37,7 +37,7 @@ FOUND_FIRST = ("geometry", "position", "move", "velocity", "acceleration")
 FOUND_LAST = ("coordinate", "energy", "momentum", "check")
 
 
-class Solver:
+class SceneSolver:
     """The solver of a scene; the caller owns states, workspaces and rows.
 
     Parameters
