@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .methods import Method
-    from .scene import Scene, Work
+    from .scene import SceneTables, Work
     from .state import State
 
     Array = npt.NDArray[np.float64]
@@ -55,7 +55,7 @@ def add_dense_rows(m: Method, h: float, state: State, work: Work) -> None:
         combine(m.all, row, None, h, work.k, state.dense[3 + n])
 
 
-def has_led_works(m: Method, scene: Scene) -> bool:
+def has_led_works(m: Method, scene: SceneTables) -> bool:
     """Return whether works at times inside of a step are summed from powers at its stages."""
     return scene.is_driven and scene.works > 0 and m.order == 5
 
@@ -70,7 +70,7 @@ def add_led_rows(state: State, work: Work) -> None:
             state.dense[3 + n, done] += h * x * work.k[k, done]
 
 
-def add_led_works(x: float, scene: Scene, state: State, y: Array) -> None:
+def add_led_works(x: float, scene: SceneTables, state: State, y: Array) -> None:
     """Add what the last two of these rows do at the part x of the step."""
     done, rest = slice(scene.nq - scene.works, scene.nq), 1.0 - x
     factor = x * (x * rest) * (x * rest)

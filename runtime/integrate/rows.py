@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .methods import Method
-    from .scene import Scene, Work
+    from .scene import SceneTables, Work
     from .settings import Settings
     from .state import State
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 #: A row that is left out does not hold at the start, or later, when its residual is larger,
 
 
-def are_closed(misses: Array, times: float, scene: Scene) -> bool:
+def are_closed(misses: Array, times: float, scene: SceneTables) -> bool:
     """Return whether rows miss so many times the closure tolerance at most.
 
     Those that are left out do, and others where these took over.

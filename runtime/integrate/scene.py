@@ -31,7 +31,7 @@ WAY = 12
 
 
 @dataclass(frozen=True)
-class Scene:
+class SceneTables:
     """What a solver holds of its scene: what that lacks is not given, and zero or empty.
 
     Parameters
@@ -281,7 +281,7 @@ class Workspace:
 
     Parameters
     ----------
-    scene : Scene
+    scene : SceneTables
         What it belongs to.
     slots : array
         Where it is.
@@ -323,7 +323,7 @@ class Workspace:
     infinite: Array
     constants: Array
 
-    def __init__(self, scene: Scene, slots: Array) -> None:
+    def __init__(self, scene: SceneTables, slots: Array) -> None:
         self.scene = scene
         self.slots = slots
         for name in Workspace.__annotations__:
@@ -381,13 +381,13 @@ class Work:
 
     Parameters
     ----------
-    scene : Scene
+    scene : SceneTables
         What it belongs to.
     slots : array
         The workspace.
     """
 
-    def __init__(self, scene: Scene, slots: Array) -> None:
+    def __init__(self, scene: SceneTables, slots: Array) -> None:
         self.scene = scene
         self.w = Workspace(scene, slots)
         self.k = np.zeros((STAGES, scene.ny))
@@ -400,11 +400,11 @@ class RowMemory:
 
     Parameters
     ----------
-    scene : Scene
+    scene : SceneTables
         What it belongs to.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: SceneTables) -> None:
         count = scene.nc + scene.size("C_left_out")
         self.is_on = False  # whether all rows were factorised
         self.ratio = 0.0  # their pivot ratio
@@ -416,6 +416,6 @@ class RowMemory:
         self.rates = np.zeros(count)  # of the rows at rest, −ν
 
 
-def state_of(scene: Scene, numbers: Array) -> State:
+def state_of(scene: SceneTables, numbers: Array) -> State:
     """Return a state by names."""
     return State(numbers, scene.state_sizes)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .methods import Method
-    from .scene import Scene
+    from .scene import SceneTables
     from .settings import Settings
     from .state import State
 
@@ -42,11 +42,11 @@ class SceneSolver:
 
     Parameters
     ----------
-    scene : Scene
+    scene : SceneTables
         What moves.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: SceneTables) -> None:
         self.scene = scene
 
     def start(

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .methods import Method
-    from .scene import Scene, Work
+    from .scene import SceneTables, Work
     from .settings import Settings
     from .state import State
 
@@ -268,7 +268,7 @@ def note_extent(end: Array, work: Work, state: State) -> None:
     state.highest[:] = np.where(found > state.highest, found, state.highest)
 
 
-def usual_energy(rate: float, scene: Scene) -> float:
+def usual_energy(rate: float, scene: SceneTables) -> float:
     """Return the energy of all bodies where they move at such a rate."""
     return scene.mass * (scene.length * rate) * (scene.length * rate) / 2.0
 
