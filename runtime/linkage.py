@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.choice import Target
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.kinematics.mechanism import Array, Mechanism
+    from kousoku.runtime.kinematics.mechanism import Array, LinkageTables
     from kousoku.runtime.kinematics.rows import Rows, RunRequest
 
 __all__ = ["LinkageSolver", "Trajectory", "load_scene"]
@@ -57,7 +57,7 @@ class CompiledLinkage(KinematicSolver):
         self.sources = sources
         self._segments: list[str] = sources.data["segments"]
 
-    def solve(self, mechanism: Mechanism, run: RunRequest) -> Rows:
+    def solve(self, mechanism: LinkageTables, run: RunRequest) -> Rows:
         """Run the whole turn in one call of the compiled library."""
         rows = empty_rows(mechanism, run.rows)
         record = record_of(run, rows)
@@ -72,7 +72,7 @@ class CompiledLinkage(KinematicSolver):
         rows.reached = np.array(record.reached[:])
         return rows
 
-    def evaluate(self, mechanism: Mechanism, segment: str, slots: Array) -> None:
+    def evaluate(self, mechanism: LinkageTables, segment: str, slots: Array) -> None:
         """Run a segment on the workspace."""
         number = ctypes.c_size_t(self._segments.index(segment))
         self._function("evaluate", None)(number, slots.ctypes.data_as(ctypes.c_void_p))
@@ -94,7 +94,7 @@ class NumpyLinkage(KinematicSolver):
         self._solver = solver
         self.sources = sources
 
-    def mechanism(self, data: Mapping[str, Any]) -> Mechanism:
+    def mechanism(self, data: Mapping[str, Any]) -> LinkageTables:
         """What ``motion.json`` says of the mechanism."""
         return self._solver.mechanism(data)
 
@@ -102,11 +102,11 @@ class NumpyLinkage(KinematicSolver):
         """What it says of the run that the scene asks for."""
         return self._solver.scene(data)
 
-    def solve(self, mechanism: Mechanism, run: RunRequest) -> Rows:
+    def solve(self, mechanism: LinkageTables, run: RunRequest) -> Rows:
         """Run the whole turn by the analysis of the folder."""
         return self._solver.solve(mechanism, run)
 
-    def evaluate(self, mechanism: Mechanism, segment: str, slots: Array) -> None:
+    def evaluate(self, mechanism: LinkageTables, segment: str, slots: Array) -> None:
         """Run a segment on the workspace."""
         mechanism.segments[segment](slots)
 

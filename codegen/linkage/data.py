@@ -20,7 +20,7 @@ FORMAT = 1
 
 
 def linkage_data(program: Program, layout: Layout) -> dict[str, Any]:
-    """Return what ``motion.json`` holds: fields of ``kinematics.Mechanism``, and of its ``Run``."""
+    """Return what ``motion.json`` holds: fields of ``LinkageTables``, and of its ``RunRequest``."""
     assembly = layout.assembly
     scene, coordinates = assembly.scene, assembly.coordinates
     return {

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from .equations import BlockEquations
-    from .mechanism import Array, Block, Mechanism
+    from .mechanism import Array, Block, LinkageTables
 
 #: Of s³ − s⁴ the most in [0, 1]; s³ − s^(3 + m) is at most m times as much.
 CUBIC_END = 27 / 256
@@ -50,13 +50,13 @@ class Certifier:
 
     Parameters
     ----------
-    mechanism : Mechanism
+    mechanism : LinkageTables
         The tables.
     block : Block
         The block.
     """
 
-    def __init__(self, mechanism: Mechanism, block: Block) -> None:
+    def __init__(self, mechanism: LinkageTables, block: Block) -> None:
         inputs, part, curves = len(mechanism.inputs), block.unknowns, block.curves
         places = inputs + len(mechanism.unknowns)
         self._own = slice(inputs + part.start, inputs + part.stop)

@@ -13,7 +13,7 @@ from .newton import Convergence, Newton, largest
 from .status import MOST_TILT, MOST_TRIES, SETTLED, SMALLEST_STEP, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
-    from .mechanism import Array, Mechanism
+    from .mechanism import Array, LinkageTables
     from .rows import RunRequest
 
 
@@ -22,7 +22,7 @@ class Continuation:
 
     Parameters
     ----------
-    mechanism : Mechanism
+    mechanism : LinkageTables
         The tables and segments.
     run : RunRequest
         Inputs, method and limits.
@@ -41,7 +41,7 @@ class Continuation:
         The next step to try, in divisions or in time, where a row is not nearer.
     """
 
-    def __init__(self, mechanism: Mechanism, run: RunRequest) -> None:
+    def __init__(self, mechanism: LinkageTables, run: RunRequest) -> None:
         self.run = run
         self.newton = Newton(mechanism, run)
         # Whole turns lead to the same inputs: the first position may be that of any.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from ..integrate.tasks import Function
-    from .mechanism import Array, Mechanism, Segment
+    from .mechanism import Array, LinkageTables, Segment
 
 
 def segments_of(
@@ -55,11 +55,11 @@ class Equations:
 
     Parameters
     ----------
-    mechanism : Mechanism
+    mechanism : LinkageTables
         The tables and segments.
     """
 
-    def __init__(self, mechanism: Mechanism) -> None:
+    def __init__(self, mechanism: LinkageTables) -> None:
         self.mechanism = mechanism
         self.slots = np.zeros(mechanism.work_size)
         self.blocks = tuple(BlockEquations(self, k) for k in range(len(mechanism.blocks)))

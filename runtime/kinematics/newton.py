@@ -11,7 +11,7 @@ from .equations import Coordinates, Equations
 from .status import ROUNDING, SETTLED, SINGULAR, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
-    from .mechanism import Array, Mechanism
+    from .mechanism import Array, LinkageTables
     from .rows import RunRequest
 
 
@@ -45,7 +45,7 @@ class Newton:
 
     Parameters
     ----------
-    mechanism : Mechanism
+    mechanism : LinkageTables
         The tables and segments.
     run : RunRequest
         Limit of the residual and of the iterations.
@@ -59,7 +59,7 @@ class Newton:
         The block that was worked on last.
     """
 
-    def __init__(self, mechanism: Mechanism, run: RunRequest) -> None:
+    def __init__(self, mechanism: LinkageTables, run: RunRequest) -> None:
         self.equations = Equations(mechanism)
         self.blocks = self.equations.blocks
         self.scale = np.array([unknown.scale for unknown in mechanism.unknowns])

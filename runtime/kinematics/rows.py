@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .mechanism import Array, Mechanism
+    from .mechanism import Array, LinkageTables
 
 #: Full Newton, and the iteration of the paper; a run holds the index.
 METHODS = ("newton", "paper")
@@ -300,7 +300,7 @@ class Rows:
     status: int = AnalysisStatus.GOOD
 
 
-def empty_rows(mechanism: Mechanism, count: int) -> Rows:
+def empty_rows(mechanism: LinkageTables, count: int) -> Rows:
     """Return room for as many rows."""
     nodes = (count, len(mechanism.nodes), 2)
     links = (count, len(mechanism.links) if mechanism.wants_angles else 0)

@@ -14,7 +14,7 @@ import numpy as np
 from .assembly import assemble
 from .continuation import Continuation
 from .equations import Coordinates, segments_of
-from .mechanism import Mechanism
+from .mechanism import LinkageTables
 from .rows import OF_LINKS, OF_NODES, Rows, RunRequest, empty_rows
 from .status import AnalysisStatus, StopError
 
@@ -45,25 +45,25 @@ class KinematicSolver:
     ) -> None:
         self.segments = segments_of(kernels, tasks or {})
 
-    def mechanism(self, data: Mapping[str, Any]) -> Mechanism:
+    def mechanism(self, data: Mapping[str, Any]) -> LinkageTables:
         """Return what ``motion.json`` says of the mechanism."""
-        return Mechanism.from_data(data, self.segments)
+        return LinkageTables.from_data(data, self.segments)
 
     def scene(self, data: Mapping[str, Any]) -> RunRequest:
         """Return what it says of the run that the scene asks for."""
         return RunRequest(**data["run"])
 
-    def solve(self, mechanism: Mechanism, run: RunRequest) -> Rows:
+    def solve(self, mechanism: LinkageTables, run: RunRequest) -> Rows:
         """Return what is asked, as far as the mechanism moves."""
         return solve(mechanism, run)
 
 
-def solve(mechanism: Mechanism, run: RunRequest) -> Rows:
+def solve(mechanism: LinkageTables, run: RunRequest) -> Rows:
     """Return what is asked, as far as the mechanism moves.
 
     Parameters
     ----------
-    mechanism : Mechanism
+    mechanism : LinkageTables
         The tables and segments.
     run : RunRequest
         What is asked.
@@ -80,7 +80,7 @@ def solve(mechanism: Mechanism, run: RunRequest) -> Rows:
 class _Analysis:
     """A continuation whose positions are written into rows."""
 
-    def __init__(self, mechanism: Mechanism, run: RunRequest, rows: Rows) -> None:
+    def __init__(self, mechanism: LinkageTables, run: RunRequest, rows: Rows) -> None:
         self.wants_angles = mechanism.wants_angles
         self.run = run
         self.rows = rows

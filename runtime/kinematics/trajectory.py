@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ..integrate.result import Ledger
-    from .mechanism import Array, Mechanism
+    from .mechanism import Array, LinkageTables
     from .rows import Rows, RunRequest
 
 #: Of a turn that leads back, the most that nodes may be off, relative to the largest length.
@@ -282,7 +282,7 @@ class Trajectory(Result):
 
 
 def trajectory_of(
-    mechanism: Mechanism, run: RunRequest, rows: Rows, *, name: str, target: str
+    mechanism: LinkageTables, run: RunRequest, rows: Rows, *, name: str, target: str
 ) -> Trajectory:
     """Return the good rows by name."""
     n, wanted = rows.done, ("positions", *mechanism.outputs)

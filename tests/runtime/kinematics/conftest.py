@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.runtime.kinematics.mechanism import Block, Curve, Input, Link, Mechanism, Unknown
+from kousoku.runtime.kinematics.mechanism import Block, Curve, Input, Link, LinkageTables, Unknown
 from kousoku.runtime.kinematics.rows import RunRequest, empty_rows
 from kousoku.runtime.kinematics.solve import solve
 from kousoku.runtime.linkage import record_of
@@ -92,10 +92,10 @@ class FourBar:
     psi: float
 
     @property
-    def mechanism(self) -> Mechanism:
+    def mechanism(self) -> LinkageTables:
         lengths = (self.crank, self.coupler, self.rocker)
         nodes = (("O", "A"), ("A", "B"), ("D", "B"))
-        return Mechanism(
+        return LinkageTables(
             unit="cm",
             length=self.frame,
             outputs=("velocities", "accelerations", "angles"),

@@ -15,7 +15,7 @@ from kousoku.runtime.kinematics.rows import RunRequest
 from kousoku.runtime.kinematics.solve import solve
 
 if TYPE_CHECKING:
-    from kousoku.runtime.kinematics.mechanism import Mechanism
+    from kousoku.runtime.kinematics.mechanism import LinkageTables
     from kousoku.runtime.kinematics.trajectory import Trajectory
 
 RUN = RunRequest(
@@ -32,7 +32,7 @@ RUN = RunRequest(
 )
 
 
-def solve_alone(mechanism: Mechanism, run: RunRequest) -> Trajectory:
+def solve_alone(mechanism: LinkageTables, run: RunRequest) -> Trajectory:
     """Return the motion as a folder without kousoku makes it."""
     solver: Any = SimpleNamespace(
         name="numpy", mechanism=lambda _: mechanism, scene=lambda _: run, solve=solve

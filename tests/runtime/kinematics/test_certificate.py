@@ -16,7 +16,7 @@ from kousoku.runtime.kinematics.assembly import assemble as place
 from kousoku.runtime.kinematics.certificate import Certifier, Way
 from kousoku.runtime.kinematics.continuation import Continuation
 from kousoku.runtime.kinematics.equations import Coordinates
-from kousoku.runtime.kinematics.mechanism import Block, Curve, Input, Mechanism, Unknown
+from kousoku.runtime.kinematics.mechanism import Block, Curve, Input, LinkageTables, Unknown
 from kousoku.runtime.kinematics.status import MOST_TILT
 from kousoku.runtime.linkage import load_scene
 
@@ -252,7 +252,7 @@ def test_an_arm_is_left_by_cubics_as_little_as_is_said(a: float, b: float, c: fl
     block = Block(slice(0, 1), (), (Curve(0, 2.0, (), (), True, ((0, 1.0),)),))
     angle = (Input("beta", "rad", 1.0),)
     unknown = (Unknown("x", 0.0, 1.0, is_angle=False),)
-    mechanism = Mechanism("m", 2.0, (), (), (), angle, unknown, (block,), 0, {}, {})
+    mechanism = LinkageTables("m", 2.0, (), (), (), angle, unknown, (block,), 0, {}, {})
     first, second, third = (np.array([x, 0.0]) for x in (a, b, c))
     way = Way(first, second, third, np.zeros(2))
     error = float(Certifier(mechanism, block)._arms(way)[0, 0])
