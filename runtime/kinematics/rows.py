@@ -24,7 +24,7 @@ OF_NODES = ("position", "velocity", "acceleration")
 OF_LINKS = ("angle", "angle_dot", "angle_ddot")
 
 
-class Field(NamedTuple):
+class RecordField(NamedTuple):
     """A field of the record ``run`` of ``solver.h``.
 
     Parameters
@@ -60,36 +60,40 @@ class Field(NamedTuple):
 #: asked, the fields of :class:`RunRequest`; then where it goes, and what happened, those of
 #: :class:`Rows`.
 RUN = (
-    Field("int", "method", "0 full Newton, 1 the iteration of the paper"),
-    Field("int", "max_iterations", "in one step"),
-    Field("double", "limit", "largest residual", is_length=True),
-    Field("long long", "divisions", "of the way of the inputs, or of their turns"),
-    Field("long long", "start", "the walk begins where the turn of this division does"),
-    Field("long long", "first", "division of the first row"),
-    Field("size_t", "rows", "how many are wanted"),
-    Field("double", "origin", "inputs at division 0", is_by_input=True),
-    Field("double", "span", "what is added over all divisions", is_by_input=True),
-    Field("long long", "turns", "whole turns over all divisions, or 0", is_by_input=True),
-    Field("double", "rate", "time derivatives of the inputs, at t = 0", is_by_input=True),
-    Field("double", "rate_dot", "second ones, constant", is_by_input=True),
-    Field("const double *", "times", "(rows) [s], ascending from 0; NULL for divisions"),
-    Field("double *", "alpha", "(rows, inputs), counting on over the turns"),
-    Field("double *", "position", "(rows, nodes, 2); as all results NULL where it is not wanted"),
-    Field("double *", "velocity", "(rows, nodes, 2)"),
-    Field("double *", "acceleration", "(rows, nodes, 2)"),
-    Field("double *", "angle", "(rows, links)"),
-    Field("double *", "angle_dot", "(rows, links)"),
-    Field("double *", "angle_ddot", "(rows, links)"),
-    Field("int *", "iterations", "(rows) corrections in the step that led here"),
-    Field("double *", "residual", "(rows)", is_length=True),
-    Field(
+    RecordField("int", "method", "0 full Newton, 1 the iteration of the paper"),
+    RecordField("int", "max_iterations", "in one step"),
+    RecordField("double", "limit", "largest residual", is_length=True),
+    RecordField("long long", "divisions", "of the way of the inputs, or of their turns"),
+    RecordField("long long", "start", "the walk begins where the turn of this division does"),
+    RecordField("long long", "first", "division of the first row"),
+    RecordField("size_t", "rows", "how many are wanted"),
+    RecordField("double", "origin", "inputs at division 0", is_by_input=True),
+    RecordField("double", "span", "what is added over all divisions", is_by_input=True),
+    RecordField("long long", "turns", "whole turns over all divisions, or 0", is_by_input=True),
+    RecordField("double", "rate", "time derivatives of the inputs, at t = 0", is_by_input=True),
+    RecordField("double", "rate_dot", "second ones, constant", is_by_input=True),
+    RecordField("const double *", "times", "(rows) [s], ascending from 0; NULL for divisions"),
+    RecordField("double *", "alpha", "(rows, inputs), counting on over the turns"),
+    RecordField(
+        "double *", "position", "(rows, nodes, 2); as all results NULL where it is not wanted"
+    ),
+    RecordField("double *", "velocity", "(rows, nodes, 2)"),
+    RecordField("double *", "acceleration", "(rows, nodes, 2)"),
+    RecordField("double *", "angle", "(rows, links)"),
+    RecordField("double *", "angle_dot", "(rows, links)"),
+    RecordField("double *", "angle_ddot", "(rows, links)"),
+    RecordField("int *", "iterations", "(rows) corrections in the step that led here"),
+    RecordField("double *", "residual", "(rows)", is_length=True),
+    RecordField(
         "double *",
         "condition",
         "(rows) most that residuals of 1 move nodes: large near a dead centre",
     ),
-    Field("size_t", "done", "good rows; after a failure the next one is where it stopped"),
-    Field("size_t", "block", "the block that failed"),
-    Field("double", "reached", "inputs at the last good position, counting on", is_by_input=True),
+    RecordField("size_t", "done", "good rows; after a failure the next one is where it stopped"),
+    RecordField("size_t", "block", "the block that failed"),
+    RecordField(
+        "double", "reached", "inputs at the last good position, counting on", is_by_input=True
+    ),
 )
 
 
