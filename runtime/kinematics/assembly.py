@@ -9,12 +9,12 @@ from .newton import largest
 from .status import SETTLED, SINGULAR, SMALLEST_STEP, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
-    from .equations import Coordinates
+    from .equations import LinkageCoordinates
     from .mechanism import Array
     from .newton import Newton
 
 
-def assemble(newton: Newton, position: Coordinates) -> float:
+def assemble(newton: Newton, position: LinkageCoordinates) -> float:
     """Find the first position by damped Newton, block after block, in ``position.x``.
 
     Returns

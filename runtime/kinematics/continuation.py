@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .certificate import Certifier, Way
-from .equations import Coordinates
+from .equations import LinkageCoordinates
 from .newton import Convergence, Newton, largest
 from .status import MOST_TILT, MOST_TRIES, SETTLED, SMALLEST_STEP, AnalysisStatus, StopError
 
@@ -29,7 +29,7 @@ class Continuation:
 
     Attributes
     ----------
-    position : Coordinates
+    position : LinkageCoordinates
         Where it is.
     division : int
         The division, or the row, that its inputs are next to.
@@ -49,7 +49,7 @@ class Continuation:
         self.time = 0.0
         alpha, self.rate = run.laws_at(0.0)
         x = np.array([unknown.start for unknown in mechanism.unknowns])
-        self.position = Coordinates(alpha, x)
+        self.position = LinkageCoordinates(alpha, x)
         self.x1, self.x2 = np.zeros_like(x), np.zeros_like(x)
         self.step = math.inf
         self._certifiers = [Certifier(mechanism, block) for block in mechanism.blocks]
@@ -151,7 +151,7 @@ class Continuation:
     def _accept(self, alpha: Array, trial: Array) -> None:
         """Be at a corrected position, angles next to zero."""
         turns = np.where(self._is_angle, np.rint(trial / math.tau), 0.0)
-        self.position = Coordinates(alpha, trial - math.tau * turns)
+        self.position = LinkageCoordinates(alpha, trial - math.tau * turns)
 
     def _derivatives(self, alpha_dot: Array, alpha_ddot: Array) -> tuple[Array, Array]:
         return self.newton.equations.differentiate(self.position, alpha_dot, alpha_ddot)

@@ -35,7 +35,7 @@ def segments_of(
     }
 
 
-class Coordinates(NamedTuple):
+class LinkageCoordinates(NamedTuple):
     """All coordinates of a mechanism, or their first or second derivatives.
 
     Parameters
@@ -69,7 +69,7 @@ class Equations:
         base, size = self.mechanism.regions[name]
         return self.slots[base : base + size]
 
-    def place(self, coordinates: Coordinates, suffix: str = "") -> None:
+    def place(self, coordinates: LinkageCoordinates, suffix: str = "") -> None:
         """Put a position, or with ``_dot`` or ``_ddot`` its derivatives, where segments look."""
         self.region(f"alpha{suffix}")[:] = coordinates.alpha
         self.region(f"x{suffix}")[:] = coordinates.x
@@ -79,7 +79,7 @@ class Equations:
         self.mechanism.segments[segment](self.slots)
 
     def differentiate(
-        self, position: Coordinates, alpha_dot: Array, alpha_ddot: Array
+        self, position: LinkageCoordinates, alpha_dot: Array, alpha_ddot: Array
     ) -> tuple[Array, Array]:
         """Return the derivatives of x along given ones of the inputs, with the factors at hand.
 
@@ -90,8 +90,8 @@ class Equations:
         """
         none = np.zeros_like(position.x)
         self.place(position)
-        self.place(Coordinates(alpha_dot, none), "_dot")
-        self.place(Coordinates(alpha_ddot, none), "_ddot")
+        self.place(LinkageCoordinates(alpha_dot, none), "_dot")
+        self.place(LinkageCoordinates(alpha_ddot, none), "_ddot")
         x_dot, x_ddot = self.region("x_dot"), self.region("x_ddot")
         for block in self.blocks:
             x_dot[block.part] = block.solve(block.velocity_side())

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .equations import Coordinates, Equations
+from .equations import Equations, LinkageCoordinates
 from .status import ROUNDING, SETTLED, SINGULAR, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ class Newton:
     def full(self, alpha: Array, trial: Array) -> Convergence:
         """Improve all unknowns in ``trial`` by full Newton."""
         iterations, residual = 0, 0.0
-        self.equations.place(Coordinates(alpha, trial))
+        self.equations.place(LinkageCoordinates(alpha, trial))
         for number in range(len(self.blocks)):
             self.at = number
             found = self.solve_block(number)
@@ -109,7 +109,7 @@ class Newton:
         trial[:] = self.equations.region("x")
         return Convergence(iterations, residual)
 
-    def modified(self, alpha: Array, trial: Array, reference: Coordinates) -> Convergence:
+    def modified(self, alpha: Array, trial: Array, reference: LinkageCoordinates) -> Convergence:
         """Improve all unknowns in ``trial`` by the iteration of the paper, (27) and (28).
 
         A modified Newton method: the Jacobian stays that of the reference position.
@@ -120,7 +120,7 @@ class Newton:
         last, k = math.inf, 0
         while True:
             correction = np.empty_like(trial)
-            self.equations.place(Coordinates(alpha, trial))
+            self.equations.place(LinkageCoordinates(alpha, trial))
             for block in self.blocks:
                 correction[block.part] = block.residuals()
             residual = largest(correction)
@@ -143,10 +143,10 @@ class Newton:
                 raise StopError(AnalysisStatus.DEAD_CENTRE)
         return Convergence(k, residual)
 
-    def _correct_from(self, reference: Coordinates, correction: Array) -> None:
+    def _correct_from(self, reference: LinkageCoordinates, correction: Array) -> None:
         """Make corrections of residuals, in place, with the Jacobian of the reference."""
         self.equations.place(reference)
-        self.equations.place(Coordinates(np.zeros_like(reference.alpha), correction), "_dot")
+        self.equations.place(LinkageCoordinates(np.zeros_like(reference.alpha), correction), "_dot")
         corrected = self.equations.region("x_dot")
         for block in self.blocks:
             # What the corrections of the blocks before add to this one.

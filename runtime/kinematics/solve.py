@@ -13,7 +13,7 @@ import numpy as np
 
 from .assembly import assemble
 from .continuation import Continuation
-from .equations import Coordinates, segments_of
+from .equations import LinkageCoordinates, segments_of
 from .mechanism import LinkageTables
 from .rows import OF_LINKS, OF_NODES, Rows, RunRequest, empty_rows
 from .status import AnalysisStatus, StopError
@@ -128,8 +128,8 @@ class _Analysis:
         run, rows, row, way = self.run, self.rows, self.rows.done, self.way
         equations = way.newton.equations
         equations.place(way.position)
-        equations.place(Coordinates(way.rate, x_dot), "_dot")
-        equations.place(Coordinates(np.asarray(run.rate_dot), x_ddot), "_ddot")
+        equations.place(LinkageCoordinates(way.rate, x_dot), "_dot")
+        equations.place(LinkageCoordinates(np.asarray(run.rate_dot), x_ddot), "_ddot")
         equations.run("nodes")
         if self.wants_angles:
             equations.run("angles")

@@ -15,7 +15,7 @@ from kousoku.model.read import scene_from_toml
 from kousoku.runtime.kinematics.assembly import assemble as place
 from kousoku.runtime.kinematics.certificate import Certifier, Way
 from kousoku.runtime.kinematics.continuation import Continuation
-from kousoku.runtime.kinematics.equations import Coordinates
+from kousoku.runtime.kinematics.equations import LinkageCoordinates
 from kousoku.runtime.kinematics.mechanism import Block, Curve, Input, LinkageTables, Unknown
 from kousoku.runtime.kinematics.status import MOST_TILT
 from kousoku.runtime.linkage import load_scene
@@ -150,21 +150,21 @@ class Step:
         none = np.zeros_like(self.pace)
         return self.way._way(self.part, self.pace, none, self.end.x - predicted)
 
-    def evaluate(self, position: Coordinates) -> None:
+    def evaluate(self, position: LinkageCoordinates) -> None:
         """Have the factors of a position at hand."""
         self.way.newton.equations.place(position)
         for block in self.way.newton.blocks:
             block.evaluate()
 
-    def at(self, s: float) -> Coordinates:
+    def at(self, s: float) -> LinkageCoordinates:
         """Return the position at s, by small steps."""
         x, count = self.begin.x.copy(), 25
         for k in range(1, count + 1):
             alpha = self.begin.alpha + self.pace * (self.part * s * k / count)
             self.way.newton.full(alpha, x)
-        return Coordinates(alpha, x)
+        return LinkageCoordinates(alpha, x)
 
-    def jacobian(self, number: int, position: Coordinates) -> Array:
+    def jacobian(self, number: int, position: LinkageCoordinates) -> Array:
         """Return the Jacobian of a block; rows of arms do not turn with these, but are at the end.
 
         An arm's two rows are along it and across it, which means the same equations.
