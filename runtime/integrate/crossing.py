@@ -104,7 +104,7 @@ def note_unresolved(time: float, state: State) -> None:
 
 
 @dataclass(slots=True)
-class Node:
+class TimeNode:
     """What is seen at a time of a step.
 
     Parameters
@@ -183,17 +183,17 @@ class Look:
     pole_time: float = 0.0
 
 
-def side_at(node: Node) -> Array:
+def side_at(node: TimeNode) -> Array:
     """Return 1 or -1, the side of zero of each function, 0 where that is not known."""
     return np.where(node.least > 0.0, 1.0, np.where(node.most < 0.0, -1.0, 0.0))
 
 
-def middle(node: Node) -> Array:
+def middle(node: TimeNode) -> Array:
     """Return the middle of each function's bounds."""
     return np.multiply(0.5, node.least + node.most)
 
 
-def half_width(node: Node) -> Array:
+def half_width(node: TimeNode) -> Array:
     """Return half of their distance."""
     return np.multiply(0.5, node.most - node.least)
 
@@ -212,7 +212,7 @@ def read_at(time: float, look: Look) -> Array:
     return read_of(time, look.work.scratch, look.work.w)
 
 
-def look_at(time: float, look: Look) -> Node:
+def look_at(time: float, look: Look) -> TimeNode:
     """Return what is seen at a time of the motion.
 
     Of what passes by there its polynomial tells where it is, however far off that may be, so that
@@ -231,19 +231,19 @@ def look_at(time: float, look: Look) -> Node:
     return see_at(read, noise, time, look.work.w)
 
 
-def look_closely(noise: Array, time: float, look: Look) -> Node:
+def look_closely(noise: Array, time: float, look: Look) -> TimeNode:
     """Return what is seen at a time, where values are known to a noise."""
     return see_at(read_at(time, look), noise, time, look.work.w)
 
 
-def see_at(read: Array, noise: Array, time: float, w: Workspace) -> Node:
+def see_at(read: Array, noise: Array, time: float, w: Workspace) -> TimeNode:
     """Return what is seen at a time where formulas read this, known to a noise."""
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = time
     own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - noise, read + noise, 0.0
     w.run("crossing")
     least, most = w.seen.reshape(-1, 4).T[:2].copy()
-    return Node(time, read, least, most)
+    return TimeNode(time, read, least, most)
 
 
 def stage_beyond(seen: float, look: Look) -> float:
@@ -302,7 +302,7 @@ def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
     return largest(np.zeros_like(off), off - rounding) / h
 
 
-def bound_seen(a: Node, b: Node, look: Look) -> Array:
+def bound_seen(a: TimeNode, b: TimeNode, look: Look) -> Array:
     """Return least, most, slowest and fastest of the functions between two nodes."""
     w, h = look.work.w, b.time - a.time
     (x, v), (y, u) = a.read.T, b.read.T
@@ -334,7 +334,7 @@ def reach_between(
     found[:, 0], found[:, 1] = np.where(is_open, down, least), np.where(is_open, up, most)
 
 
-def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
+def is_told(sides: Array, a: TimeNode, b: TimeNode, bounds: Array) -> Flags:
     """Return whether functions cross between two nodes as often as their sides tell."""
     n, is_down = len(sides), sides < 0.0
     low, high, slowest, fastest = bounds[:, :n]
@@ -353,7 +353,7 @@ def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
     return told
 
 
-def has_value(node: Node) -> Flags:
+def has_value(node: TimeNode) -> Flags:
     """Return whether each function has a value at a node."""
     found: Flags = ~(np.isnan(node.least) | np.isnan(node.most))
     return found
@@ -381,7 +381,7 @@ def lacks_value(k: int, time: float, look: Look) -> bool:
     return not has_value(look_closely(exact, time + onward, look))[k]
 
 
-def valued_end(a: Node, b: Node, look: Look) -> float:
+def valued_end(a: TimeNode, b: TimeNode, look: Look) -> float:
     """Return the last time between two nodes at which all events have a value.
 
     Those count that have none at the second node; the first that has none behind that time is
@@ -416,7 +416,7 @@ def noise_of(k: int, look: Look) -> Array:
     return look.rounding if is_exact else look.noise
 
 
-def time_of(k: int, a: Node, b: Node, look: Look) -> float:
+def time_of(k: int, a: TimeNode, b: TimeNode, look: Look) -> float:
     """Return the first time between two nodes at which a function that crosses does.
 
     Those of events are zero there, the others beyond it, so that what follows is all on the other
@@ -439,7 +439,7 @@ def time_of(k: int, a: Node, b: Node, look: Look) -> float:
     return last
 
 
-def first_time(a: Node, b: Node, look: Look) -> float:
+def first_time(a: TimeNode, b: TimeNode, look: Look) -> float:
     """Return when the first function crosses; only those that do so there are left.
 
     What is behind the end of the run does not count, however near it is.
@@ -456,7 +456,7 @@ def first_time(a: Node, b: Node, look: Look) -> float:
     return first
 
 
-def first_left(a: Node, b: Node, look: Look) -> float:
+def first_left(a: TimeNode, b: TimeNode, look: Look) -> float:
     """Return when the first function but for events is on a side that was near to zero so far.
 
     Formulas at zero, where jumps are, tell nothing of what follows; those that are near to it on
@@ -528,7 +528,7 @@ def seen_end(end: float, look: Look) -> float:
     return a.time if nearest < a.time < end else end
 
 
-def find_pole(passes: Flags, a: Node, b: Node, look: Look) -> None:
+def find_pole(passes: Flags, a: TimeNode, b: TimeNode, look: Look) -> None:
     """Find the first pole of a force between two nodes, but behind nothing else that crosses there.
 
     Functions pass zero there, where forces may be infinite.
@@ -545,7 +545,7 @@ def find_pole(passes: Flags, a: Node, b: Node, look: Look) -> None:
             look.pole = 1 + k - len(passes) + look.work.scene.n_poles
 
 
-def see_beside(way: float, time: float, read: Array, noise: Array, look: Look) -> Node:
+def see_beside(way: float, time: float, read: Array, noise: Array, look: Look) -> TimeNode:
     """Return what is seen that far from a time where formulas read this, and go on evenly."""
     there = read.copy()
     there[:, 0] += way * read[:, 1]
