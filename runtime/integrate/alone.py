@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .events import Told, add_row, bends, infinite, without_value
+from .events import EventLog, add_row, bends, infinite, without_value
 from .given import require_options, require_steps, times_of, values_of
 from .given_start import given_start
 from .initial_given import initial_of, parameters_of
@@ -227,7 +227,7 @@ class Run:
             parameters=self._parameters,
             is_complete=is_complete,
             trust=trust,
-            told=Told(tuple(map(int, counts)), events),
+            told=EventLog(tuple(map(int, counts)), events),
         )
 
     def _require(self, status: int, *, may_lack_values: bool = False) -> None:
