@@ -254,13 +254,13 @@ def record_of(run: RunRequest, rows: Rows) -> Any:
 def _run_type(inputs: int) -> type[ctypes.Structure]:
     """Return the record of ``solver.h``."""
 
-    class Record(ctypes.Structure):
+    class RunRecord(ctypes.Structure):
         _fields_ = tuple(
             (one.name, _TYPES[one.type] * inputs if one.is_by_input else _type_of(one.type))
             for one in RUN
         )
 
-    return Record
+    return RunRecord
 
 
 def _type_of(declared: str) -> Any:
