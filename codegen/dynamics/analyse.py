@@ -49,7 +49,7 @@ from kousoku.model.varying import fixed_system
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Kept, Row
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Kept
     from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
     from kousoku.codegen.dynamics.simplification.outline import Outline
     from kousoku.model.mechanism import System
@@ -92,20 +92,20 @@ class Analysed:
     thin: tuple[str, ...] = ()
 
     @property
-    def solved(self) -> list[Row]:
+    def solved(self) -> list[ConstraintEquation]:
         """Rows that have multipliers."""
         others = {*self.satisfied, *self.left_out}
         rows = self.outline.rows
         return [row for row in rows if row not in others] if others else list(rows)
 
     @property
-    def satisfied(self) -> list[Row]:
+    def satisfied(self) -> list[ConstraintEquation]:
         """Rows that hold by themselves: those of joints that bodies are put onto."""
         places = {place for one in self.transformations.values() for place in one.instances}
         return [row for row in self.outline.rows if row.instance in places]
 
     @property
-    def left_out(self) -> list[Row]:
+    def left_out(self) -> list[ConstraintEquation]:
         """Rows that depend on others."""
         dropped = set(self.freedom.dropped)
         return [row for row in self.outline.rows if row in dropped] if dropped else []
@@ -225,7 +225,7 @@ def in_xy_plane(found: Analysed) -> Analysed:
     if not (shift := shift_of(found.outline.plane)):
         return found
 
-    def seen(rows: Sequence[Row]) -> tuple[Row, ...]:
+    def seen(rows: Sequence[ConstraintEquation]) -> tuple[ConstraintEquation, ...]:
         return permuted_rows(rows, found.system, shift)
 
     outline, freedom = found.outline, found.freedom

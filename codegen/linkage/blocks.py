@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 #: The places of x1 y1 β1 x2 y2 β2 that each of ε1, ε2, ε3 depends on, (5)–(7).
 DEPENDS = ((0, 1, 3, 4), (0, 1, 2, 3, 4), (0, 1, 3, 4, 5))
 
-Row = tuple[int, int]
+Equation = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class Block:
     """
 
     unknowns: tuple[int, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[Equation, ...]
 
 
 def triangular_blocks(assembly: Assembly) -> tuple[Block, ...]:
@@ -91,12 +91,12 @@ def _unknowns(assembly: Assembly, element: LinkElement, row: int) -> tuple[int, 
     return tuple(c for c in found if assembly.coordinates[c].role is Role.UNKNOWN)
 
 
-def _match(unknowns_of: Mapping[Row, tuple[int, ...]]) -> dict[int, Row]:
+def _match(unknowns_of: Mapping[Equation, tuple[int, ...]]) -> dict[int, Equation]:
     """Return for each matched unknown its equation; as many are matched as can be."""
-    row_of: dict[int, Row] = {}
-    unknown_of: dict[Row, int] = {}
+    row_of: dict[int, Equation] = {}
+    unknown_of: dict[Equation, int] = {}
     for start in unknowns_of:
-        reached_from: dict[int, Row] = {}
+        reached_from: dict[int, Equation] = {}
         queue = deque([start])
         while queue:
             row = queue.popleft()
@@ -114,9 +114,9 @@ def _match(unknowns_of: Mapping[Row, tuple[int, ...]]) -> dict[int, Row]:
 
 
 def _exchange(
-    row_of: dict[int, Row],
-    unknown_of: dict[Row, int],
-    reached_from: Mapping[int, Row],
+    row_of: dict[int, Equation],
+    unknown_of: dict[Equation, int],
+    reached_from: Mapping[int, Equation],
     free: int,
 ) -> None:
     """Match a free unknown: exchange matched and unmatched pairs along the path that led to it."""
@@ -129,7 +129,7 @@ def _exchange(
 
 
 def _components(
-    unknowns_of: Mapping[Row, tuple[int, ...]], row_of: Mapping[int, Row]
+    unknowns_of: Mapping[Equation, tuple[int, ...]], row_of: Mapping[int, Equation]
 ) -> tuple[Block, ...]:
     """Return the strongly connected components (Tarjan 1972), dependencies first."""
     index: dict[int, int] = {}
@@ -160,7 +160,7 @@ def _components(
     return tuple(blocks)
 
 
-def _pop_component(stack: dict[int, None], root: int, row_of: Mapping[int, Row]) -> Block:
+def _pop_component(stack: dict[int, None], root: int, row_of: Mapping[int, Equation]) -> Block:
     members = [stack.popitem()[0]]
     while members[-1] != root:
         members.append(stack.popitem()[0])
@@ -170,10 +170,10 @@ def _pop_component(stack: dict[int, None], root: int, row_of: Mapping[int, Row])
 
 def _not_determined(
     assembly: Assembly,
-    unknowns_of: Mapping[Row, tuple[int, ...]],
-    row_of: Mapping[int, Row],
+    unknowns_of: Mapping[Equation, tuple[int, ...]],
+    row_of: Mapping[int, Equation],
     free: Sequence[int],
-    extra: Sequence[Row],
+    extra: Sequence[Equation],
 ) -> str:
     """Say which nodes can still move and which links hold what is held already."""
     parts = []
@@ -197,7 +197,9 @@ def _not_determined(
 
 
 def _underdetermined(
-    unknowns_of: Mapping[Row, tuple[int, ...]], row_of: Mapping[int, Row], free: Sequence[int]
+    unknowns_of: Mapping[Equation, tuple[int, ...]],
+    row_of: Mapping[int, Equation],
+    free: Sequence[int],
 ) -> list[int]:
     """Return the unknowns of the under-determined part, reached from those left over."""
     unknown_of = {row: unknown for unknown, row in row_of.items()}
@@ -213,7 +215,9 @@ def _underdetermined(
 
 
 def _overdetermined(
-    unknowns_of: Mapping[Row, tuple[int, ...]], row_of: Mapping[int, Row], extra: Sequence[Row]
+    unknowns_of: Mapping[Equation, tuple[int, ...]],
+    row_of: Mapping[int, Equation],
+    extra: Sequence[Equation],
 ) -> list[int]:
     """Return the elements of the over-determined part, reached from the equations left over."""
     seen = dict.fromkeys(extra)

@@ -19,7 +19,7 @@ from kousoku.runtime.integrate.settings import ACTIONS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Program, Row
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
     from kousoku.model.mechanism import System
     from kousoku.model.switching import Measure
 
@@ -143,7 +143,7 @@ def measure_size(one: Measure, system: System, length: float) -> float:
     return length / (system.unit if one.force < 0 else 1.0)
 
 
-def row_of(row: Row, system: System) -> list[str]:
+def row_of(row: ConstraintEquation, system: System) -> list[str]:
     """Joint of a row, or the key of its driver, and the unit of its residual."""
     instance = system.constraints[row.instance]
     name = f"drivers.{row.joint}" if instance.is_driver else row.joint

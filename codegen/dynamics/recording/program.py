@@ -162,8 +162,8 @@ class Kept:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
-    """One row of the constraints that are kept.
+class ConstraintEquation:
+    """One row of a constraint.
 
     Parameters
     ----------
@@ -201,13 +201,13 @@ class Program:
         Count of slots.
     bodies : tuple of BodyCoordinates
         In the order of the system.
-    rows : tuple of Row
+    rows : tuple of ConstraintEquation
         In the order of the regions ``C`` and ``lam``.
     is_planar : bool
         Whether all bodies move in parallel coordinate planes.
-    left_out : tuple of Row
+    left_out : tuple of ConstraintEquation
         Rows that depend on others, in the order of the region ``C_left_out``.
-    reduced : tuple of Row
+    reduced : tuple of ConstraintEquation
         Rows that hold by themselves, in the order of the region ``C_left_out``: those of joints
         that bodies are put onto. Where there are some no row is left out.
     placed : tuple of int
@@ -243,12 +243,12 @@ class Program:
     constants: tuple[Fraction, ...]
     size: int
     bodies: tuple[BodyCoordinates, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[ConstraintEquation, ...]
     is_planar: bool
     auxiliary: tuple[Auxiliary, ...] = ()
     kept: tuple[Kept, ...] = ()
-    left_out: tuple[Row, ...] = ()
-    reduced: tuple[Row, ...] = ()
+    left_out: tuple[ConstraintEquation, ...] = ()
+    reduced: tuple[ConstraintEquation, ...] = ()
     placed: tuple[int, ...] = ()
     not_unique: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()

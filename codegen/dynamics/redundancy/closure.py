@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
     from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
@@ -68,7 +68,7 @@ class Closed:
 
     Parameters
     ----------
-    row : Row
+    row : ConstraintEquation
         Which; it is left out.
     is_length : bool
         Whether what it misses is a length, or else an angle.
@@ -78,7 +78,7 @@ class Closed:
         The most that it misses at the positions that were looked at.
     """
 
-    row: Row
+    row: ConstraintEquation
     is_length: bool
     pivot: float
     missed: float
@@ -156,7 +156,10 @@ def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
 
 
 def require_gap(
-    system: System, branch: Branch, rows: Sequence[Row], positions: Sequence[BranchPosition]
+    system: System,
+    branch: Branch,
+    rows: Sequence[ConstraintEquation],
+    positions: Sequence[BranchPosition],
 ) -> None:
     """Refuse rows that are neither redundant nor independent.
 
@@ -189,7 +192,7 @@ def far_from_singular(positions: Sequence[BranchPosition]) -> list[BranchPositio
 
 
 def starts_closed(
-    system: System, branch: Branch, rows: Sequence[Row], start: BranchPosition
+    system: System, branch: Branch, rows: Sequence[ConstraintEquation], start: BranchPosition
 ) -> bool:
     """Whether rows that others imply miss no more than they may where a scene starts.
 
@@ -208,7 +211,7 @@ def starts_closed(
     return size <= most
 
 
-def _refuse(system: System, row: Row, others: Sequence[str], size: str) -> NoReturn:
+def _refuse(system: System, row: ConstraintEquation, others: Sequence[str], size: str) -> NoReturn:
     """Refuse a row that is neither redundant nor independent."""
     tolerance, leaning = system.closure_tolerance, _leaning(system, (row.joint, *others))
     raise SceneError(
@@ -220,7 +223,7 @@ def _refuse(system: System, row: Row, others: Sequence[str], size: str) -> NoRet
     )
 
 
-def _beside(factors: Factors, rows: Sequence[Row]) -> list[str]:
+def _beside(factors: Factors, rows: Sequence[ConstraintEquation]) -> list[str]:
     """Joints of the rows that the last row that was taken nearly depends on."""
     last = factors.rank - 1
     part = factors.lower[last].copy()
@@ -264,7 +267,10 @@ def _between(a: Array, b: Array) -> float:
 
 
 def closed_rows(
-    branch: Branch, rows: Sequence[Row], left: Sequence[Row], positions: Sequence[BranchPosition]
+    branch: Branch,
+    rows: Sequence[ConstraintEquation],
+    left: Sequence[ConstraintEquation],
+    positions: Sequence[BranchPosition],
 ) -> tuple[Closed, ...]:
     """Rows that are left out and that others do not imply to rounding.
 

@@ -19,7 +19,7 @@ from kousoku.runtime.integrate.result import listed
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
     from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
     from kousoku.model.mechanism import System
@@ -34,7 +34,7 @@ class Drivers:
         The scene.
     branch : Branch
         The part; positions of it are those that joints allow.
-    joints, drivers : sequence of (Row, int)
+    joints, drivers : sequence of (ConstraintEquation, int)
         Rows, and which row of the branch each is.
     """
 
@@ -42,8 +42,8 @@ class Drivers:
         self,
         system: System,
         branch: Branch,
-        joints: Sequence[tuple[Row, int]],
-        drivers: Sequence[tuple[Row, int]],
+        joints: Sequence[tuple[ConstraintEquation, int]],
+        drivers: Sequence[tuple[ConstraintEquation, int]],
     ) -> None:
         self._system, self._branch = system, branch
         self._rows = [row for row, _ in (*joints, *drivers)]
@@ -122,7 +122,7 @@ class Drivers:
     def _named(self) -> dict[str, None]:
         return dict.fromkeys(self._key(row) for row in self._rows[self._first :])
 
-    def _key(self, row: Row) -> str:
+    def _key(self, row: ConstraintEquation) -> str:
         return key_of(self._system.constraints[row.instance])
 
     def _taking_part(self, factors: Factors) -> list[str]:

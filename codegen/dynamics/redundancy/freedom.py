@@ -41,7 +41,7 @@ from kousoku.runtime.integrate.settings import CLEARLY
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.closure import Closed
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
@@ -93,7 +93,7 @@ class Freedom:
         Of C_q along the branch.
     dependent : tuple of DependentSet
         Those along the branch, then those at the start only.
-    dropped : tuple of Row
+    dropped : tuple of ConstraintEquation
         Rows that depend on the others and are left out.
     worst : float
         How well the remaining rows keep their rank at the worst position: 1 is best.
@@ -104,7 +104,7 @@ class Freedom:
         known of them.
     drivers : int
         How many of the rows are those of drivers in loops.
-    idle : tuple of Row
+    idle : tuple of ConstraintEquation
         Of the rows that are left out those that nothing changes, and those of kinds of one's own
         that others of the same joint imply: they carry nothing.
     closed : tuple of Closed
@@ -119,12 +119,12 @@ class Freedom:
     rows: int
     rank: int
     dependent: tuple[DependentSet, ...] = ()
-    dropped: tuple[Row, ...] = ()
+    dropped: tuple[ConstraintEquation, ...] = ()
     worst: float = 1.0
     positions: int = 0
     unknown: tuple[str, ...] = ()
     drivers: int = 0
-    idle: tuple[Row, ...] = ()
+    idle: tuple[ConstraintEquation, ...] = ()
     closed: tuple[Closed, ...] = ()
     undetermined: Undetermined = ()
 
@@ -175,7 +175,7 @@ def freedom_of(system: System, outline: Outline) -> Freedom:
     """
     system = near_origin(system)
     total = Freedom.of(outline)
-    by_instance: dict[int, list[Row]] = {}
+    by_instance: dict[int, list[ConstraintEquation]] = {}
     for row in outline.rows:
         by_instance.setdefault(row.instance, []).append(row)
     for part in loops_of(system):
@@ -230,7 +230,7 @@ def _less(place: Sequence[float], origin: Vector) -> Vector:
 
 
 def _freedom_of_part(
-    system: System, outline: Outline, part: LoopPart, rows: Sequence[Row]
+    system: System, outline: Outline, part: LoopPart, rows: Sequence[ConstraintEquation]
 ) -> Freedom:
     residuals, first = part_residuals(system, part)
     joints, driven = _sorted(system, rows)
@@ -292,7 +292,9 @@ def _freedom_of_part(
     return replace(found, rows=len(rows), rank=found.rank + len(driven), drivers=len(driven))
 
 
-def _is_independent(system: System, outline: Outline, part: LoopPart, rows: Sequence[Row]) -> bool:
+def _is_independent(
+    system: System, outline: Outline, part: LoopPart, rows: Sequence[ConstraintEquation]
+) -> bool:
     """Whether sparse factors show that no row depends on others at the start.
 
     Then none does along the branch, but at some of its positions.
@@ -312,7 +314,9 @@ def _is_independent(system: System, outline: Outline, part: LoopPart, rows: Sequ
     return BlockFactors(Pattern(residuals), (at, columns, values), left_out=left_out).is_regular
 
 
-def _sorted(system: System, rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
+def _sorted(
+    system: System, rows: Sequence[ConstraintEquation]
+) -> tuple[list[ConstraintEquation], list[ConstraintEquation]]:
     """Rows that hold at all times and those of drivers.
 
     A point is driven in three directions. Where one of them stays, as in a plane, nothing moves in
@@ -330,7 +334,9 @@ def _sorted(system: System, rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
 
 
 def _dependences(
-    rows: Sequence[Row], positions: Sequence[BranchPosition], takes_part: float = TAKES_PART
+    rows: Sequence[ConstraintEquation],
+    positions: Sequence[BranchPosition],
+    takes_part: float = TAKES_PART,
 ) -> Freedom:
     """Dependences of the rows of joints after all positions were looked at."""
     rank = max(position.factors.rank for position in positions)
@@ -358,7 +364,7 @@ def _dependences(
     )
 
 
-def _shaky(rows: Sequence[Row], position: BranchPosition, rank: int) -> Freedom:
+def _shaky(rows: Sequence[ConstraintEquation], position: BranchPosition, rank: int) -> Freedom:
     """Freedom of a shaky linkage: infinitesimally mobile, but finitely rigid.
 
     Rows that depend on each other there hold what the others do not, as those of two bars that are
@@ -420,11 +426,15 @@ def _components(factors: Sequence[Factors], takes_part: float) -> list[tuple[tup
 
 
 def _set(
-    rows: Sequence[Row], places: Sequence[int], dimension: int, *, is_everywhere: bool
+    rows: Sequence[ConstraintEquation],
+    places: Sequence[int],
+    dimension: int,
+    *,
+    is_everywhere: bool,
 ) -> DependentSet:
     joints = _joints(rows[place] for place in places)
     return DependentSet(joints, len(places), dimension, is_everywhere)
 
 
-def _joints(rows: Iterable[Row]) -> tuple[str, ...]:
+def _joints(rows: Iterable[ConstraintEquation]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(row.joint for row in rows))

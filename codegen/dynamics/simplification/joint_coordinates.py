@@ -31,7 +31,7 @@ from kousoku.model.varying import is_varying
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.model.mechanism import Coordinate, System
     from kousoku.model.precise import High, Quadruple, Triple
 
@@ -172,14 +172,14 @@ def velocity_transformations_of(
     return found
 
 
-def is_worth(system: System, rows: Sequence[Row]) -> bool:
+def is_worth(system: System, rows: Sequence[ConstraintEquation]) -> bool:
     """Whether drivers act on bodies at the ground, or joints there have many of the rows.
 
     Parameters
     ----------
     system : System
         The scene.
-    rows : sequence of Row
+    rows : sequence of ConstraintEquation
         All that are solved.
     """
     grounded = [len(one.bodies) == 2 and GROUND_INDEX in one.bodies for one in system.constraints]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, inputs_of
 from kousoku.codegen.dynamics.operations.shapes import shape, sizes
-from kousoku.codegen.dynamics.recording.program import Row
+from kousoku.codegen.dynamics.recording.program import ConstraintEquation
 from kousoku.codegen.dynamics.recording.recorder import Recorder, pattern_of
 from kousoku.codegen.dynamics.recording.traces import Trace
 from kousoku.codegen.dynamics.simplification.axis_permutation import (
@@ -46,13 +46,13 @@ class Outline:
         The plane of the motion; None where bodies move in space.
     columns : tuple of tuple of int
         Of each body the places in (δr, δθ′) that are velocities.
-    rows : tuple of Row
+    rows : tuple of ConstraintEquation
         In the order in which they are composed.
     """
 
     plane: Plane | None
     columns: tuple[tuple[int, ...], ...]
-    rows: tuple[Row, ...]
+    rows: tuple[ConstraintEquation, ...]
 
     @property
     def is_planar(self) -> bool:
@@ -89,7 +89,7 @@ def outline_of(system: System, plane: Plane | None) -> Outline:
     there = permuted(system, shift)
     live = live_rows(there, is_planar=is_planar)
     rows = tuple(
-        Row(one.joint, place, row)
+        ConstraintEquation(one.joint, place, row)
         for place, (one, own) in enumerate(zip(system.constraints, live, strict=True))
         for row in own
     )
