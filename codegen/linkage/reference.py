@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.linkage.layout import Layout
-    from kousoku.codegen.linkage.solution import Place
+    from kousoku.codegen.linkage.solution import LinkagePosition
 
     #: For each input of the kernels its doubles.
     Numbers = dict[str, tuple[float, ...]]
@@ -56,7 +56,7 @@ class Point:
     nan: tuple[str, int] | None = None
 
 
-def reference_values(program: Program, layout: Layout, found: Sequence[Place]) -> str:
+def reference_values(program: Program, layout: Layout, found: Sequence[LinkagePosition]) -> str:
     """Return the text of the reference values.
 
     Values come from :class:`kousoku.codegen.linkage.exact.Exact` in 50 digits. Constants of the
@@ -72,7 +72,7 @@ def reference_values(program: Program, layout: Layout, found: Sequence[Place]) -
     )
 
 
-def _points(layout: Layout, found: Sequence[Place]) -> list[Point]:
+def _points(layout: Layout, found: Sequence[LinkagePosition]) -> list[Point]:
     """Return the points, the last ones each with a number that is NaN."""
     points = [
         Point(

@@ -30,7 +30,7 @@ MOST_CORRECTIONS = 60
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class LinkagePosition:
     """A position of the linkage with its motion.
 
     Parameters
@@ -52,10 +52,10 @@ def span_of(given: Input) -> Fraction:
     return 2 * HALF_TURN * Fraction(turns_of(given) or 0)
 
 
-def places(layout: Layout) -> list[Place]:
+def places(layout: Layout) -> list[LinkagePosition]:
     """Return the linkage at every step of its way, up to a dead centre; empty if it never fits."""
     start = [HIGH.number(layout.assembly.coordinates[u].start) for u in layout.unknowns]
-    found: list[Place] = []
+    found: list[LinkagePosition] = []
     try:
         here = _placed(layout, Fraction(0), start)
         first_sides = _sides(layout, here)
@@ -63,7 +63,7 @@ def places(layout: Layout) -> list[Place]:
             part = Fraction(len(found), STEPS)
             for order, name in ((1, "x_dot"), (2, "x_ddot")):
                 here[name] = _derivatives(layout, here, order)
-            found.append(Place(part, here))
+            found.append(LinkagePosition(part, here))
             if part == 1:
                 break
             here = _advanced(layout, here, part, part + Fraction(1, STEPS), HALVINGS)
@@ -72,7 +72,7 @@ def places(layout: Layout) -> list[Place]:
     return found
 
 
-def solution(layout: Layout, found: Sequence[Place]) -> dict[str, object]:
+def solution(layout: Layout, found: Sequence[LinkagePosition]) -> dict[str, object]:
     """Return what the solver of the scene must give, as data.
 
     Motions of the nodes at some of :data:`STEPS` divisions, rounded to doubles. Where a block has

@@ -17,7 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.recording.program import Auxiliary, Place
+from kousoku.codegen.dynamics.recording.program import Auxiliary, CoordinatePlace
 from kousoku.codegen.dynamics.recording.recorder import slot_of
 
 if TYPE_CHECKING:
@@ -40,8 +40,8 @@ def entries_of(system: System) -> tuple[Auxiliary, ...]:
     working = dict.fromkeys(force.name for force in system.forces if force.works)
     working |= dict.fromkeys(drivers_of(system))
     return (
-        *(Auxiliary(TURNS, one.name, Place(-1, one.near)) for one in turns),
-        *(Auxiliary(WORK, name, Place(-1, 0.0)) for name in working),
+        *(Auxiliary(TURNS, one.name, CoordinatePlace(-1, one.near)) for one in turns),
+        *(Auxiliary(WORK, name, CoordinatePlace(-1, 0.0)) for name in working),
     )
 
 

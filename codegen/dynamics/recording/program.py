@@ -81,7 +81,7 @@ class Segment:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class CoordinatePlace:
     """Where one coordinate of a body is.
 
     Parameters
@@ -104,17 +104,17 @@ class BodyCoordinates:
     ----------
     body : str
         As in the scene.
-    r, p, v, omega_b : tuple of Place
+    r, p, v, omega_b : tuple of CoordinatePlace
         Centre of mass and its velocity in frame O, Euler parameters, angular velocity in the frame
         of the body. A point has constant p; in a planar program r along the normal and the two
         parameters across it are constant.
     """
 
     body: str
-    r: tuple[Place, ...]
-    p: tuple[Place, ...]
-    v: tuple[Place, ...]
-    omega_b: tuple[Place, ...]
+    r: tuple[CoordinatePlace, ...]
+    p: tuple[CoordinatePlace, ...]
+    v: tuple[CoordinatePlace, ...]
+    omega_b: tuple[CoordinatePlace, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,13 +127,13 @@ class Auxiliary:
         ``turns`` of an angle [rad], ``work`` of a force or a driver [J].
     name : str
         Of the coordinate, the force or the driver.
-    place : Place
+    place : CoordinatePlace
         Its slot, and its value at the start.
     """
 
     kind: str
     name: str
-    place: Place
+    place: CoordinatePlace
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.shapes import shape, start
 from kousoku.codegen.dynamics.recording.design import number
-from kousoku.codegen.dynamics.recording.program import BodyCoordinates, Place
+from kousoku.codegen.dynamics.recording.program import BodyCoordinates, CoordinatePlace
 from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column, slot_of
 
 if TYPE_CHECKING:
@@ -140,9 +140,9 @@ def coordinates(body: MovingBody, blocks: BodyBlocks) -> BodyCoordinates:
 
     def places(
         block: SlotMatrix, first: int, kept: Sequence[int], values: Sequence[float]
-    ) -> Places:
+    ) -> CoordinatePlaces:
         return tuple(
-            Place(slot_of(entry) if first + k in kept else -1, values[first + k])
+            CoordinatePlace(slot_of(entry) if first + k in kept else -1, values[first + k])
             for k, entry in enumerate(block.entries)
         )
 
@@ -155,4 +155,4 @@ def coordinates(body: MovingBody, blocks: BodyBlocks) -> BodyCoordinates:
     )
 
 
-Places = tuple[Place, ...]
+CoordinatePlaces = tuple[CoordinatePlace, ...]
