@@ -11,7 +11,7 @@ import numpy as np
 from .arithmetic import larger, rounding_of_sum
 from .methods import METHODS
 from .state import State, size_of_state
-from .tasks import Kernel, numbers, places, run_tasks, segment_of
+from .tasks import TaskKernel, numbers, places, run_tasks, segment_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -51,7 +51,7 @@ class SceneTables:
     work_size : int
         Count of slots in the workspace.
     kernels : sequence of (callable, int, str, str)
-        What tasks call, as :meth:`integrate.tasks.Kernel.read` takes it.
+        What tasks call, as :meth:`integrate.tasks.TaskKernel.read` takes it.
     tasks : mapping of str to str
         The table of each segment, as :func:`integrate.tasks.segment_of` reads it.
     tables : mapping of str to str
@@ -142,7 +142,7 @@ class SceneTables:
     events: Slots = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        kernels = [Kernel.read(*kernel) for kernel in self.kernels]
+        kernels = [TaskKernel.read(*kernel) for kernel in self.kernels]
         tables = defaultdict(str, self.tables)
         found: dict[str, object] = {
             "segments": {name: segment_of(kernels, text) for name, text in self.tasks.items()},

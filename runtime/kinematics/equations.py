@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..integrate.tasks import Kernel, run_tasks, segment_of
+from ..integrate.tasks import TaskKernel, run_tasks, segment_of
 from .lu import LU
 
 if TYPE_CHECKING:
@@ -25,11 +25,11 @@ def segments_of(
     Parameters
     ----------
     kernels : sequence of (callable, int, str, str)
-        What tasks call, as :meth:`integrate.tasks.Kernel.read` takes it.
+        What tasks call, as :meth:`integrate.tasks.TaskKernel.read` takes it.
     tasks : mapping of str to str
         The table of each segment, as :func:`integrate.tasks.segment_of` reads it.
     """
-    read = [Kernel.read(*kernel) for kernel in kernels]
+    read = [TaskKernel.read(*kernel) for kernel in kernels]
     return {
         name: partial(run_tasks, segment=segment_of(read, text)) for name, text in tasks.items()
     }
