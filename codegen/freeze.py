@@ -29,7 +29,7 @@ from kousoku.codegen.matrix_chain import Association, flip
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model.errors import FreezeError
 from kousoku.model.graph import Graph, Op
-from kousoku.model.kernel import Kernel
+from kousoku.model.kernel import KernelGraph
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 Cells = tuple[tuple[int, ...], ...]
 
 
-def freeze(function: Function) -> Kernel:
+def freeze(function: Function) -> KernelGraph:
     """Return the kernel of a derived function.
 
     Parameters
@@ -62,7 +62,7 @@ def freeze(function: Function) -> Kernel:
 
     Returns
     -------
-    Kernel
+    KernelGraph
         The scalar operations that all outputs need, each once.
 
     Raises
@@ -73,7 +73,7 @@ def freeze(function: Function) -> Kernel:
     lowering = _Lowering(function)
     results = tuple(lowering.output(output) for output in function.outputs)
     names = dict(reversed(lowering.names))  # the first name of a node wins
-    whole = Kernel(
+    whole = KernelGraph(
         name=function.name,
         title=function.title,
         formula=function.formula,

@@ -14,7 +14,7 @@ import sympy
 
 from kousoku.model.errors import FreezeError
 from kousoku.model.graph import Node, Op
-from kousoku.model.kernel import Kernel
+from kousoku.model.kernel import KernelGraph
 from kousoku.symbolic.matrices import elements
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _OPS = {sympy.sin: Op.SIN, sympy.cos: Op.COS, sympy.atan2: Op.ATAN2}
 
 
-def freeze_components(function: Function) -> Kernel:
+def freeze_components(function: Function) -> KernelGraph:
     """Kernel of a function's components; equal sub-expressions are one node.
 
     Parameters
@@ -43,7 +43,7 @@ def freeze_components(function: Function) -> Kernel:
     results = tuple(
         tuple(freezing.node_of(x) for x in output.components) for output in function.outputs
     )
-    return Kernel(
+    return KernelGraph(
         name=function.name,
         title=function.title,
         formula=function.formula,

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.known import KnownError
-    from kousoku.model.kernel import Kernel, Package
+    from kousoku.model.kernel import KernelGraph, Package
     from kousoku.symbolic.derivation import Function, Output
 
 FORMAT = 1
@@ -108,7 +108,7 @@ def _kernels(
 
 
 def _known(
-    kernel: Kernel, function: Function, components: Kernel, error: KnownError
+    kernel: KernelGraph, function: Function, components: KernelGraph, error: KnownError
 ) -> dict[str, object]:
     """Point at which an output is beyond the limit, with its own limit.
 
@@ -134,7 +134,7 @@ def _is_finite(point: EvaluationPoint) -> bool:
 
 
 def _points(
-    function: Function, components: Kernel, package: Sequence[Kernel], is_thorough: bool
+    function: Function, components: KernelGraph, package: Sequence[KernelGraph], is_thorough: bool
 ) -> list[EvaluationPoint]:
     """Points of one function, fewer of them where it has many outputs."""
     stream = Sha256Random(function.name)
@@ -153,7 +153,7 @@ def _points(
 
 
 def _manifold_points(
-    function: Function, package: Sequence[Kernel], stream: Sha256Random
+    function: Function, package: Sequence[KernelGraph], stream: Sha256Random
 ) -> list[EvaluationPoint]:
     """Point on the constraint manifold of the package, and one near it."""
     for other in package:
@@ -171,7 +171,7 @@ def _manifold_points(
     return []
 
 
-def _solution(components: Kernel, stream: Sha256Random) -> dict[str, tuple[float, ...]] | None:
+def _solution(components: KernelGraph, stream: Sha256Random) -> dict[str, tuple[float, ...]] | None:
     """Point on the constraint manifold; None where no start leads there."""
     # Only the first start takes from the stream: later points are the same however many it takes.
     for own in (stream, *(Sha256Random(f"start {number}") for number in range(1, MOST_STARTS))):
@@ -183,7 +183,7 @@ def _solution(components: Kernel, stream: Sha256Random) -> dict[str, tuple[float
 
 
 def values_at(
-    kernel: Kernel, function: Function, components: Kernel, point: EvaluationPoint
+    kernel: KernelGraph, function: Function, components: KernelGraph, point: EvaluationPoint
 ) -> dict[str, object] | None:
     """Point with its references; None where it happens to be no number."""
     bad = [
@@ -223,7 +223,7 @@ def _json_number(x: float) -> float | str:
     return x if math.isfinite(x) else str(x)
 
 
-def _check_zeros(kernel: Kernel, output: int, duals: Sequence[Dual]) -> None:
+def _check_zeros(kernel: KernelGraph, output: int, duals: Sequence[Dual]) -> None:
     nonzero = kernel.nonzero(output)
     for element, dual in enumerate(duals):
         if element not in nonzero and abs(dual.value) > 0:

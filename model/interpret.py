@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from typing import TypeVar
 
     from kousoku.model.graph import Node
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.kernel import KernelGraph
 
     Number = TypeVar("Number")
 
@@ -34,13 +34,13 @@ ARRAY: Arithmetic[Any] = Arithmetic(
 
 
 def evaluate(
-    kernel: Kernel, inputs: Mapping[str, Sequence[Number]], arithmetic: Arithmetic[Number]
+    kernel: KernelGraph, inputs: Mapping[str, Sequence[Number]], arithmetic: Arithmetic[Number]
 ) -> dict[str, tuple[Number, ...]]:
     """Return the outputs of a kernel.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : KernelGraph
         What is evaluated, every node of it in the order of the text.
     inputs : mapping of str to sequence
         For each input its elements, flat row-major.
@@ -61,7 +61,7 @@ def evaluate(
 
 
 def node_values(
-    kernel: Kernel, inputs: Mapping[str, Sequence[Number]], arithmetic: Arithmetic[Number]
+    kernel: KernelGraph, inputs: Mapping[str, Sequence[Number]], arithmetic: Arithmetic[Number]
 ) -> list[Number]:
     """Return the values of all nodes of a kernel, as :func:`evaluate` does for its outputs."""
     values: list[Any] = []

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Kernel:
+class KernelGraph:
     """Named arrays in, named arrays out, and the scalar operations between them.
 
     Parameters
@@ -77,7 +77,7 @@ class Package:
         What the kernels are of, in one line.
     regenerate : str
         The command that makes the folder again.
-    kernels : tuple of Kernel
+    kernels : tuple of KernelGraph
         In the order of the text.
     choices : tuple of str
         Of a kind with several choices of its rows: what the names of its kernels end in, such as
@@ -87,11 +87,11 @@ class Package:
     name: str
     title: str
     regenerate: str
-    kernels: tuple[Kernel, ...]
+    kernels: tuple[KernelGraph, ...]
     choices: tuple[str, ...] = ()
 
     @property
-    def families(self) -> tuple[tuple[Kernel, ...], ...]:
+    def families(self) -> tuple[tuple[KernelGraph, ...], ...]:
         """The kernels, those that differ in the choice of rows only together."""
         if not self.choices:
             return tuple((kernel,) for kernel in self.kernels)

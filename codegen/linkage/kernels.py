@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.linkage.blocks import DEPENDS
 from kousoku.codegen.passes.rebuild import drop_dead, substitute
 from kousoku.model.graph import Graph
-from kousoku.model.kernel import Kernel
+from kousoku.model.kernel import KernelGraph
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 PAPER = "Yamada and Tatsumi 1981"
 
 
-def block_kernels(layout: Layout, number: int) -> tuple[Kernel, Kernel, Kernel]:
+def block_kernels(layout: Layout, number: int) -> tuple[KernelGraph, KernelGraph, KernelGraph]:
     """Return the kernels of one block: its residual and matrix, and its right-hand sides.
 
     Parameters
@@ -35,11 +35,11 @@ def block_kernels(layout: Layout, number: int) -> tuple[Kernel, Kernel, Kernel]:
 
     Returns
     -------
-    position : Kernel
+    position : KernelGraph
         ``epsilon`` (n,) and ``D`` (n, n), its derivatives by the block's own unknowns, (20).
-    velocity : Kernel
+    velocity : KernelGraph
         ``nu`` (n,) with D ẋ = nu: what the coordinates that are known by then contribute, (22).
-    acceleration : Kernel
+    acceleration : KernelGraph
         ``gamma`` (n,) with D ẍ = gamma: likewise, and −Ḋ ẋ of all coordinates, (23), (25).
     """
     return (
@@ -67,7 +67,7 @@ class _Composer:
         names = ", ".join(layout.assembly.coordinates[u].name for u in self.block.unknowns)
         self.title = f"{names} from {', '.join(links)}"
 
-    def position(self) -> Kernel:
+    def position(self) -> KernelGraph:
         n = len(self.block.rows)
         epsilon, matrix = [], []
         for number, row in self.block.rows:
@@ -88,7 +88,7 @@ class _Composer:
             },
         )
 
-    def velocity(self) -> Kernel:
+    def velocity(self) -> KernelGraph:
         rows = [self._carried(number, row, 1) for number, row in self.block.rows]
         return self._kernel(
             "velocity",
@@ -98,7 +98,7 @@ class _Composer:
             {self._right_hand_side("nu", "/s"): rows},
         )
 
-    def acceleration(self) -> Kernel:
+    def acceleration(self) -> KernelGraph:
         rows = []
         for number, row in self.block.rows:
             element = self.layout.assembly.elements[number]
@@ -137,7 +137,7 @@ class _Composer:
             gradient[term.coordinate] = self.graph.add(known, part)
         return gradient
 
-    def _inline(self, kernel: Kernel, element: LinkElement, row: int) -> dict[str, list[int]]:
+    def _inline(self, kernel: KernelGraph, element: LinkElement, row: int) -> dict[str, list[int]]:
         """Rebuild a kernel of the link element here, with the ends and the length of a link."""
         used = DEPENDS[row]
         zero = self.graph.const(0)
@@ -156,10 +156,10 @@ class _Composer:
         formula: str,
         source: str,
         outputs: Mapping[Quantity, Sequence[int]],
-    ) -> Kernel:
+    ) -> KernelGraph:
         """Return the kernel of what was composed."""
         return drop_dead(
-            Kernel(
+            KernelGraph(
                 name=name + self.suffix,
                 title=title,
                 formula=formula,

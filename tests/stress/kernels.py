@@ -101,9 +101,9 @@ class Subject:
     ----------
     function : Function
         The derivation, all outputs.
-    components : model.kernel.Kernel
+    components : model.kernel.KernelGraph
         Its formulas.
-    graph : model.kernel.Kernel
+    graph : model.kernel.KernelGraph
         The frozen kernel; it says which elements are identically zero.
     kernels : tuple of (str, Kernel)
         By target: compiled, where a compiler is in reach, and of NumPy.
@@ -112,8 +112,8 @@ class Subject:
     """
 
     function: Function
-    components: frozen.Kernel
-    graph: frozen.Kernel
+    components: frozen.KernelGraph
+    graph: frozen.KernelGraph
     kernels: tuple[tuple[Literal["c", "numpy"], Kernel], ...]
     places: dict[str, list[int]]
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment, Task
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.kernel import KernelGraph
     from kousoku.model.mechanism import System
 
 
@@ -249,7 +249,7 @@ def _fields(record: type) -> tuple[tuple[str, list[str]], ...]:
     return tuple((types[kind], list(names)) for kind, names in groupby(known, known.__getitem__))
 
 
-def kernel_text(number: int, kernel: Kernel, *, repeats: bool) -> KernelText:
+def kernel_text(number: int, kernel: KernelGraph, *, repeats: bool) -> KernelText:
     """Kernel that tasks call as C."""
     quantities = (*kernel.inputs, *kernel.outputs)
     leaves = {(q.name, k): f"{q.name}[{k}]" for q in kernel.inputs for k in range(q.size)}
@@ -273,7 +273,9 @@ def kernel_text(number: int, kernel: Kernel, *, repeats: bool) -> KernelText:
     )
 
 
-def function_text(kernel: Kernel, task: Task, slots: Slots, name: str, title: str) -> KernelText:
+def function_text(
+    kernel: KernelGraph, task: Task, slots: Slots, name: str, title: str
+) -> KernelText:
     """Kernel of the whole workspace as C, with slots by the names of their regions.
 
     Raises
@@ -319,7 +321,7 @@ def _pointers(pointers: Iterable[tuple[str, str]]) -> tuple[str, ...]:
 
 
 def _body(
-    kernel: Kernel,
+    kernel: KernelGraph,
     leaves: Mapping[tuple[str, int], str],
     names: Sequence[str],
     elements: Sequence[Sequence[str]],
@@ -328,7 +330,7 @@ def _body(
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : KernelGraph
         What is computed.
     leaves : mapping of (str, int) to str
         The text of each element of an input.

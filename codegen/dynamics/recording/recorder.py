@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.traces import Codes
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.kernel import KernelGraph
     from kousoku.model.precise import High
 
     #: For each block its entries, coded with leaves instead of slots, and its shape.
@@ -124,7 +124,7 @@ class Recorder:
     """A program while it grows."""
 
     def __init__(self) -> None:
-        self.kernels: list[Kernel] = []
+        self.kernels: list[KernelGraph] = []
         self.segments: list[tuple[str, list[Task]]] = []
         self.regions: list[Region] = []
         self.constants: list[Fraction] = []
@@ -294,7 +294,7 @@ class Recorder:
         number = self._kernel_id(kernel) if kernel.outputs else NOTHING
         return _Traced(number, used, fresh, codes)
 
-    def _kernel_id(self, kernel: Kernel) -> int:
+    def _kernel_id(self, kernel: KernelGraph) -> int:
         key = (kernel.nodes, kernel.results, kernel.inputs, kernel.title)
         if key not in self._kernel_ids:
             self._kernel_ids[key] = len(self.kernels)
@@ -305,7 +305,7 @@ class Recorder:
 @lru_cache(maxsize=MOST_TRACES)
 def _traced_kernel(
     operation: Operation, pattern: Pattern, lengths: tuple[int, ...], pinned: tuple[bool, ...]
-) -> tuple[Kernel, tuple[int, ...], int, tuple[Codes, ...]]:
+) -> tuple[KernelGraph, tuple[int, ...], int, tuple[Codes, ...]]:
     """Trace an operation once for all programs: a scene is composed again without some rows."""
     trace = Trace(lengths)
     results = operation(trace, *(trace.matrix(*block) for block in pattern))
