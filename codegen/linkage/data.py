@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.linkage.assemble import Affine, LinkElement
     from kousoku.codegen.linkage.blocks import Block
-    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.codegen.linkage.layout import WorkspaceLayout
 
 FORMAT = 1
 
 
-def linkage_data(program: Program, layout: Layout) -> dict[str, Any]:
+def linkage_data(program: Program, layout: WorkspaceLayout) -> dict[str, Any]:
     """Return what ``motion.json`` holds: fields of ``LinkageTables``, and of its ``RunRequest``."""
     assembly = layout.assembly
     scene, coordinates = assembly.scene, assembly.coordinates
@@ -56,7 +56,7 @@ def linkage_data(program: Program, layout: Layout) -> dict[str, Any]:
     }
 
 
-def _run(layout: Layout) -> dict[str, Any]:
+def _run(layout: WorkspaceLayout) -> dict[str, Any]:
     """Return what the scene asks for."""
     scene = layout.assembly.scene
     inputs = [*scene.inputs.values()]
@@ -75,7 +75,7 @@ def _run(layout: Layout) -> dict[str, Any]:
     }
 
 
-def _curves(layout: Layout, block: Block) -> list[dict[str, Any]]:
+def _curves(layout: WorkspaceLayout, block: Block) -> list[dict[str, Any]]:
     """Return what bends the equations of a block.
 
     ε1 alone is |d| = l. With ε2 or ε3 it is one of two rows of d = l (cos β, sin β), turned by a
@@ -94,7 +94,7 @@ def _curves(layout: Layout, block: Block) -> list[dict[str, Any]]:
 
 
 def _curve(
-    layout: Layout,
+    layout: WorkspaceLayout,
     row: int,
     element: LinkElement,
     *,

@@ -49,7 +49,7 @@ REGIONS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class WorkspaceLayout:
     """The order of everything.
 
     Parameters

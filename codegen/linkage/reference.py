@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.codegen.linkage.layout import WorkspaceLayout
     from kousoku.codegen.linkage.solution import LinkagePosition
 
     #: For each input of the kernels its doubles.
@@ -56,7 +56,9 @@ class Point:
     nan: tuple[str, int] | None = None
 
 
-def reference_values(program: Program, layout: Layout, found: Sequence[LinkagePosition]) -> str:
+def reference_values(
+    program: Program, layout: WorkspaceLayout, found: Sequence[LinkagePosition]
+) -> str:
     """Return the text of the reference values.
 
     Values come from :class:`kousoku.codegen.linkage.exact.Exact` in 50 digits. Constants of the
@@ -72,7 +74,7 @@ def reference_values(program: Program, layout: Layout, found: Sequence[LinkagePo
     )
 
 
-def _points(layout: Layout, found: Sequence[LinkagePosition]) -> list[Point]:
+def _points(layout: WorkspaceLayout, found: Sequence[LinkagePosition]) -> list[Point]:
     """Return the points, the last ones each with a number that is NaN."""
     points = [
         Point(
@@ -95,7 +97,7 @@ def _points(layout: Layout, found: Sequence[LinkagePosition]) -> list[Point]:
     return points
 
 
-def _given(layout: Layout) -> Numbers:
+def _given(layout: WorkspaceLayout) -> Numbers:
     coordinates = layout.assembly.coordinates
     numbers = {
         "alpha": tuple(float(coordinates[c].start) for c in layout.assembly.inputs),
@@ -122,7 +124,7 @@ def _scattered(numbers: Numbers, size: float, seed: int) -> Numbers:
     return moved
 
 
-def _row(program: Program, layout: Layout, point: Point) -> dict[str, object]:
+def _row(program: Program, layout: WorkspaceLayout, point: Point) -> dict[str, object]:
     """Return one point with the references of its segments."""
     high = {n: [CONTEXT.mpf(x) for x in xs] for n, xs in point.numbers.items()}
     duals = {n: [variable(x, (n, k)) for k, x in enumerate(xs)] for n, xs in high.items()}
