@@ -27,7 +27,7 @@ Equation = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class DiagonalBlock:
     """Unknowns that are found together.
 
     Parameters
@@ -42,7 +42,7 @@ class Block:
     rows: tuple[Equation, ...]
 
 
-def triangular_blocks(assembly: Assembly) -> tuple[Block, ...]:
+def triangular_blocks(assembly: Assembly) -> tuple[DiagonalBlock, ...]:
     """Return all blocks of a assembly, each after those that it depends on.
 
     Raises
@@ -70,11 +70,11 @@ def triangular_blocks(assembly: Assembly) -> tuple[Block, ...]:
 
 
 def live_blocks(
-    assembly: Assembly, blocks: Sequence[Block], wanted: Sequence[int]
-) -> tuple[Block, ...]:
+    assembly: Assembly, blocks: Sequence[DiagonalBlock], wanted: Sequence[int]
+) -> tuple[DiagonalBlock, ...]:
     """Return the blocks that the wanted coordinates depend on, in the same order."""
     needed = set(wanted)
-    kept: list[Block] = []
+    kept: list[DiagonalBlock] = []
     for block in reversed(blocks):
         if needed.isdisjoint(block.unknowns):
             continue
@@ -130,12 +130,12 @@ def _exchange(
 
 def _components(
     unknowns_of: Mapping[Equation, tuple[int, ...]], row_of: Mapping[int, Equation]
-) -> tuple[Block, ...]:
+) -> tuple[DiagonalBlock, ...]:
     """Return the strongly connected components (Tarjan 1972), dependencies first."""
     index: dict[int, int] = {}
     low: dict[int, int] = {}
     stack: dict[int, None] = {}
-    blocks: list[Block] = []
+    blocks: list[DiagonalBlock] = []
     for root in sorted(row_of):
         if root in index:
             continue
@@ -160,12 +160,14 @@ def _components(
     return tuple(blocks)
 
 
-def _pop_component(stack: dict[int, None], root: int, row_of: Mapping[int, Equation]) -> Block:
+def _pop_component(
+    stack: dict[int, None], root: int, row_of: Mapping[int, Equation]
+) -> DiagonalBlock:
     members = [stack.popitem()[0]]
     while members[-1] != root:
         members.append(stack.popitem()[0])
     rows = sorted(row_of[unknown] for unknown in members)
-    return Block(tuple(sorted(members)), tuple(rows))
+    return DiagonalBlock(tuple(sorted(members)), tuple(rows))
 
 
 def _not_determined(

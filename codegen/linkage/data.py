@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.linkage.assemble import Affine, LinkElement
-    from kousoku.codegen.linkage.blocks import Block
+    from kousoku.codegen.linkage.blocks import DiagonalBlock
     from kousoku.codegen.linkage.layout import WorkspaceLayout
 
 FORMAT = 1
@@ -75,7 +75,7 @@ def _run(layout: WorkspaceLayout) -> dict[str, Any]:
     }
 
 
-def _curves(layout: WorkspaceLayout, block: Block) -> list[dict[str, Any]]:
+def _curves(layout: WorkspaceLayout, block: DiagonalBlock) -> list[dict[str, Any]]:
     """Return what bends the equations of a block.
 
     ε1 alone is |d| = l. With ε2 or ε3 it is one of two rows of d = l (cos β, sin β), turned by a
