@@ -108,7 +108,7 @@ def add_row(rows: list[Array], event: float, row: Array) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class EventOccurrences:
     """An event of a run.
 
     Parameters

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
-from .events import Event, EventLog
+from .events import EventLog, EventOccurrences
 from .given_start import GivenStart
 from .result import Column, Coordinates, Named, Result, key_of, listed, missing, not_generated
 
@@ -372,7 +372,7 @@ class Motion(Result):
         return Named(self._parameters, f"{self.name}: no parameter")
 
     @property
-    def events(self) -> Mapping[str, Event]:
+    def events(self) -> Mapping[str, EventOccurrences]:
         """The events of the scene: how often each was, when, and the states there."""
         found = {}
         for k, (name, action) in enumerate(self.layout.events):
@@ -385,7 +385,7 @@ class Motion(Result):
                 parameters=self._parameters,
             )
             count = self.told.counts[k] if self.told.counts else 0
-            found[name] = Event(name, action, count, states)
+            found[name] = EventOccurrences(name, action, count, states)
         return Named(found, f"{self.name}: no event", f"{self.name}: it has no events")
 
     @property
