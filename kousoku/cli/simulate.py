@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 #: How the motion is found.
-Method = Literal["dopri5", "dop853", "kinematics", OfLinkages]
+MethodName = Literal["dopri5", "dop853", "kinematics", OfLinkages]
 
 
 class OutputChoice(StrEnum):
@@ -55,7 +55,7 @@ def simulate(
         float | None, typer.Option(help="Local error of a step, relative; 1e-9 when left out.")
     ] = None,
     method: Annotated[
-        Method | None,
+        MethodName | None,
         typer.Option(
             help="Of order 5 or 8, by the tolerance when left out; kinematics where drivers"
             " determine the motion; newton or paper for linkages of nodes."

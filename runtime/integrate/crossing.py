@@ -23,7 +23,7 @@ from .settings import ACTIONS, Status
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .methods import Method
+    from .methods import RungeKuttaMethod
     from .scene import Work, Workspace
     from .settings import Settings
     from .state import State
@@ -133,7 +133,7 @@ class Look:
         Of the run.
     cut : float [s]
         Where it was cut.
-    m, start, h : Method, float [s], float [s]
+    m, start, h : RungeKuttaMethod, float [s], float [s]
         How it was made.
     least_part : float
         At which part of it at least it may be cut.
@@ -164,7 +164,7 @@ class Look:
     state: State
     work: Work
     cut: float
-    m: Method = field(init=False)
+    m: RungeKuttaMethod = field(init=False)
     start: float = 0.0
     h: float = 0.0
     least_part: float = 0.0
@@ -267,7 +267,7 @@ def stage_beyond(seen: float, look: Look) -> float:
 
 
 def look_into(
-    s: Settings, m: Method, h: float, y: Array, f: Array, look: Look, *, has_stages: bool
+    s: Settings, m: RungeKuttaMethod, h: float, y: Array, f: Array, look: Look, *, has_stages: bool
 ) -> None:
     """Make the polynomial of a step from the state to y, where the derivative is f."""
     state, sizes = look.state, look.work.scene.measure_sizes

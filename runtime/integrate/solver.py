@@ -25,7 +25,7 @@ from .switching import even_end, meet_switches, resolved_step
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .methods import Method
+    from .methods import RungeKuttaMethod
     from .scene import SceneTables
     from .settings import Settings
     from .state import State
@@ -220,7 +220,7 @@ class SceneSolver:
         return Status.GOOD, n_rows
 
     def _report_event(
-        self, m: Method, settings: Settings, s: State, work: Work, rows: Array
+        self, m: RungeKuttaMethod, settings: Settings, s: State, work: Work, rows: Array
     ) -> Status:
         """Write the row of an event that is still to be told, behind those of times.
 
@@ -243,7 +243,13 @@ class SceneSolver:
         return Status.EVENT
 
     def _advance(
-        self, m: Method, settings: Settings, asked: float, end: float, s: State, work: Work
+        self,
+        m: RungeKuttaMethod,
+        settings: Settings,
+        asked: float,
+        end: float,
+        s: State,
+        work: Work,
     ) -> Status:
         """Make one step towards the time that is asked for."""
         status, target = Status.GOOD, end

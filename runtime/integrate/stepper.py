@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .methods import Method
+    from .methods import RungeKuttaMethod
     from .scene import SceneTables, Work
     from .settings import Settings
     from .state import State
@@ -182,7 +182,7 @@ class Attempts:
 
     Parameters
     ----------
-    m, s : Method, Settings
+    m, s : RungeKuttaMethod, Settings
         How it is made.
     look : Look
         What is seen in the last one.
@@ -203,7 +203,7 @@ class Attempts:
         ``GOOD``, or why there is no step.
     """
 
-    m: Method
+    m: RungeKuttaMethod
     s: Settings
     look: Look
     asked: float
@@ -294,7 +294,12 @@ def energy_moved(q: Array, work: Work, state: State) -> float:
 
 
 def estimate(
-    m: Method, row: Sequence[float], trial: Trial, state: State, work: Work, tolerance: float
+    m: RungeKuttaMethod,
+    row: Sequence[float],
+    trial: Trial,
+    state: State,
+    work: Work,
+    tolerance: float,
 ) -> float:
     """Return the root mean square of one estimate of the error, in units of the tolerance."""
     scene, now, end, error = work.scene, state.y, work.y, work.scratch
@@ -327,7 +332,13 @@ def tells_drift(trial: Trial, state: State, work: Work) -> bool:
 
 
 def local_error(
-    m: Method, trial: Trial, state: State, work: Work, tolerance: float, *, is_locked: bool = False
+    m: RungeKuttaMethod,
+    trial: Trial,
+    state: State,
+    work: Work,
+    tolerance: float,
+    *,
+    is_locked: bool = False,
 ) -> float:
     """Return the error of a step, in units of the tolerance; locked from a switch to the next."""
     e = estimate(m, m.errors[0], trial, state, work, tolerance)
@@ -339,7 +350,7 @@ def local_error(
 
 
 def stage(
-    m: Method,
+    m: RungeKuttaMethod,
     n: int,
     h: float,
     enough: float,
@@ -357,7 +368,7 @@ def stage(
     return project(state.time + m.c[n] * h, enough, y, low, work.k[n], work, state)
 
 
-def norm_error(m: Method, h: float, state: State, work: Work) -> float:
+def norm_error(m: RungeKuttaMethod, h: float, state: State, work: Work) -> float:
     """Return by how much a step takes Euler parameters from norm one, before they are brought back.
 
     Where steps are fixed no other error tells that bodies turn too far in one.
@@ -389,7 +400,9 @@ def look_at_ratios(part: float, trial: Trial, work: Work, state: State) -> None:
         trial.dip_ratio, trial.dip = trial.end_ratio, part
 
 
-def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: State) -> None:
+def make_stages(
+    m: RungeKuttaMethod, tolerance: float, trial: Trial, work: Work, state: State
+) -> None:
     """Make the stages from which the end of the step is made, as far as they are possible."""
     for n in range(1, m.stages + 1):
         low = None if n < m.stages else work.low
@@ -402,7 +415,7 @@ def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: St
             return
 
 
-def make_dense_stages(m: Method, trial: Trial, work: Work, state: State) -> bool:
+def make_dense_stages(m: RungeKuttaMethod, trial: Trial, work: Work, state: State) -> bool:
     """Make the stages that only the interpolating polynomial wants; return whether they are."""
     for n in range(m.stages + 1, m.all):
         if stage(m, n, trial.h, 0.0, work.scratch, None, work, state) < 0.0:
@@ -682,7 +695,7 @@ def is_at_event(tried: Attempts, trial: Trial, state: State) -> bool:
     return False
 
 
-def length_by_error(m: Method, trial: Trial) -> float:
+def length_by_error(m: RungeKuttaMethod, trial: Trial) -> float:
     """Return how long a step is that meets the tolerance, where a trial does not, or its branch."""
     factor = 0.2
     if trial.longest > 0.0:
@@ -739,7 +752,9 @@ def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         state.switched = state.time
 
 
-def step(m: Method, s: Settings, asked: float, end: float, state: State, work: Work) -> Status:
+def step(
+    m: RungeKuttaMethod, s: Settings, asked: float, end: float, state: State, work: Work
+) -> Status:
     """Make one step; return Status.GOOD, or why there is none.
 
     It goes to the end at most, unless rows are nearly dependent there. The error decides how long
@@ -764,7 +779,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             return tried.status
 
 
-def first_step(m: Method, s: Settings, end: float, state: State, work: Work) -> Status:
+def first_step(m: RungeKuttaMethod, s: Settings, end: float, state: State, work: Work) -> Status:
     """Choose a first step for which an Euler step changes the derivative little."""
     f, y, nq, size_of = work.k[0], work.k[1], work.scene.nq, work.w.size_of
     forget_trials(work)

@@ -27,7 +27,7 @@ from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.printers import C
 from kousoku.model.errors import EmitError
 from kousoku.model.graph import literal
-from kousoku.runtime.integrate.methods import METHODS, Method
+from kousoku.runtime.integrate.methods import METHODS, RungeKuttaMethod
 from kousoku.runtime.integrate.scene import DENSE
 from kousoku.runtime.integrate.settings import KINEMATICS, Doubt, Settings, Status
 from kousoku.runtime.integrate.state import Field, fields
@@ -495,7 +495,7 @@ def contents_of(segment: Segment) -> tuple[str, ...]:
     return tuple(wrap("; ".join(segment.contents), WIDTH, break_on_hyphens=False))
 
 
-def method_text(method: Method) -> MethodText:
+def method_text(method: RungeKuttaMethod) -> MethodText:
     """Method as C arrays."""
     flat = {
         "c": method.c,
