@@ -69,7 +69,7 @@ class MovingBody:
 
 
 @dataclass(frozen=True, slots=True)
-class Coordinate:
+class RelativeCoordinate:
     """A scalar quantity of two bodies: what a joint leaves free, a distance, the place of a point.
 
     Parameters
@@ -331,7 +331,7 @@ class System:
         What it keeps of the velocities: constraints whose rates stay what they are.
     forces : tuple of ForceElement
         What acts beside gravity, in the order of the scene.
-    coordinates : tuple of Coordinate
+    coordinates : tuple of RelativeCoordinate
         Those that constraints, forces or outputs need, then those that are only held.
     shown : tuple of int
         Places of the coordinates that are outputs, in the order of the scene.
@@ -362,7 +362,7 @@ class System:
     held: tuple[Instance, ...] = ()
     held_rates: tuple[Instance, ...] = ()
     forces: tuple[ForceElement, ...] = ()
-    coordinates: tuple[Coordinate, ...] = ()
+    coordinates: tuple[RelativeCoordinate, ...] = ()
     shown: tuple[int, ...] = ()
     parameters: tuple[tuple[str, float], ...] = ()
     gravity_law: tuple[str, str, str] = ("", "", "")

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.recorder import Recorder
-    from kousoku.model.mechanism import Coordinate, Instance, System
+    from kousoku.model.mechanism import Instance, RelativeCoordinate, System
 
 
 @dataclass(slots=True)
@@ -78,7 +78,7 @@ def place_numbers(system: System, recorder: Recorder, instances: Iterable[int]) 
     """
     for place in instances:
         one = system.constraints[place]
-        sources: list[Instance | Coordinate] = [one]
+        sources: list[Instance | RelativeCoordinate] = [one]
         sources += [system.coordinates[term.coordinate] for term in one.terms[:1]]
         for source in sources:
             for _, values in inputs_of(source):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.auxiliary import Auxiliaries
     from kousoku.codegen.dynamics.recording.recorder import Recorder
     from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
-    from kousoku.model.mechanism import Coordinate, System
+    from kousoku.model.mechanism import RelativeCoordinate, System
 
 NOTHING = column(())
 
@@ -134,7 +134,7 @@ class CoordinateRecorder:
         return r, p, NOTHING
 
     def _once(
-        self, what: str, place: int, record: Callable[[Coordinate], tuple[SlotMatrix, ...]]
+        self, what: str, place: int, record: Callable[[RelativeCoordinate], tuple[SlotMatrix, ...]]
     ) -> tuple[SlotMatrix, ...]:
         """Blocks that the segment has recorded, or may read of the geometry, or records now."""
         segment = self._recorder.segments[-1][0]
@@ -146,18 +146,18 @@ class CoordinateRecorder:
             self._known[key] = record(self.all[place])
         return self._known[key]
 
-    def _value(self, one: Coordinate) -> tuple[SlotMatrix, ...]:
+    def _value(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
         counts = one.counts_turns
         turns = self._auxiliary.of(self._q, TURNS, one.name) if counts else NOTHING
         operation = CoordinateValue(one.kind, _names(one), counts)
         return self._recorder.call(operation, *self._ends(one), turns, *self._constants(one))
 
-    def _slopes(self, one: Coordinate) -> tuple[SlotMatrix, ...]:
+    def _slopes(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
         columns = (self._body(k).columns for k in (one.i, one.j))
         operation = CoordinateJacobian(one.kind, _names(one), *columns)
         return self._recorder.call(operation, *self._ends(one), NOTHING, *self._constants(one))
 
-    def _gamma(self, one: Coordinate) -> tuple[SlotMatrix, ...]:
+    def _gamma(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
         i, j = self._body(one.i), self._body(one.j)
         return self._recorder.call(
             CoordinateGamma(one.kind, _names(one)),
@@ -167,7 +167,7 @@ class CoordinateRecorder:
             *(i.v_r, i.omega_b, j.v_r, j.omega_b),
         )
 
-    def _ends(self, one: Coordinate) -> list[SlotMatrix]:
+    def _ends(self, one: RelativeCoordinate) -> list[SlotMatrix]:
         """Position r, p and A of both bodies; A only where the geometry has computed it."""
         segment = self._recorder.segments[-1][0]
         has_orientation = segment == "geometry" or segment in AFTER_GEOMETRY
@@ -177,9 +177,9 @@ class CoordinateRecorder:
             for block in (body.r, body.p, body.orientation if has_orientation else NOTHING)
         ]
 
-    def _constants(self, one: Coordinate) -> list[SlotMatrix]:
+    def _constants(self, one: RelativeCoordinate) -> list[SlotMatrix]:
         return [self._recorder.constant(values) for _, values in one.constants]
 
 
-def _names(one: Coordinate) -> tuple[str, ...]:
+def _names(one: RelativeCoordinate) -> tuple[str, ...]:
     return tuple(name for name, _ in one.constants)

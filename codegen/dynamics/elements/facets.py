@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.operations.placement import Placement
     from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
-    from kousoku.model.mechanism import Coordinate, Instance, System, Vector
+    from kousoku.model.mechanism import Instance, RelativeCoordinate, System, Vector
     from kousoku.model.real import Real
 
     #: What tells by its kind and constants what the ground does through it.
-    Source = Instance | Coordinate
+    Source = Instance | RelativeCoordinate
 
 E = TypeVar("E", bound=ForceElement)
 

@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.operations.jets import Jet, dot, sqrt
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, share
 from kousoku.model import precise
 from kousoku.model.elements.spring_damper import PointSpring
-from kousoku.model.mechanism import Coordinate
+from kousoku.model.mechanism import RelativeCoordinate
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -184,7 +184,7 @@ class SpringFacets(ForceFacets[PointSpring]):
     def source(self, system: System) -> Source:
         """Distance of its ends, along which it pulls."""
         ends = self.force.constants[: len(ENDS)]
-        return Coordinate(self.force.name, "length", self.force.i, self.force.j, ends)
+        return RelativeCoordinate(self.force.name, "length", self.force.i, self.force.j, ends)
 
     def by_definition(
         self,

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
     from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
-    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
+    from kousoku.model.mechanism import Instance, MovingBody, RelativeCoordinate, System
 
 #: Pivots below it are rounding: rows have size one, and some hundred are eliminated.
 ROUNDING = 1e-12
@@ -132,7 +132,7 @@ def _open_from(far: float) -> float:
 def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
     """Scales that compare lengths with that of the part, turns with the arms of a body."""
     arms = [0.0] * (len(bodies) + 1)  # the ground last
-    sources: list[Instance | Coordinate] = [*residuals.constraints, *residuals.coordinates]
+    sources: list[Instance | RelativeCoordinate] = [*residuals.constraints, *residuals.coordinates]
     for one in sources:
         for end, values in lengths_of(one):
             if end:

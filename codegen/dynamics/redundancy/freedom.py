@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.rank import Factors
     from kousoku.codegen.dynamics.redundancy.undetermined import Undetermined
     from kousoku.codegen.dynamics.simplification.outline import Outline
-    from kousoku.model.mechanism import Coordinate, Instance, System, Vector
+    from kousoku.model.mechanism import Instance, RelativeCoordinate, System, Vector
 
 #: Rows of the largest part whose dependent rows are looked for; the time grows with their cube.
 MOST_ROWS = 700
@@ -210,7 +210,7 @@ def near_origin(system: System) -> System:
     if max(map(abs, origin)) <= FAR * Metric(system).size:
         return system
 
-    def seen(one: Instance | Coordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
+    def seen(one: Instance | RelativeCoordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
         return tuple(
             (name, _less(value, origin) if is_ground_point(one, name) else value)
             for name, value in one.constants

@@ -24,7 +24,7 @@ from kousoku.model.rows import variant
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
+    from kousoku.model.mechanism import Instance, MovingBody, RelativeCoordinate, System
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +152,7 @@ def _instance(one: Instance, placements: Mapping[int, Placement]) -> Instance:
     )
 
 
-def _coordinate(one: Coordinate, placements: Mapping[int, Placement]) -> Coordinate:
+def _coordinate(one: RelativeCoordinate, placements: Mapping[int, Placement]) -> RelativeCoordinate:
     i, j = placements[one.i], placements[one.j]
     constants = seen_from_carriers(one.constants, i, j)
     return replace(one, i=i.carrier, j=j.carrier, constants=constants)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.recorder import Pattern
     from kousoku.codegen.dynamics.simplification.axis_permutation import Plane
     from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
-    from kousoku.model.mechanism import Coordinate, Instance, System
+    from kousoku.model.mechanism import Instance, RelativeCoordinate, System
 
     Elements = tuple[tuple[bool, ...], ...]
 
@@ -137,7 +137,7 @@ def live_elements(system: System, *, is_planar: bool) -> Iterator[tuple[tuple[in
 
 
 def _live(
-    one: Instance | Coordinate, elements: Elements, body: Callable[[int], BodyBlocks]
+    one: Instance | RelativeCoordinate, elements: Elements, body: Callable[[int], BodyBlocks]
 ) -> tuple[int, ...]:
     """Rows that have elements in the columns of their bodies."""
     columns = (*body(one.i).columns, *(COLUMNS + k for k in body(one.j).columns))
@@ -146,7 +146,7 @@ def _live(
 
 
 def _elements(
-    one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
+    one: Instance | RelativeCoordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
 ) -> Elements:
     """Mask of the elements of the Jacobian (rows, 12) that are not structurally zero."""
     i, j = body(one.i), body(one.j)

@@ -45,7 +45,7 @@ from kousoku.model.varying import fixed_system
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
+    from kousoku.model.mechanism import Instance, MovingBody, RelativeCoordinate, System
 
 #: Largest residual of a dropped row, in metres or radians: what rounding leaves.
 RESIDUAL = 1e-12
@@ -202,7 +202,7 @@ def _at_start(system: System, instance: Instance) -> tuple[Sequence[float], Any]
 
 
 def _kernel_at_start(
-    system: System, one: Instance | Coordinate
+    system: System, one: Instance | RelativeCoordinate
 ) -> tuple[Sequence[float], Sequence[float]]:
     inputs: dict[str, Sequence[float]] = dict(one.constants)
     for end, index in (("i", one.i), ("j", one.j)):
