@@ -35,7 +35,7 @@ from kousoku.symbolic.matrices import (
     Dot,
     NamedMatrix,
     NamedScalar,
-    Orientation,
+    OrientationMatrix,
     Skew,
     coefficient_and_factors,
     description,
@@ -101,10 +101,12 @@ class _Lowering:
         for quantity in function.inputs:
             for k in range(quantity.size):
                 self.graph.input(quantity.name, k)
-        turned = {a for output in function.outputs for a in output.expression.atoms(Orientation)}
+        turned = {
+            a for output in function.outputs for a in output.expression.atoms(OrientationMatrix)
+        }
         for quantity in function.inputs:  # orientations first, in the order of the inputs
-            if quantity.shape == (4,) and Orientation(symbol(quantity)) in turned:
-                self.matrix(Orientation(symbol(quantity)))
+            if quantity.shape == (4,) and OrientationMatrix(symbol(quantity)) in turned:
+                self.matrix(OrientationMatrix(symbol(quantity)))
         products: dict[tuple[Any, ...], None] = {}
         for output in function.outputs:
             self._find_products(output.expression, products)
@@ -139,7 +141,7 @@ class _Lowering:
                 return self._input(x)
             case NamedMatrix():
                 return self._name(x.name, self.matrix(x.value))
-            case Orientation():
+            case OrientationMatrix():
                 return self._orientation(x)
             case Skew():
                 ((a,), (b,), (c,)) = self.matrix(x.v)

@@ -23,7 +23,7 @@ from kousoku.symbolic.mass_steps import balance_steps, motion_steps, reduction_s
 from kousoku.symbolic.matrices import (
     NamedMatrix,
     NamedScalar,
-    Orientation,
+    OrientationMatrix,
     add,
     elements,
     mul,
@@ -48,7 +48,7 @@ FORCE = Quantity("F", (3,), "N", "total force, frame O")
 TORQUE_B = Quantity("N_b", (3,), "N m", "total torque about the origin, body frame")
 MATRIX = Quantity("M", (6, 6), "kg, kg m, kg m^2", "mass matrix; rows force, torque")
 RIGHT = Quantity("h", (6,), "N, N m", "right-hand side of M (a, dω′/dt) = h")
-A = Orientation(symbol(P))
+A = OrientationMatrix(symbol(P))
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from kousoku.symbolic.matrices import (
     Divisor,
     NamedMatrix,
     NamedScalar,
-    Orientation,
+    OrientationMatrix,
     elements,
     quadratic_form,
 )
@@ -174,9 +174,9 @@ def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:
     if not _is_same(Ring(quantities, given, is_unit=is_unit, at=point), left, right):
         return False
     sorts_of_names = (
-        (NamedMatrix, Divisor, Orientation),
-        (NamedMatrix, NamedScalar, Orientation),
-        (NamedMatrix, Orientation),
+        (NamedMatrix, Divisor, OrientationMatrix),
+        (NamedMatrix, NamedScalar, OrientationMatrix),
+        (NamedMatrix, OrientationMatrix),
         (NamedScalar,),
     )
     if any(one == other for one, other in forms):

@@ -32,7 +32,7 @@ from kousoku.symbolic.matrices import (
     Dot,
     NamedMatrix,
     NamedScalar,
-    Orientation,
+    OrientationMatrix,
     Skew,
     coefficient_and_factors,
     elements,
@@ -207,7 +207,7 @@ class Ring:
                 return self._array(x)
             case NamedMatrix():
                 return self.matrix(x.value)
-            case Orientation():
+            case OrientationMatrix():
                 return self._orientation([e for (e,) in self.matrix(x.p)])
             case Skew():
                 (a,), (b,), (c,) = self.matrix(x.v)

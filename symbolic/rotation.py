@@ -15,7 +15,7 @@ from kousoku.symbolic.derivation import Derivation, Function, Output, Step
 from kousoku.symbolic.matrices import (
     Dot,
     NamedMatrix,
-    Orientation,
+    OrientationMatrix,
     add,
     elements,
     mul,
@@ -41,7 +41,7 @@ DR = Quantity("dr", (3,), "m", "virtual displacement of the origin, frame O")
 DTHETA_B = Quantity("dtheta_b", (3,), "rad", "virtual rotation, body frame")
 OMEGA_B = Quantity("omega_b", (3,), "rad/s", "angular velocity, body frame")
 
-A = Orientation(symbol(P))
+A = OrientationMatrix(symbol(P))
 DELTA = Variation({symbol(R): symbol(DR)}, {symbol(P): symbol(DTHETA_B)})
 RATE = Variation({}, {symbol(P): symbol(OMEGA_B)})
 #: The scalar and the vector part of the Euler parameters.

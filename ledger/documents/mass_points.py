@@ -26,7 +26,7 @@ from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.components import Flow, cross, dot, plus, subtract
 from kousoku.symbolic.mass import FORCE, I_A_B, MASS, OMEGA_B, R_AG_B, TORQUE_B, P
-from kousoku.symbolic.matrices import Orientation, Skew, elements, mul, neg, symbol
+from kousoku.symbolic.matrices import OrientationMatrix, Skew, elements, mul, neg, symbol
 from kousoku.symbolic.sympy_types import Scalar, as_value
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def centred() -> Vocabulary:
 def body() -> Vocabulary:
     """Vocabulary of any rigid body, given by mass, centre and inertia."""
     meanings = {
-        "C_OA": Orientation(symbol(P)),
+        "C_OA": OrientationMatrix(symbol(P)),
         "E": Identity(3),
         "ω_A^A": symbol(OMEGA_B),
         "M_A": symbol(MASS),
@@ -251,7 +251,7 @@ def _matrices(places: Sequence[Vector]) -> dict[str, Vector]:
 def _common() -> dict[str, Scalar | SymbolicMatrix]:
     """Meanings that are not of single points."""
     return {
-        "C_OA": Orientation(symbol(P)),
+        "C_OA": OrientationMatrix(symbol(P)),
         "d/dt C_OA": MatrixSymbol("d/dt C_OA", 3, 3),
         "E": Identity(3),
         "r_OA^O": symbol(R),

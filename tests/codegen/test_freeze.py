@@ -20,7 +20,7 @@ from kousoku.symbolic.derivation import Function, Output
 from kousoku.symbolic.fractions import Fraction
 from kousoku.symbolic.matrices import (
     NamedMatrix,
-    Orientation,
+    OrientationMatrix,
     elements,
     mul,
     skew,
@@ -139,7 +139,7 @@ def test_structural_zeros_are_constants(derived: Any) -> None:
 
 
 def test_products_shared_by_transposition_are_multiplied_out_once() -> None:
-    a, s, into = vector("a_b"), vector("s_b"), transpose(Orientation(vector("p", 4)))
+    a, s, into = vector("a_b"), vector("s_b"), transpose(OrientationMatrix(vector("p", 4)))
     one = function_of(mul(skew(a), into, s), (3,), A_B, P, S_B)
     both = Output(
         Quantity("y", (1, 3), "-", ""),
