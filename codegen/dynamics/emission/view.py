@@ -31,7 +31,7 @@ from kousoku.runtime.integrate.methods import METHODS, RungeKuttaMethod
 from kousoku.runtime.integrate.scene import DENSE
 from kousoku.runtime.integrate.settings import KINEMATICS, Doubt, Settings, Status
 from kousoku.runtime.integrate.state import Field, fields
-from kousoku.runtime.integrate.trust import Verdict
+from kousoku.runtime.integrate.trust import RunVerdict
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -220,7 +220,7 @@ class DynamicsView:
     @property
     def verdict(self) -> tuple[tuple[str, list[str]], ...]:
         """Types and names of the fields of the verdict on a run."""
-        return _fields(Verdict)
+        return _fields(RunVerdict)
 
     @property
     def doubts(self) -> tuple[Doubt, ...]:
