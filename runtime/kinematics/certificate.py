@@ -28,7 +28,7 @@ CUBIC_END = 27 / 256
 SQUARE_BOW, CUBIC_BOW = 0.25, 0.385
 
 
-class Way(NamedTuple):
+class CubicTube(NamedTuple):
     """Where coordinates go along a step: x(0) + first s + second s² + third s³, and how nearly.
 
     Parameters
@@ -77,14 +77,14 @@ class Certifier:
         lengths: Array = np.abs(inverse) * self._scale[:, np.newaxis]
         return lengths
 
-    def tilt(self, block: BlockEquations, way: Way, residual: float) -> float:
+    def tilt(self, block: BlockEquations, way: CubicTube, residual: float) -> float:
         """Return how far the Jacobian turns in the tube, relative to itself; write its radius.
 
         Parameters
         ----------
         block : BlockEquations
             With the factors of where the step ended.
-        way : Way
+        way : CubicTube
             The step; the radii of what is known are there, those of the block get theirs.
         residual : float
             What is left of the equations at both ends.
@@ -103,7 +103,7 @@ class Certifier:
         way.radius[self._own] = error / (1.0 - tilt) / scale
         return tilt
 
-    def _along(self, way: Way, slopes: Array) -> tuple[Array, ...]:
+    def _along(self, way: CubicTube, slopes: Array) -> tuple[Array, ...]:
         """Return sums of coordinates along a way, (curves,) each.
 
         Returns
@@ -120,7 +120,7 @@ class Certifier:
             1 / self._scale @ size[self._own],
         )
 
-    def _distances(self, way: Way) -> tuple[Array, Array]:
+    def _distances(self, way: CubicTube) -> tuple[Array, Array]:
         """Return what links do to equations |d| = l.
 
         As (|d|² - l²)/2l, which is a polynomial of s: what it has of s³ to s⁶ vanishes together at
@@ -145,7 +145,7 @@ class Certifier:
         bends = np.stack((error, bow * reach / self._length, reach * reach / self._length))
         return bends, slope / self._length
 
-    def _arms(self, way: Way) -> Array:
+    def _arms(self, way: CubicTube) -> Array:
         """Return what links do to equations d = l (cos β, sin β), (3, curves).
 
         By the fourth derivative of the direction.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .certificate import Certifier, Way
+from .certificate import Certifier, CubicTube
 from .equations import LinkageCoordinates
 from .newton import Convergence, Newton, largest
 from .status import MOST_TILT, MOST_TRIES, SETTLED, SMALLEST_STEP, AnalysisStatus, StopError
@@ -156,13 +156,13 @@ class Continuation:
     def _derivatives(self, alpha_dot: Array, alpha_ddot: Array) -> tuple[Array, Array]:
         return self.newton.equations.differentiate(self.position, alpha_dot, alpha_ddot)
 
-    def _way(self, step: float, pace: Array, pace_dot: Array, correction: Array) -> Way:
+    def _way(self, step: float, pace: Array, pace_dot: Array, correction: Array) -> CubicTube:
         """Return the cubics of a step, (26) and what was corrected."""
         first, second = np.concatenate((pace, self.x1)), np.concatenate((pace_dot, self.x2))
         third = np.concatenate((np.zeros_like(pace), correction))
-        return Way(step * first, 0.5 * step * step * second, third, np.zeros_like(third))
+        return CubicTube(step * first, 0.5 * step * step * second, third, np.zeros_like(third))
 
-    def _tilt(self, way: Way, residual: float) -> float:
+    def _tilt(self, way: CubicTube, residual: float) -> float:
         """Return how far the Jacobians turn along a step, the most of all blocks.
 
         Raises

@@ -13,7 +13,7 @@ import pytest
 from kousoku.codegen.linkage.generate import generate_scene
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.kinematics.assembly import assemble as place
-from kousoku.runtime.kinematics.certificate import Certifier, Way
+from kousoku.runtime.kinematics.certificate import Certifier, CubicTube
 from kousoku.runtime.kinematics.continuation import Continuation
 from kousoku.runtime.kinematics.equations import LinkageCoordinates
 from kousoku.runtime.kinematics.mechanism import Block, Curve, Input, LinkageTables, Unknown
@@ -143,7 +143,7 @@ class Step:
         self.part = 1 / divisions
         self.end = self.at(1.0)
 
-    def cubics(self) -> Way:
+    def cubics(self) -> CubicTube:
         """Return the way of the step, with the factors of its end at hand."""
         predicted = self.begin.x + self.part * (self.way.x1 + 0.5 * self.part * self.way.x2)
         self.evaluate(self.end)
@@ -254,7 +254,7 @@ def test_an_arm_is_left_by_cubics_as_little_as_is_said(a: float, b: float, c: fl
     unknown = (Unknown("x", 0.0, 1.0, is_angle=False),)
     mechanism = LinkageTables("m", 2.0, (), (), (), angle, unknown, (block,), 0, {}, {})
     first, second, third = (np.array([x, 0.0]) for x in (a, b, c))
-    way = Way(first, second, third, np.zeros(2))
+    way = CubicTube(first, second, third, np.zeros(2))
     error = float(Certifier(mechanism, block)._arms(way)[0, 0])
     assert 0.01 * error <= 2.0 * left <= error
 
@@ -274,7 +274,7 @@ def test_c_says_of_a_tube_what_numpy_says(
     end, places = step.end, len(step.pace) + len(step.end.x)
     for size in (1e-3, 0.03, 0.3):
         first, second, third = (size ** (k + 1) * rng.normal(size=places) for k in range(3))
-        way = Way(first, second, third, np.zeros(places))
+        way = CubicTube(first, second, third, np.zeros(places))
         way.radius[: len(step.pace)] = size**4
         given = np.ravel(way)
         tilts = []
