@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
+    from kousoku.codegen.dynamics.redundancy.rank import Array, LQFactors
     from kousoku.model.mechanism import Instance, MovingBody, RelativeCoordinate, System
 
 #: Pivots below it are rounding: rows have size one, and some hundred are eliminated.
@@ -223,7 +223,7 @@ def _refuse(system: System, row: ConstraintEquation, others: Sequence[str], size
     )
 
 
-def _beside(factors: Factors, rows: Sequence[ConstraintEquation]) -> list[str]:
+def _beside(factors: LQFactors, rows: Sequence[ConstraintEquation]) -> list[str]:
     """Joints of the rows that the last row that was taken nearly depends on."""
     last = factors.rank - 1
     part = factors.lower[last].copy()

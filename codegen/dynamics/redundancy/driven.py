@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
-    from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
+    from kousoku.codegen.dynamics.redundancy.rank import Array, LQFactors
     from kousoku.model.mechanism import System
 
 
@@ -51,7 +51,7 @@ class Drivers:
         self._count = len(drivers)
         self._first = len(joints)
         #: Of each position that was looked at the rank of joints, and the factors of all rows.
-        self._at: list[tuple[int, Factors]] = []
+        self._at: list[tuple[int, LQFactors]] = []
         self._rank = 0
 
     def look(self, position: BranchPosition) -> bool:
@@ -62,7 +62,7 @@ class Drivers:
             self._at.append((position.factors.rank, factors))
         return self._are_free()
 
-    def _extra(self, rank: int, factors: Factors) -> int:
+    def _extra(self, rank: int, factors: LQFactors) -> int:
         """Number of drivers that prescribe what joints of a rank, or others, determine."""
         return rank + self._count - factors.rank
 
@@ -102,7 +102,7 @@ class Drivers:
             key="drivers",
         )
 
-    def _refuse(self, extra: int, factors: Factors) -> None:
+    def _refuse(self, extra: int, factors: LQFactors) -> None:
         names = self._taking_part(factors)
         drivers = [name for name in names if name in self._named()]
         joints = [name for name in names if name not in self._named()]
@@ -125,7 +125,7 @@ class Drivers:
     def _key(self, row: ConstraintEquation) -> str:
         return key_of(self._system.constraints[row.instance])
 
-    def _taking_part(self, factors: Factors) -> list[str]:
+    def _taking_part(self, factors: LQFactors) -> list[str]:
         """Rows that take part in dependences of drivers, in the order of the scene."""
         takes_part = np.zeros(len(self._rows), bool)
         for dependence in np.abs(_of_drivers(factors.dependences(), self._first)):

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.closure import Closed
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
-    from kousoku.codegen.dynamics.redundancy.rank import Factors
+    from kousoku.codegen.dynamics.redundancy.rank import LQFactors
     from kousoku.codegen.dynamics.redundancy.undetermined import Undetermined
     from kousoku.codegen.dynamics.simplification.outline import Outline
     from kousoku.model.mechanism import Instance, RelativeCoordinate, System, Vector
@@ -408,7 +408,9 @@ def _columns(outline: Outline, part: LoopPart) -> list[int]:
     ]
 
 
-def _components(factors: Sequence[Factors], takes_part: float) -> list[tuple[tuple[int, ...], int]]:
+def _components(
+    factors: Sequence[LQFactors], takes_part: float
+) -> list[tuple[tuple[int, ...], int]]:
     """Sets of rows that depend on each other at some of the positions, and dimensions.
 
     Rows are in one set when a row that depends on others is made of them by more than
