@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 Cells = tuple[tuple[int, ...], ...]
 MatrixFactors = tuple[SymbolicMatrix, ...]
-Pattern = tuple[tuple[int, ...], ...]  # of each element: 0 zero, 1 plus or minus one, 2 anything
+ElementPattern = tuple[
+    tuple[int, ...], ...
+]  # of each element: 0 zero, 1 plus or minus one, 2 anything
 
 
 def flip(factors: MatrixFactors) -> tuple[int, MatrixFactors]:
@@ -76,7 +78,7 @@ class Association:
         """
         n = len(factors)
         cost: dict[tuple[int, int], Fraction] = {}
-        pattern: dict[tuple[int, int], Pattern] = {}
+        pattern: dict[tuple[int, int], ElementPattern] = {}
         where: dict[tuple[int, int], int] = {}
         for k, cells in enumerate(operands):
             cost[k, k + 1], pattern[k, k + 1] = Fraction(0), self._pattern(cells)
@@ -94,7 +96,7 @@ class Association:
                 cost[start, stop] = Fraction(0) if self.known(part) else shared
         return where[0, n]
 
-    def _pattern(self, cells: Cells) -> Pattern:
+    def _pattern(self, cells: Cells) -> ElementPattern:
         def kind(cell: int) -> int:
             value = self._graph.value(cell)
             return 2 if value is None or abs(value) not in {0, 1} else int(abs(value))
@@ -102,7 +104,7 @@ class Association:
         return tuple(tuple(kind(cell) for cell in row) for row in cells)
 
 
-def _multiply(left: Pattern, right: Pattern) -> tuple[int, Pattern]:
+def _multiply(left: ElementPattern, right: ElementPattern) -> tuple[int, ElementPattern]:
     """Operations of a product, and the pattern of its result."""
     operations, rows = 0, []
     for row in left:
