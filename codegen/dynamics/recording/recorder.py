@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from kousoku.model.precise import High
 
     #: For each block its entries, coded with leaves instead of slots, and its shape.
-    Pattern = tuple[tuple[tuple[int, ...], int, int], ...]
+    OperandPattern = tuple[tuple[tuple[int, ...], int, int], ...]
 
 #: Slots of constants are counted from here while the rest of the workspace grows.
 CONSTANTS = 1 << 40
@@ -286,7 +286,7 @@ class Recorder:
     def _trace(
         self,
         operation: Operation,
-        pattern: Pattern,
+        pattern: OperandPattern,
         lengths: Sequence[int],
         pinned: tuple[bool, ...],
     ) -> _Traced:
@@ -304,7 +304,10 @@ class Recorder:
 
 @lru_cache(maxsize=MOST_TRACES)
 def _traced_kernel(
-    operation: Operation, pattern: Pattern, lengths: tuple[int, ...], pinned: tuple[bool, ...]
+    operation: Operation,
+    pattern: OperandPattern,
+    lengths: tuple[int, ...],
+    pinned: tuple[bool, ...],
 ) -> tuple[KernelGraph, tuple[int, ...], int, tuple[Codes, ...]]:
     """Trace an operation once for all programs: a scene is composed again without some rows."""
     trace = Trace(lengths)
@@ -312,7 +315,9 @@ def _traced_kernel(
     return traced_kernel(trace, operation.title, results, pinned)
 
 
-def pattern_of(blocks: Sequence[SlotMatrix]) -> tuple[Pattern, list[int], list[int], list[int]]:
+def pattern_of(
+    blocks: Sequence[SlotMatrix],
+) -> tuple[OperandPattern, list[int], list[int], list[int]]:
     """Pattern that decides a trace, and what differs between its calls.
 
     Returns

@@ -28,7 +28,7 @@ from kousoku.model.mechanism import GROUND_INDEX
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from kousoku.codegen.dynamics.recording.recorder import Pattern
+    from kousoku.codegen.dynamics.recording.recorder import OperandPattern
     from kousoku.codegen.dynamics.simplification.axis_permutation import Plane
     from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
     from kousoku.model.mechanism import Instance, RelativeCoordinate, System
@@ -158,7 +158,7 @@ def _elements(
 
 @cache
 def _traced(
-    kind: str, names: tuple[str, ...], pattern: Pattern, lengths: tuple[int, ...]
+    kind: str, names: tuple[str, ...], pattern: OperandPattern, lengths: tuple[int, ...]
 ) -> Elements:
     trace = Trace(lengths)
     nodes = [trace.matrix(*block).flat for block in pattern]
