@@ -93,8 +93,8 @@ stroke = { slider = "ram", from = 0, to = -1.5 }
 #: How far the Jacobians of the blocks turn along a way to a position; radii go into the way.
 IN_C = """
 #include "solver.c"
-void tilts_of(const double *alpha, const double *x, Way *way, double residual, double *tilts);
-void tilts_of(const double *alpha, const double *x, Way *way, double residual, double *tilts)
+void tilts_of(const double *alpha, const double *x, CubicTube *way, double residual, double *tilts);
+void tilts_of(const double *alpha, const double *x, CubicTube *way, double residual, double *tilts)
 {
     static Workspace w;
     double ignored[LARGEST_BLOCK];
