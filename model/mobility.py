@@ -17,13 +17,13 @@ Key = TypeVar("Key")
 
 PRIME = 2**61 - 1
 
-Column = tuple[str, int]
+NodeCoordinate = tuple[str, int]
 """A coordinate: the node, and 0 for x or 1 for y."""
 
 Residues = tuple[int, int]
 """A position modulo PRIME."""
 
-SparseRow = dict[Column, int]
+SparseRow = dict[NodeCoordinate, int]
 """Derivatives of one constraint by coordinates, modulo PRIME; zeros left out."""
 
 
@@ -75,8 +75,8 @@ def check_mobility(scene: Scene) -> None:
 class _Basis:
     """Rows in echelon form by their pivots, each with the constraints that it is made of."""
 
-    rows: dict[Column, SparseRow]
-    origins: dict[Column, dict[str, int]]
+    rows: dict[NodeCoordinate, SparseRow]
+    origins: dict[NodeCoordinate, dict[str, int]]
     order: dict[str, None]
 
     def add(self, key: str, row: SparseRow) -> tuple[str, ...] | None:
