@@ -8,7 +8,7 @@ import typer
 from kousoku.cli.completing import files
 from kousoku.cli.console import TargetChoice
 from kousoku.cli.moving import (
-    Initial,
+    InitialOption,
     Kinds,
     Set,
     Stop,
@@ -55,7 +55,7 @@ def animate(
         typer.Option(help="A joint, node or body whose path is drawn, once for each."),
     ] = None,
     given: Set = None,
-    initial: Initial = None,
+    initial: InitialOption = None,
     kind: Kinds = None,
     target: Annotated[TargetChoice, typer.Option(help="What computes.")] = TargetChoice.AUTO,
 ) -> None:

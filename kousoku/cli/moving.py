@@ -50,7 +50,7 @@ Set = Annotated[
         help="A parameter of the scene, for each; formulas too, as 2*pi/3 or 30deg.",
     ),
 ]
-Initial = Annotated[
+InitialOption = Annotated[
     list[str] | None,
     typer.Option(
         "--initial",

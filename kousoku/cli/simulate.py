@@ -8,7 +8,7 @@ import typer
 from kousoku.cli.console import AsJson, TargetChoice
 from kousoku.cli.moving import (
     Columns,
-    Initial,
+    InitialOption,
     Kinds,
     Of,
     OfLinkages,
@@ -83,7 +83,7 @@ def simulate(
         ),
     ] = False,
     given: Set = None,
-    initial: Initial = None,
+    initial: InitialOption = None,
     kind: Kinds = None,
     output: Annotated[
         list[OutputChoice] | None,
