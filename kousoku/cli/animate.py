@@ -9,7 +9,7 @@ from kousoku.cli.completing import files
 from kousoku.cli.console import TargetChoice
 from kousoku.cli.moving import (
     InitialOption,
-    Kinds,
+    KindsOption,
     Set,
     Stop,
     Wish,
@@ -56,7 +56,7 @@ def animate(
     ] = None,
     given: Set = None,
     initial: InitialOption = None,
-    kind: Kinds = None,
+    kind: KindsOption = None,
     target: Annotated[TargetChoice, typer.Option(help="What computes.")] = TargetChoice.AUTO,
 ) -> None:
     """Show a mechanism that moves: one page that needs nothing beside itself.

@@ -70,7 +70,7 @@ Columns = Annotated[
     list[str] | None,
     typer.Option("--column", metavar="NAME", help="What to print and to draw, for each."),
 ]
-Kinds = Annotated[
+KindsOption = Annotated[
     list[Path] | None,
     typer.Option(
         "--kind",

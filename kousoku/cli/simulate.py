@@ -9,7 +9,7 @@ from kousoku.cli.console import AsJson, TargetChoice
 from kousoku.cli.moving import (
     Columns,
     InitialOption,
-    Kinds,
+    KindsOption,
     Of,
     OfLinkages,
     Out,
@@ -84,7 +84,7 @@ def simulate(
     ] = False,
     given: Set = None,
     initial: InitialOption = None,
-    kind: Kinds = None,
+    kind: KindsOption = None,
     output: Annotated[
         list[OutputChoice] | None,
         typer.Option(help="What to compute, once for each; what the scene says when left out."),
