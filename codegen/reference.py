@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.known import KnownError
     from kousoku.model.kernel import KernelGraph, Package
-    from kousoku.symbolic.derivation import Function, Output
+    from kousoku.symbolic.derivation import DerivedOutput, Function
 
 FORMAT = 1
 #: From how many points the way to the constraint manifold is tried.
@@ -213,7 +213,7 @@ def values_at(
     return {"label": point.label, "inputs": inputs, "outputs": outputs}
 
 
-def _documented(output: Output) -> tuple[Dual, ...]:
+def _documented(output: DerivedOutput) -> tuple[Dual, ...]:
     """Documented values of an output where its formula has a pole."""
     assert output.at_pole is not None
     return (Dual(CONTEXT.mpf(output.at_pole), {}),) * output.quantity.size

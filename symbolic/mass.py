@@ -18,7 +18,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 from kousoku.model.errors import DerivationError
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import Flow, cross, dot, half_turn, rotate, rotate_back
-from kousoku.symbolic.derivation import Derivation, Function, Output, Step
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, Step
 from kousoku.symbolic.mass_steps import balance_steps, motion_steps, reduction_steps
 from kousoku.symbolic.matrices import (
     NamedMatrix,
@@ -105,8 +105,8 @@ def newton_euler(body: BodyTerms) -> tuple[SymbolicMatrix, SymbolicMatrix]:
     return matrix, right
 
 
-def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> Output:
-    return Output(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
+def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> DerivedOutput:
+    return DerivedOutput(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
 
 
 def _spin_flow() -> Flow:

@@ -29,7 +29,7 @@ from kousoku.symbolic.ring import Ring
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.symbolic.derivation import Derivation, Function, Output
+    from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
 
 
 def prove(function: Function) -> int:
@@ -70,7 +70,7 @@ def prove(function: Function) -> int:
     return sum(output.quantity.size for output in function.outputs)
 
 
-def _compare(function: Function, output: Output, carrier: Ring, expression: Any) -> None:
+def _compare(function: Function, output: DerivedOutput, carrier: Ring, expression: Any) -> None:
     cells = carrier.cells(expression)
     for k, (cell, component) in enumerate(zip(cells, output.components, strict=True)):
         if not carrier.is_equal(cell, carrier.scalar(component)):

@@ -11,7 +11,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import Flow, compose, dot, half_turn, plus, rotate
-from kousoku.symbolic.derivation import Derivation, Function, Output, Step
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, Step
 from kousoku.symbolic.matrices import (
     Dot,
     NamedMatrix,
@@ -74,8 +74,10 @@ def derive(package: str) -> Derivation:
     )
 
 
-def _output(quantity: Quantity, expression: SymbolicMatrix, scalars: Sequence[Any]) -> Output:
-    return Output(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
+def _output(
+    quantity: Quantity, expression: SymbolicMatrix, scalars: Sequence[Any]
+) -> DerivedOutput:
+    return DerivedOutput(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
 
 
 def _conjugate(p: Sequence[Any]) -> list[Any]:

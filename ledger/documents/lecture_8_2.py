@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.ledger.proof import Side
-    from kousoku.symbolic.derivation import Output
+    from kousoku.symbolic.derivation import DerivedOutput
     from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix, Value
 
 NAMES = Names(lecture_8_2_words.NAMES)
@@ -72,7 +72,7 @@ def offset_in_code(formula: str | Side) -> str:
 
 
 @cache
-def outputs(package: str) -> dict[str, Output]:
+def outputs(package: str) -> dict[str, DerivedOutput]:
     """Outputs that the code derives of a constraint: ``C`` and ``C_q``, on both levels."""
     return {o.quantity.name: o for o in derive(package).functions[0].outputs}
 

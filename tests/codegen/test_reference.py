@@ -19,7 +19,7 @@ from kousoku.model.interpret import evaluate
 from kousoku.model.kernel import KernelGraph, Package
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
-from kousoku.symbolic.derivation import Derivation, Function, Output
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
 from kousoku.symbolic.matrices import elements
 
 
@@ -94,8 +94,10 @@ def difference() -> tuple[Package, Function]:
         "",
         inputs,
         (
-            Output(outputs[0], sympy.S.Zero, sympy.ImmutableDenseMatrix([(sa - sb) * sc, 0])),
-            Output(outputs[1], sympy.S.Zero, sympy.ImmutableDenseMatrix([sb])),
+            DerivedOutput(
+                outputs[0], sympy.S.Zero, sympy.ImmutableDenseMatrix([(sa - sb) * sc, 0])
+            ),
+            DerivedOutput(outputs[1], sympy.S.Zero, sympy.ImmutableDenseMatrix([sb])),
         ),
     )
     return Package(
