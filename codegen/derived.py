@@ -33,7 +33,7 @@ SOURCES = (
     "codegen/derived.py",
     "codegen/freeze.py",
     "codegen/freeze_components.py",
-    "codegen/known.py",
+    "codegen/known_errors.py",
     "codegen/manifold.py",
     "codegen/passes/*.py",
     "codegen/points.py",

@@ -16,13 +16,13 @@ import numpy as np
 
 from kousoku.model.circuits import check_circuits
 from kousoku.model.errors import SceneError
-from kousoku.model.known import known_nodes
 from kousoku.model.motion import input_values, period, turns_of
+from kousoku.model.prescribed import known_nodes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.known import Crank, Known
+    from kousoku.model.prescribed import Crank, Known
     from kousoku.model.scene import Scene
 
 BLOCK = 65536
