@@ -16,7 +16,7 @@ import numpy as np
 
 from kousoku.model.circuits import check_circuits
 from kousoku.model.errors import SceneError
-from kousoku.model.motion import input_values, period, turns_of
+from kousoku.model.input_motion import input_values, period, turns_of
 from kousoku.model.prescribed import known_nodes
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.model.motion import input_values
+from kousoku.model.input_motion import input_values
 
 if TYPE_CHECKING:
     from kousoku.model.scene import Scene

@@ -10,7 +10,7 @@ from kousoku.codegen.linkage.exact import Exact
 from kousoku.codegen.linkage.layout import OF_NODES
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.directions import HALF_TURN
-from kousoku.model.motion import turns_of
+from kousoku.model.input_motion import turns_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
