@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.choice import Target
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.kinematics.mechanism import Array, LinkageTables
     from kousoku.runtime.kinematics.rows import Rows, RunRequest
+    from kousoku.runtime.kinematics.tables import Array, LinkageTables
 
 __all__ = ["LinkageSolver", "Trajectory", "load_scene"]
 

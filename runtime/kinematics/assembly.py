@@ -10,8 +10,8 @@ from .status import SETTLED, SINGULAR, SMALLEST_STEP, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
     from .equations import LinkageCoordinates
-    from .mechanism import Array
     from .newton import Newton
+    from .tables import Array
 
 
 def assemble(newton: Newton, position: LinkageCoordinates) -> float:

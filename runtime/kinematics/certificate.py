@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from .equations import BlockEquations
-    from .mechanism import Array, Block, LinkageTables
+    from .tables import Array, Block, LinkageTables
 
 #: Of s³ − s⁴ the most in [0, 1]; s³ − s^(3 + m) is at most m times as much.
 CUBIC_END = 27 / 256

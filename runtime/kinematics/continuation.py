@@ -13,8 +13,8 @@ from .newton import Convergence, Newton, largest
 from .status import MOST_TILT, MOST_TRIES, SETTLED, SMALLEST_STEP, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
-    from .mechanism import Array, LinkageTables
     from .rows import RunRequest
+    from .tables import Array, LinkageTables
 
 
 class Continuation:

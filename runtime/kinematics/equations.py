@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from ..integrate.tasks import Function
-    from .mechanism import Array, LinkageTables, Segment
+    from .tables import Array, LinkageTables, Segment
 
 
 def segments_of(

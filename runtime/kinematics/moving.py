@@ -19,9 +19,9 @@ from .trajectory import trajectory_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from .mechanism import Array
     from .rows import Rows, RunRequest
     from .solve import KinematicSolver
+    from .tables import Array
     from .trajectory import Trajectory
 
 #: Options of a call that are counts, and all of them.

@@ -11,8 +11,8 @@ from .equations import Equations, LinkageCoordinates
 from .status import ROUNDING, SETTLED, SINGULAR, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
-    from .mechanism import Array, LinkageTables
     from .rows import RunRequest
+    from .tables import Array, LinkageTables
 
 
 class Convergence(NamedTuple):

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .mechanism import Array, LinkageTables
+    from .tables import Array, LinkageTables
 
 #: Full Newton, and the iteration of the paper; a run holds the index.
 METHODS = ("newton", "paper")

@@ -14,16 +14,16 @@ import numpy as np
 from .assembly import assemble
 from .continuation import Continuation
 from .equations import LinkageCoordinates, segments_of
-from .mechanism import LinkageTables
 from .rows import OF_LINKS, OF_NODES, Rows, RunRequest, empty_rows
 from .status import AnalysisStatus, StopError
+from .tables import LinkageTables
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from typing import Any
 
     from ..integrate.tasks import Function
-    from .mechanism import Array
+    from .tables import Array
 
 
 class KinematicSolver:

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ..integrate.result import Ledger
-    from .mechanism import Array, LinkageTables
     from .rows import Rows, RunRequest
+    from .tables import Array, LinkageTables
 
 #: Of a turn that leads back, the most that nodes may be off, relative to the largest length.
 CLOSED = 1e-6

@@ -18,16 +18,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.runtime.kinematics.mechanism import Block, Curve, Input, Link, LinkageTables, Unknown
 from kousoku.runtime.kinematics.rows import RunRequest, empty_rows
 from kousoku.runtime.kinematics.solve import solve
+from kousoku.runtime.kinematics.tables import Block, Curve, Input, Link, LinkageTables, Unknown
 from kousoku.runtime.linkage import record_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.runtime.kinematics.mechanism import Array
     from kousoku.runtime.kinematics.rows import Rows
+    from kousoku.runtime.kinematics.tables import Array
     from kousoku.runtime.toolchain import Toolchain
 
     Regions = dict[str, Array]

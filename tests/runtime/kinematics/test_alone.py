@@ -15,7 +15,7 @@ from kousoku.runtime.kinematics.rows import RunRequest
 from kousoku.runtime.kinematics.solve import solve
 
 if TYPE_CHECKING:
-    from kousoku.runtime.kinematics.mechanism import LinkageTables
+    from kousoku.runtime.kinematics.tables import LinkageTables
     from kousoku.runtime.kinematics.trajectory import Trajectory
 
 RUN = RunRequest(

@@ -16,14 +16,14 @@ from kousoku.runtime.kinematics.assembly import assemble as place
 from kousoku.runtime.kinematics.certificate import Certifier, CubicTube
 from kousoku.runtime.kinematics.continuation import Continuation
 from kousoku.runtime.kinematics.equations import LinkageCoordinates
-from kousoku.runtime.kinematics.mechanism import Block, Curve, Input, LinkageTables, Unknown
 from kousoku.runtime.kinematics.status import MOST_TILT
+from kousoku.runtime.kinematics.tables import Block, Curve, Input, LinkageTables, Unknown
 from kousoku.runtime.linkage import load_scene
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from kousoku.runtime.kinematics.mechanism import Array
+    from kousoku.runtime.kinematics.tables import Array
     from kousoku.runtime.linkage import LinkageSolver
     from kousoku.runtime.toolchain import Toolchain
 
