@@ -13,7 +13,7 @@ from .initial_given import initial_of, parameters_of
 from .methods import METHODS
 from .motion import Layout, Motion
 from .result import StoppedError, unknown
-from .scene import state_of
+from .scene_tables import state_of
 from .settings import KINEMATICS, MESSAGES, MOST_STEPS, OPTIONS, Settings, Status, method_for
 from .state import fields
 from .trust import CheckedRows, trust_of

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .methods import RungeKuttaMethod
-    from .scene import Work, Workspace
+    from .scene_tables import Work, Workspace
     from .settings import Settings
     from .state import State
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .methods import RungeKuttaMethod
-    from .scene import SceneTables, Work
+    from .scene_tables import SceneTables, Work
     from .state import State
 
     Array = npt.NDArray[np.float64]

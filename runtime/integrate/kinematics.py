@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .scene import Work
+    from .scene_tables import Work
     from .settings import Settings
     from .state import State
 

@@ -14,7 +14,7 @@ from .row_switch import accelerate_all_rows, drive, find_geometry, refine_all_ro
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .scene import SceneTables, Work
+    from .scene_tables import SceneTables, Work
     from .state import State
 
     Array = npt.NDArray[np.float64]

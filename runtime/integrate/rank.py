@@ -21,7 +21,7 @@ from .tasks import numbers
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .scene import SceneTables, Work
+    from .scene_tables import SceneTables, Work
     from .state import State
 
     Array = npt.NDArray[np.float64]

@@ -17,7 +17,7 @@ from .pivot_monitor import branch_ratio, note_largest_pivot, pivot_ratio
 from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import find_reactions, write_row
-from .scene import Work, Workspace, state_of
+from .scene_tables import Work, Workspace, state_of
 from .settings import ACTIONS, Status
 from .stepper import energy_balance, first_step, note_extent, step
 from .switching import even_end, meet_switches, resolved_step
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .methods import RungeKuttaMethod
-    from .scene import SceneTables
+    from .scene_tables import SceneTables
     from .settings import Settings
     from .state import State
 

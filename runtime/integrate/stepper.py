@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .methods import RungeKuttaMethod
-    from .scene import SceneTables, Work
+    from .scene_tables import SceneTables, Work
     from .settings import Settings
     from .state import State
 

@@ -34,7 +34,7 @@ from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate import row_switch
-from kousoku.runtime.integrate.scene import Work
+from kousoku.runtime.integrate.scene_tables import Work
 from kousoku.runtime.integrate.settings import Status
 from tests.analysed import all_rows, independent, without
 from tests.random_scenes import random_scene

@@ -31,7 +31,7 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
 from kousoku.codegen.dynamics.recording.program import levels, meaning_of
 from kousoku.codegen.printers import NUMPY, Printer
 from kousoku.model.graph import Op, literal
-from kousoku.runtime.integrate.scene import SceneTables
+from kousoku.runtime.integrate.scene_tables import SceneTables
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

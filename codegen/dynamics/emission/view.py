@@ -28,7 +28,7 @@ from kousoku.codegen.printers import C
 from kousoku.model.errors import EmitError
 from kousoku.model.graph import literal
 from kousoku.runtime.integrate.methods import METHODS, RungeKuttaMethod
-from kousoku.runtime.integrate.scene import DENSE
+from kousoku.runtime.integrate.scene_tables import DENSE
 from kousoku.runtime.integrate.settings import KINEMATICS, Doubt, Settings, Status
 from kousoku.runtime.integrate.state import Field, fields
 from kousoku.runtime.integrate.trust import RunVerdict
