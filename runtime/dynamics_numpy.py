@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics_targets import Memory
+    from kousoku.runtime.integrate.scene_solver import SceneSolver
     from kousoku.runtime.integrate.settings import Settings
-    from kousoku.runtime.integrate.solver import SceneSolver
     from kousoku.runtime.sources import Sources
 
     Array = npt.NDArray[np.float64]

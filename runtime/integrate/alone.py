@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from .initial import Evaluate
     from .initial_given import Initial
-    from .solver import SceneSolver
+    from .scene_solver import SceneSolver
 
     Array: TypeAlias = npt.NDArray[np.float64]
 
