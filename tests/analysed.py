@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.analyse import (
     with_joint_coordinates,
 )
 from kousoku.codegen.dynamics.redundancy.freedom import DependentSet
-from kousoku.codegen.dynamics.simplification.planar import plane_of
+from kousoku.codegen.dynamics.simplification.planarity import plane_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -3,7 +3,7 @@
 Each takes a system and tells what it found; what one changes the next one sees:
 
 1. bodies that fixed joints hold together become one, ``simplification/lump.py``;
-2. the plane in which all bodies stay, if there is one, ``simplification/planar.py``;
+2. the plane in which all bodies stay, if there is one, ``simplification/planarity.py``;
 3. masses where drivers move what has none, ``simplification/placeholder_masses.py``;
 4. rows and columns that are not structurally zero, ``simplification/outline.py``;
 5. rows that depend on others, and degrees of freedom, ``redundancy/freedom.py``;
@@ -42,7 +42,7 @@ from kousoku.codegen.dynamics.simplification.joint_coordinates import velocity_t
 from kousoku.codegen.dynamics.simplification.lump import lump
 from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.codegen.dynamics.simplification.placeholder_masses import with_placeholder_masses
-from kousoku.codegen.dynamics.simplification.planar import plane_of
+from kousoku.codegen.dynamics.simplification.planarity import plane_of
 from kousoku.model.errors import SceneError
 from kousoku.model.varying import fixed_system
 
@@ -166,7 +166,7 @@ def with_all_rows(system: System, plane: Plane | None) -> Analysed:
     system : System
         A scene.
     plane : Plane, optional
-        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it;
+        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planarity.plane_of` finds it;
         None for equations in space.
 
     Raises

@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.operations.placement import Placement, seen_from_carriers
 from kousoku.codegen.dynamics.simplification.axis_permutation import Plane, can_permute, permuted
 from kousoku.codegen.dynamics.simplification.composite import joined, on_ground
-from kousoku.codegen.dynamics.simplification.planar import is_planar
+from kousoku.codegen.dynamics.simplification.planarity import is_planar
 from kousoku.codegen.dynamics.simplification.rigid_groups import grouped
 from kousoku.codegen.dynamics.simplification.static_potential import static_potential
 from kousoku.model.elements.constraints import base_of

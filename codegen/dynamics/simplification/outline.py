@@ -82,7 +82,7 @@ def outline_of(system: System, plane: Plane | None) -> Outline:
     system : System
         A scene, as it starts.
     plane : Plane, optional
-        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it;
+        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planarity.plane_of` finds it;
         None for equations in space.
     """
     is_planar, shift = plane is not None, shift_of(plane)

@@ -50,7 +50,7 @@ def with_placeholder_masses(system: System, plane: Plane | None) -> PlaceholderM
     system : System
         A scene.
     plane : Plane, optional
-        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it.
+        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planarity.plane_of` finds it.
     """
     if not any(one.is_driver for one in system.constraints):
         return PlaceholderMasses(system)

@@ -18,7 +18,7 @@ from kousoku.codegen.dynamics.assembly.near_origin import brought_near
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.generate import generate_dynamics
-from kousoku.codegen.dynamics.simplification.planar import is_planar
+from kousoku.codegen.dynamics.simplification.planarity import is_planar
 from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
 from kousoku.model.families import chain, n_four_bar

@@ -10,7 +10,7 @@ import pytest
 
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
-from kousoku.codegen.dynamics.simplification.planar import is_planar
+from kousoku.codegen.dynamics.simplification.planarity import is_planar
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
