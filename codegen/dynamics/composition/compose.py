@@ -51,7 +51,7 @@ from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Kept, Program
 from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix, column, zeros
 from kousoku.codegen.dynamics.redundancy.redundant_rows import by_instance
 from kousoku.codegen.dynamics.simplification.axis_permutation import permuted_back, shift_of
-from kousoku.codegen.dynamics.simplification.bodies import (
+from kousoku.codegen.dynamics.simplification.body_blocks import (
     GROUND,
     BodyBlocks,
     body_blocks,

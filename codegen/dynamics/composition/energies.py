@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
     from kousoku.model.mechanism import System
 
 

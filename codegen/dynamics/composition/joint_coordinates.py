@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.composition.schur import Schur
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
     from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
     from kousoku.model.mechanism import System
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.reactions import Reaction
     from kousoku.codegen.dynamics.recording.recorder import Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
     from kousoku.model.mechanism import Vector
 
 ORIGIN = (0.0, 0.0, 0.0)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.least_norm import Scale
     from kousoku.codegen.dynamics.composition.schur import Schur
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
 
 
 @dataclass(slots=True)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.formula_names import FormulaNames
     from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.recording.recorder import Recorder
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
     from kousoku.model.mechanism import ForceElement, System
     from kousoku.model.precise import High
     from kousoku.model.switching import Measure

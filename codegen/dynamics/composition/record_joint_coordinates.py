@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.combinations import Combinations
     from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.recording.recorder import Recorder
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
     from kousoku.codegen.dynamics.simplification.joint_coordinates import (
         Prescribed,
         VelocityTransformation,

@@ -9,7 +9,7 @@ from kousoku.codegen.dynamics.composition.switching import BOUNDS
 from kousoku.codegen.dynamics.operations.shapes import thickened
 from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.dynamics.redundancy.redundant_rows import take_over
-from kousoku.codegen.dynamics.simplification.bodies import inverse_masses as of_body
+from kousoku.codegen.dynamics.simplification.body_blocks import inverse_masses as of_body
 from kousoku.model import precise
 from kousoku.model.elements.constraints import is_length
 from kousoku.model.switching import seen_of

@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.operations.shapes import thickened
 from kousoku.codegen.dynamics.recording.counts import counts, operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
-from kousoku.codegen.dynamics.simplification.bodies import gyroscopic_ratios
+from kousoku.codegen.dynamics.simplification.body_blocks import gyroscopic_ratios
 from kousoku.codegen.dynamics.simplification.planarity import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
 from kousoku.codegen.kernel_json import shipped_kinds

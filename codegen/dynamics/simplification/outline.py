@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.simplification.axis_permutation import (
     permuted_rows,
     shift_of,
 )
-from kousoku.codegen.dynamics.simplification.bodies import GROUND, body_blocks
+from kousoku.codegen.dynamics.simplification.body_blocks import GROUND, body_blocks
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.mechanism import GROUND_INDEX
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.recorder import OperandPattern
     from kousoku.codegen.dynamics.simplification.axis_permutation import Plane
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
     from kousoku.model.mechanism import Instance, RelativeCoordinate, System
 
     Elements = tuple[tuple[bool, ...], ...]
