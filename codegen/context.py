@@ -20,7 +20,7 @@ from kousoku.model.graph import Op
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.kernel import KernelGraph, Package
+    from kousoku.model.kernel_graph import KernelGraph, Package
 
 #: Operations on which Python's floats behave as arrays do, whatever the operands.
 _POLYNOMIAL = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.NEG})

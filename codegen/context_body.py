@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.context_names import Namer
     from kousoku.codegen.printers import Printer
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
 
 #: Longest name and right-hand side together: what C writes around them keeps it within 100.
 WIDTH = 77

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.printers import Printer
     from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
 
 #: Operations whose operands may change places.
 _COMMUTATIVE = frozenset({Op.ADD, Op.MUL})

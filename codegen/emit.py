@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.codegen.context_records import PackageContext
-    from kousoku.model.kernel import KernelGraph, Package
+    from kousoku.model.kernel_graph import KernelGraph, Package
 
     Inputs = tuple[tuple[str, str], ...]
 

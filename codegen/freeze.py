@@ -29,7 +29,7 @@ from kousoku.codegen.matrix_chain import Association, flip
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model.errors import FreezeError
 from kousoku.model.graph import Graph, Op
-from kousoku.model.kernel import KernelGraph
+from kousoku.model.kernel_graph import KernelGraph
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,

@@ -14,7 +14,7 @@ import sympy
 
 from kousoku.model.errors import FreezeError
 from kousoku.model.graph import Op, OperationNode
-from kousoku.model.kernel import KernelGraph
+from kousoku.model.kernel_graph import KernelGraph
 from kousoku.symbolic.matrices import elements
 
 if TYPE_CHECKING:

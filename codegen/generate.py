@@ -19,7 +19,7 @@ from kousoku.codegen.kernel_json import GRAPH_FILE, dump
 from kousoku.model.cache import write_atomically
 from kousoku.model.compressed import content, stored
 from kousoku.model.jsontext import to_text
-from kousoku.model.kernel import Package
+from kousoku.model.kernel_graph import Package
 from kousoku.model.manifest import PLAIN, REFERENCE_FILE, Manifest
 from kousoku.symbolic.kinds import KINDS, packages_of
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
     from kousoku.symbolic.derivation import Derivation
 
     SourceTree = dict[str, str]

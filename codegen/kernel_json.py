@@ -20,7 +20,7 @@ from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
 from kousoku.model.graph import GRAPH_OPS, Op, OperationNode
 from kousoku.model.jsontext import to_text
-from kousoku.model.kernel import KernelGraph, Package
+from kousoku.model.kernel_graph import KernelGraph, Package
 from kousoku.model.own_kind import PREFIX, is_own, kind_name
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.kinds import KINDS

@@ -17,7 +17,7 @@ from kousoku.model.interpret import ARRAY, evaluate
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
 
 
 @dataclass(frozen=True, slots=True)

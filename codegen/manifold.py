@@ -11,7 +11,7 @@ from kousoku.model.dual import evaluate_dual
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
 
     #: An element of an input: the input's name and the element's place, row-major.
     InputElement = tuple[str, int]

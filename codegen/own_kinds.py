@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import Literal
 
-    from kousoku.model.kernel import KernelGraph, Package
+    from kousoku.model.kernel_graph import KernelGraph, Package
     from kousoku.model.quantity import Quantity
 
 #: Outputs of the kernels that a joint is made of, by kernel.

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.sha256_random import Sha256Random
     from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
     from kousoku.model.quantity import Quantity
 
     Numbers = Mapping[str, tuple[float, ...]]

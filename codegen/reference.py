@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.known_errors import KnownError
-    from kousoku.model.kernel import KernelGraph, Package
+    from kousoku.model.kernel_graph import KernelGraph, Package
     from kousoku.symbolic.derivation import DerivedOutput, Function
 
 FORMAT = 1

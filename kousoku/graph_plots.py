@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.typing import RcKeyType
 
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
 
     #: Where nodes stand, as (x, depth, operation), and the lines between them.
     Layers = tuple[list[tuple[float, int, Op]], list[list[tuple[float, int]]]]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from typing import TypeVar
 
     from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
 
     Number = TypeVar("Number")
 

@@ -11,7 +11,7 @@ import pytest
 import kousoku as ks
 from kousoku.codegen.passes.trace import without_sharing
 from kousoku.model.graph import Graph
-from kousoku.model.kernel import KernelGraph
+from kousoku.model.kernel_graph import KernelGraph
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:

@@ -30,7 +30,7 @@ from kousoku.model.manifest import REFERENCE_FILE
 
 if TYPE_CHECKING:
     from kousoku.codegen.linkage.assemble import Assembly
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
     from kousoku.model.scene import Scene
 
 

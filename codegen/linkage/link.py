@@ -9,7 +9,7 @@ from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
-    from kousoku.model.kernel import KernelGraph, Package
+    from kousoku.model.kernel_graph import KernelGraph, Package
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model.graph import Graph
-from kousoku.model.kernel import KernelGraph
+from kousoku.model.kernel_graph import KernelGraph
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:

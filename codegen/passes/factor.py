@@ -11,7 +11,7 @@ from kousoku.model.graph import Graph, Op
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
 
     #: A sign and the nodes of the factors.
     Term = tuple[int, tuple[int, ...]]

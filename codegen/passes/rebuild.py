@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
 
 
 def live_ids(nodes: Sequence[OperationNode[int]], wanted: Iterable[int]) -> list[int]:

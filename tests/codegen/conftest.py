@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import pytest
 
 from kousoku.model.graph import Graph
-from kousoku.model.kernel import KernelGraph, Package
+from kousoku.model.kernel_graph import KernelGraph, Package
 from kousoku.model.quantity import Quantity
 
 

@@ -15,7 +15,7 @@ import pytest
 
 from kousoku.codegen.emit import emit
 from kousoku.model.graph import Graph
-from kousoku.model.kernel import KernelGraph, Package
+from kousoku.model.kernel_graph import KernelGraph, Package
 from kousoku.model.quantity import Quantity
 from kousoku.runtime.importing import import_source
 

@@ -19,7 +19,7 @@ from kousoku.model.errors import ExpressionError, FreezeError
 from kousoku.model.expression import parse_expression
 from kousoku.model.graph import Graph, Op
 from kousoku.model.interpret import ARRAY, evaluate
-from kousoku.model.kernel import KernelGraph
+from kousoku.model.kernel_graph import KernelGraph
 from kousoku.model.quantity import Quantity
 from kousoku.model.terms import ZERO
 

@@ -30,7 +30,7 @@ from kousoku.symbolic.matrices import (
 from kousoku.symbolic.ring import Ring
 
 if TYPE_CHECKING:
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
     from kousoku.symbolic.derivation import Derivation
 
 PACKAGES = [package for kind in KINDS.values() for package in kind.packages]

@@ -10,7 +10,7 @@ from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.digits import CONTEXT
 from kousoku.model.dual import evaluate_dual
 from kousoku.model.errors import FreezeError
-from kousoku.model.kernel import KernelGraph
+from kousoku.model.kernel_graph import KernelGraph
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.derivation import DerivedOutput, Function
 from kousoku.symbolic.matrices import elements

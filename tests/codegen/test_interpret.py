@@ -9,7 +9,7 @@ from kousoku.model.arithmetic import EXACT, FLOAT
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.graph import Graph
 from kousoku.model.interpret import ARRAY, evaluate
-from kousoku.model.kernel import KernelGraph
+from kousoku.model.kernel_graph import KernelGraph
 from kousoku.model.quantity import Quantity
 
 #: Rational Euler parameters of unit norm, and vectors that they turn to right angles.

@@ -12,7 +12,7 @@ import pytest
 from kousoku.codegen.kernel_json import dump, load_frozen, parse
 from kousoku.model.errors import LoadError
 from kousoku.model.graph import Graph
-from kousoku.model.kernel import KernelGraph, Package
+from kousoku.model.kernel_graph import KernelGraph, Package
 from kousoku.model.quantity import Quantity
 
 

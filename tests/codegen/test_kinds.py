@@ -13,7 +13,7 @@ from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.known_errors import known_errors
 from kousoku.model.compressed import content
 from kousoku.model.interpret import ARRAY, evaluate
-from kousoku.model.kernel import KernelGraph
+from kousoku.model.kernel_graph import KernelGraph
 from kousoku.model.manifest import REFERENCE_FILE
 
 LIMIT = 4

@@ -9,7 +9,7 @@ from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.points import finite_points, infinite_points, ordinary
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.dual import evaluate_dual
-from kousoku.model.kernel import KernelGraph
+from kousoku.model.kernel_graph import KernelGraph
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.derivation import DerivedOutput, Function

@@ -16,7 +16,7 @@ from kousoku.model.arithmetic import EXACT
 from kousoku.model.errors import DerivationError
 from kousoku.model.graph import Graph
 from kousoku.model.interpret import evaluate
-from kousoku.model.kernel import KernelGraph, Package
+from kousoku.model.kernel_graph import KernelGraph, Package
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function

@@ -19,7 +19,7 @@ from kousoku.model.interpret import node_values
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
 
 LONG = np.longdouble
 #: Splits a long double into halves, of which products are exact.

@@ -19,7 +19,7 @@ from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
 from kousoku.model.graph import Graph
 from kousoku.model.interpret import evaluate
-from kousoku.model.kernel import KernelGraph
+from kousoku.model.kernel_graph import KernelGraph
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:

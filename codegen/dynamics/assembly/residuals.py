@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
     from kousoku.codegen.dynamics.assembly.pose import Pose
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
     from kousoku.model.mechanism import Instance, MovingBody, System
     from kousoku.model.precise import High
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
     from kousoku.codegen.dynamics.recording.program import Task
     from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
 
     Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
     from kousoku.model.mechanism import System
 
 #: A kernel gets the functions of floats or those of arrays, as its argument ``m``.

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
     from kousoku.model.mechanism import Instance, RelativeCoordinate
 
 #: Columns of a Jacobian for one body: δr in frame O, then δθ′ in the frame of the body.

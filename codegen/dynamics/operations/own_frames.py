@@ -28,7 +28,7 @@ from kousoku.model.quantity import Quantity
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.kernel import KernelGraph, Package
+    from kousoku.model.kernel_graph import KernelGraph, Package
 
 #: Columns of a Jacobian for one body.
 COLUMNS = 6

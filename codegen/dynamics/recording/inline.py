@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.recording.program import (
 )
 from kousoku.codegen.passes.rebuild import copy_node, substitute
 from kousoku.model.graph import Graph, Op
-from kousoku.model.kernel import KernelGraph
+from kousoku.model.kernel_graph import KernelGraph
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:

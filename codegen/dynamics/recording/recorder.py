@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.traces import Codes
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
     from kousoku.model.precise import High
 
     #: For each block its entries, coded with leaves instead of slots, and its shape.

@@ -10,7 +10,7 @@ from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.codegen.passes.rebuild import copy_node, substitute
 from kousoku.model.graph import Graph, Op, OperationNode
-from kousoku.model.kernel import KernelGraph
+from kousoku.model.kernel_graph import KernelGraph
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:

@@ -31,7 +31,7 @@ from kousoku.runtime.verify import verify
 
 if TYPE_CHECKING:
     from kousoku.codegen.linkage.layout import WorkspaceLayout
-    from kousoku.model.kernel import KernelGraph
+    from kousoku.model.kernel_graph import KernelGraph
     from kousoku.model.scene import Scene
 
 SCENES = Path(__file__).parents[3] / "scenes"

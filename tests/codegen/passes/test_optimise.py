@@ -17,7 +17,7 @@ from kousoku.codegen.passes.trace import most_alive, run_passes
 from kousoku.model.arithmetic import EXACT
 from kousoku.model.graph import Graph, Op
 from kousoku.model.interpret import evaluate
-from kousoku.model.kernel import KernelGraph
+from kousoku.model.kernel_graph import KernelGraph
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
