@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
-    from kousoku.model.mechanism import Instance, MovingBody, System
+    from kousoku.model.multibody import Instance, MovingBody, System
 
 #: Columns of a body: those of a point are the first three.
 COLUMNS = ("x", "y", "z", "theta_x", "theta_y", "theta_z")

@@ -10,7 +10,7 @@ from kousoku.model.digits import CONTEXT
 from kousoku.model.elements.constraints import COORDINATES, is_length
 from kousoku.model.frames import GROUND_FRAME
 from kousoku.model.joints import JOINTS, NAMES, sort_of
-from kousoku.model.mechanism import RelativeCoordinate
+from kousoku.model.multibody import RelativeCoordinate
 from kousoku.model.precise import ZERO
 from kousoku.model.traced import at_scene
 
@@ -30,7 +30,7 @@ class PreciseMeasure:
     Parameters
     ----------
     kind : str
-        The package, see :class:`kousoku.model.mechanism.RelativeCoordinate`.
+        The package, see :class:`kousoku.model.multibody.RelativeCoordinate`.
     ends : (BodyFrame, BodyFrame)
         Bodies i and j.
     vectors : tuple of (str, (3,))

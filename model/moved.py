@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.traced import Traced
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import Instance, RelativeCoordinate, System
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System
 
 
 def moved_by_parameters(system: System, one: Instance) -> bool:

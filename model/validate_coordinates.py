@@ -13,7 +13,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.expression import ARGUMENTS
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.joints import JOINTS, NAMES, leaves_of, listed, sort_of
-from kousoku.model.mechanism import LAW_NAMES
+from kousoku.model.multibody import LAW_NAMES
 from kousoku.model.spatial import GROUND
 from kousoku.model.text import with_a
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kousoku.joint_shapes import JointFreedom
-    from kousoku.model.mechanism import Instance, RelativeCoordinate, System
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "docs" / "joints.md").read_text(encoding="utf-8")

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Kept
     from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
     from kousoku.codegen.dynamics.simplification.outline import Outline
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 #: How many velocities a joint may leave to a body: none where drivers lead it, and any number.
 PRESCRIBED, ANY = 0, 6

@@ -10,7 +10,7 @@ from kousoku.model.design import DesignVector
 from kousoku.model.elements.inputs import ElementInput
 from kousoku.model.elements.kind import ForceKind, require_one, scalars
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import GROUND_INDEX, ForceElement
+from kousoku.model.multibody import GROUND_INDEX, ForceElement
 from kousoku.model.spatial import Value
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from kousoku.model.elements.joint import SECOND_ANGLE
 from kousoku.model.errors import SceneError
 from kousoku.model.held import without_held
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX, RelativeCoordinate, System
+from kousoku.model.multibody import GROUND_INDEX, RelativeCoordinate, System
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.spatial import Coordinate, Driver
 from kousoku.model.system import system_of

@@ -17,7 +17,7 @@ from kousoku.model.expression import parse_expression
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.interpret import evaluate
 from kousoku.model.joints import JOINTS, NAMES
-from kousoku.model.mechanism import GROUND_INDEX, Instance, RelativeCoordinate, System, Term
+from kousoku.model.multibody import GROUND_INDEX, Instance, RelativeCoordinate, System, Term
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of
 from kousoku.model.values import value_of

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.jacobian import Array, PreciseJacobian
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.model.mechanism import Instance, MovingBody, RelativeCoordinate, System
+    from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
     from kousoku.model.precise import High
 
 DEPENDENT = 1e-11

@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.operations.characteristic_length import is_ground_
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.mechanism import Instance, RelativeCoordinate, System, Vector
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System, Vector
 
     Source = TypeVar("Source", Instance, RelativeCoordinate)
 

@@ -13,7 +13,7 @@ from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.mechanism import MovingBody, RelativeCoordinate
+    from kousoku.model.multibody import MovingBody, RelativeCoordinate
 
 
 _ONE, _NONE = precise.number(1.0), precise.number(0.0)

@@ -23,7 +23,7 @@ from kousoku.model import precise
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import ARRAY, evaluate
-from kousoku.model.mechanism import RelativeCoordinate
+from kousoku.model.multibody import RelativeCoordinate
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
     from kousoku.codegen.dynamics.assembly.pose import Pose
     from kousoku.model.kernel_graph import KernelGraph
-    from kousoku.model.mechanism import Instance, MovingBody, System
+    from kousoku.model.multibody import Instance, MovingBody, System
     from kousoku.model.precise import High
 
 

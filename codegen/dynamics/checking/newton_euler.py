@@ -29,7 +29,7 @@ from kousoku.model.elements.constraints import COMBINATION, is_length
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import PREFIX, is_own
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.operations.jets import Vector
     from kousoku.model.arithmetic import FormulaArithmetic
-    from kousoku.model.mechanism import ForceElement, Instance, MovingBody, System
+    from kousoku.model.multibody import ForceElement, Instance, MovingBody, System
     from kousoku.model.real import Real
     from kousoku.model.terms import Expression
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
-    from kousoku.model.mechanism import Instance
+    from kousoku.model.multibody import Instance
 
 
 @dataclass(frozen=True, slots=True)

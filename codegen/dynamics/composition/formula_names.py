@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.operations.formulas import Meaning
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 
 class FormulaNames(Mapping[str, "Meaning"]):

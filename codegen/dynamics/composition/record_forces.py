@@ -11,7 +11,7 @@ from kousoku.codegen.dynamics.operations.formulas import Relative, ScaledColumn,
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column
 from kousoku.model.formulas import used_names
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.recording.recorder import Recorder
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
-    from kousoku.model.mechanism import ForceElement, System
+    from kousoku.model.multibody import ForceElement, System
     from kousoku.model.precise import High
     from kousoku.model.switching import Measure
 

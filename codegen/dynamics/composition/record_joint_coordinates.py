@@ -49,7 +49,7 @@ if TYPE_CHECKING:
         Prescribed,
         VelocityTransformation,
     )
-    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.multibody import MovingBody, System
 
 
 @dataclass(slots=True)

@@ -9,7 +9,7 @@ from kousoku.codegen.dynamics.operations.coordinates import CoordinateRate
 from kousoku.codegen.dynamics.operations.mechanics import JointRows, JointSystem, Rates
 from kousoku.codegen.dynamics.recording.recorder import column
 from kousoku.model.elements.constraints import COMBINATION
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import BodyCoordinates
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.terms import Expression
 
 #: Numbers that one task computes: what they share is computed once.

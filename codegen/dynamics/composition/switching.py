@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.quotients import Quotient
     from kousoku.model.switching import Measure
     from kousoku.model.terms import Expression

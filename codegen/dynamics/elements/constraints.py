@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.checking.newton_euler import Course
     from kousoku.codegen.dynamics.operations.jets import Vector
     from kousoku.model.arithmetic import FormulaArithmetic
-    from kousoku.model.mechanism import RelativeCoordinate, System
+    from kousoku.model.multibody import RelativeCoordinate, System
     from kousoku.model.precise import Triple
     from kousoku.model.real import Real
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
 
 from kousoku.codegen.dynamics.operations.placement import seen_from_carriers
 from kousoku.model import precise
-from kousoku.model.mechanism import ForceElement
+from kousoku.model.multibody import ForceElement
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.operations.placement import Placement
     from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
-    from kousoku.model.mechanism import Instance, RelativeCoordinate, System, Vector
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System, Vector
     from kousoku.model.real import Real
 
     #: What tells by its kind and constants what the ground does through it.
@@ -71,7 +71,7 @@ class ForceFacets(ABC, Generic[E]):
         """Record what it adds to the accelerations of body i and of body j, then its power.
 
         The power is that of what is no potential energy; it may be missing where nothing
-        :attr:`~kousoku.model.mechanism.ForceElement.works`. What is added to the ground is not
+        :attr:`~kousoku.model.multibody.ForceElement.works`. What is added to the ground is not
         looked at.
         """
 

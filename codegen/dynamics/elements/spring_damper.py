@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.operations.jets import Jet, dot, sqrt
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, share
 from kousoku.model import precise
 from kousoku.model.elements.spring_damper import PointSpring
-from kousoku.model.mechanism import RelativeCoordinate
+from kousoku.model.multibody import RelativeCoordinate
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.real import Real
 
 #: Names of the constants of a spring, in their order.

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import Carried, Instance, MovingBody, System
+    from kousoku.model.multibody import Carried, Instance, MovingBody, System
     from kousoku.runtime.integrate.state import Field
 
 #: Regions that hold what is given, or what no evaluation finds.

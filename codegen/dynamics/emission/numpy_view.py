@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment
     from kousoku.model.kernel_graph import KernelGraph
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 #: A kernel gets the functions of floats or those of arrays, as its argument ``m``.
 PYTHON = Printer(

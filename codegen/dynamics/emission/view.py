@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment, Task
     from kousoku.model.kernel_graph import KernelGraph
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 
 #: Tables whose rows have several numbers.

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.switching import Measure
 
 #: An error that is compared with this counts as none.

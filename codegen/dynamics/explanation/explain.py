@@ -25,7 +25,7 @@ from kousoku.codegen.dynamics.simplification.body_blocks import gyroscopic_ratio
 from kousoku.codegen.dynamics.simplification.planarity import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
 from kousoku.codegen.kernel_json import shipped_kinds
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name
 from kousoku.model.text import counted
 from kousoku.model.varying import fixed_system
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.operations.placement import Constants
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.scene import Scene
 
 #: Everything that can be computed.

@@ -9,12 +9,12 @@ from kousoku.codegen.dynamics.operations.shapes import NO_TURN, start
 from kousoku.model import precise
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import ForceElement, Instance, RelativeCoordinate, System
+    from kousoku.model.multibody import ForceElement, Instance, RelativeCoordinate, System
 
 #: Heights up to this part of the largest do not count: rounding.
 FLAT = 1e-12

@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.operations.own_frames import framed
 from kousoku.codegen.dynamics.recording.matrix import Matrix, square, stack
 from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.elements.constraints import COMBINATION
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.kernel_graph import KernelGraph
-    from kousoku.model.mechanism import Instance, RelativeCoordinate
+    from kousoku.model.multibody import Instance, RelativeCoordinate
 
 #: Columns of a Jacobian for one body: δr in frame O, then δθ′ in the frame of the body.
 COLUMNS = 6

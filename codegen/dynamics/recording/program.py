@@ -170,7 +170,7 @@ class ConstraintEquation:
     joint : str
         As in the scene.
     instance : int
-        Its place in :attr:`kousoku.model.mechanism.System.constraints`.
+        Its place in :attr:`kousoku.model.multibody.System.constraints`.
     row : int
         Its place in the kind.
     """

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
     from kousoku.codegen.dynamics.redundancy.rank import Array, LQFactors
-    from kousoku.model.mechanism import MovingBody
+    from kousoku.model.multibody import MovingBody
 
 #: How far the fastest body moves from one position to the next, in radians or lengths: far enough
 #: to leave what is special of a position, near enough that Newton's method comes back.

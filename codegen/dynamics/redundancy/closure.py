@@ -31,7 +31,7 @@ from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
 from kousoku.model import precise
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.system import UNIT_NAMES
 from kousoku.model.varying import fixed_system
 from kousoku.runtime.integrate.continuation import NEAR_SINGULAR
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
     from kousoku.codegen.dynamics.redundancy.rank import Array, LQFactors
-    from kousoku.model.mechanism import Instance, MovingBody, RelativeCoordinate, System
+    from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
 
 #: Pivots below it are rounding: rows have size one, and some hundred are eliminated.
 ROUNDING = 1e-12

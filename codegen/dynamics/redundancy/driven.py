@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
     from kousoku.codegen.dynamics.redundancy.rank import Array, LQFactors
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 
 class Drivers:

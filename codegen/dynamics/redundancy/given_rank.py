@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 
 def rank_rows(program: Program, system: System) -> list[tuple[str, tuple[int, int]]]:

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 
 def with_consistent_start(given: System) -> System:

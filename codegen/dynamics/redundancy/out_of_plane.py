@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import CoordinatePlace, Program
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
     Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
     Array = npt.NDArray[np.float64]
 

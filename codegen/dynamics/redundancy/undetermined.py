@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.operations.joint_ends import ends_of, points_of
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.runtime.integrate.body_tables import crossed, rotated
 from kousoku.runtime.integrate.motion import JOINT
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
     from kousoku.codegen.dynamics.redundancy.rank import Array
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
     #: Joints, and the columns of their force and torque that are not unique.
     Undetermined = tuple[tuple[str, tuple[str, ...]], ...]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
-    from kousoku.model.mechanism import Instance, MovingBody, System
+    from kousoku.model.multibody import Instance, MovingBody, System
 
     T = TypeVar("T")
     Triple = tuple[T, T, T]

@@ -9,7 +9,7 @@ from kousoku.codegen.dynamics.operations.heights import FLAT, height
 from kousoku.model.varying import fixed_system, is_varying
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import ForceElement, Instance, RelativeCoordinate, System
+    from kousoku.model.multibody import ForceElement, Instance, RelativeCoordinate, System
 
 
 def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:

@@ -25,14 +25,14 @@ from kousoku.model import precise
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
-    from kousoku.model.mechanism import RelativeCoordinate, System
+    from kousoku.model.multibody import RelativeCoordinate, System
     from kousoku.model.precise import High, Quadruple, Triple
 
     Numbers = tuple[float, ...]

@@ -18,13 +18,13 @@ from kousoku.codegen.dynamics.simplification.planarity import is_planar
 from kousoku.codegen.dynamics.simplification.rigid_groups import grouped
 from kousoku.codegen.dynamics.simplification.static_potential import static_potential
 from kousoku.model.elements.constraints import base_of
-from kousoku.model.mechanism import GROUND_INDEX, Carried
+from kousoku.model.multibody import GROUND_INDEX, Carried
 from kousoku.model.rows import variant
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.model.mechanism import Instance, MovingBody, RelativeCoordinate, System
+    from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,14 +38,14 @@ from kousoku.codegen.dynamics.simplification.outline import live_elements
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import Instance, MovingBody, RelativeCoordinate, System
+    from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
 
 #: Largest residual of a dropped row, in metres or radians: what rounding leaves.
 RESIDUAL = 1e-12

@@ -27,7 +27,7 @@ from kousoku.model.system import system_of
 from kousoku.runtime.integrate.given_start import notes_of
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 ROOT = Path(__file__).parents[4]
 Tree = dict[str, Any]

@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import Instance, RelativeCoordinate, System, Term
+from kousoku.model.multibody import Instance, RelativeCoordinate, System, Term
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
 from tests.analysed import all_rows

@@ -16,7 +16,7 @@ from kousoku.codegen.generate import write_tree
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.elements.load import Load
 from kousoku.model.elements.spring_damper import PointSpring
-from kousoku.model.mechanism import GROUND_INDEX, Instance, RelativeCoordinate, System
+from kousoku.model.multibody import GROUND_INDEX, Instance, RelativeCoordinate, System
 from kousoku.runtime.dynamics import load_dynamics
 from tests.analysed import all_rows
 
