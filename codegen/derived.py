@@ -50,7 +50,7 @@ SOURCES = (
     "model/jsontext.py",
     "model/kernel_graph.py",
     "model/quantity.py",
-    "model/rows.py",
+    "model/parallel_rows.py",
     "model/slopes.py",
 )
 #: File beside the committed kinds that says of which sources they were derived.

@@ -11,8 +11,8 @@ from kousoku.model.errors import SceneError
 from kousoku.model.frames import DIRECTIONS, GROUND_FRAME, joint_vectors, to_vector
 from kousoku.model.moved import moved_by_parameters
 from kousoku.model.multibody import GROUND_INDEX, Instance, Term
+from kousoku.model.parallel_rows import variant
 from kousoku.model.precise import ZERO
-from kousoku.model.rows import variant
 from kousoku.model.traced import at_scene
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, TypeVar
 
 from kousoku.model.elements.constraints import components_of, is_known
-from kousoku.model.rows import ROWS
+from kousoku.model.parallel_rows import ROWS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -19,7 +19,7 @@ from kousoku.codegen.dynamics.simplification.rigid_groups import grouped
 from kousoku.codegen.dynamics.simplification.static_potential import static_potential
 from kousoku.model.elements.constraints import base_of
 from kousoku.model.multibody import GROUND_INDEX, Carried
-from kousoku.model.rows import variant
+from kousoku.model.parallel_rows import variant
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
