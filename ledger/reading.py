@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from types import ModuleType
 
-    from kousoku.ledger.names import Evidence, Names
+    from kousoku.ledger.registry import Evidence, Names
 
 
 def read(part: ModuleType) -> tuple[Entry, ...]:

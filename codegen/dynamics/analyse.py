@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.operations.shapes import (
+from kousoku.codegen.dynamics.operations.body_coordinates import (
     require_few_joints,
     require_masses,
     thickened,

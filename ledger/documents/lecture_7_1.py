@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from sympy.matrices.expressions import Identity, MatrixSymbol, ZeroMatrix
 
 from kousoku.ledger import entries, find
-from kousoku.ledger.names import Names
 from kousoku.ledger.parser import parse
 from kousoku.ledger.proof import GENERAL, difference, equality, value_of
+from kousoku.ledger.registry import Names
 from kousoku.ledger.turning import along, flat, orientation, spatial, turned
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import LedgerError

@@ -16,10 +16,10 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.ledger.documents import lecture_8_2_words
 from kousoku.ledger.documents.lecture_8_2_words import offset, primed, together, words
-from kousoku.ledger.names import Names
 from kousoku.ledger.parser import parse
 from kousoku.ledger.priming import ways_that_agree
 from kousoku.ledger.proof import equality, value_of
+from kousoku.ledger.registry import Names
 from kousoku.model.errors import LedgerError
 from kousoku.model.parallel_rows import ROWS, variant
 from kousoku.symbolic import derive

@@ -15,8 +15,8 @@ from sympy.matrices.expressions import Identity, MatrixSymbol, ZeroMatrix
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.ledger.formula import SymbolName
-from kousoku.ledger.names import Names
 from kousoku.ledger.proof import GENERAL
+from kousoku.ledger.registry import Names
 from kousoku.ledger.turning import along, flat, orientation, spatial, turned
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.quantity import Quantity

@@ -25,9 +25,9 @@ from kousoku.ledger.documents.link_element import column
 from kousoku.ledger.documents.link_iteration import DIVISIONS, MP, RESIDUAL, run
 from kousoku.ledger.documents.link_mechanisms import LEVER_CRANK, PISTON_CRANK, ExampleMechanism
 from kousoku.ledger.formula import Array, FormulaNode, Numeral, Product, SymbolName
-from kousoku.ledger.names import Names
 from kousoku.ledger.parser import parse
 from kousoku.ledger.proof import equality, value_of
+from kousoku.ledger.registry import Names
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import FormulaError, LedgerError
 from kousoku.model.quantity import Quantity

@@ -17,8 +17,8 @@ from sympy import S
 from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol, Transpose, ZeroMatrix
 
 from kousoku.ledger import find
-from kousoku.ledger.names import Names
 from kousoku.ledger.proof import GENERAL, difference, different, equality, value_of
+from kousoku.ledger.registry import Names
 from kousoku.ledger.turning import along, flat, orientation, turned
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import LedgerError
@@ -32,8 +32,8 @@ from kousoku.symbolic.sympy_types import Scalar, as_value
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from kousoku.ledger.names import Words
     from kousoku.ledger.proof import Side
+    from kousoku.ledger.registry import Words
     from kousoku.symbolic.sympy_types import SymbolicMatrix, Value
 
 NAMES = Names(GENERAL)

@@ -37,6 +37,7 @@ from kousoku.codegen.dynamics.composition.record_joints import JointRecorder
 from kousoku.codegen.dynamics.composition.schur import Schur
 from kousoku.codegen.dynamics.composition.setup import record_setup
 from kousoku.codegen.dynamics.composition.switching import record_switching
+from kousoku.codegen.dynamics.operations.body_coordinates import sizes
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.joint_ends import points_of
 from kousoku.codegen.dynamics.operations.mechanics import (
@@ -45,7 +46,6 @@ from kousoku.codegen.dynamics.operations.mechanics import (
     Move,
     PoseRate,
 )
-from kousoku.codegen.dynamics.operations.shapes import sizes
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Kept, Program
 from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix, column, zeros

@@ -16,8 +16,8 @@ from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRe
 from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
 from kousoku.codegen.dynamics.composition.record_joints import JointRecorder
 from kousoku.codegen.dynamics.composition.setup import record_setup
+from kousoku.codegen.dynamics.operations.body_coordinates import sizes
 from kousoku.codegen.dynamics.operations.mechanics import BodyOrientation
-from kousoku.codegen.dynamics.operations.shapes import sizes
 from kousoku.codegen.dynamics.recording.design import number
 from kousoku.codegen.dynamics.recording.program import Program
 from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix, column, zeros

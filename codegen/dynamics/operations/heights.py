@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.operations.body_coordinates import NO_TURN, start
 from kousoku.codegen.dynamics.operations.mechanics import frozen
-from kousoku.codegen.dynamics.operations.shapes import NO_TURN, start
 from kousoku.model import precise
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.interpret import evaluate

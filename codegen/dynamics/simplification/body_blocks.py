@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.shapes import shape, start
+from kousoku.codegen.dynamics.operations.body_coordinates import shape, start
 from kousoku.codegen.dynamics.recording.design import number
 from kousoku.codegen.dynamics.recording.program import BodyCoordinates, CoordinatePlace
 from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column, slot_of

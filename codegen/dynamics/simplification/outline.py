@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.operations.body_coordinates import shape, sizes
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, inputs_of
-from kousoku.codegen.dynamics.operations.shapes import shape, sizes
 from kousoku.codegen.dynamics.recording.program import ConstraintEquation
 from kousoku.codegen.dynamics.recording.recorder import Recorder, pattern_of
 from kousoku.codegen.dynamics.recording.traces import Trace

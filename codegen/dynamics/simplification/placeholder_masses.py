@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.operations.body_coordinates import shape
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
-from kousoku.codegen.dynamics.operations.shapes import shape
 from kousoku.codegen.dynamics.simplification.axis_permutation import permuted, shift_of
 
 if TYPE_CHECKING:

@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
+from kousoku.codegen.dynamics.operations.body_coordinates import NO_TURN, start
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
-from kousoku.codegen.dynamics.operations.shapes import NO_TURN, start
 from kousoku.codegen.dynamics.simplification.axis_permutation import (
     NORMAL,
     Plane,
