@@ -25,7 +25,7 @@ from sympy.matrices.expressions.matexpr import MatrixElement
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
-from kousoku.codegen.matrix_chain import Association, flip
+from kousoku.codegen.matrix_chain import Association, Cells, flip
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model.errors import FreezeError
 from kousoku.model.graph import Graph, Op
@@ -48,8 +48,6 @@ if TYPE_CHECKING:
 
     from kousoku.model.quantity import Quantity
     from kousoku.symbolic.derivation import Function
-
-Cells = tuple[tuple[int, ...], ...]
 
 
 def freeze(function: Function) -> KernelGraph:

@@ -12,7 +12,7 @@ from kousoku.model.traced import Traced
 from kousoku.model.varying import Varying
 
 if TYPE_CHECKING:
-    from kousoku.model.multibody import Quaternion, Vector
+    from kousoku.model.orientation import Quaternion, Vector
     from kousoku.model.spatial import Joint
 
 

@@ -8,11 +8,12 @@ The ground is body :data:`GROUND_INDEX`; its frame is frame O and it has no coor
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from kousoku.model.elements.constraints import COORDINATES
 
-Vector = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
+if TYPE_CHECKING:
+    from kousoku.model.orientation import Quaternion, Vector
 
 GROUND_INDEX = -1
 

@@ -9,11 +9,10 @@ import msgspec
 from kousoku.model.design import Design, DesignVector, NumberOrAngle, Turns
 from kousoku.model.elements.inputs import ElementInput
 from kousoku.model.joints import inputs_of, keys_of
-from kousoku.model.orientation import Orientation
+from kousoku.model.orientation import Orientation, Vector
 from kousoku.model.own_kind import OwnInput, OwnKind
 from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 
-Vector = tuple[float, float, float]
 Free = Literal["angle", "second_angle", "displacement", "second_displacement"]
 Held = Literal["x", "y", "z", "orientation", "velocity", "angular_velocity"]
 Direction = Literal["both", "rising", "falling"]

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
     from kousoku.model.coordinates import CoordinateList
     from kousoku.model.frames import BodyFrame
-    from kousoku.model.multibody import ForceElement, Vector
+    from kousoku.model.multibody import ForceElement
+    from kousoku.model.orientation import Vector
     from kousoku.model.precise import High
     from kousoku.model.scene import Scene
 

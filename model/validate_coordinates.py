@@ -18,9 +18,10 @@ from kousoku.model.spatial import GROUND
 from kousoku.model.text import with_a
 
 if TYPE_CHECKING:
+    from kousoku.model.orientation import Vector
     from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Coordinate, Vector
+    from kousoku.model.spatial import Coordinate
 
 KEYS = {
     "joint": ("joint", "of"),

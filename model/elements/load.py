@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kousoku.model.elements.kind import Constants, Formulas, Lowering
     from kousoku.model.frames import BodyFrame
     from kousoku.model.loads import Force
-    from kousoku.model.multibody import Vector
+    from kousoku.model.orientation import Vector
     from kousoku.model.precise import High, Triple
     from kousoku.model.scene import Scene
 

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.operations.placement import Placement
     from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
-    from kousoku.model.multibody import Instance, RelativeCoordinate, System, Vector
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System
+    from kousoku.model.orientation import Vector
     from kousoku.model.real import Real
 
     #: What tells by its kind and constants what the ground does through it.

@@ -9,7 +9,8 @@ from kousoku.model.multibody import GROUND_INDEX
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.multibody import System, Vector
+    from kousoku.model.multibody import System
+    from kousoku.model.orientation import Vector
 
 
 def ends_of(bodies: Sequence[int]) -> tuple[int, ...]:

@@ -48,7 +48,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.rank import LQFactors
     from kousoku.codegen.dynamics.redundancy.undetermined import Undetermined
     from kousoku.codegen.dynamics.simplification.outline import Outline
-    from kousoku.model.multibody import Instance, RelativeCoordinate, System, Vector
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System
+    from kousoku.model.orientation import Vector
 
 #: Rows of the largest part whose dependent rows are looked for; the time grows with their cube.
 MOST_ROWS = 700

@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.elements.constraints import Contact
     from kousoku.codegen.dynamics.elements.facets import Applied
-    from kousoku.model.multibody import System, Vector
+    from kousoku.model.multibody import System
+    from kousoku.model.orientation import Vector
 
 #: The axis of a plane may be given either way.
 DOWN = (0.0, 0.0, -1.0)

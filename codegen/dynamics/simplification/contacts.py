@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from kousoku.codegen.dynamics.elements.facets import Source
-    from kousoku.model.multibody import System, Vector
+    from kousoku.model.multibody import System
+    from kousoku.model.orientation import Vector
     from kousoku.model.precise import Triple
 
     Numbers = tuple[float, ...]
