@@ -35,7 +35,7 @@ from kousoku.model.own_kind import PREFIX, is_own
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.operations.jets import Vector
+    from kousoku.codegen.dynamics.operations.jets import JetVector
     from kousoku.model.arithmetic import FormulaArithmetic
     from kousoku.model.multibody import ForceElement, Instance, MovingBody, System
     from kousoku.model.real import Real
@@ -114,11 +114,11 @@ class Course:
         here = BodyState([x.x for x in self.r], [x.x for x in self.p], (), ())
         return Course.of(here, rates, [0] * 6)
 
-    def vector(self, a: Sequence[Real]) -> Vector:
+    def vector(self, a: Sequence[Real]) -> JetVector:
         """Body-fixed vector in frame O."""
         return rotated(self.p, [Jet(x) for x in a])
 
-    def point(self, s: Sequence[Real]) -> Vector:
+    def point(self, s: Sequence[Real]) -> JetVector:
         """Place of a body-fixed point in frame O."""
         x, y, z = (a + b for a, b in zip(self.r, self.vector(s), strict=True))
         return x, y, z

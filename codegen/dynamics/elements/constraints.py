@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.dynamics.checking.newton_euler import Course
-    from kousoku.codegen.dynamics.operations.jets import Vector
+    from kousoku.codegen.dynamics.operations.jets import JetVector
     from kousoku.model.arithmetic import FormulaArithmetic
     from kousoku.model.multibody import RelativeCoordinate, System
     from kousoku.model.precise import Triple
@@ -327,7 +327,7 @@ class OnLineFacets(ConstraintFacets):
         return Contact(line=(precise.unit(axis), point))
 
 
-def _across(i: Course, j: Course, own: Own) -> Vector:
+def _across(i: Course, j: Course, own: Own) -> JetVector:
     """Vector d, from the point of body i to that of body j [m]."""
     start, end = i.point(own["s_i_b"]), j.point(own["s_j_b"])
     return end[0] - start[0], end[1] - start[1], end[2] - start[2]
