@@ -19,7 +19,7 @@ from benchmarks.problems.tree import (
     slopes,
 )
 from kousoku.model.builder import SceneBuilder
-from kousoku.runtime.rotations import rotated
+from kousoku.runtime.row_rotations import rotated
 
 if TYPE_CHECKING:
     from benchmarks.problems.tree import Point, Vector

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.read import read_scene
-from kousoku.runtime.rotations import rotated
+from kousoku.runtime.row_rotations import rotated
 
 from .conftest import SCENES
 
