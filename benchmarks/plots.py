@@ -55,7 +55,7 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Axis:
+class LogAxis:
     """A logarithmic axis.
 
     Parameters
@@ -72,7 +72,9 @@ class Axis:
     end: float
 
     @classmethod
-    def of(cls, values: Sequence[float], start: float, end: float, *, falls: bool = False) -> Axis:
+    def of(
+        cls, values: Sequence[float], start: float, end: float, *, falls: bool = False
+    ) -> LogAxis:
         """Axis that shows all values, from the largest to the smallest if it falls."""
         low, high = math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
         high = max(high, low + 1)
@@ -104,8 +106,8 @@ def growth(title: str, across: str, lines: Sequence[Line], *, falls: bool = Fals
     everything = [point for _, points in shown for point in points]
     if not everything:
         return ""
-    x = Axis.of([point[0] for point in everything], LEFT, WIDTH - RIGHT, falls=falls)
-    y = Axis.of([point[1] for point in everything], HEIGHT - BOTTOM, TOP)
+    x = LogAxis.of([point[0] for point in everything], LEFT, WIDTH - RIGHT, falls=falls)
+    y = LogAxis.of([point[1] for point in everything], HEIGHT - BOTTOM, TOP)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
         f'font-family="sans-serif" font-size="12">',
@@ -120,7 +122,7 @@ def growth(title: str, across: str, lines: Sequence[Line], *, falls: bool = Fals
     return "\n".join([*parts, "</svg>\n"])
 
 
-def _grid(x: Axis, y: Axis, error: str) -> list[str]:
+def _grid(x: LogAxis, y: LogAxis, error: str) -> list[str]:
     """Lines and numbers of both axes."""
     parts = []
     right, bottom = WIDTH - RIGHT, HEIGHT - BOTTOM

@@ -24,7 +24,7 @@ from benchmarks.kit import (
     required,
     rounds_of,
 )
-from benchmarks.plots import Axis, Line, work_precision
+from benchmarks.plots import Line, LogAxis, work_precision
 from benchmarks.race import TOO_LONG, Workers
 from tests.release import bench_question
 
@@ -210,10 +210,10 @@ def test_an_unknown_question_is_refused(capsys: pytest.CaptureFixture[str]) -> N
 
 
 def test_an_axis_is_logarithmic_and_may_fall() -> None:
-    axis = Axis.of([1e-3, 2e1], 0.0, 500.0)
+    axis = LogAxis.of([1e-3, 2e1], 0.0, 500.0)
     assert (axis.at(1e-3), axis.at(1e2)) == pytest.approx((0, 500))
     assert axis.at(1e-2) == pytest.approx(100)
-    falling = Axis.of([1e-3, 2e1], 0.0, 500.0, falls=True)
+    falling = LogAxis.of([1e-3, 2e1], 0.0, 500.0, falls=True)
     assert falling.at(1e2) == pytest.approx(0) and falling.at(1e-3) == pytest.approx(500)
 
 
