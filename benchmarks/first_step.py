@@ -30,7 +30,7 @@ from benchmarks.kit import (
 )
 from benchmarks.limits import size_text
 from benchmarks.loops import started
-from benchmarks.plots import Line, growth
+from benchmarks.plots import ToolLine, growth
 from benchmarks.race import CAP, MISSING, TOO_LONG
 from benchmarks.stages import ORDER, PEERS, WARMED
 from kousoku.model.families import chain
@@ -264,7 +264,7 @@ def body(records: Sequence[Record], figures: Figures) -> str:
             if (one := by.get((n, tool, line, TOTAL))) and one.median
         ]
         label = f"{tool}, {line}" if tool == "kousoku" else tool
-        lines.append(Line(label, points, is_bold=tool == "kousoku"))
+        lines.append(ToolLine(label, points, is_bold=tool == "kousoku"))
     drawn = growth("from scene to first step", "bars of a chain", lines)
     if drawn:
         parts.append(figures.add("first_step", drawn, "seconds to the first step over bars"))

@@ -23,7 +23,7 @@ from benchmarks.kit import Call, Case, Figures, Judged, Question, Record, Size, 
 from benchmarks.limits import Limits, aligned, measured, repeated, size_text, together
 from benchmarks.loops import Batch, casadi_loop, kousoku_loop, symforce_loop, sympy_loop
 from benchmarks.p2 import N_OUT, SAMPLE, Judge, inputs
-from benchmarks.plots import Line, growth
+from benchmarks.plots import ToolLine, growth
 from benchmarks.race import race
 from kousoku import runtime
 from kousoku.runtime.importing import import_source
@@ -607,7 +607,7 @@ def _plot(records: Sequence[Record], package: str, kernel: str) -> str:
             ]
             if len(points) > 2:
                 label = f"{way}, {count} thread{'s' * (count > 1)}"
-                lines.append(Line(label, points, is_bold=way == LANES))
+                lines.append(ToolLine(label, points, is_bold=way == LANES))
     return growth(f"{package} {kernel}", "evaluations at once", lines) if lines else ""
 
 

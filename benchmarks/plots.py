@@ -36,7 +36,7 @@ LABEL = 14
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class ToolLine:
     """One tool at its settings.
 
     Parameters
@@ -91,7 +91,7 @@ class LogAxis:
         return range(low, high + 1)
 
 
-def work_precision(title: str, error: str, lines: Sequence[Line]) -> str:
+def work_precision(title: str, error: str, lines: Sequence[ToolLine]) -> str:
     """Plot."""
     found = [
         replace(line, points=[(max(x, LEAST), y) for x, y in line.points if x < LARGEST and y > 0])
@@ -100,7 +100,7 @@ def work_precision(title: str, error: str, lines: Sequence[Line]) -> str:
     return growth(title, error, found, falls=True)
 
 
-def growth(title: str, across: str, lines: Sequence[Line], *, falls: bool = False) -> str:
+def growth(title: str, across: str, lines: Sequence[ToolLine], *, falls: bool = False) -> str:
     """Plot of times over numbers that grow to the right, or fall as errors do."""
     shown = [(line, line.points) for line in lines if line.points]
     everything = [point for _, points in shown for point in points]
@@ -163,7 +163,7 @@ def _labels(wanted: list[tuple[float, int]]) -> dict[int, float]:
     return {k: place - over for k, place in places.items()}
 
 
-def _drawn(k: int, line: Line, points: list[tuple[float, float]], label: float) -> list[str]:
+def _drawn(k: int, line: ToolLine, points: list[tuple[float, float]], label: float) -> list[str]:
     """Line with its markers and its label."""
     colour, dashes = COLOURS[k % len(COLOURS)], DASHES[k % len(DASHES)]
     width = 2.4 if line.is_bold else 1.2

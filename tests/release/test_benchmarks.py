@@ -24,7 +24,7 @@ from benchmarks.kit import (
     required,
     rounds_of,
 )
-from benchmarks.plots import Line, LogAxis, work_precision
+from benchmarks.plots import LogAxis, ToolLine, work_precision
 from benchmarks.race import TOO_LONG, Workers
 from tests.release import bench_question
 
@@ -218,7 +218,7 @@ def test_an_axis_is_logarithmic_and_may_fall() -> None:
 
 
 def test_lines_of_a_plot_differ_without_colour_and_labels_do_not_cover_each_other() -> None:
-    lines = [Line(f"tool {k}", [(1e-3, 1.0), (1e-6, 2.0 + k / 100)]) for k in range(6)]
+    lines = [ToolLine(f"tool {k}", [(1e-3, 1.0), (1e-6, 2.0 + k / 100)]) for k in range(6)]
     svg = work_precision("A plot", "error", lines)
     root = ElementTree.fromstring(svg)
     named = [
