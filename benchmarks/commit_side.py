@@ -38,7 +38,7 @@ COUNTS = {
 }
 
 
-class Side:
+class LoadedTree:
     """What a tree has loaded, by name."""
 
     def __init__(self, tree: Path) -> None:
@@ -177,7 +177,7 @@ def code_size(data: bytes) -> int:
 
 def main() -> None:
     """Answer commands until the input ends."""
-    side = Side(Path(sys.argv[1]))
+    side = LoadedTree(Path(sys.argv[1]))
     for line in sys.stdin:
         print(json.dumps(side.answer(json.loads(line))), flush=True)
 
