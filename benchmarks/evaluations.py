@@ -29,7 +29,14 @@ from benchmarks.kit import (
 from benchmarks.problems.catalog import PROBLEMS
 from benchmarks.problems.problem import finished, loaded
 from benchmarks.race import MISSING, race
-from benchmarks.segments import PARTS, SEGMENTS, Loop, Segments, seconds_of_parts, share_of_factors
+from benchmarks.segments import (
+    PARTS,
+    SEGMENTS,
+    SegmentLoop,
+    Segments,
+    seconds_of_parts,
+    share_of_factors,
+)
 from kousoku.runtime.dynamics import DynamicsSolver
 from kousoku.runtime.integrate.settings import KINEMATICS
 
@@ -131,7 +138,7 @@ def _loops(
     time: float,
     calls: dict[str, float],
     options: dict[str, Any],
-) -> dict[str, Loop]:
+) -> dict[str, SegmentLoop]:
     """Loops over all segments that are run, at the state of a time."""
     run = mechanism.begin([time], **options)
     finished(run)
