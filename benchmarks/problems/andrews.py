@@ -16,7 +16,7 @@ from benchmarks.peers.equations import Equations, one_freedom
 from benchmarks.problems.forms import flat
 from benchmarks.problems.problem import SCENES, Problem, reaction_norms
 from benchmarks.problems.tools import equation_lines, tree_lines
-from benchmarks.problems.tree import GROUND, Link, Loop, Spring, Tree, equations
+from benchmarks.problems.tree import GROUND, Link, LoopClosure, Spring, Tree, equations
 
 if TYPE_CHECKING:
     from benchmarks.kit import Case, Size
@@ -61,7 +61,7 @@ TREE = Tree(
     observed=((0, (RR, 0.0, 0.0)), (3, (ZT, 0.0, 0.0)), (5, (0.0, -U, 0.0))),
     axes="xy",
     loops=tuple(
-        Loop((2, (0.0, -SS, 0.0)), end, "xy")
+        LoopClosure((2, (0.0, -SS, 0.0)), end, "xy")
         for end in ((1, (-D, 0.0, 0.0)), (4, (0.0, -E, 0.0)), (6, (ZF, 0.0, 0.0)))
     ),
     springs=(Spring((GROUND, C), (2, SPRUNG), STIFFNESS, FREE_LENGTH),),

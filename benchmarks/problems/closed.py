@@ -13,7 +13,7 @@ from benchmarks.peers.equations import Equations, one_freedom
 from benchmarks.problems.forms import inertia_of, observed_of
 from benchmarks.problems.problem import SCENES, Problem
 from benchmarks.problems.tools import equation_lines, tree_lines
-from benchmarks.problems.tree import GROUND, Link, Loop, Tree, equations, frames, symbols
+from benchmarks.problems.tree import GROUND, Link, LoopClosure, Tree, equations, frames, symbols
 from kousoku.model.builder import SceneBuilder
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def slider_crank() -> Tree:
         v=(RATE, along, turn_rate, 0.0),
         gravity=(0.0, 0.0, -WEIGHT),
         observed=((0, (0.0, 0.0, CRANK)), (1, (0.0, 0.0, 0.0))),
-        loops=(Loop((0, (0.0, 0.0, CRANK)), (3, (-ROD, 0.0, 0.0))),),
+        loops=(LoopClosure((0, (0.0, 0.0, CRANK)), (3, (-ROD, 0.0, 0.0))),),
     )
 
 
@@ -149,8 +149,8 @@ def _of_bricard(*, rows: str) -> Tree:
         gravity=(0.0, -WEIGHT, 0.0),
         observed=((1, (0.0, 0.0, 0.0)), (2, (0.0, 0.0, 0.0)), (3, (0.0, 0.0, 0.0))),
         loops=(
-            Loop((4, end), (GROUND, (0.0, 0.0, 0.0))),
-            Loop((4, (0.0, 1.0, -1.0)), (GROUND, (0.0, 1.0, 0.0)), rows),
+            LoopClosure((4, end), (GROUND, (0.0, 0.0, 0.0))),
+            LoopClosure((4, (0.0, 1.0, -1.0)), (GROUND, (0.0, 1.0, 0.0)), rows),
         ),
     )
 

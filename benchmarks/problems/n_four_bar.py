@@ -16,7 +16,7 @@ from benchmarks.kit import required
 from benchmarks.peers.equations import Equations, one_freedom
 from benchmarks.problems.problem import Problem
 from benchmarks.problems.tools import equation_lines, tree_lines
-from benchmarks.problems.tree import GROUND, Link, Loop, Tree
+from benchmarks.problems.tree import GROUND, Link, LoopClosure, Tree
 from kousoku.model.families import n_four_bar
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def tree_of(count: int) -> Tree:
         angles.append(math.pi / 2)
         rates.append(-1.0)
         if k:
-            loops.append(Loop((crank - 1, (1.0, 0.0, 0.0)), (crank, (1.0, 0.0, 0.0)), "xy"))
+            loops.append(LoopClosure((crank - 1, (1.0, 0.0, 0.0)), (crank, (1.0, 0.0, 0.0)), "xy"))
         if k < count:
             links.append(Link("z", crank, (1.0, 0.0, 0.0), 1.0, (0.5, 0.0, 0.0), moments))
             angles.append(-math.pi / 2)

@@ -68,7 +68,7 @@ Point = tuple[int, Vector]
 
 
 @dataclass(frozen=True, slots=True)
-class Loop:
+class LoopClosure:
     """Two points that stay together, in some directions of frame O."""
 
     a: Point
@@ -115,7 +115,7 @@ class Tree:
     gravity: Vector
     observed: tuple[Point, ...]
     axes: str = "xyz"
-    loops: tuple[Loop, ...] = ()
+    loops: tuple[LoopClosure, ...] = ()
     springs: tuple[Spring, ...] = ()
     torques: dict[int, float] = field(default_factory=dict)
 
