@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     Array = npt.NDArray[np.float64]
 
 Vector = tuple[float, float, float]
-Joint = Literal["x", "y", "z", "slide x", "slide y", "slide z"]
+JointType = Literal["x", "y", "z", "slide x", "slide y", "slide z"]
 #: The ground as a link.
 GROUND = -1
 
@@ -45,7 +45,7 @@ class Link:
         Its moments about the centre of mass, about the axes of its frame.
     """
 
-    joint: Joint
+    joint: JointType
     parent: int
     at: Vector
     mass: float
