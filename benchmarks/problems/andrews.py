@@ -16,7 +16,7 @@ from benchmarks.peers.equations import Equations, one_freedom
 from benchmarks.problems.forms import flat
 from benchmarks.problems.problem import SCENES, Problem, reaction_norms
 from benchmarks.problems.tools import equation_lines, tree_lines
-from benchmarks.problems.tree import GROUND, Link, LoopClosure, Spring, Tree, equations
+from benchmarks.problems.tree import GROUND, LoopClosure, Spring, Tree, TreeLink, equations
 
 if TYPE_CHECKING:
     from benchmarks.kit import Case, Size
@@ -33,8 +33,8 @@ BETA = -0.06171389001427645
 JOINTS = ("O", "F", "B", "A", "G", "A_lower", "H", "E", "E_upper", "E_lower")
 
 
-def _link(parent: int, at: Any, mass: float, center: Any, inertia: float) -> Link:
-    return Link("z", parent, at, mass, (*center, 0.0), (inertia, inertia, inertia))
+def _link(parent: int, at: Any, mass: float, center: Any, inertia: float) -> TreeLink:
+    return TreeLink("z", parent, at, mass, (*center, 0.0), (inertia, inertia, inertia))
 
 
 TREE = Tree(

@@ -13,7 +13,7 @@ from benchmarks.peers.equations import Equations, one_freedom
 from benchmarks.problems.forms import inertia_of, observed_of
 from benchmarks.problems.problem import SCENES, Problem
 from benchmarks.problems.tools import equation_lines, tree_lines
-from benchmarks.problems.tree import GROUND, Link, LoopClosure, Tree, equations, frames, symbols
+from benchmarks.problems.tree import GROUND, LoopClosure, Tree, TreeLink, equations, frames, symbols
 from kousoku.model.builder import SceneBuilder
 
 if TYPE_CHECKING:
@@ -44,10 +44,10 @@ def slider_crank() -> Tree:
     turn_rate = (place * u_dot[1] + y * u_dot[0]) * ROD / flat**2
     return Tree(
         links=(
-            Link("x", GROUND, BEARING, CRANK_MASS, (0.0, 0.0, 0.0), (CRANK_MOMENT,) * 3),
-            Link("slide x", GROUND, (0.0,) * 3, SLIDER_MASS, (0.0,) * 3, (1e-3,) * 3),
-            Link("z", 1, (0.0,) * 3, 0.0, (0.0,) * 3, (0.0,) * 3),
-            Link("y", 2, (0.0,) * 3, ROD_MASS, (-ROD / 2, 0.0, 0.0), _rod()),
+            TreeLink("x", GROUND, BEARING, CRANK_MASS, (0.0, 0.0, 0.0), (CRANK_MOMENT,) * 3),
+            TreeLink("slide x", GROUND, (0.0,) * 3, SLIDER_MASS, (0.0,) * 3, (1e-3,) * 3),
+            TreeLink("z", 1, (0.0,) * 3, 0.0, (0.0,) * 3, (0.0,) * 3),
+            TreeLink("y", 2, (0.0,) * 3, ROD_MASS, (-ROD / 2, 0.0, 0.0), _rod()),
         ),
         q=(0.0, place, turned, lifted),
         v=(RATE, along, turn_rate, 0.0),
@@ -130,10 +130,10 @@ _ALONG, _ACROSS = 0.05**2 / 2, (3 * 0.05**2 + 1) / 12
 def _of_bricard(*, rows: str) -> Tree:
     """Tree from the hinge a on, whose end meets the hinge f."""
 
-    def link(joint: Any, parent: int, at: Any, along: int, side: int) -> Link:
+    def link(joint: Any, parent: int, at: Any, along: int, side: int) -> TreeLink:
         c, m = [0.0] * 3, [_ACROSS] * 3
         c[along], m[along] = side / 2, _ALONG
-        return Link(joint, parent, at, 1.0, (c[0], c[1], c[2]), (m[0], m[1], m[2]))
+        return TreeLink(joint, parent, at, 1.0, (c[0], c[1], c[2]), (m[0], m[1], m[2]))
 
     end = (0.0, 0.0, -1.0)
     return Tree(

@@ -12,7 +12,7 @@ from benchmarks.peers.equations import Equations, index_1
 from benchmarks.problems.forms import observed_of
 from benchmarks.problems.problem import Problem, reaction_norms
 from benchmarks.problems.tools import equation_lines
-from benchmarks.problems.tree import GROUND, Link, Tree
+from benchmarks.problems.tree import GROUND, Tree, TreeLink
 from kousoku.model.builder import SceneBuilder
 
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ SHAKE, OFTEN, START = 0.1, 20.0, 1.0
 INERTIA = 1 / 12
 ROD = Tree(
     links=(
-        Link("slide y", GROUND, (0.0,) * 3, 0.5, (0.0,) * 3, (1e-3,) * 3),
-        Link("z", 0, (0.0,) * 3, 1.0, (0.0, -0.5, 0.0), (INERTIA, 1e-3, INERTIA)),
+        TreeLink("slide y", GROUND, (0.0,) * 3, 0.5, (0.0,) * 3, (1e-3,) * 3),
+        TreeLink("z", 0, (0.0,) * 3, 1.0, (0.0, -0.5, 0.0), (INERTIA, 1e-3, INERTIA)),
     ),
     q=(0.0, START),
     v=(SHAKE * OFTEN, 0.0),

@@ -16,7 +16,7 @@ from benchmarks.kit import required
 from benchmarks.peers.equations import Equations, one_freedom
 from benchmarks.problems.problem import Problem
 from benchmarks.problems.tools import equation_lines, tree_lines
-from benchmarks.problems.tree import GROUND, Link, LoopClosure, Tree
+from benchmarks.problems.tree import GROUND, LoopClosure, Tree, TreeLink
 from kousoku.model.families import n_four_bar
 
 if TYPE_CHECKING:
@@ -35,18 +35,18 @@ PUBLISHED = {
 def tree_of(count: int) -> Tree:
     """Tree of cranks, each with its coupler, whose ends meet the next crank."""
     moments = (1e-3, INERTIA, INERTIA)
-    links: list[Link] = []
+    links: list[TreeLink] = []
     loops, rates, angles = [], [], []
     for k in range(count + 1):
         crank = len(links)
         at = (float(k), 0.0, 0.0)
-        links.append(Link("z", GROUND, at, 1.0, (0.5, 0.0, 0.0), moments))
+        links.append(TreeLink("z", GROUND, at, 1.0, (0.5, 0.0, 0.0), moments))
         angles.append(math.pi / 2)
         rates.append(-1.0)
         if k:
             loops.append(LoopClosure((crank - 1, (1.0, 0.0, 0.0)), (crank, (1.0, 0.0, 0.0)), "xy"))
         if k < count:
-            links.append(Link("z", crank, (1.0, 0.0, 0.0), 1.0, (0.5, 0.0, 0.0), moments))
+            links.append(TreeLink("z", crank, (1.0, 0.0, 0.0), 1.0, (0.5, 0.0, 0.0), moments))
             angles.append(-math.pi / 2)
             rates.append(1.0)
     return Tree(

@@ -15,7 +15,7 @@ from benchmarks.kit import required
 from benchmarks.peers.equations import Equations, index_1, one_freedom
 from benchmarks.problems.problem import SCENES, Problem
 from benchmarks.problems.tools import equation_lines, tree_lines
-from benchmarks.problems.tree import GROUND, Link, Tree
+from benchmarks.problems.tree import GROUND, Tree, TreeLink
 
 if TYPE_CHECKING:
     from benchmarks.kit import Case, Size
@@ -30,7 +30,7 @@ PUBLISHED = {
 
 
 ROD = Tree(
-    links=(Link("z", GROUND, (0.0,) * 3, 1.0, (0.75, 0.0, 0.0), (0.001, 0.1875, 0.1875)),),
+    links=(TreeLink("z", GROUND, (0.0,) * 3, 1.0, (0.75, 0.0, 0.0), (0.001, 0.1875, 0.1875)),),
     q=(np.pi,),
     v=(0.0,),
     gravity=(0.0, -WEIGHT, 0.0),

@@ -26,7 +26,7 @@ GROUND = -1
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class TreeLink:
     """A rigid body on the link before it.
 
     Parameters
@@ -93,7 +93,7 @@ class Tree:
 
     Parameters
     ----------
-    links : tuple of Link
+    links : tuple of TreeLink
         Parents before children.
     q, v : tuple of float
         Where it starts.
@@ -109,7 +109,7 @@ class Tree:
         Constant torques or forces of joints, by link.
     """
 
-    links: tuple[Link, ...]
+    links: tuple[TreeLink, ...]
     q: tuple[float, ...]
     v: tuple[float, ...]
     gravity: Vector
