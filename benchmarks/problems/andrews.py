@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers.equations import Equations, one_freedom
+from benchmarks.peers.equations import StateEquations, one_freedom
 from benchmarks.problems.forms import flat
 from benchmarks.problems.problem import SCENES, Problem, reaction_norms
 from benchmarks.problems.tools import equation_lines, tree_lines
@@ -69,7 +69,7 @@ TREE = Tree(
 )
 
 
-def by_crank() -> Equations:
+def by_crank() -> StateEquations:
     """Equation of the crank's angle: all other points are where circles meet."""
     ca = required("casadi")
     angle, rate = ca.SX.sym("angle"), ca.SX.sym("rate")
@@ -121,12 +121,12 @@ def by_crank() -> Equations:
     )
 
 
-def with_loops() -> Equations:
+def with_loops() -> StateEquations:
     """Equations in joint coordinates, whose loops meet at E."""
     return equations(TREE)
 
 
-def of_all_bodies() -> Equations:
+def of_all_bodies() -> StateEquations:
     """Equations of all bodies."""
     return flat(TREE)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers.equations import Equations, one_freedom
+from benchmarks.peers.equations import StateEquations, one_freedom
 from benchmarks.problems.forms import inertia_of, observed_of
 from benchmarks.problems.problem import SCENES, Problem
 from benchmarks.problems.tools import equation_lines, tree_lines
@@ -93,7 +93,7 @@ def scene_of_slider_crank() -> Scene:
     return builder.build()
 
 
-def by_crank() -> Equations:
+def by_crank() -> StateEquations:
     """Equation of the crank's angle."""
     ca = required("casadi")
     angle, rate = ca.SX.sym("angle"), ca.SX.sym("rate")
@@ -158,7 +158,7 @@ def _of_bricard(*, rows: str) -> Tree:
 BRICARD = _of_bricard(rows="x")
 
 
-def by_curve() -> Equations:
+def by_curve() -> StateEquations:
     """Equation along the curve of the two angles that all six hinges have in turn.
 
     With α of the hinges a, c, e and β of b, d, f, from the start in a cube, it closes where
@@ -180,7 +180,7 @@ def by_curve() -> Equations:
         return ca.jtimes(value, both, along)
 
     change = -(slope(height) + slope(mass) * speed * speed / 2) / mass
-    return Equations(
+    return StateEquations(
         ca.vertcat(both, speed),
         np.zeros(3),
         seen(q),
@@ -190,7 +190,7 @@ def by_curve() -> Equations:
 
 
 def peers_of(
-    tree: Tree, reduced: Callable[[], Equations], problem: Problem, size: Size
+    tree: Tree, reduced: Callable[[], StateEquations], problem: Problem, size: Size
 ) -> list[Case]:
     """Cases of all peers."""
     make = partial(equations, tree)

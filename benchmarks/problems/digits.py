@@ -21,7 +21,7 @@ from benchmarks.problems.problem import FOLDER, TIMES
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from benchmarks.peers.equations import Equations
+    from benchmarks.peers.equations import StateEquations
     from benchmarks.problems.problem import Problem
 
     Array = npt.NDArray[np.float64]
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-26
 
 
-def integrated(equations: Equations, times: Array) -> tuple[Array, Array, Array]:
+def integrated(equations: StateEquations, times: Array) -> tuple[Array, Array, Array]:
     """Positions, energies and reactions at times; states come from quadruple precision."""
     hy = required("heyoka")
     variables, rates = translated(equations.explicit, equations.x)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers.equations import Equations, index_1
+from benchmarks.peers.equations import StateEquations, index_1
 from benchmarks.problems.forms import observed_of
 from benchmarks.problems.problem import Problem, reaction_norms
 from benchmarks.problems.tools import equation_lines
@@ -67,13 +67,13 @@ def scene() -> Scene:
     return builder.build()
 
 
-def by_angle() -> Equations:
+def by_angle() -> StateEquations:
     """Equation of the angle, with time as a state."""
     ca = required("casadi")
     angle, rate, time = (ca.SX.sym(name) for name in ("angle", "rate", "time"))
     height = SHAKE * ca.sin(OFTEN * time)
     felt = WEIGHT - SHAKE * OFTEN**2 * ca.sin(OFTEN * time)
-    return Equations(
+    return StateEquations(
         ca.vertcat(angle, rate, time),
         np.array([START, 0.0, 0.0]),
         ca.vertcat(ca.sin(angle), height - ca.cos(angle)),
@@ -81,7 +81,7 @@ def by_angle() -> Equations:
     )
 
 
-def with_pivot() -> Equations:
+def with_pivot() -> StateEquations:
     """Equations of the rod in the plane, whose end multipliers lead along the pivot."""
     ca = required("casadi")
     q, v = ca.SX.sym("q", 4), ca.SX.sym("v", 3)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers.equations import Equations, one_freedom
+from benchmarks.peers.equations import StateEquations, one_freedom
 from benchmarks.problems.problem import Problem
 from benchmarks.problems.tools import equation_lines, tree_lines
 from benchmarks.problems.tree import GROUND, LoopClosure, Tree, TreeLink
@@ -65,7 +65,7 @@ def seen(count: int) -> tuple[int, int, int]:
     return 0, count // 2, count
 
 
-def by_crank(count: int) -> Equations:
+def by_crank(count: int) -> StateEquations:
     """Equation of the angle of the cranks from the vertical."""
     ca = required("casadi")
     angle, rate = ca.SX.sym("angle"), ca.SX.sym("rate")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers.equations import Equations, index_1, one_freedom
+from benchmarks.peers.equations import StateEquations, index_1, one_freedom
 from benchmarks.problems.problem import SCENES, Problem
 from benchmarks.problems.tools import equation_lines, tree_lines
 from benchmarks.problems.tree import GROUND, Tree, TreeLink
@@ -39,7 +39,7 @@ ROD = Tree(
 )
 
 
-def reduced() -> Equations:
+def reduced() -> StateEquations:
     """Equation of the angle from the downward vertical."""
     ca = required("casadi")
     angle, rate = ca.SX.sym("angle"), ca.SX.sym("rate")
@@ -54,7 +54,7 @@ def reduced() -> Equations:
     )
 
 
-def with_multiplier() -> Equations:
+def with_multiplier() -> StateEquations:
     """Equations of the mass in x and y, held by its distance."""
     ca = required("casadi")
     q, v = ca.SX.sym("q", 2), ca.SX.sym("v", 2)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from benchmarks.kit import Size
-    from benchmarks.peers.equations import Equations
+    from benchmarks.peers.equations import StateEquations
     from kousoku.mechanism import Mechanism
     from kousoku.model.scene import Output
 
@@ -139,7 +139,7 @@ class Problem:
     observe: Callable[[Any], Array]
     length: float
     end: float
-    forms: tuple[Callable[[], Equations], ...]
+    forms: tuple[Callable[[], StateEquations], ...]
     peers: Callable[[Problem, Size], list[Case]]
     published: Mapping[float, tuple[float, ...]] = field(default_factory=dict)
     agreed: float = 1e-12
@@ -247,8 +247,8 @@ def equation_cases(
     problem: Problem,
     form: str,
     kind: Kind,
-    make: Callable[[], Equations],
-    tools: Sequence[tuple[str, str, Callable[[Equations, float, Array], Runs]]],
+    make: Callable[[], StateEquations],
+    tools: Sequence[tuple[str, str, Callable[[StateEquations, float, Array], Runs]]],
     settings: Sequence[float],
 ) -> list[Case]:
     """Cases of equations that are given, for tools by name, line and what runs them."""
@@ -266,15 +266,15 @@ def equation_cases(
 
 
 @lru_cache(maxsize=4)
-def written(make: Callable[[], Equations]) -> Equations:
+def written(make: Callable[[], StateEquations]) -> StateEquations:
     """Equations, written and compiled once for all tolerances of a tool."""
     return make()
 
 
 def equation_call(
     problem: Problem,
-    make: Callable[[], Equations],
-    run: Callable[[Equations, float, Array], Runs],
+    make: Callable[[], StateEquations],
+    run: Callable[[StateEquations, float, Array], Runs],
     tolerance: float,
 ) -> Call:
     """Run of a tool on equations."""

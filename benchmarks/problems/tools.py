@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from benchmarks.kit import Size
-    from benchmarks.peers.equations import Equations
+    from benchmarks.peers.equations import StateEquations
     from benchmarks.problems.problem import Problem, Runs
     from benchmarks.problems.tree import Tree
 
@@ -38,7 +38,7 @@ def equation_lines(
     size: Size,
     form: str,
     kind: Kind,
-    make: Callable[[], Equations],
+    make: Callable[[], StateEquations],
     *,
     is_stiff: bool = False,
     is_long: bool = False,
@@ -51,7 +51,7 @@ def equation_lines(
     that takes half a minute, too, heyoka gets fewer tolerances.
     """
     taylor = [("heyoka", "Taylor", partial(heyoka.runs, compact=is_long))]
-    steppers: list[tuple[str, str, Callable[[Equations, float, Array], Runs]]]
+    steppers: list[tuple[str, str, Callable[[StateEquations, float, Array], Runs]]]
     steppers = [("SciPy", "DOP853", scipy.runs)]
     if is_stiff:
         steppers = [

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers.equations import Equations, lagrange
+from benchmarks.peers.equations import StateEquations, lagrange
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -242,7 +242,7 @@ def is_damped(tree: Tree) -> bool:
     return any(spring.damping for spring in tree.springs)
 
 
-def equations(tree: Tree) -> Equations:
+def equations(tree: Tree) -> StateEquations:
     """Lagrange's equations in joint coordinates, of index 1 where there are loops."""
     made = symbols(tree)
     torques = sum(torque * made.q[k] for k, torque in tree.torques.items())
