@@ -43,7 +43,7 @@ from kousoku.runtime.integrate.settings import KINEMATICS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from benchmarks.problems.problem import Problem
+    from benchmarks.problems.problem import BenchmarkProblem
     from benchmarks.race import Workers
     from kousoku.mechanism import Mechanism
     from kousoku.runtime.run import Run
@@ -96,7 +96,7 @@ def run(contest: str, size: Size, workers: Workers) -> list[Record]:
 # ---------------------------------------------------------------- problems
 
 
-def measure(problem: Problem) -> Iterator[Record]:
+def measure(problem: BenchmarkProblem) -> Iterator[Record]:
     """Cost of an evaluation of a problem, part by part, and how often each is made."""
     mechanism = loaded(problem)
     solver = mechanism.solver

@@ -14,7 +14,7 @@ import numpy as np
 from benchmarks.kit import required
 from benchmarks.peers.equations import StateEquations, one_freedom
 from benchmarks.problems.forms import flat
-from benchmarks.problems.problem import SCENES, Problem, reaction_norms
+from benchmarks.problems.problem import SCENES, BenchmarkProblem, reaction_norms
 from benchmarks.problems.tools import equation_lines, tree_lines
 from benchmarks.problems.tree import GROUND, LoopClosure, Spring, Tree, TreeLink, equations
 
@@ -131,7 +131,7 @@ def of_all_bodies() -> StateEquations:
     return flat(TREE)
 
 
-def peers(problem: Problem, size: Size) -> list[Case]:
+def peers(problem: BenchmarkProblem, size: Size) -> list[Case]:
     """Cases of all peers."""
     cases = equation_lines(
         problem, size, "index 1", "equations", with_loops, has_multipliers=True, is_long=True
@@ -148,7 +148,7 @@ def observe(result: Any) -> Any:
     )
 
 
-PROBLEM = Problem(
+PROBLEM = BenchmarkProblem(
     name="andrews",
     title="Andrews' squeezer, 0.03 s",
     scene=lambda: SCENES / "andrews_squeezer.toml",

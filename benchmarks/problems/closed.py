@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.kit import required
 from benchmarks.peers.equations import StateEquations, one_freedom
 from benchmarks.problems.forms import inertia_of, observed_of
-from benchmarks.problems.problem import SCENES, Problem
+from benchmarks.problems.problem import SCENES, BenchmarkProblem
 from benchmarks.problems.tools import equation_lines, tree_lines
 from benchmarks.problems.tree import GROUND, LoopClosure, Tree, TreeLink, equations, frames, symbols
 from kousoku.model.builder import SceneBuilder
@@ -190,7 +190,7 @@ def by_curve() -> StateEquations:
 
 
 def peers_of(
-    tree: Tree, reduced: Callable[[], StateEquations], problem: Problem, size: Size
+    tree: Tree, reduced: Callable[[], StateEquations], problem: BenchmarkProblem, size: Size
 ) -> list[Case]:
     """Cases of all peers."""
     make = partial(equations, tree)
@@ -204,7 +204,7 @@ def peers_of(
 
 
 PROBLEMS = (
-    Problem(
+    BenchmarkProblem(
         name="slider_crank",
         title="Spatial slider-crank, 5 s",
         scene=scene_of_slider_crank,
@@ -214,7 +214,7 @@ PROBLEMS = (
         forms=(by_crank, partial(equations, slider_crank())),
         peers=partial(peers_of, slider_crank(), by_crank),
     ),
-    Problem(
+    BenchmarkProblem(
         name="bricard",
         title="Bricard's linkage of uniform rods, 9 s",
         scene=lambda: SCENES / "bricard.toml",

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from benchmarks.peers.equations import StateEquations
-    from benchmarks.problems.problem import Problem
+    from benchmarks.problems.problem import BenchmarkProblem
 
     Array = npt.NDArray[np.float64]
 
@@ -47,7 +47,7 @@ def integrated(equations: StateEquations, times: Array) -> tuple[Array, Array, A
     return equations.judge()(rows[1:].astype(np.float64))
 
 
-def write(problem: Problem) -> None:
+def write(problem: BenchmarkProblem) -> None:
     """Write the digits of a problem.
 
     Raises

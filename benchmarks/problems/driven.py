@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.kit import required
 from benchmarks.peers.equations import StateEquations, index_1
 from benchmarks.problems.forms import observed_of
-from benchmarks.problems.problem import Problem, reaction_norms
+from benchmarks.problems.problem import BenchmarkProblem, reaction_norms
 from benchmarks.problems.tools import equation_lines
 from benchmarks.problems.tree import GROUND, Tree, TreeLink
 from kousoku.model.builder import SceneBuilder
@@ -102,7 +102,7 @@ def with_pivot() -> StateEquations:
     )
 
 
-def peers(problem: Problem, size: Size) -> list[Case]:
+def peers(problem: BenchmarkProblem, size: Size) -> list[Case]:
     """Cases of all peers."""
     return [
         *equation_lines(problem, size, "index 1", "equations", with_pivot, has_multipliers=True),
@@ -110,7 +110,7 @@ def peers(problem: Problem, size: Size) -> list[Case]:
     ]
 
 
-PROBLEM = Problem(
+PROBLEM = BenchmarkProblem(
     name="driven_pendulum",
     title="Rod on a driven pivot, 3 s",
     scene=scene,

@@ -14,7 +14,7 @@ import numpy as np
 
 from benchmarks.kit import required
 from benchmarks.peers.equations import StateEquations, one_freedom
-from benchmarks.problems.problem import Problem
+from benchmarks.problems.problem import BenchmarkProblem
 from benchmarks.problems.tools import equation_lines, tree_lines
 from benchmarks.problems.tree import GROUND, LoopClosure, Tree, TreeLink
 from kousoku.model.families import n_four_bar
@@ -91,7 +91,7 @@ def observe(count: int, result: Any) -> Any:
     return np.hstack([*ends, last + along])
 
 
-def peers(count: int, problem: Problem, size: Size) -> list[Case]:
+def peers(count: int, problem: BenchmarkProblem, size: Size) -> list[Case]:
     """Cases of all peers."""
     cases = equation_lines(problem, size, "reduced", "reduced", partial(by_crank, count))
     tree = tree_of(count)
@@ -105,10 +105,10 @@ def peers(count: int, problem: Problem, size: Size) -> list[Case]:
 MIDDLE = 40
 
 
-def problem_of(count: int) -> Problem:
+def problem_of(count: int) -> BenchmarkProblem:
     """Problem with so many four-bars."""
     published = {10.0: PUBLISHED[count]} if count in PUBLISHED else {}
-    return Problem(
+    return BenchmarkProblem(
         name=f"n_four_bar_{count}",
         title=f"N-four-bar A02, N = {count}, 10 s",
         scene=partial(n_four_bar, count),

@@ -13,7 +13,7 @@ import numpy as np
 
 from benchmarks.kit import required
 from benchmarks.peers.equations import StateEquations, index_1, one_freedom
-from benchmarks.problems.problem import SCENES, Problem
+from benchmarks.problems.problem import SCENES, BenchmarkProblem
 from benchmarks.problems.tools import equation_lines, tree_lines
 from benchmarks.problems.tree import GROUND, Tree, TreeLink
 
@@ -70,7 +70,7 @@ def with_multiplier() -> StateEquations:
     )
 
 
-def peers(problem: Problem, size: Size) -> list[Case]:
+def peers(problem: BenchmarkProblem, size: Size) -> list[Case]:
     """Cases of all peers; those that take scenes get the rod."""
     return [
         *equation_lines(
@@ -81,7 +81,7 @@ def peers(problem: Problem, size: Size) -> list[Case]:
     ]
 
 
-PROBLEM = Problem(
+PROBLEM = BenchmarkProblem(
     name="pendulum",
     title="Pendulum A01, 10 s",
     scene=lambda: SCENES / "pendulum.toml",

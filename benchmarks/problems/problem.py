@@ -98,7 +98,7 @@ class Digits:
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class BenchmarkProblem:
     """One motion, posed to all tools.
 
     Parameters
@@ -140,7 +140,7 @@ class Problem:
     length: float
     end: float
     forms: tuple[Callable[[], StateEquations], ...]
-    peers: Callable[[Problem, Size], list[Case]]
+    peers: Callable[[BenchmarkProblem, Size], list[Case]]
     published: Mapping[float, tuple[float, ...]] = field(default_factory=dict)
     agreed: float = 1e-12
     reactions: Callable[[Any], Array] | None = None
@@ -174,7 +174,7 @@ def tolerances(size: Size) -> Sequence[float]:
     return FULL if size.is_full else QUICK
 
 
-def kousoku_cases(problem: Problem, size: Size) -> list[Case]:
+def kousoku_cases(problem: BenchmarkProblem, size: Size) -> list[Case]:
     """Kousoku's lines: every method and the default, a table of rows, and the C alone."""
     has_all = size.is_full and not problem.is_large
     method = problem.methods[-1] if has_all else None
@@ -198,13 +198,15 @@ def kousoku_cases(problem: Problem, size: Size) -> list[Case]:
     ]
 
 
-def loaded(problem: Problem) -> Mechanism:
+def loaded(problem: BenchmarkProblem) -> Mechanism:
     """Mechanism, with reactions where they are judged."""
     outputs: list[Output] = ["reactions"] if problem.reactions else []
     return ks.load(problem.scene(), outputs=outputs, target="c")
 
 
-def kousoku_call(problem: Problem, method: str | None, tolerance: float, what: str) -> Call:
+def kousoku_call(
+    problem: BenchmarkProblem, method: str | None, tolerance: float, what: str
+) -> Call:
     """Run of kousoku: to the end by the door, with a table of rows, or the C alone."""
     mechanism, digits = loaded(problem), problem.digits()
     end = float(digits.times[-1])
@@ -244,7 +246,7 @@ def finished(run: Any) -> None:
 
 
 def equation_cases(
-    problem: Problem,
+    problem: BenchmarkProblem,
     form: str,
     kind: Kind,
     make: Callable[[], StateEquations],
@@ -272,7 +274,7 @@ def written(make: Callable[[], StateEquations]) -> StateEquations:
 
 
 def equation_call(
-    problem: Problem,
+    problem: BenchmarkProblem,
     make: Callable[[], StateEquations],
     run: Callable[[StateEquations, float, Array], Runs],
     tolerance: float,

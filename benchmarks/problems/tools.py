@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from benchmarks.kit import Size
     from benchmarks.peers.equations import StateEquations
-    from benchmarks.problems.problem import Problem, Runs
+    from benchmarks.problems.problem import BenchmarkProblem, Runs
     from benchmarks.problems.tree import Tree
 
     Array = npt.NDArray[np.float64]
@@ -34,7 +34,7 @@ MUJOCO = ("RK4", "implicit")
 
 
 def equation_lines(
-    problem: Problem,
+    problem: BenchmarkProblem,
     size: Size,
     form: str,
     kind: Kind,
@@ -71,7 +71,7 @@ def equation_lines(
 
 
 def tree_lines(
-    problem: Problem,
+    problem: BenchmarkProblem,
     size: Size,
     tree: Tree,
     *,
@@ -123,7 +123,7 @@ def _pinocchio(tree: Tree, tolerance: float, times: Array, *, is_redundant: bool
 
 
 def stepped(
-    problem: Problem,
+    problem: BenchmarkProblem,
     tool: str,
     line: str,
     counts: Sequence[int],
@@ -142,7 +142,7 @@ def stepped(
     ]
 
 
-def called(problem: Problem, make: Callable[[Array], Runs]) -> Call:
+def called(problem: BenchmarkProblem, make: Callable[[Array], Runs]) -> Call:
     """Run of a tool that gives the positions that are judged."""
     digits = problem.digits()
     run, positions = make(digits.times)

@@ -14,7 +14,7 @@ import numpy as np
 from benchmarks.kit import Case, required
 from benchmarks.peers import spinning
 from benchmarks.peers.equations import StateEquations, index_1
-from benchmarks.problems.problem import SCENES, Problem, reaction_norms
+from benchmarks.problems.problem import SCENES, BenchmarkProblem, reaction_norms
 from benchmarks.problems.tools import (
     FEW_STEPS,
     STEPPERS,
@@ -134,7 +134,7 @@ def observe(body: str, result: Any) -> Any:
     return np.hstack([rotated(p, np.tile(axis, (len(p), 1))) for axis in SEEN])
 
 
-def peers(top: Top, problem: Problem, size: Size) -> list[Case]:
+def peers(top: Top, problem: BenchmarkProblem, size: Size) -> list[Case]:
     """Cases of all peers."""
     cases = equation_lines(problem, size, "reduced", "reduced", partial(by_euler, top))
     if top.is_held:
@@ -162,10 +162,10 @@ def peers(top: Top, problem: Problem, size: Size) -> list[Case]:
 
 def problem_of(
     name: str, title: str, scene: str, body: str, top: Top, end: float, **more: Any
-) -> Problem:
+) -> BenchmarkProblem:
     """Problem of a top."""
     forms = [partial(by_euler, top), *([partial(of_the_body, top)] if top.is_held else [])]
-    return Problem(
+    return BenchmarkProblem(
         name=name,
         title=title,
         scene=lambda: SCENES / f"{scene}.toml",

@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from benchmarks.problems.forms import flat, observed_of, recursive, scene_of
-from benchmarks.problems.problem import Problem, reaction_norms
+from benchmarks.problems.problem import BenchmarkProblem, reaction_norms
 from benchmarks.problems.tools import FEW_TAYLOR, TAYLOR, equation_lines, tree_lines
 from benchmarks.problems.tree import GROUND, Spring, Tree, TreeLink, equations
 from kousoku.model.families import chain
@@ -75,7 +75,12 @@ def chain_of(count: int) -> Tree:
 
 
 def peers(
-    tree: Tree, problem: Problem, size: Size, *, is_stiff: bool = False, is_long: bool = False
+    tree: Tree,
+    problem: BenchmarkProblem,
+    size: Size,
+    *,
+    is_stiff: bool = False,
+    is_long: bool = False,
 ) -> list[Case]:
     """Cases of all peers: joint coordinates are what a person reduced it to."""
     make = partial(recursive, tree)
@@ -95,11 +100,11 @@ def peers(
     return [*cases, *tree_lines(problem, size, tree, is_stiff=is_stiff)]
 
 
-def problem_of_chain(count: int) -> Problem:
+def problem_of_chain(count: int) -> BenchmarkProblem:
     """Problem of a chain."""
     tree = chain_of(count)
     names = [f"bar_{k}" for k in range(count)]
-    return Problem(
+    return BenchmarkProblem(
         name=f"chain_{count}",
         title=f"Chain of {count} bars, {CHAINS[count]:g} s",
         scene=partial(chain, count),
@@ -115,7 +120,7 @@ def problem_of_chain(count: int) -> Problem:
 
 
 PROBLEMS = (
-    Problem(
+    BenchmarkProblem(
         name="small_pendulum",
         title="Pendulum of 1 mm, 0.3 s",
         scene=partial(scene_of, "small_pendulum", SMALL),
@@ -127,7 +132,7 @@ PROBLEMS = (
         peers=partial(peers, SMALL),
     ),
     *(problem_of_chain(count) for count in CHAINS),
-    Problem(
+    BenchmarkProblem(
         name="governor",
         title="Stiff governor, 5 s",
         scene=partial(scene_of, "governor", GOVERNOR),
