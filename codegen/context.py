@@ -20,7 +20,7 @@ from kousoku.model.graph import Op
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.kernel_graph import KernelGraph, Package
+    from kousoku.model.kernel import Kernel, Package
 
 #: Operations on which Python's floats behave as arrays do, whatever the operands.
 _POLYNOMIAL = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.NEG})
@@ -52,9 +52,7 @@ def package_context(package: Package, version: str, digest: str) -> PackageConte
     )
 
 
-def _kernel_contexts(
-    family: Sequence[KernelGraph], choices: Sequence[str]
-) -> Iterator[KernelContext]:
+def _kernel_contexts(family: Sequence[Kernel], choices: Sequence[str]) -> Iterator[KernelContext]:
     """Contexts of kernels that differ in the choice of rows only."""
     kernel, namer = family[0], Namer()
     name = kernel.name.removesuffix(f"_{choices[0]}") if choices else kernel.name
@@ -109,11 +107,11 @@ def _kernel_contexts(
         )
 
 
-def _source(kernel: KernelGraph) -> str:
+def _source(kernel: Kernel) -> str:
     return f"({kernel.source})" if kernel.source else ""
 
 
-def _cheap_alone(kernel: KernelGraph) -> tuple[int, ...]:
+def _cheap_alone(kernel: Kernel) -> tuple[int, ...]:
     """Outputs that need at most half of the operations, which get a body of their own.
 
     For any other the body for all outputs runs: it costs at most twice as much.
@@ -133,7 +131,7 @@ def _declared(kind: str, arguments: tuple[ArgumentContext, ...]) -> tuple[str, .
 _COUNTLESS = 10**6
 
 
-def _summary(kernel: KernelGraph) -> str:
+def _summary(kernel: Kernel) -> str:
     """Title on one line; what stands in brackets goes first where it is too long."""
     title = plain(kernel.title)
     brief = re.sub(r" \([^()]*\)", "", title)
@@ -142,7 +140,7 @@ def _summary(kernel: KernelGraph) -> str:
     return shorten(f"Compute {text}", 92, placeholder=" …").rstrip(".") + "."
 
 
-def _cost(kernel: KernelGraph) -> tuple[str, ...]:
+def _cost(kernel: Kernel) -> tuple[str, ...]:
     """Operations that run, and how many it would be if nothing were shared."""
     counts = kernel.operations
     parts = [f"{counts[op]} {op.value}" for op in Op if counts[op]]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.context_names import Namer
     from kousoku.codegen.printers import Printer
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
 
 #: Longest name and right-hand side together: what C writes around them keeps it within 100.
 WIDTH = 77
@@ -74,7 +74,7 @@ class OutputText:
     has_zeros: bool
 
 
-def live_nodes(kernel: KernelGraph, outputs: Sequence[int]) -> list[int]:
+def live_nodes(kernel: Kernel, outputs: Sequence[int]) -> list[int]:
     """Nodes that some outputs need, in topological order."""
     needed = [False] * len(kernel.nodes)
     for output in outputs:
@@ -87,7 +87,7 @@ def live_nodes(kernel: KernelGraph, outputs: Sequence[int]) -> list[int]:
     return [node for node, is_needed in enumerate(needed) if is_needed]
 
 
-def count_operations(kernel: KernelGraph, outputs: Sequence[int]) -> int:
+def count_operations(kernel: Kernel, outputs: Sequence[int]) -> int:
     """Number of operations that some outputs need."""
     live = live_nodes(kernel, outputs)
     return sum(kernel.nodes[node].op not in {Op.CONST, Op.INPUT} for node in live)
@@ -99,7 +99,7 @@ class LineLayout:
 
     Parameters
     ----------
-    kernel : KernelGraph
+    kernel : Kernel
         The whole kernel.
     outputs : tuple of int
         Those that are written.
@@ -111,7 +111,7 @@ class LineLayout:
         The nodes that get a line of their own, in the order of the lines.
     """
 
-    kernel: KernelGraph
+    kernel: Kernel
     outputs: tuple[int, ...]
     before: frozenset[int]
     live: tuple[int, ...]
@@ -119,7 +119,7 @@ class LineLayout:
 
 
 def layout(
-    kernel: KernelGraph,
+    kernel: Kernel,
     outputs: tuple[int, ...],
     leaves: Mapping[tuple[str, int], str],
     *,
@@ -134,7 +134,7 @@ def layout(
 
     Parameters
     ----------
-    kernel : KernelGraph
+    kernel : Kernel
         The whole kernel.
     outputs : tuple of int
         Those that are written.
@@ -205,7 +205,7 @@ def straight_line(
 
 
 def _text(
-    kernel: KernelGraph,
+    kernel: Kernel,
     node: int,
     printer: Printer,
     leaves: Mapping[tuple[str, int], str],
@@ -219,9 +219,7 @@ def _text(
     return printer.apply(item.op, [texts[arg] for arg in item.args])
 
 
-def output_text(
-    kernel: KernelGraph, output: int, name: str, texts: Mapping[int, Text]
-) -> OutputText:
+def output_text(kernel: Kernel, output: int, name: str, texts: Mapping[int, Text]) -> OutputText:
     """Lines that are written into one output, given the texts of :func:`straight_line`."""
     nodes = kernel.results[output]
     values = [kernel.nodes[node].value for node in nodes]

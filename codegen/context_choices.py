@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.printers import Printer
     from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
 
 #: Operations whose operands may change places.
 _COMMUTATIVE = frozenset({Op.ADD, Op.MUL})
@@ -35,7 +35,7 @@ class Bodies:
 
     Parameters
     ----------
-    kernels : tuple of KernelGraph
+    kernels : tuple of Kernel
         They have the same arguments, and differ in the choice of rows; mostly one.
     name : str
         Of the family.
@@ -45,7 +45,7 @@ class Bodies:
         Inputs and outputs.
     """
 
-    kernels: tuple[KernelGraph, ...]
+    kernels: tuple[Kernel, ...]
     name: str
     outputs: tuple[int, ...]
     arguments: tuple[tuple[ArgumentContext, ...], tuple[ArgumentContext, ...]]
@@ -84,13 +84,13 @@ class Bodies:
         """Outputs of one choice among those of all."""
         return tuple(choice * len(self.arguments[1]) + k for k in self.outputs)
 
-    def _live(self, merged: KernelGraph) -> list[list[int]]:
+    def _live(self, merged: Kernel) -> list[list[int]]:
         """Nodes that each choice needs."""
         return [live_nodes(merged, self._written(k)) for k in range(len(self.kernels))]
 
     def _text(
         self,
-        merged: KernelGraph,
+        merged: Kernel,
         printer: Printer,
         leaves: Mapping[tuple[str, int], str],
         namer: Namer,
@@ -130,7 +130,7 @@ class Bodies:
 
 
 def _used_later(
-    merged: KernelGraph,
+    merged: Kernel,
     common: frozenset[int],
     needs: Sequence[Sequence[int]],
     written: Sequence[Sequence[int]],
@@ -142,7 +142,7 @@ def _used_later(
     return common & used
 
 
-def together(kernels: Sequence[KernelGraph]) -> KernelGraph:
+def together(kernels: Sequence[Kernel]) -> Kernel:
     """Kernel with the outputs of several, in which equal nodes are one.
 
     Sums and products are equal whatever the order of their operands, which no bit depends on.

@@ -18,7 +18,7 @@ from kousoku.model.cache import cache_folder, write_atomically
 from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
 from kousoku.model.jsontext import to_text
-from kousoku.model.kernel_graph import Package
+from kousoku.model.kernel import Package
 from kousoku.model.manifest import REFERENCE_FILE
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ SOURCES = (
     "model/graph.py",
     "model/interpret.py",
     "model/jsontext.py",
-    "model/kernel_graph.py",
+    "model/kernel.py",
     "model/quantity.py",
     "model/parallel_rows.py",
     "model/slopes.py",

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.codegen.context_records import PackageContext
-    from kousoku.model.kernel_graph import KernelGraph, Package
+    from kousoku.model.kernel import Kernel, Package
 
     Inputs = tuple[tuple[str, str], ...]
 
@@ -186,7 +186,7 @@ def with_manifest(files: Mapping[str, str], promised: Manifest) -> dict[str, str
     return {**files, "manifest.json": replace(promised, files=listed).to_json()}
 
 
-def _kernel_manifest(package: Package, kernel: KernelGraph) -> KernelManifest:
+def _kernel_manifest(package: Package, kernel: Kernel) -> KernelManifest:
     return KernelManifest(
         name=kernel.name,
         title=kernel.title,

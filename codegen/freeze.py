@@ -29,7 +29,7 @@ from kousoku.codegen.matrix_chain import Association, Cells, flip
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model.errors import FreezeError
 from kousoku.model.graph import Graph, Op
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Function
 
 
-def freeze(function: Function) -> KernelGraph:
+def freeze(function: Function) -> Kernel:
     """Return the kernel of a derived function.
 
     Parameters
@@ -60,7 +60,7 @@ def freeze(function: Function) -> KernelGraph:
 
     Returns
     -------
-    KernelGraph
+    Kernel
         The scalar operations that all outputs need, each once.
 
     Raises
@@ -71,7 +71,7 @@ def freeze(function: Function) -> KernelGraph:
     lowering = _Lowering(function)
     results = tuple(lowering.output(output) for output in function.outputs)
     names = dict(reversed(lowering.names))  # the first name of a node wins
-    whole = KernelGraph(
+    whole = Kernel(
         name=function.name,
         title=function.title,
         formula=function.formula,

@@ -14,7 +14,7 @@ import sympy
 
 from kousoku.model.errors import FreezeError
 from kousoku.model.graph import Op, OperationNode
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.symbolic.matrices import elements
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _OPS = {sympy.sin: Op.SIN, sympy.cos: Op.COS, sympy.atan2: Op.ATAN2}
 
 
-def freeze_components(function: Function) -> KernelGraph:
+def freeze_components(function: Function) -> Kernel:
     """Kernel of a function's components; equal sub-expressions are one node.
 
     Parameters
@@ -43,7 +43,7 @@ def freeze_components(function: Function) -> KernelGraph:
     results = tuple(
         tuple(freezing.node_of(x) for x in output.components) for output in function.outputs
     )
-    return KernelGraph(
+    return Kernel(
         name=function.name,
         title=function.title,
         formula=function.formula,

@@ -19,7 +19,7 @@ from kousoku.codegen.kernel_json import GRAPH_FILE, dump
 from kousoku.model.cache import write_atomically
 from kousoku.model.compressed import content, stored
 from kousoku.model.jsontext import to_text
-from kousoku.model.kernel_graph import Package
+from kousoku.model.kernel import Package
 from kousoku.model.manifest import PLAIN, REFERENCE_FILE, Manifest
 from kousoku.symbolic.kinds import KINDS, packages_of
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
     from kousoku.symbolic.derivation import Derivation
 
     SourceTree = dict[str, str]
@@ -90,7 +90,7 @@ def generate_kind(name: str, committed: Path | None = None) -> SourceTree:
 def _together(name: str, found: Sequence[Derived]) -> Derived:
     """Choices of the rows of a kind as one package, ``rates_x`` of ``rates``."""
     choices = tuple(one.package.name.removeprefix(f"{name}_") for one in found)
-    kernels: list[KernelGraph] = []
+    kernels: list[Kernel] = []
     points: list[dict[str, object]] = []
     for choice, one in zip(choices, found, strict=True):
         kernels += [replace(k, name=f"{k.name}_{choice}") for k in one.package.kernels]

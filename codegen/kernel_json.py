@@ -20,7 +20,7 @@ from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
 from kousoku.model.graph import GRAPH_OPS, Op, OperationNode
 from kousoku.model.jsontext import to_text
-from kousoku.model.kernel_graph import KernelGraph, Package
+from kousoku.model.kernel import Kernel, Package
 from kousoku.model.own_kind import PREFIX, is_own, kind_name
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.kinds import KINDS
@@ -170,7 +170,7 @@ def load_frozen(name: str) -> Package:
         raise LoadError(f"{name}: {problem}; make it again with: kousoku generate {name}") from None
 
 
-def _kernel_to_data(kernel: KernelGraph) -> dict[str, object]:
+def _kernel_to_data(kernel: Kernel) -> dict[str, object]:
     return {
         "name": kernel.name,
         "title": kernel.title,
@@ -208,7 +208,7 @@ def _node_to_data(node: OperationNode[int]) -> str:
     return " ".join((node.op.value, *map(str, node.args)))
 
 
-def _kernel_from_data(data: dict[str, Any]) -> KernelGraph:
+def _kernel_from_data(data: dict[str, Any]) -> Kernel:
     nodes: list[OperationNode[int]] = []
     for item in data["nodes"]:
         nodes.append(_node_from_data(item, len(nodes)))
@@ -218,7 +218,7 @@ def _kernel_from_data(data: dict[str, Any]) -> KernelGraph:
     outputs = tuple(_quantity_from_data(quantity) for quantity in data["outputs"])
     if [len(result) for result in results] != [quantity.size for quantity in outputs]:
         raise ValueError(f"results of kernel {data['name']} do not fit its outputs")
-    return KernelGraph(
+    return Kernel(
         name=data["name"],
         title=data["title"],
         formula=data["formula"],

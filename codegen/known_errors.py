@@ -17,7 +17,7 @@ from kousoku.model.interpret import ARRAY, evaluate
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ def known_errors(package: str, kernel: str) -> tuple[KnownError, ...]:
 
 
 def units_off(
-    kernel: KernelGraph,
+    kernel: Kernel,
     output: str,
     inputs: Mapping[str, Sequence[float]],
     columns: Mapping[str, Sequence[float]],

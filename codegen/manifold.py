@@ -11,7 +11,7 @@ from kousoku.model.dual import evaluate_dual
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
 
     #: An element of an input: the input's name and the element's place, row-major.
     InputElement = tuple[str, int]
@@ -20,7 +20,7 @@ MOST_ITERATIONS = 30
 
 
 def solve_constraint(
-    kernel: KernelGraph, output: str, start: Mapping[str, Sequence[float]]
+    kernel: Kernel, output: str, start: Mapping[str, Sequence[float]]
 ) -> dict[str, tuple[float, ...]] | None:
     """Point near ``start`` where an output vanishes to rounding and p·p = 1.
 
@@ -28,7 +28,7 @@ def solve_constraint(
 
     Parameters
     ----------
-    kernel : KernelGraph
+    kernel : Kernel
         The components of the function that holds the constraint.
     output : str
         The name of the constraint among its outputs.
@@ -64,7 +64,7 @@ def solve_constraint(
 
 
 def _equations(
-    kernel: KernelGraph, output: str, numbers: Mapping[InputElement, Any]
+    kernel: Kernel, output: str, numbers: Mapping[InputElement, Any]
 ) -> tuple[list[Any], list[dict[InputElement, Any]]]:
     """Residuals and sparse rows of their derivatives: the constraint, then p·p = 1."""
     arrays = {q.name: [numbers[q.name, k] for k in range(q.size)] for q in kernel.inputs}

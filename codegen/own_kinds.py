@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import Literal
 
-    from kousoku.model.kernel_graph import KernelGraph, Package
+    from kousoku.model.kernel import Kernel, Package
     from kousoku.model.quantity import Quantity
 
 #: Outputs of the kernels that a joint is made of, by kernel.
@@ -79,7 +79,7 @@ def _problems(package: Package) -> Iterator[str]:
             yield f"its input {one.name} is in {one.unit}, not in m, rad or without unit"
 
 
-def _kernel(package: Package, name: str) -> KernelGraph | None:
+def _kernel(package: Package, name: str) -> Kernel | None:
     return next((kernel for kernel in package.kernels if kernel.name == name), None)
 
 
@@ -95,7 +95,7 @@ def _body_of(one: Quantity) -> Literal["", "i", "j"]:
     return "i" if one.name.endswith("_i_b") else "j" if one.name.endswith("_j_b") else ""
 
 
-def _turns(constraint: KernelGraph, side: int) -> bool:
+def _turns(constraint: Kernel, side: int) -> bool:
     """Whether turns of a body change C where its points are the origin of its frame."""
     graph, body = Graph(), "ij"[side]
     inputs = {

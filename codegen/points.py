@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.sha256_random import Sha256Random
     from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
     from kousoku.model.quantity import Quantity
 
     Numbers = Mapping[str, tuple[float, ...]]
@@ -81,14 +81,12 @@ def scattered(
     }
 
 
-def finite_points(
-    components: KernelGraph, stream: Sha256Random, turn: int
-) -> list[EvaluationPoint]:
+def finite_points(components: Kernel, stream: Sha256Random, turn: int) -> list[EvaluationPoint]:
     """Points at which every output is finite: one of each sort, another at each turn.
 
     Parameters
     ----------
-    components : KernelGraph
+    components : Kernel
         Formulas of the function; they say how far its inputs can be scaled.
     stream : Sha256Random
         Where the digits come from.
@@ -128,7 +126,7 @@ def finite_points(
     return points
 
 
-def infinite_points(components: KernelGraph, stream: Sha256Random) -> list[EvaluationPoint]:
+def infinite_points(components: Kernel, stream: Sha256Random) -> list[EvaluationPoint]:
     """Points with one number that is not finite.
 
     An infinity is left out where something finite can come of it, as with 1/∞.
@@ -148,7 +146,7 @@ def infinite_points(components: KernelGraph, stream: Sha256Random) -> list[Evalu
 
 
 def _scaled_arrays(
-    components: KernelGraph, numbers: Numbers, stream: Sha256Random, turn: int
+    components: Kernel, numbers: Numbers, stream: Sha256Random, turn: int
 ) -> dict[str, tuple[float, ...]]:
     """Scale one array as far as doubles allow, all others with what is left."""
     held = degrees(components)
@@ -168,7 +166,7 @@ def _scaled_arrays(
 
 
 def _scaled_elements(
-    components: KernelGraph, numbers: Numbers, stream: Sha256Random
+    components: Kernel, numbers: Numbers, stream: Sha256Random
 ) -> dict[str, tuple[float, ...]]:
     """Scale each number on its own."""
     largest = min(LARGEST_EXPONENT, EXPONENT_BUDGET // max(1, sum(degrees(components).values())))
@@ -233,7 +231,7 @@ def _integers(inputs: Sequence[Quantity], stream: Sha256Random) -> dict[str, tup
     }
 
 
-def _powers_of_two(components: KernelGraph, stream: Sha256Random) -> dict[str, tuple[float, ...]]:
+def _powers_of_two(components: Kernel, stream: Sha256Random) -> dict[str, tuple[float, ...]]:
     """Powers of two for the numbers under a quotient, 1, 2 or 4, so that it stays exact."""
     curved = curved_inputs(components)
     return {
@@ -256,7 +254,7 @@ def _unnormalised(
     }
 
 
-def _subnormal_group(components: KernelGraph, turn: int) -> tuple[str, ...]:
+def _subnormal_group(components: Kernel, turn: int) -> tuple[str, ...]:
     """Arrays that are made subnormal together: those of one unit, or a single pure one.
 
     The other inputs are small integers at these points and divisors powers of two, so that products
@@ -275,7 +273,7 @@ def _subnormal_group(components: KernelGraph, turn: int) -> tuple[str, ...]:
     return tuple(q.name for q in free if chosen in {q.name, q.unit})
 
 
-def curved_inputs(kernel: KernelGraph) -> tuple[str, ...]:
+def curved_inputs(kernel: Kernel) -> tuple[str, ...]:
     """Input arrays of which a root, a quotient or an angle function is taken."""
     held: list[dict[str, None]] = []
     curved: dict[str, None] = {}
@@ -290,7 +288,7 @@ def curved_inputs(kernel: KernelGraph) -> tuple[str, ...]:
     return tuple(curved)
 
 
-def degrees(kernel: KernelGraph) -> dict[str, int]:
+def degrees(kernel: Kernel) -> dict[str, int]:
     """Highest degree in which any node of a kernel holds an input array, for each of them.
 
     Scaling the array by 2^k scales no intermediate result by more than 2^(k · degree).
@@ -311,6 +309,6 @@ def _degree(node: OperationNode[int], held: Sequence[Mapping[str, int]]) -> dict
     return {name: max(arg.get(name, 0) for arg in args) for name in names}
 
 
-def _has_limits(kernel: KernelGraph) -> bool:
+def _has_limits(kernel: Kernel) -> bool:
     """Whether something finite can come of an infinite operand, as with 1/∞."""
     return any(node.op in {Op.DIV, Op.ATAN2} for node in kernel.nodes)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.known_errors import KnownError
-    from kousoku.model.kernel_graph import KernelGraph, Package
+    from kousoku.model.kernel import Kernel, Package
     from kousoku.symbolic.derivation import DerivedOutput, Function
 
 FORMAT = 1
@@ -108,7 +108,7 @@ def _kernels(
 
 
 def _known(
-    kernel: KernelGraph, function: Function, components: KernelGraph, error: KnownError
+    kernel: Kernel, function: Function, components: Kernel, error: KnownError
 ) -> dict[str, object]:
     """Point at which an output is beyond the limit, with its own limit.
 
@@ -135,7 +135,7 @@ def _is_finite(point: EvaluationPoint) -> bool:
 
 
 def _points(
-    function: Function, components: KernelGraph, package: Sequence[KernelGraph], is_thorough: bool
+    function: Function, components: Kernel, package: Sequence[Kernel], is_thorough: bool
 ) -> list[EvaluationPoint]:
     """Points of one function, fewer of them where it has many outputs."""
     stream = Sha256Random(function.name)
@@ -154,7 +154,7 @@ def _points(
 
 
 def _manifold_points(
-    function: Function, package: Sequence[KernelGraph], stream: Sha256Random
+    function: Function, package: Sequence[Kernel], stream: Sha256Random
 ) -> list[EvaluationPoint]:
     """Point on the constraint manifold of the package, and one near it."""
     for other in package:
@@ -172,7 +172,7 @@ def _manifold_points(
     return []
 
 
-def _solution(components: KernelGraph, stream: Sha256Random) -> dict[str, tuple[float, ...]] | None:
+def _solution(components: Kernel, stream: Sha256Random) -> dict[str, tuple[float, ...]] | None:
     """Point on the constraint manifold; None where no start leads there."""
     # Only the first start takes from the stream: later points are the same however many it takes.
     for own in (stream, *(Sha256Random(f"start {number}") for number in range(1, MOST_STARTS))):
@@ -184,7 +184,7 @@ def _solution(components: KernelGraph, stream: Sha256Random) -> dict[str, tuple[
 
 
 def values_at(
-    kernel: KernelGraph, function: Function, components: KernelGraph, point: EvaluationPoint
+    kernel: Kernel, function: Function, components: Kernel, point: EvaluationPoint
 ) -> dict[str, object] | None:
     """Point with its references; None where it happens to be no number."""
     bad = [
@@ -224,7 +224,7 @@ def _json_number(x: float) -> float | str:
     return x if math.isfinite(x) else str(x)
 
 
-def _check_zeros(kernel: KernelGraph, output: int, duals: Sequence[Dual]) -> None:
+def _check_zeros(kernel: Kernel, output: int, duals: Sequence[Dual]) -> None:
     nonzero = kernel.nonzero(output)
     for element, dual in enumerate(duals):
         if element not in nonzero and abs(dual.value) > 0:

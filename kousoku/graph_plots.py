@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.typing import RcKeyType
 
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
 
     #: Where nodes stand, as (x, depth, operation), and the lines between them.
     Layers = tuple[list[tuple[float, int, Op]], list[list[tuple[float, int]]]]
@@ -42,12 +42,12 @@ _LOOKS = (
 _SWEEPS = 12
 
 
-def draw_sharing(kernel: KernelGraph, *, title: str) -> Figure:
+def draw_sharing(kernel: Kernel, *, title: str) -> Figure:
     """Draw a kernel's graph twice: each use computed again, and each value computed once.
 
     Parameters
     ----------
-    kernel : KernelGraph
+    kernel : Kernel
         A small one; the drawing without sharing grows exponentially.
     title : str
         Printed above.
@@ -115,7 +115,7 @@ def _draw(axes: Axes, drawing: Layers) -> None:
     axes.set_xticks([])
 
 
-def _heights(kernel: KernelGraph) -> list[int]:
+def _heights(kernel: Kernel) -> list[int]:
     """Heights of the nodes: how many operations stand below each, one on top of the other."""
     heights: list[int] = []
     for node in kernel.nodes:
@@ -123,7 +123,7 @@ def _heights(kernel: KernelGraph) -> list[int]:
     return heights
 
 
-def _tree(kernel: KernelGraph) -> Layers:
+def _tree(kernel: Kernel) -> Layers:
     """Drawing in which each use of a value has a node of its own."""
     nodes: list[tuple[float, int, Op]] = []
     lines: list[list[tuple[float, int]]] = []
@@ -148,7 +148,7 @@ def _tree(kernel: KernelGraph) -> Layers:
     return nodes, lines
 
 
-def _graph(kernel: KernelGraph) -> Layers:
+def _graph(kernel: Kernel) -> Layers:
     """Drawing in which each value has one node, in layers, near to its neighbours."""
     heights = _heights(kernel)
     neighbours: list[list[int]] = [[] for _ in kernel.nodes]

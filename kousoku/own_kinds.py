@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from os import PathLike
 
-    from kousoku.model.kernel_graph import Package
+    from kousoku.model.kernel import Package
     from kousoku.model.own_kind import OwnKind
     from kousoku.runtime.library import Library
     from kousoku.symbolic.derivation import Derivation

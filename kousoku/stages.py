@@ -17,7 +17,7 @@ from kousoku.symbolic.matrices import elements, symbol
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
     from kousoku.symbolic.derivation import Derivation, Function
 
 #: Heads of the table that is printed.
@@ -73,7 +73,7 @@ class KernelExplanation:
             _stage(function, level) for function in self.derivation.functions for level in LEVELS
         )
 
-    def graph(self, kernel: str, *outputs: str) -> KernelGraph:
+    def graph(self, kernel: str, *outputs: str) -> Kernel:
         """Frozen graph of a kernel: its nodes, each an operation and its operands.
 
         Parameters

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from fractions import Fraction
 
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
     from kousoku.model.precise import High
 
 
@@ -110,13 +110,13 @@ DUAL: Arithmetic[Dual] = Arithmetic(
 
 
 def evaluate_dual(
-    kernel: KernelGraph, inputs: Mapping[str, Sequence[float | High]]
+    kernel: Kernel, inputs: Mapping[str, Sequence[float | High]]
 ) -> dict[str, tuple[Dual, ...]]:
     """Return the outputs of a kernel in 50 digits, with their derivatives by its inputs.
 
     Parameters
     ----------
-    kernel : KernelGraph
+    kernel : Kernel
         What is evaluated.
     inputs : mapping of str to sequence
         For each input its elements, flat row-major; finite. Gradients name one by the input and

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from typing import TypeVar
 
     from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
 
     Number = TypeVar("Number")
 
@@ -34,13 +34,13 @@ ARRAY: Arithmetic[Any] = Arithmetic(
 
 
 def evaluate(
-    kernel: KernelGraph, inputs: Mapping[str, Sequence[Number]], arithmetic: Arithmetic[Number]
+    kernel: Kernel, inputs: Mapping[str, Sequence[Number]], arithmetic: Arithmetic[Number]
 ) -> dict[str, tuple[Number, ...]]:
     """Return the outputs of a kernel.
 
     Parameters
     ----------
-    kernel : KernelGraph
+    kernel : Kernel
         What is evaluated, every node of it in the order of the text.
     inputs : mapping of str to sequence
         For each input its elements, flat row-major.
@@ -61,7 +61,7 @@ def evaluate(
 
 
 def node_values(
-    kernel: KernelGraph, inputs: Mapping[str, Sequence[Number]], arithmetic: Arithmetic[Number]
+    kernel: Kernel, inputs: Mapping[str, Sequence[Number]], arithmetic: Arithmetic[Number]
 ) -> list[Number]:
     """Return the values of all nodes of a kernel, as :func:`evaluate` does for its outputs."""
     values: list[Any] = []

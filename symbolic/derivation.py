@@ -89,7 +89,7 @@ class Function:
     Parameters
     ----------
     name, title, formula, source : str
-        As in :class:`kousoku.model.kernel_graph.KernelGraph`.
+        As in :class:`kousoku.model.kernel.Kernel`.
     inputs : tuple of Quantity
         In the order of the arguments.
     outputs : tuple of DerivedOutput

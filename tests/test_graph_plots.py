@@ -11,7 +11,7 @@ import pytest
 import kousoku as ks
 from kousoku.codegen.passes.trace import without_sharing
 from kousoku.model.graph import Graph
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -22,14 +22,14 @@ plots = pytest.importorskip("kousoku.plots", reason="needs matplotlib")
 
 
 @pytest.fixture
-def kernel() -> KernelGraph:
+def kernel() -> Kernel:
     """Build f = √(x + y) · (x + y): 3 operations, 4 where the sum is not shared."""
     graph = Graph()
     inputs = tuple(Quantity(name, (), "m", "") for name in "xy")
     total = graph.add(graph.input("x", 0), graph.input("y", 0))
     result = graph.mul(graph.sqrt(total), total)
     outputs = (Quantity("f", (), "-", ""),)
-    return KernelGraph("k", "", "", "", inputs, outputs, tuple(graph.nodes), ((result,),))
+    return Kernel("k", "", "", "", inputs, outputs, tuple(graph.nodes), ((result,),))
 
 
 def marks(figure: Figure) -> list[int]:
@@ -40,7 +40,7 @@ def marks(figure: Figure) -> list[int]:
     ]
 
 
-def test_both_graphs_show_every_node_and_count_the_operations(kernel: KernelGraph) -> None:
+def test_both_graphs_show_every_node_and_count_the_operations(kernel: Kernel) -> None:
     figure = graph_plots.draw_sharing(kernel, title="k")
     assert [panel.get_title(loc="left") for panel in figure.axes] == [
         "not shared: 4 operations",
@@ -94,7 +94,7 @@ def test_a_graph_that_there_is_not_is_refused(names: tuple[str, ...], wanted: st
         ks.explain(ks.derive("n1")).graph(*names)
 
 
-def test_the_same_kernel_gives_the_same_bytes(kernel: KernelGraph) -> None:
+def test_the_same_kernel_gives_the_same_bytes(kernel: Kernel) -> None:
     first, again = (
         plots.to_svg(graph_plots.draw_sharing(kernel, title="k")).encode() for _ in range(2)
     )

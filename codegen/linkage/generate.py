@@ -30,7 +30,7 @@ from kousoku.model.manifest import REFERENCE_FILE
 
 if TYPE_CHECKING:
     from kousoku.codegen.linkage.assemble import Assembly
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
     from kousoku.model.scene import Scene
 
 
@@ -73,7 +73,7 @@ def program_of(layout: WorkspaceLayout) -> Program:
     )
 
 
-def _segment(layout: WorkspaceLayout, number: int, kernel: KernelGraph) -> Segment:
+def _segment(layout: WorkspaceLayout, number: int, kernel: Kernel) -> Segment:
     """Return the segment that a kernel of the whole workspace is."""
     slots = tuple(layout.regions[quantity.name].base for quantity in kernel.outputs)
     contents = (*wrap(kernel.title, 92), kernel.source)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.linkage.blocks import DEPENDS
 from kousoku.codegen.passes.rebuild import drop_dead, substitute
 from kousoku.model.graph import Graph
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -23,9 +23,7 @@ if TYPE_CHECKING:
 PAPER = "Yamada and Tatsumi 1981"
 
 
-def block_kernels(
-    layout: WorkspaceLayout, number: int
-) -> tuple[KernelGraph, KernelGraph, KernelGraph]:
+def block_kernels(layout: WorkspaceLayout, number: int) -> tuple[Kernel, Kernel, Kernel]:
     """Return the kernels of one block: its residual and matrix, and its right-hand sides.
 
     Parameters
@@ -37,11 +35,11 @@ def block_kernels(
 
     Returns
     -------
-    position : KernelGraph
+    position : Kernel
         ``epsilon`` (n,) and ``D`` (n, n), its derivatives by the block's own unknowns, (20).
-    velocity : KernelGraph
+    velocity : Kernel
         ``nu`` (n,) with D ẋ = nu: what the coordinates that are known by then contribute, (22).
-    acceleration : KernelGraph
+    acceleration : Kernel
         ``gamma`` (n,) with D ẍ = gamma: likewise, and −Ḋ ẋ of all coordinates, (23), (25).
     """
     return (
@@ -69,7 +67,7 @@ class _Composer:
         names = ", ".join(layout.assembly.coordinates[u].name for u in self.block.unknowns)
         self.title = f"{names} from {', '.join(links)}"
 
-    def position(self) -> KernelGraph:
+    def position(self) -> Kernel:
         n = len(self.block.rows)
         epsilon, matrix = [], []
         for number, row in self.block.rows:
@@ -90,7 +88,7 @@ class _Composer:
             },
         )
 
-    def velocity(self) -> KernelGraph:
+    def velocity(self) -> Kernel:
         rows = [self._carried(number, row, 1) for number, row in self.block.rows]
         return self._kernel(
             "velocity",
@@ -100,7 +98,7 @@ class _Composer:
             {self._right_hand_side("nu", "/s"): rows},
         )
 
-    def acceleration(self) -> KernelGraph:
+    def acceleration(self) -> Kernel:
         rows = []
         for number, row in self.block.rows:
             element = self.layout.assembly.elements[number]
@@ -139,7 +137,7 @@ class _Composer:
             gradient[term.coordinate] = self.graph.add(known, part)
         return gradient
 
-    def _inline(self, kernel: KernelGraph, element: LinkElement, row: int) -> dict[str, list[int]]:
+    def _inline(self, kernel: Kernel, element: LinkElement, row: int) -> dict[str, list[int]]:
         """Rebuild a kernel of the link element here, with the ends and the length of a link."""
         used = DEPENDS[row]
         zero = self.graph.const(0)
@@ -158,10 +156,10 @@ class _Composer:
         formula: str,
         source: str,
         outputs: Mapping[Quantity, Sequence[int]],
-    ) -> KernelGraph:
+    ) -> Kernel:
         """Return the kernel of what was composed."""
         return drop_dead(
-            KernelGraph(
+            Kernel(
                 name=name + self.suffix,
                 title=title,
                 formula=formula,

@@ -9,7 +9,7 @@ from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
-    from kousoku.model.kernel_graph import KernelGraph, Package
+    from kousoku.model.kernel import Kernel, Package
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,14 +18,14 @@ class LinkRow:
 
     Parameters
     ----------
-    deformation : KernelGraph
+    deformation : Kernel
         ``epsilon`` () and its row of ``D`` (6,), at ``x``, ``length`` and ``offset``.
-    rate : KernelGraph
+    rate : Kernel
         Its element of ``D_dot_x_dot`` (), at ``x``, ``length`` and ``x_dot``.
     """
 
-    deformation: KernelGraph
-    rate: KernelGraph
+    deformation: Kernel
+    rate: Kernel
 
 
 def rows_of(link: Package) -> tuple[LinkRow, LinkRow, LinkRow]:
@@ -41,7 +41,7 @@ def rows_of(link: Package) -> tuple[LinkRow, LinkRow, LinkRow]:
     return first, second, third
 
 
-def _only(kernel: KernelGraph, wanted: dict[str, tuple[int, int]]) -> KernelGraph:
+def _only(kernel: Kernel, wanted: dict[str, tuple[int, int]]) -> Kernel:
     """Keep some consecutive elements of some outputs."""
     outputs, results = [], []
     for quantity, result in zip(kernel.outputs, kernel.results, strict=True):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model.graph import Graph
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ MOTIONS = (
 )
 
 
-def node_kernel(layout: WorkspaceLayout) -> KernelGraph:
+def node_kernel(layout: WorkspaceLayout) -> Kernel:
     """Return the kernel of the motion of all nodes: position, velocity, acceleration, (24), (25).
 
     Each output is (nodes, 2), in frame O, in the order of the scene.
@@ -35,7 +35,7 @@ def node_kernel(layout: WorkspaceLayout) -> KernelGraph:
         terms = [term for _, x, y in assembly.nodes for term in (x, y)]
         results.append(tuple(layout.node(graph, term, order) for term in terms))
     return drop_dead(
-        KernelGraph(
+        Kernel(
             name="nodes",
             title="Motion of the nodes",
             formula="node = offset + factor * coordinate",
@@ -48,7 +48,7 @@ def node_kernel(layout: WorkspaceLayout) -> KernelGraph:
     )
 
 
-def angle_kernel(layout: WorkspaceLayout) -> KernelGraph:
+def angle_kernel(layout: WorkspaceLayout) -> Kernel:
     """Return the kernel of the angles β of all links, their first and second derivatives.
 
     Each output is (links,), counter-clockwise from +x, from the first node of the link to the
@@ -66,7 +66,7 @@ def angle_kernel(layout: WorkspaceLayout) -> KernelGraph:
         )
     )
     return drop_dead(
-        KernelGraph(
+        Kernel(
             name="angles",
             title="Angles of the links",
             formula="tan(beta) = (y2 - y1) / (x2 - x1)",

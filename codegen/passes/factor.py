@@ -11,7 +11,7 @@ from kousoku.model.graph import Graph, Op
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
 
     #: A sign and the nodes of the factors.
     Term = tuple[int, tuple[int, ...]]
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 SUMS = frozenset({Op.ADD, Op.SUB})
 
 
-def factor(kernel: KernelGraph) -> KernelGraph:
+def factor(kernel: Kernel) -> Kernel:
     """Take common factors out of sums, the factor of most terms first.
 
     A factor that is taken out of k terms saves k − 1 multiplications. Sums and products that
@@ -42,7 +42,7 @@ def factor(kernel: KernelGraph) -> KernelGraph:
     return finish(kernel, graph, new_ids)
 
 
-def _used_inside_only(kernel: KernelGraph, live: Sequence[int]) -> dict[int, Op]:
+def _used_inside_only(kernel: Kernel, live: Sequence[int]) -> dict[int, Op]:
     """Nameless nodes with one use, and the operation that uses them."""
     users: dict[int, Op] = {}
     uses = Counter(node for result in kernel.results for node in result)
@@ -54,7 +54,7 @@ def _used_inside_only(kernel: KernelGraph, live: Sequence[int]) -> dict[int, Op]
     return {node: op for node, op in users.items() if uses[node] == 1}
 
 
-def _terms(kernel: KernelGraph, root: int, inner: Mapping[int, Op]) -> list[tuple[int, int]]:
+def _terms(kernel: Kernel, root: int, inner: Mapping[int, Op]) -> list[tuple[int, int]]:
     """Signs and terms of a sum, from left to right."""
     terms = []
     stack = [(1, root)]
@@ -69,7 +69,7 @@ def _terms(kernel: KernelGraph, root: int, inner: Mapping[int, Op]) -> list[tupl
     return terms
 
 
-def _factors(kernel: KernelGraph, term: int, inner: Mapping[int, Op]) -> list[int]:
+def _factors(kernel: Kernel, term: int, inner: Mapping[int, Op]) -> list[int]:
     """Factors of a product that only its sum uses, from left to right."""
     factors = []
     stack = [term]

@@ -10,12 +10,12 @@ from kousoku.codegen.passes.trace import run_passes
 
 if TYPE_CHECKING:
     from kousoku.codegen.passes.trace import PassTrace
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
 
 #: In the order in which they run. None uses that Euler parameters have norm one.
 PASSES = (drop_dead, factor)
 
 
-def optimise(kernel: KernelGraph) -> tuple[KernelGraph, PassTrace]:
+def optimise(kernel: Kernel) -> tuple[Kernel, PassTrace]:
     """Kernel that computes the same with less, and the trace of how."""
     return run_passes(kernel, PASSES)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
 
 
 def live_ids(nodes: Sequence[OperationNode[int]], wanted: Iterable[int]) -> list[int]:
@@ -38,7 +38,7 @@ def copy_node(graph: Graph, node: OperationNode[int], new_ids: Mapping[int, int]
 
 
 def substitute(
-    graph: Graph, kernel: KernelGraph, inputs: Mapping[str, Sequence[int]]
+    graph: Graph, kernel: Kernel, inputs: Mapping[str, Sequence[int]]
 ) -> dict[str, list[int]]:
     """Rebuild a kernel in ``graph`` with nodes of it in place of the inputs.
 
@@ -60,12 +60,12 @@ def substitute(
     }
 
 
-def finish(kernel: KernelGraph, graph: Graph, new_ids: Mapping[int, int]) -> KernelGraph:
+def finish(kernel: Kernel, graph: Graph, new_ids: Mapping[int, int]) -> Kernel:
     """``kernel`` with the nodes of ``graph``: dead ones dropped, the rest renumbered.
 
     Parameters
     ----------
-    kernel : KernelGraph
+    kernel : Kernel
         The kernel whose results and names are carried over.
     graph : Graph
         What a pass built.
@@ -87,7 +87,7 @@ def finish(kernel: KernelGraph, graph: Graph, new_ids: Mapping[int, int]) -> Ker
     )
 
 
-def drop_dead(kernel: KernelGraph) -> KernelGraph:
+def drop_dead(kernel: Kernel) -> Kernel:
     """Kernel without the nodes that no output needs, built through the graph again."""
     graph = Graph()
     new_ids: dict[int, int] = {}
@@ -96,7 +96,7 @@ def drop_dead(kernel: KernelGraph) -> KernelGraph:
     return finish(kernel, graph, new_ids)
 
 
-def with_outputs(kernel: KernelGraph, names: Sequence[str]) -> KernelGraph:
+def with_outputs(kernel: Kernel, names: Sequence[str]) -> Kernel:
     """Kernel of some outputs alone, without the nodes that only others need."""
     found = {quantity.name: k for k, quantity in enumerate(kernel.outputs)}
     outputs = tuple(kernel.outputs[found[name]] for name in names)
@@ -105,7 +105,7 @@ def with_outputs(kernel: KernelGraph, names: Sequence[str]) -> KernelGraph:
 
 
 def _carry_names(
-    kernel: KernelGraph,
+    kernel: Kernel,
     nodes: Sequence[OperationNode[int]],
     new_ids: Mapping[int, int],
     compact: Mapping[int, int],

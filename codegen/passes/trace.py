@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
 
 BYTES_OF_A_DOUBLE = 8
 
@@ -43,8 +43,8 @@ PassTrace = tuple[PassRecord, ...]
 
 
 def run_passes(
-    kernel: KernelGraph, passes: Sequence[Callable[[KernelGraph], KernelGraph]]
-) -> tuple[KernelGraph, PassTrace]:
+    kernel: Kernel, passes: Sequence[Callable[[Kernel], Kernel]]
+) -> tuple[Kernel, PassTrace]:
     """Apply passes one after the other, and record what each did."""
     records = []
     for one in passes:
@@ -66,7 +66,7 @@ def run_passes(
     return kernel, tuple(records)
 
 
-def without_sharing(kernel: KernelGraph) -> int:
+def without_sharing(kernel: Kernel) -> int:
     """Count of operations if every use of a value computed it again."""
     sizes: list[int] = []
     for node in kernel.nodes:
@@ -74,7 +74,7 @@ def without_sharing(kernel: KernelGraph) -> int:
     return sum(sizes[node] for result in kernel.results for node in result)
 
 
-def most_alive(kernel: KernelGraph) -> int:
+def most_alive(kernel: Kernel) -> int:
     """Largest number of intermediate results that are alive at once.
 
     A result is alive from where it is computed to its last use; one that is an output goes to

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import pytest
 
 from kousoku.model.graph import Graph
-from kousoku.model.kernel_graph import KernelGraph, Package
+from kousoku.model.kernel import Kernel, Package
 from kousoku.model.quantity import Quantity
 
 
@@ -25,7 +25,7 @@ def body_vector(graph: Graph, p: Sequence[int], a_b: Sequence[int]) -> list[int]
 
 
 @pytest.fixture
-def n1() -> KernelGraph:
+def n1() -> Kernel:
     """Build C = a_i · a_j of the kind n1, with the vector of body i beside it."""
     graph = Graph()
     inputs = (
@@ -38,7 +38,7 @@ def n1() -> KernelGraph:
     a_i = body_vector(graph, p_i, a_i_b)
     a_j = body_vector(graph, p_j, a_j_b)
     value = graph.sum(map(graph.mul, a_i, a_j))
-    return KernelGraph(
+    return Kernel(
         name="constraint",
         title="the two vectors stay at right angles",
         formula="C = a_i · a_j",
@@ -55,6 +55,6 @@ def n1() -> KernelGraph:
 
 
 @pytest.fixture
-def n1_package(n1: KernelGraph) -> Package:
+def n1_package(n1: Kernel) -> Package:
     """Put the kernel in a package, as it is emitted."""
     return Package("n1", "dot-1, PERPENDICULAR", "kousoku generate n1", (n1,))

@@ -21,7 +21,7 @@ from kousoku.codegen.derived import (
 )
 from kousoku.codegen.generate import write_tree
 from kousoku.codegen.kernel_json import GRAPH_FILE, dump
-from kousoku.model.kernel_graph import Package
+from kousoku.model.kernel import Package
 from kousoku.model.manifest import REFERENCE_FILE
 
 ROOT = Path(__file__).parents[2]

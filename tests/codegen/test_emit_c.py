@@ -15,7 +15,7 @@ import pytest
 
 from kousoku.codegen.emit import emit
 from kousoku.model.graph import Graph
-from kousoku.model.kernel_graph import KernelGraph, Package
+from kousoku.model.kernel import Kernel, Package
 from kousoku.model.quantity import Quantity
 from kousoku.runtime.importing import import_source
 
@@ -35,7 +35,7 @@ SIZES = (1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 24)
 LANES = (1, 2, 4, 8)
 
 
-def mixed() -> KernelGraph:
+def mixed() -> Kernel:
     """Build a kernel that no swap of two elements or two arrays leaves as it is."""
     graph = Graph()
     inputs = tuple(
@@ -52,7 +52,7 @@ def mixed() -> KernelGraph:
             values[1:4] = [graph.const(0), graph.const(Fraction(1, 3)), row[2]]
         outputs.append(Quantity(f"y_{q.size}", (q.size,), "-", "some more"))
         results.append(tuple(values))
-    return KernelGraph(
+    return Kernel(
         name="mixed",
         title="elements of many sizes",
         formula="y = k x / 7 − x_1 x_n",
@@ -64,7 +64,7 @@ def mixed() -> KernelGraph:
     )
 
 
-def called() -> KernelGraph:
+def called() -> Kernel:
     """Build a kernel with every operation that there is, and an input that nothing needs."""
     graph = Graph()
     x, y = graph.input("x", 0), graph.input("x", 1)
@@ -73,7 +73,7 @@ def called() -> KernelGraph:
     around = (graph.sin(angle), graph.neg(graph.cos(graph.const(Fraction(1, 2)))), angle)
     decay = (graph.exp(graph.neg(graph.abs(y))), graph.log(length), graph.max(x, y))
     inverse = (graph.div(x, length), graph.div(graph.const(1), y), *decay)
-    return KernelGraph(
+    return Kernel(
         name="called",
         title="functions of the math library",
         formula="length = √(x² + y²)",
@@ -139,12 +139,12 @@ def pointers(arrays: Sequence[Array | None]) -> Any:
     return (ctypes.c_void_p * len(arrays))(*addresses)
 
 
-def draw(rng: np.random.Generator, kernel: KernelGraph, n: int) -> list[Array]:
+def draw(rng: np.random.Generator, kernel: Kernel, n: int) -> list[Array]:
     """Return random inputs with a batch axis."""
     return [rng.normal(size=(n, q.size)) for q in kernel.inputs]
 
 
-def blank(kernel: KernelGraph, n: int, wanted: Wanted | None = None) -> list[Any]:
+def blank(kernel: Kernel, n: int, wanted: Wanted | None = None) -> list[Any]:
     """Return outputs full of NaN, None where not wanted."""
     chosen = range(len(kernel.outputs)) if wanted is None else wanted
     return [
@@ -154,7 +154,7 @@ def blank(kernel: KernelGraph, n: int, wanted: Wanted | None = None) -> list[Any
 
 def run_single(
     library: ctypes.CDLL,
-    kernel: KernelGraph,
+    kernel: Kernel,
     inputs: Sequence[Array],
     outputs: Sequence[Array | None],
 ) -> None:
@@ -167,7 +167,7 @@ def run_single(
 
 def run_batch(
     library: ctypes.CDLL,
-    kernel: KernelGraph,
+    kernel: Kernel,
     inputs: Sequence[Array],
     outputs: Sequence[Array | None],
     n: int,
@@ -188,7 +188,7 @@ def bits(arrays: Sequence[Array | None]) -> list[bytes]:
 
 
 def numpy_results(
-    module: Any, kernel: KernelGraph, inputs: Sequence[Array], wanted: Wanted | None = None
+    module: Any, kernel: Kernel, inputs: Sequence[Array], wanted: Wanted | None = None
 ) -> list[Array]:
     """Return what the NumPy text gives, flat for each evaluation."""
     shaped = [a.reshape(len(a), *q.shape) for a, q in zip(inputs, kernel.inputs, strict=True)]

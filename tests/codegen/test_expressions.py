@@ -19,7 +19,7 @@ from kousoku.model.errors import ExpressionError, FreezeError
 from kousoku.model.expression import parse_expression
 from kousoku.model.graph import Graph, Op
 from kousoku.model.interpret import ARRAY, evaluate
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 from kousoku.model.terms import ZERO
 
@@ -55,13 +55,13 @@ TWO_ARGUMENTS: dict[str, Callable[[float, float], float]] = {
 }
 
 
-def kernel_of(*expressions: Expression) -> KernelGraph:
+def kernel_of(*expressions: Expression) -> Kernel:
     """Return the kernel that computes some formulas of t and x."""
     graph = Graph()
     leaves = {name: graph.input(name, 0) for name in NAMES}
     results = tuple((to_graph(expression, graph, leaves),) for expression in expressions)
     outputs = tuple(Quantity(f"y{k}", (), "-", "") for k in range(len(results)))
-    return KernelGraph("f", "", "", "", QUANTITIES, outputs, tuple(graph.nodes), results)
+    return Kernel("f", "", "", "", QUANTITIES, outputs, tuple(graph.nodes), results)
 
 
 def values(expressions: list[Expression], t: Any, x: Any, numbers: Arithmetic[Any]) -> list[Any]:

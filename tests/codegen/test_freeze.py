@@ -30,7 +30,7 @@ from kousoku.symbolic.matrices import (
 from kousoku.symbolic.ring import Ring
 
 if TYPE_CHECKING:
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
     from kousoku.symbolic.derivation import Derivation
 
 PACKAGES = [package for kind in KINDS.values() for package in kind.packages]
@@ -52,7 +52,7 @@ def function_of(expression: Any, shape: tuple[int, ...], *inputs: Quantity) -> F
     return Function("trial", "", "", "", inputs, (output,))
 
 
-def carried(kernel: KernelGraph, carrier: Ring) -> list[list[Fraction]]:
+def carried(kernel: Kernel, carrier: Ring) -> list[list[Fraction]]:
     """Return the elements of all outputs as fractions of polynomials: nothing is rounded."""
     symbols = {q.name: elements(q) for q in kernel.inputs}
     values: list[Fraction] = []

@@ -10,7 +10,7 @@ from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.digits import CONTEXT
 from kousoku.model.dual import evaluate_dual
 from kousoku.model.errors import FreezeError
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.derivation import DerivedOutput, Function
 from kousoku.symbolic.matrices import elements
@@ -21,7 +21,7 @@ Y = Quantity("y", (), "rad", "")
 PLACES = {x0: ("x", 0), x1: ("x", 1), y: ("y", 0)}
 
 
-def frozen(*components: sympy.Expr) -> KernelGraph:
+def frozen(*components: sympy.Expr) -> Kernel:
     quantity = Quantity("f", (len(components),), "-", "")
     output = DerivedOutput(quantity, sympy.S.Zero, sympy.ImmutableDenseMatrix(components))
     return freeze_components(Function("f", "", "", "", (X, Y), (output,)))

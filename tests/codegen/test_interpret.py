@@ -9,7 +9,7 @@ from kousoku.model.arithmetic import EXACT, FLOAT
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.graph import Graph
 from kousoku.model.interpret import ARRAY, evaluate
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 #: Rational Euler parameters of unit norm, and vectors that they turn to right angles.
@@ -22,13 +22,13 @@ POINT = {
 
 
 @pytest.fixture
-def angle_kernel() -> KernelGraph:
+def angle_kernel() -> Kernel:
     graph = Graph()
     angle, radius = graph.input("angle", 0), graph.input("radius", 0)
     x, y = graph.mul(radius, graph.cos(angle)), graph.mul(radius, graph.sin(angle))
     length = graph.sqrt(graph.add(graph.mul(x, x), graph.mul(y, y)))
     third = graph.mul(graph.const(Fraction(1, 3)), graph.atan2(y, x))
-    return KernelGraph(
+    return Kernel(
         "polar",
         "",
         "",
@@ -40,14 +40,14 @@ def angle_kernel() -> KernelGraph:
     )
 
 
-def test_fractions_are_exact(n1: KernelGraph) -> None:
+def test_fractions_are_exact(n1: Kernel) -> None:
     outputs = evaluate(n1, POINT, EXACT)
     # p_i turns x to y, y to z, z to x; p_j turns by the angle with cosine −7/25 and sine 24/25.
     assert list(outputs["a_i"]) == [0, 1, 0]
     assert outputs["C"] == (Fraction(24, 25) * 1 + Fraction(-7, 25) * 2,)
 
 
-def test_floats_and_arrays_agree_bit_for_bit(n1: KernelGraph) -> None:
+def test_floats_and_arrays_agree_bit_for_bit(n1: Kernel) -> None:
     rng = np.random.default_rng(1)
     batch = {q.name: list(rng.normal(size=(q.size, 5))) for q in n1.inputs}
     together = evaluate(n1, batch, ARRAY)
@@ -56,7 +56,7 @@ def test_floats_and_arrays_agree_bit_for_bit(n1: KernelGraph) -> None:
         assert alone["C"][0] == together["C"][0][k]
 
 
-def test_fifty_digits_are_fifty_digits(angle_kernel: KernelGraph) -> None:
+def test_fifty_digits_are_fifty_digits(angle_kernel: Kernel) -> None:
     mpf = CONTEXT.mpf
     angle, radius = mpf(3) / 7, mpf("1e-9")
     outputs = evaluate(angle_kernel, {"angle": [angle], "radius": [radius]}, HIGH)
@@ -64,6 +64,6 @@ def test_fifty_digits_are_fifty_digits(angle_kernel: KernelGraph) -> None:
     assert abs(outputs["length"][0] / radius - 1) < mpf("1e-48")
 
 
-def test_an_irrational_function_of_a_fraction_is_refused(angle_kernel: KernelGraph) -> None:
+def test_an_irrational_function_of_a_fraction_is_refused(angle_kernel: Kernel) -> None:
     with pytest.raises(ArithmeticError, match="not rational"):
         evaluate(angle_kernel, {"angle": [Fraction(1)], "radius": [Fraction(1)]}, EXACT)

@@ -12,7 +12,7 @@ import pytest
 from kousoku.codegen.kernel_json import dump, load_frozen, parse
 from kousoku.model.errors import LoadError
 from kousoku.model.graph import Graph
-from kousoku.model.kernel_graph import KernelGraph, Package
+from kousoku.model.kernel import Kernel, Package
 from kousoku.model.quantity import Quantity
 
 
@@ -29,7 +29,7 @@ def test_every_kind_of_node_reads_back() -> None:
         graph.neg(graph.add(graph.cos(x), graph.sqrt(y))),
         graph.mul(third, graph.atan2(y, x)),
     )
-    kernel = KernelGraph(
+    kernel = Kernel(
         "k",
         "",
         "",

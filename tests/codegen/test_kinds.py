@@ -13,7 +13,7 @@ from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.known_errors import known_errors
 from kousoku.model.compressed import content
 from kousoku.model.interpret import ARRAY, evaluate
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.model.manifest import REFERENCE_FILE
 
 LIMIT = 4
@@ -26,7 +26,7 @@ def read(name: str) -> Any:
     return json.loads(content(REFERENCE_FILE, data))
 
 
-def errors(kernel: KernelGraph, point: Any) -> list[float]:
+def errors(kernel: Kernel, point: Any) -> list[float]:
     """Return the error of every element at a point, as a share of what it may be."""
     inputs = {name: [np.float64(x) for x in xs] for name, xs in point["inputs"].items()}
     with np.errstate(all="ignore"):

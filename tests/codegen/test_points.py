@@ -9,7 +9,7 @@ from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.points import finite_points, infinite_points, ordinary
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.dual import evaluate_dual
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.derivation import DerivedOutput, Function
@@ -17,7 +17,7 @@ from kousoku.symbolic.matrices import elements
 
 
 @pytest.fixture(scope="module")
-def components() -> KernelGraph:
+def components() -> Kernel:
     return freeze_components(derive("n2").functions[0])
 
 
@@ -45,7 +45,7 @@ def test_ordinary_euler_parameters_are_of_unit_norm_and_lengths_positive() -> No
     assert min(numbers["length"] + numbers["masses"]) > 0
 
 
-def test_each_sort_of_point_is_there(components: KernelGraph) -> None:
+def test_each_sort_of_point_is_there(components: Kernel) -> None:
     labels = [point.label for point in finite_points(components, Sha256Random("s"), 0)]
     assert labels == [
         "ordinary",
@@ -60,14 +60,14 @@ def test_each_sort_of_point_is_there(components: KernelGraph) -> None:
     ]
 
 
-def test_all_turns_stay_inside_the_doubles(components: KernelGraph) -> None:
+def test_all_turns_stay_inside_the_doubles(components: Kernel) -> None:
     for turn in range(4):
         for point in finite_points(components, Sha256Random("s"), turn):
             for duals in evaluate_dual(components, point.inputs).values():
                 assert all(abs(dual.value) < 1e300 for dual in duals), point.label
 
 
-def test_badly_scaled_points_are_badly_scaled(components: KernelGraph) -> None:
+def test_badly_scaled_points_are_badly_scaled(components: Kernel) -> None:
     for turn in range(4):
         points = finite_points(components, Sha256Random("s"), turn)
         for point in points[1:3]:
@@ -76,14 +76,14 @@ def test_badly_scaled_points_are_badly_scaled(components: KernelGraph) -> None:
 
 
 def test_subnormal_points_hold_subnormals_only_where_products_stay_exact(
-    components: KernelGraph,
+    components: Kernel,
 ) -> None:
     point = finite_points(components, Sha256Random("s"), 0)[-1]
     assert 0 < max(map(abs, point.inputs["r_i"])) < 1e-316
     assert all(x == int(x) for x in point.inputs["p_i"])
 
 
-def test_points_that_are_not_finite_hold_one_bad_number_each(components: KernelGraph) -> None:
+def test_points_that_are_not_finite_hold_one_bad_number_each(components: Kernel) -> None:
     points = infinite_points(components, Sha256Random("s"))
     bad = [[x for xs in p.inputs.values() for x in xs if not math.isfinite(x)] for p in points]
     assert [str(x) for (x,) in bad] == ["nan", "inf", "-inf"]

@@ -16,7 +16,7 @@ from kousoku.model.arithmetic import EXACT
 from kousoku.model.errors import DerivationError
 from kousoku.model.graph import Graph
 from kousoku.model.interpret import evaluate
-from kousoku.model.kernel_graph import KernelGraph, Package
+from kousoku.model.kernel import Kernel, Package
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
@@ -83,7 +83,7 @@ def difference() -> tuple[Package, Function]:
     a, b, c = (graph.input(name, 0) for name in "abc")
     product = graph.mul(graph.sub(a, b), c)
     outputs = (Quantity("f", (2,), "m^2", ""), Quantity("g", (1,), "m", ""))
-    kernel = KernelGraph(
+    kernel = Kernel(
         "k", "", "", "", inputs, outputs, tuple(graph.nodes), ((product, graph.const(0)), (b,))
     )
     (sa,), (sb,), (sc,) = (elements(quantity) for quantity in inputs)

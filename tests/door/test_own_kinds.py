@@ -37,7 +37,7 @@ from kousoku.symbolic.matrices import elements, symbol
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from kousoku.model.kernel_graph import Package
+    from kousoku.model.kernel import Package
     from kousoku.model.scene import Scene
     from kousoku.runtime.library import Library
 

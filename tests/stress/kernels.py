@@ -52,7 +52,7 @@ from tests.stress.kit import Fault, Outcome, Question, Size
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kousoku.model import kernel_graph as frozen
+    from kousoku.model import kernel as frozen
     from kousoku.runtime.kernel import Kernel
     from kousoku.symbolic.derivation import Function
     from kousoku.symbolic.sympy_types import SymbolicMatrix
@@ -101,9 +101,9 @@ class Subject:
     ----------
     function : Function
         The derivation, all outputs.
-    components : model.kernel_graph.KernelGraph
+    components : model.kernel.Kernel
         Its formulas.
-    graph : model.kernel_graph.KernelGraph
+    graph : model.kernel.Kernel
         The frozen kernel; it says which elements are identically zero.
     kernels : tuple of (str, Kernel)
         By target: compiled, where a compiler is in reach, and of NumPy.
@@ -112,8 +112,8 @@ class Subject:
     """
 
     function: Function
-    components: frozen.KernelGraph
-    graph: frozen.KernelGraph
+    components: frozen.Kernel
+    graph: frozen.Kernel
     kernels: tuple[tuple[Literal["c", "numpy"], Kernel], ...]
     places: dict[str, list[int]]
 

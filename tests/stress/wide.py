@@ -19,7 +19,7 @@ from kousoku.model.interpret import node_values
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
 
 LONG = np.longdouble
 #: Splits a long double into halves, of which products are exact.
@@ -178,12 +178,12 @@ def _none(*_: Wide) -> Wide:
     raise NotImplementedError("no formula of a kind has it")
 
 
-def run(kernel: KernelGraph, points: Any) -> tuple[list[tuple[Pair, Any, Any]], Any]:
+def run(kernel: Kernel, points: Any) -> tuple[list[tuple[Pair, Any, Any]], Any]:
     """Evaluate a kernel at many points.
 
     Parameters
     ----------
-    kernel : KernelGraph
+    kernel : Kernel
         What is evaluated.
     points : (n, inputs) array
         The numbers of the inputs, one after the other, row-major; finite.

@@ -19,7 +19,7 @@ from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
 from kousoku.model.graph import Graph
 from kousoku.model.interpret import evaluate
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) ->
 
 
 @cache
-def _kernels(law: str, names: tuple[str, ...]) -> tuple[KernelGraph, ...]:
+def _kernels(law: str, names: tuple[str, ...]) -> tuple[Kernel, ...]:
     """Formula and its derivatives by the time, each as a kernel of its names."""
     formula = parse_expression(law, names)
     levels = [rate_of(formula, TIME, order) for order in range(len(LEVELS))]
@@ -96,7 +96,7 @@ def _kernels(law: str, names: tuple[str, ...]) -> tuple[KernelGraph, ...]:
         node = to_graph(expression, graph, {name: graph.input(name, 0) for name in names})
         value = Quantity("value", (1,), "-", "of a formula at some time")
         kernels.append(
-            KernelGraph("law", "", law, "", (), (value,), tuple(graph.nodes), ((node,),)),
+            Kernel("law", "", law, "", (), (value,), tuple(graph.nodes), ((node,),)),
         )
     return tuple(kernels)
 

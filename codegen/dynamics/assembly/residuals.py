@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
     from kousoku.codegen.dynamics.assembly.pose import Pose
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
     from kousoku.model.multibody import Instance, MovingBody, System
     from kousoku.model.precise import High
 
@@ -294,7 +294,7 @@ class _Stack:
 
     Parameters
     ----------
-    kernel, residual : KernelGraph
+    kernel, residual : Kernel
         The constraint, and what C alone takes of it.
     is_angle : bool
         Whether it gives angles of coordinates, which count turns.
@@ -308,8 +308,8 @@ class _Stack:
         Columns in the system, −1 where there is none.
     """
 
-    kernel: KernelGraph
-    residual: KernelGraph
+    kernel: Kernel
+    residual: Kernel
     is_angle: bool
     constants: Mapping[str, Array]
     bodies: Mapping[str, Places]
@@ -334,7 +334,7 @@ class _Stack:
 
 
 @cache
-def _residual_of(kind: str) -> KernelGraph:
+def _residual_of(kind: str) -> Kernel:
     """Residual of a kind alone: the kernel of C, the first output of its constraint."""
     kernel = frozen(kind, "constraint")
     return with_outputs(kernel, [kernel.outputs[0].name])

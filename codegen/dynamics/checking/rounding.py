@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
     from kousoku.codegen.dynamics.recording.program import Task
     from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
 
     Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -107,9 +107,7 @@ def _units(
     return [float(x) for x in ROUNDING * total]
 
 
-def _go_back(
-    kernel: KernelGraph, step: ExecutedTask, slopes: dict[int, Array], total: Array
-) -> None:
+def _go_back(kernel: Kernel, step: ExecutedTask, slopes: dict[int, Array], total: Array) -> None:
     """Bring derivatives by what a task writes to what it reads, and count its roundings."""
     own: dict[int, Array] = {}
     for base, result in zip(step.task.outputs, kernel.results, strict=True):

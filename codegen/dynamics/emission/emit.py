@@ -12,7 +12,7 @@ from kousoku.codegen.dynamics.emission.view import dynamics_view, method_text
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.emit import along, environment, hashed, promise, template, with_manifest
 from kousoku.model.jsontext import to_text
-from kousoku.model.kernel_graph import Package
+from kousoku.model.kernel import Package
 from kousoku.runtime.integrate.methods import METHODS
 from kousoku.runtime.integrate.motion import PARTS_OF_ROWS
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
     from kousoku.model.multibody import System
 
 #: A kernel gets the functions of floats or those of arrays, as its argument ``m``.
@@ -217,7 +217,7 @@ def python_kernels(program: Program) -> Iterator[PythonKernel]:
 
 
 def python_kernel(
-    name: str, kernel: KernelGraph, slots: Slots | None = None, targets: Sequence[int] = ()
+    name: str, kernel: Kernel, slots: Slots | None = None, targets: Sequence[int] = ()
 ) -> PythonKernel:
     """Kernel as a function in Python: it unpacks only what it reads.
 
@@ -225,7 +225,7 @@ def python_kernel(
     ----------
     name : str
         Of the function.
-    kernel : KernelGraph
+    kernel : Kernel
         What it computes.
     slots : Slots, optional
         The regions of the workspace, of a kernel that takes all of it.

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment, Task
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
     from kousoku.model.multibody import System
 
 
@@ -249,7 +249,7 @@ def _fields(record: type) -> tuple[tuple[str, list[str]], ...]:
     return tuple((types[kind], list(names)) for kind, names in groupby(known, known.__getitem__))
 
 
-def kernel_text(number: int, kernel: KernelGraph, *, repeats: bool) -> KernelText:
+def kernel_text(number: int, kernel: Kernel, *, repeats: bool) -> KernelText:
     """Kernel that tasks call as C."""
     quantities = (*kernel.inputs, *kernel.outputs)
     leaves = {(q.name, k): f"{q.name}[{k}]" for q in kernel.inputs for k in range(q.size)}
@@ -273,9 +273,7 @@ def kernel_text(number: int, kernel: KernelGraph, *, repeats: bool) -> KernelTex
     )
 
 
-def function_text(
-    kernel: KernelGraph, task: Task, slots: Slots, name: str, title: str
-) -> KernelText:
+def function_text(kernel: Kernel, task: Task, slots: Slots, name: str, title: str) -> KernelText:
     """Kernel of the whole workspace as C, with slots by the names of their regions.
 
     Raises
@@ -321,7 +319,7 @@ def _pointers(pointers: Iterable[tuple[str, str]]) -> tuple[str, ...]:
 
 
 def _body(
-    kernel: KernelGraph,
+    kernel: Kernel,
     leaves: Mapping[tuple[str, int], str],
     names: Sequence[str],
     elements: Sequence[Sequence[str]],
@@ -330,7 +328,7 @@ def _body(
 
     Parameters
     ----------
-    kernel : KernelGraph
+    kernel : Kernel
         What is computed.
     leaves : mapping of (str, int) to str
         The text of each element of an input.

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
     from kousoku.model.multibody import Instance, RelativeCoordinate
 
 #: Columns of a Jacobian for one body: δr in frame O, then δθ′ in the frame of the body.
@@ -28,7 +28,7 @@ COLUMNS = 6
 
 
 @cache
-def frozen(package: str, name: str) -> KernelGraph:
+def frozen(package: str, name: str) -> Kernel:
     """Kernel of a kind that is shipped, or of one's own, for principal frames."""
     found = load_frozen(package)
     if is_own(package):

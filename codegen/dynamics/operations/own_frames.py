@@ -28,7 +28,7 @@ from kousoku.model.quantity import Quantity
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.kernel_graph import KernelGraph, Package
+    from kousoku.model.kernel import Kernel, Package
 
 #: Columns of a Jacobian for one body.
 COLUMNS = 6
@@ -37,14 +37,14 @@ PLACES = (("r_{}", 3, "m"), ("p_{}", 4, "-"))
 RATES = (("v_{}", 3, "m/s"), ("omega_{}_b", 3, "rad/s"))
 
 
-def framed(package: Package, orientation: KernelGraph) -> Package:
+def framed(package: Package, orientation: Kernel) -> Package:
     """Constraint and rates of a package, for principal frames.
 
     Parameters
     ----------
     package : Package
         As it was derived.
-    orientation : KernelGraph
+    orientation : Kernel
         A of Euler parameters p, of the kind ``rotation``.
 
     Returns
@@ -87,9 +87,7 @@ class _End:
 class _Framed:
     """A kernel while it is put into other frames."""
 
-    def __init__(
-        self, kernel: KernelGraph, own: Sequence[Quantity], orientation: KernelGraph
-    ) -> None:
+    def __init__(self, kernel: Kernel, own: Sequence[Quantity], orientation: Kernel) -> None:
         self.graph, self.kernel, self.own = Graph(), kernel, own
         self._orientation = orientation
         self.inputs: dict[str, Quantity] = {}
@@ -104,13 +102,13 @@ class _Framed:
         for body, end in self.ends.items():
             self.given |= {f"r_{body}": end.r.flat, f"p_{body}": end.p.flat}
 
-    def constraint(self) -> KernelGraph:
+    def constraint(self) -> Kernel:
         """C and C_q."""
         found = substitute(self.graph, self.kernel, self.given)
         rows = [self._row(found["C_q"], row) for row in range(len(found["C"]))]
         return self._kernel({"C": found["C"], "C_q": [node for row in rows for node in row]})
 
-    def rates(self, constraint: KernelGraph) -> KernelGraph:
+    def rates(self, constraint: Kernel) -> Kernel:
         """Right-hand sides ν and γ of a constraint, from the kernel of its rates."""
         graph, swings = self.graph, []
         for body, end in self.ends.items():
@@ -167,7 +165,7 @@ class _Framed:
         self.inputs[name] = quantity
         return _matrix(self.graph, [self.graph.input(name, k) for k in range(quantity.size)])
 
-    def _kernel(self, results: Mapping[str, Sequence[int]]) -> KernelGraph:
+    def _kernel(self, results: Mapping[str, Sequence[int]]) -> Kernel:
         found = replace(
             self.kernel,
             inputs=tuple(self.inputs.values()),

@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.recording.program import (
 )
 from kousoku.codegen.passes.rebuild import copy_node, substitute
 from kousoku.model.graph import Graph, Op
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class _Inliner:
         self.old = program
         self.statements = statements
         self.graph = Graph()
-        self.kernels: list[KernelGraph] = []
+        self.kernels: list[Kernel] = []
         self.regions: list[Region] = []
         self.moved: dict[int, int] = {}
         size = 0
@@ -264,7 +264,7 @@ class _Inliner:
                 runs.append((slot, []))
             runs[-1][1].append(ids[node])
         self.kernels.append(
-            KernelGraph(
+            Kernel(
                 name=name,
                 title=name.rpartition("_")[0],
                 formula="",

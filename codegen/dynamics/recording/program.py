@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from fractions import Fraction
 
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,7 +188,7 @@ class Program:
     ----------
     name : str
         The scene.
-    kernels : tuple of KernelGraph
+    kernels : tuple of Kernel
         Each input and each output is one run of slots; names are ``x0``, ``x1`` … and ``y0`` ….
     segments : tuple of Segment
         No two tasks of a segment write the same slot. What ``geometry`` leaves in the workspace is
@@ -237,7 +237,7 @@ class Program:
     """
 
     name: str
-    kernels: tuple[KernelGraph, ...]
+    kernels: tuple[Kernel, ...]
     segments: tuple[Segment, ...]
     regions: tuple[Region, ...]
     constants: tuple[Fraction, ...]

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.traces import Codes
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
     from kousoku.model.precise import High
 
     #: For each block its entries, coded with leaves instead of slots, and its shape.
@@ -124,7 +124,7 @@ class Recorder:
     """A program while it grows."""
 
     def __init__(self) -> None:
-        self.kernels: list[KernelGraph] = []
+        self.kernels: list[Kernel] = []
         self.segments: list[tuple[str, list[Task]]] = []
         self.regions: list[Region] = []
         self.constants: list[Fraction] = []
@@ -294,7 +294,7 @@ class Recorder:
         number = self._kernel_id(kernel) if kernel.outputs else NOTHING
         return _Traced(number, used, fresh, codes)
 
-    def _kernel_id(self, kernel: KernelGraph) -> int:
+    def _kernel_id(self, kernel: Kernel) -> int:
         key = (kernel.nodes, kernel.results, kernel.inputs, kernel.title)
         if key not in self._kernel_ids:
             self._kernel_ids[key] = len(self.kernels)
@@ -308,7 +308,7 @@ def _traced_kernel(
     pattern: OperandPattern,
     lengths: tuple[int, ...],
     pinned: tuple[bool, ...],
-) -> tuple[KernelGraph, tuple[int, ...], int, tuple[Codes, ...]]:
+) -> tuple[Kernel, tuple[int, ...], int, tuple[Codes, ...]]:
     """Trace an operation once for all programs: a scene is composed again without some rows."""
     trace = Trace(lengths)
     results = operation(trace, *(trace.matrix(*block) for block in pattern))

@@ -10,7 +10,7 @@ from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.codegen.passes.rebuild import copy_node, substitute
 from kousoku.model.graph import Graph, Op, OperationNode
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ ADDED = Fraction(SMALLEST_SUBNORMAL)
 ADDED_HERE = Fraction(1, 2**1000)
 
 
-def with_finite_quotients(kernel: KernelGraph) -> KernelGraph:
+def with_finite_quotients(kernel: Kernel) -> Kernel:
     """Kernel whose divisors have an inverse, also where they are zero."""
     added = {k for k, x in enumerate(kernel.nodes) if x.op is Op.CONST and x.value == ADDED}
     if not added:
@@ -73,9 +73,7 @@ class Trace:
         rows = tuple(tuple(nodes[k * width : (k + 1) * width]) for k in range(height))
         return Matrix(self.graph, rows, width)
 
-    def inline(
-        self, kernel: KernelGraph, inputs: Mapping[str, Sequence[int]]
-    ) -> dict[str, list[int]]:
+    def inline(self, kernel: Kernel, inputs: Mapping[str, Sequence[int]]) -> dict[str, list[int]]:
         """Rebuild a frozen kernel here; return the nodes of its outputs, row by row."""
         return substitute(self.graph, with_finite_quotients(kernel), inputs)
 
@@ -121,7 +119,7 @@ class Trace:
 
 def traced_kernel(
     trace: Trace, title: str, results: Sequence[Matrix], pinned: Sequence[bool]
-) -> tuple[KernelGraph, tuple[int, ...], int, tuple[Codes, ...]]:
+) -> tuple[Kernel, tuple[int, ...], int, tuple[Codes, ...]]:
     """Kernel of a trace.
 
     Parameters
@@ -137,7 +135,7 @@ def traced_kernel(
 
     Returns
     -------
-    kernel : KernelGraph
+    kernel : Kernel
         Its first output, if any, is what is new in the results that are not pinned; then follow
         the results that are.
     used : tuple of int
@@ -194,7 +192,7 @@ class _Sorter:
 
 def _compact(
     graph: Graph, title: str, lengths: Sequence[int], outputs: Sequence[Sequence[int]]
-) -> tuple[KernelGraph, tuple[int, ...]]:
+) -> tuple[Kernel, tuple[int, ...]]:
     """Kernel of what ``outputs`` need, without name, and the runs that it reads."""
     order = _in_order(graph, outputs)
     symbols = [graph.nodes[node].symbol for node in order]
@@ -208,7 +206,7 @@ def _compact(
             ids[node] = copy_node(kept, graph.nodes[node], ids)
         else:
             ids[node] = kept.input(renamed[symbol[0]], symbol[1])
-    kernel = KernelGraph(
+    kernel = Kernel(
         name="",
         title=title,
         formula="",

@@ -31,7 +31,7 @@ from kousoku.runtime.verify import verify
 
 if TYPE_CHECKING:
     from kousoku.codegen.linkage.layout import WorkspaceLayout
-    from kousoku.model.kernel_graph import KernelGraph
+    from kousoku.model.kernel import Kernel
     from kousoku.model.scene import Scene
 
 SCENES = Path(__file__).parents[3] / "scenes"
@@ -54,7 +54,7 @@ def files_of(name: str) -> dict[str, str]:
     return generate_scene(read_scene(SCENES / f"{name}.toml"), references=True)
 
 
-def kernels(name: str) -> dict[str, KernelGraph]:
+def kernels(name: str) -> dict[str, Kernel]:
     return {kernel.name: kernel for kernel in program_of(layout(name)).kernels}
 
 

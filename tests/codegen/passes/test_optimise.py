@@ -17,7 +17,7 @@ from kousoku.codegen.passes.trace import most_alive, run_passes
 from kousoku.model.arithmetic import EXACT
 from kousoku.model.graph import Graph, Op
 from kousoku.model.interpret import evaluate
-from kousoku.model.kernel_graph import KernelGraph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -27,9 +27,9 @@ X = Quantity("x", (5,), "m", "")
 KINDS = ("n1", "n2", "p1_x", "p2_z")
 
 
-def kernel_of(graph: Graph, *results: int, names: tuple[tuple[int, str], ...] = ()) -> KernelGraph:
+def kernel_of(graph: Graph, *results: int, names: tuple[tuple[int, str], ...] = ()) -> Kernel:
     output = Quantity("f", (len(results),), "m", "")
-    return KernelGraph("k", "", "", "", (X,), (output,), tuple(graph.nodes), (results,), names)
+    return Kernel("k", "", "", "", (X,), (output,), tuple(graph.nodes), (results,), names)
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def x(graph: Graph) -> list[int]:
 
 
 @st.composite
-def kernels(draw: st.DrawFn) -> KernelGraph:
+def kernels(draw: st.DrawFn) -> Kernel:
     """Draw a kernel of sums and products that share their parts."""
     graph = Graph()
     nodes = [graph.input("x", k) for k in range(X.size)] + [graph.const(2)]
@@ -57,7 +57,7 @@ def kernels(draw: st.DrawFn) -> KernelGraph:
 
 
 @given(kernels())
-def test_every_pass_keeps_the_exact_value_and_costs_nothing(kernel: KernelGraph) -> None:
+def test_every_pass_keeps_the_exact_value_and_costs_nothing(kernel: Kernel) -> None:
     point = {"x": [Fraction(n, 7) for n in (3, -5, 11, 2, -1)]}
     for one in PASSES:
         better = one(kernel)
@@ -66,7 +66,7 @@ def test_every_pass_keeps_the_exact_value_and_costs_nothing(kernel: KernelGraph)
 
 
 @given(kernels())
-def test_optimising_twice_changes_nothing_more(kernel: KernelGraph) -> None:
+def test_optimising_twice_changes_nothing_more(kernel: Kernel) -> None:
     once, _ = optimise(kernel)
     assert optimise(once)[0].operations == once.operations
 
@@ -147,8 +147,8 @@ def test_the_trace_names_each_pass_and_what_it_saved(graph: Graph, x: list[int])
 def test_a_pass_that_is_added_runs_after_those_before_it(graph: Graph, x: list[int]) -> None:
     seen = []
 
-    def spy(name: str) -> Callable[[KernelGraph], KernelGraph]:
-        def one(kernel: KernelGraph) -> KernelGraph:
+    def spy(name: str) -> Callable[[Kernel], Kernel]:
+        def one(kernel: Kernel) -> Kernel:
             seen.append(name)
             return kernel
 

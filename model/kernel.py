@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class KernelGraph:
+class Kernel:
     """Named arrays in, named arrays out, and the scalar operations between them.
 
     Parameters
@@ -77,7 +77,7 @@ class Package:
         What the kernels are of, in one line.
     regenerate : str
         The command that makes the folder again.
-    kernels : tuple of KernelGraph
+    kernels : tuple of Kernel
         In the order of the text.
     choices : tuple of str
         Of a kind with several choices of its rows: what the names of its kernels end in, such as
@@ -87,11 +87,11 @@ class Package:
     name: str
     title: str
     regenerate: str
-    kernels: tuple[KernelGraph, ...]
+    kernels: tuple[Kernel, ...]
     choices: tuple[str, ...] = ()
 
     @property
-    def families(self) -> tuple[tuple[KernelGraph, ...], ...]:
+    def families(self) -> tuple[tuple[Kernel, ...], ...]:
         """The kernels, those that differ in the choice of rows only together."""
         if not self.choices:
             return tuple((kernel,) for kernel in self.kernels)
