@@ -43,7 +43,7 @@ class DiagonalBlock:
 
 
 def triangular_blocks(assembly: Assembly) -> tuple[DiagonalBlock, ...]:
-    """Return all blocks of a assembly, each after those that it depends on.
+    """Blocks of an assembly, each after those that it depends on.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def triangular_blocks(assembly: Assembly) -> tuple[DiagonalBlock, ...]:
 def live_blocks(
     assembly: Assembly, blocks: Sequence[DiagonalBlock], wanted: Sequence[int]
 ) -> tuple[DiagonalBlock, ...]:
-    """Return the blocks that the wanted coordinates depend on, in the same order."""
+    """Blocks that the wanted coordinates depend on, in the same order."""
     needed = set(wanted)
     kept: list[DiagonalBlock] = []
     for block in reversed(blocks):
@@ -85,14 +85,14 @@ def live_blocks(
 
 
 def _unknowns(assembly: Assembly, element: LinkElement, row: int) -> tuple[int, ...]:
-    """Return the unknown coordinates that an equation depends on."""
+    """Unknown coordinates that an equation depends on."""
     terms = (element.ends[place] for place in DEPENDS[row])
     found = {term.coordinate: None for term in terms if term.factor}
     return tuple(c for c in found if assembly.coordinates[c].role is Role.UNKNOWN)
 
 
 def _match(unknowns_of: Mapping[Equation, tuple[int, ...]]) -> dict[int, Equation]:
-    """Return for each matched unknown its equation; as many are matched as can be."""
+    """Equation of each matched unknown; as many are matched as can be."""
     row_of: dict[int, Equation] = {}
     unknown_of: dict[Equation, int] = {}
     for start in unknowns_of:
@@ -131,7 +131,7 @@ def _exchange(
 def _components(
     unknowns_of: Mapping[Equation, tuple[int, ...]], row_of: Mapping[int, Equation]
 ) -> tuple[DiagonalBlock, ...]:
-    """Return the strongly connected components (Tarjan 1972), dependencies first."""
+    """Strongly connected components (Tarjan 1972), dependencies first."""
     index: dict[int, int] = {}
     low: dict[int, int] = {}
     stack: dict[int, None] = {}
@@ -203,7 +203,7 @@ def _underdetermined(
     row_of: Mapping[int, Equation],
     free: Sequence[int],
 ) -> list[int]:
-    """Return the unknowns of the under-determined part, reached from those left over."""
+    """Unknowns of the under-determined part, reached from those left over."""
     unknown_of = {row: unknown for unknown, row in row_of.items()}
     seen = dict.fromkeys(free)
     queue = list(free)
@@ -221,7 +221,7 @@ def _overdetermined(
     row_of: Mapping[int, Equation],
     extra: Sequence[Equation],
 ) -> list[int]:
-    """Return the elements of the over-determined part, reached from the equations left over."""
+    """Elements of the over-determined part, reached from the equations left over."""
     seen = dict.fromkeys(extra)
     queue = list(extra)
     while queue:

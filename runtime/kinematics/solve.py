@@ -46,20 +46,20 @@ class KinematicSolver:
         self.segments = segments_of(kernels, tasks or {})
 
     def mechanism(self, data: Mapping[str, Any]) -> LinkageTables:
-        """Return what ``motion.json`` says of the mechanism."""
+        """Mechanism from ``motion.json``."""
         return LinkageTables.from_data(data, self.segments)
 
     def scene(self, data: Mapping[str, Any]) -> RunRequest:
-        """Return what it says of the run that the scene asks for."""
+        """Run that the scene asks for, from ``motion.json``."""
         return RunRequest(**data["run"])
 
     def solve(self, mechanism: LinkageTables, run: RunRequest) -> Rows:
-        """Return what is asked, as far as the mechanism moves."""
+        """Rows that are asked for, as far as the mechanism moves."""
         return solve(mechanism, run)
 
 
 def solve(mechanism: LinkageTables, run: RunRequest) -> Rows:
-    """Return what is asked, as far as the mechanism moves.
+    """Rows that are asked for, as far as the mechanism moves.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ def layout(name: str) -> WorkspaceLayout:
 
 
 def referred(made: WorkspaceLayout) -> str:
-    """Return the text of the references of a linkage."""
+    """Text of the references of a linkage."""
     return reference_values(program_of(made), made, places(made))
 
 

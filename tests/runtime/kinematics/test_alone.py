@@ -33,7 +33,7 @@ RUN = RunRequest(
 
 
 def solve_alone(mechanism: LinkageTables, run: RunRequest) -> Trajectory:
-    """Return the motion as a folder without kousoku makes it."""
+    """Motion as a folder without kousoku makes it."""
     solver: Any = SimpleNamespace(
         name="numpy", mechanism=lambda _: mechanism, scene=lambda _: run, solve=solve
     )
