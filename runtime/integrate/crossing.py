@@ -459,7 +459,7 @@ def first_time(a: Node, b: Node, look: Look) -> float:
 
 
 def is_short_of(k: int, a: Node, look: Look) -> bool:
-    """Return whether a step begins where a function that has crossed is on the side that it left.
+    """Whether a step begins where a function that has crossed is on the side that it left.
 
     A step ends there where errors let it. Formulas are then those of that side, and the errors of a
     method can be blind to its first stage.
