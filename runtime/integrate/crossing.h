@@ -37,7 +37,8 @@
 #define ROUNDINGS 64.0
 /* a step in which what was near to zero gets on a side within this part of it ends there */
 #define SOON 0.1
-/* what rates are known to of a length in a step, in units of the tolerance */
+/* what rates are known to of a length in the longest step so far, in units of the tolerance: in a
+ * short one rates of what does move are no better known, and no worse */
 #define SLOW 1e-4
 /* where it is infinite a part of a force is so much larger that much nearer to the place: 1/x is
  * FURTHER times as large; from one distance to the next that factor changes by no more than this */
@@ -217,7 +218,7 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
         const double size = measure_sizes[k], *a = first + 2 * k, *b = last + 2 * k;
         const double most = larger(fabs(a[0]), fabs(b[0]));
         look->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
-        const double fast = larger(fabs(a[1]), fabs(b[1])) + SLOW * size / h;
+        const double fast = larger(fabs(a[1]), fabs(b[1])) + SLOW * size / larger(s->stride, h);
         look->noise[2 * k + 1] = settings->tolerance * fast;
         look->bend[k] = (b[1] - a[1]) / h;
         look->pull[k] = fabs(look->bend[k]) + bend_of(size, a, b, h);
@@ -402,6 +403,17 @@ static double first_time(
     return first;
 }
 
+/* whether a step begins where a function that has crossed is on the side that it left: a step ends
+ * there where errors let it. Formulas are then those of that side, and the errors of a method can
+ * be blind to its first stage */
+static int is_short_of(size_t k, const Node *a, const Look *look, const State *s, Work *work)
+{
+    Node node;
+    if (a->time != look->start) return 0;
+    look_closely(look->rounding, a->time, look, s, work, &node);
+    return side_at(&node, k) != (int)s->sides[k];
+}
+
 /* when the first function but for events is on a side that was near to zero so far: formulas at
  * zero, where jumps are, tell nothing of what follows; those that are near to it on that side
  * already do */
@@ -411,7 +423,10 @@ static double first_left(
     double first = HUGE_VAL;
     for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
         const int now = side_at(b, k);
-        if (s->sides[k] != 0.0 || now == 0 || now * middle(a, k) > 0.0) continue;
+        if (now == 0 || now * middle(a, k) > 0.0) continue;
+        if (s->sides[k] != 0.0 && (s->sides[k] != now || !is_short_of(k, a, look, s, work))) {
+            continue;
+        }
         first = smaller(first, time_of(k, a, b, look, s, work));
     }
     return first;

@@ -60,7 +60,8 @@ LARGER_THERE = 1.5
 ROUNDINGS = 64.0
 #: A step in which what was near to zero gets on a side within this part of it ends there.
 SOON = 0.1
-#: What rates are known to of a length in a step, in units of the tolerance.
+#: What rates are known to of a length in the longest step so far, in units of the tolerance: in a
+#: short one rates of what does move are no better known, and no worse.
 SLOW = 1e-4
 #: Where it is infinite a part of a force is so much larger that much nearer to the place: 1/x is
 #: FURTHER times as large. From one distance to the next that factor changes by no more than this.
@@ -284,10 +285,11 @@ def look_into(
     look.pull = np.abs(look.bend) + bend_of(sizes, first, last, h)
     look.noise = np.empty_like(most)
     look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
-    look.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
+    fast = most[:, 1] + SLOW * sizes / larger(state.stride, h)
+    look.noise[:, 1] = s.tolerance * fast
     look.rounding = np.empty_like(most)
     look.rounding[:, 0] = SMALLEST * (sizes + most[:, 0])
-    look.rounding[:, 1] = SMALLEST * (most[:, 1] + SLOW * sizes / h)
+    look.rounding[:, 1] = SMALLEST * fast
 
 
 def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
@@ -456,6 +458,17 @@ def first_time(a: TimeNode, b: TimeNode, look: Look) -> float:
     return first
 
 
+def is_short_of(k: int, a: TimeNode, look: Look) -> bool:
+    """Whether a step begins where a function that has crossed is on the side that it left.
+
+    A step ends there where errors let it. Formulas are then those of that side, and the errors of a
+    method can be blind to its first stage.
+    """
+    if a.time != look.start:
+        return False
+    return bool(side_at(look_closely(look.rounding, a.time, look))[k] != look.state.sides[k])
+
+
 def first_left(a: TimeNode, b: TimeNode, look: Look) -> float:
     """First time at which a function but for events is on a side that was near to zero so far.
 
@@ -464,7 +477,9 @@ def first_left(a: TimeNode, b: TimeNode, look: Look) -> float:
     """
     first, sides, now, before = math.inf, look.state.sides, side_at(b), middle(a)
     for k in range(len(look.work.scene.events), len(sides) - look.work.scene.n_poles):
-        if sides[k] == 0.0 and now[k] != 0.0 and not now[k] * before[k] > 0.0:
+        if now[k] == 0.0 or now[k] * before[k] > 0.0:
+            continue
+        if sides[k] == 0.0 or (sides[k] == now[k] and is_short_of(k, a, look)):
             first = smaller(first, time_of(k, a, b, look))
     return first
 
