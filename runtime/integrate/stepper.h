@@ -51,7 +51,7 @@
 #define LEVEL 0.999
 /* where the line through two roots leads to less than this part of the next one, the root may have
  * changed its sign in between */
-#define TURNED 0.5
+#define TURNED 0.2
 /* a step after one that tells how long it may be is this part of that */
 #define NEARLY 0.98
 /* a step is not made shorter than this to find its branch */

@@ -108,7 +108,7 @@ LONGEST_OF_MANY = 1.5
 LEVEL = 0.999
 #: Where the line through two roots leads to less than this part of the next one, the root may have
 #: changed its sign in between.
-TURNED = 0.5
+TURNED = 0.2
 #: A step after one that tells how long it may be is this part of that.
 NEARLY = 0.98
 #: A step is not made shorter than this to find its branch.
