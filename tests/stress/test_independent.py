@@ -14,12 +14,14 @@ import numpy as np
 import pytest
 
 import kousoku as ks
-from tests.stress.comparing import Comparison
+from tests.random_scenes import random_scene
+from tests.stress.comparing import Comparison, nodes
 from tests.stress.extremes import four_bar, stiff
 from tests.stress.independent.evaluator import Evaluator
 from tests.stress.independent.formulas import Reader
 from tests.stress.independent.numbers import Jet, atan2
 from tests.stress.planar import State, solution
+from tests.stress.scenes import quick_to_compile
 
 if TYPE_CHECKING:
     from kousoku.runtime.toolchain import Toolchain
@@ -183,5 +185,16 @@ def test_committed_scenes_agree_with_it(path: Path, compiler: Toolchain) -> None
     run: Any = mechanism.simulate(0.5, samples=21, tolerance=1e-10)
     tree.setdefault("outputs", ["accelerations"])
     measured = [*Comparison(tree, mechanism).rows(run)]
+    assert measured
+    assert not [one for one in measured if not one[1] <= one[2]]
+
+
+def test_works_of_a_root_of_rounding_are_rounding() -> None:
+    """The angle that a force is the root of stays zero, and each evaluation rounds it anew."""
+    tree = random_scene(random.Random("1 16 0"))
+    with quick_to_compile():
+        mechanism = ks.load(tree, target="c")
+        run: Any = mechanism.simulate(times=nodes(0.25), tolerance=1e-9)
+        measured = [*Comparison(tree, mechanism).works(run)]
     assert measured
     assert not [one for one in measured if not one[1] <= one[2]]
