@@ -81,9 +81,9 @@ typedef struct {
     /* parts of the step in order, one before it among them, and roots of what tells branches */
     double parts[ROOM(TURNS_TOLD * (STAGES + 2))], roots[ROOM(TURNS_TOLD * (STAGES + 2))];
     size_t count;
-    double last_ratio;              /* that of the end */
-    double end_ratio, top_ratio;    /* what tells branches there, and the largest of all stages */
-    int branch;                     /* whether it may end on another branch: see branches.h */
+    double last_ratio;           /* that of the end */
+    double end_ratio, top_ratio; /* what tells branches there, and the largest of all stages */
+    int branch;                  /* whether it may end on another branch: see branches.h */
     double longest;        /* how long it may be to tell that, where it is longer, else 0 [s] */
     int is_last;           /* whether it ends where the step does at most */
     int is_good, is_whole; /* whether stages lead to its end; whether it can be kept */
