@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.progress import Progress
 
-from benchmarks.kit import Size, duration, table
+from benchmarks.kit import Size, duration, matches, table
 from kousoku.model.cache import write_atomically
 
 if TYPE_CHECKING:
@@ -60,6 +60,15 @@ QUICK_SCENES = (
 QUICK_KINDS = ("p2", "rigid_body", "spring_damper")
 #: The scene whose way from empty caches is timed in each repeat.
 COLD = "families/chain_10"
+
+
+class CommitError(Exception):
+    """A commit is not there, or git is not; the text says so."""
+
+
+class CannotError(Exception):
+    """A side cannot run what it opened; the text says why."""
+
 
 Trees = dict[str, Path]
 """The folders of ``base`` and ``head``."""
@@ -260,7 +269,7 @@ def checked_out(commit: str) -> Iterator[Path]:
 
     Raises
     ------
-    SystemExit
+    CommitError
         There is no such commit, or no git.
     """
     with tempfile.TemporaryDirectory(prefix="kousoku-base-") as name:
@@ -277,7 +286,7 @@ def git(*words: str) -> str:
 
     Raises
     ------
-    SystemExit
+    CommitError
         It fails; its message is passed on.
     """
     try:
@@ -285,9 +294,9 @@ def git(*words: str) -> str:
             ["git", *words], cwd=ROOT, capture_output=True, text=True, check=False
         )
     except OSError as error:
-        raise SystemExit(f"BASE needs git: {error}") from error
+        raise CommitError(f"BASE needs git: {error}") from error
     if done.returncode:
-        raise SystemExit(f"git {words[0]}: {done.stderr.strip()}")
+        raise CommitError(f"git {words[0]}: {done.stderr.strip()}")
     return done.stdout.strip()
 
 
@@ -313,11 +322,17 @@ def scene(name: str) -> dict[str, Any]:
     return {"do": "scene", "name": name, "file": file, "end": ENDS.get(name, 1.0)}
 
 
+def names(size: Size) -> list[str]:
+    """Names of all that is compared."""
+    return [*scenes(size), *kinds(size)]
+
+
 def commands(size: Size, only: Sequence[str]) -> list[dict[str, Any]]:
     """Commands that processes open: scenes as this tree has them, and its own kinds."""
     opens = {name: scene(name) for name in scenes(size)}
     opens |= {name: {"do": "kernels", "package": name} for name in kinds(size)}
-    return [one for name, one in opens.items() if not only or any(word in name for word in only)]
+    wanted = [name for name in opens if not only or any(matches(word, name) for word in only)]
+    return [opens[name] for name in wanted]
 
 
 def compare(
@@ -348,7 +363,10 @@ def compare(
                 items = _opened(found, running, opens)
                 for what in items:
                     tell(f"{about}: {what}")
-                    _add(times, what, _timed(what, running))
+                    try:
+                        _add(times, what, _timed(what, running))
+                    except CannotError as error:
+                        found.left_out[what] = str(error)
     found.times = times.judged()
     return found
 
@@ -393,17 +411,30 @@ def _opened(
 
 
 def _timed(what: str, running: Sequence[Process]) -> list[tuple[Process, float | None]]:
-    """Fastest of several rounds of each process, all in turn."""
-    about = min(running[0].ask(do="time", what=what, count=1)["seconds"] for _ in range(2))
+    """Fastest of several rounds of each process, all in turn.
+
+    Raises
+    ------
+    CannotError
+        One of them cannot run it, such as a commit from before an option.
+    """
+    about = min(_seconds(running[0], what, 1) for _ in range(2))
     count = max(1, int(SLICE / about))
     rounds = max(2, min(ROUNDS, int(SPENT / max(about, SLICE))))
     fastest = [math.inf] * len(running)
     for r in range(rounds):
         for n in range(len(running)):
             k = (n + r) % len(running)
-            seconds = running[k].ask(do="time", what=what, count=count)["seconds"]
-            fastest[k] = min(fastest[k], seconds)
+            fastest[k] = min(fastest[k], _seconds(running[k], what, count))
     return list(zip(running, fastest, strict=True))
+
+
+def _seconds(process: Process, what: str, count: int) -> float:
+    """Seconds of a call, of so many."""
+    answer = process.ask(do="time", what=what, count=count)
+    if "cannot" in answer:
+        raise CannotError(f"{process.side}: {answer['cannot']}")
+    return float(answer["seconds"])
 
 
 def page_of(found: Comparison, names: Mapping[str, str], took: float) -> str:
@@ -450,7 +481,7 @@ def _percent(head: float, base: float) -> str:
 def main(commit: str, size: Size, only: Sequence[str], build: Path) -> int:
     """Compare this tree with a commit, print and write what was found, and return the status."""
     start = time.monotonic()
-    name = git("log", "-1", "--format=%h %s", commit)
+    name = git("log", "-1", "--format=%h %s", "--end-of-options", commit, "--")
     here = git("log", "-1", "--format=%h %s", "HEAD")
     dirty = " with changes" if git("status", "--porcelain") else ""
     names = {"base": name, "head": f"{here}{dirty}"}

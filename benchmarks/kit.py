@@ -263,6 +263,11 @@ class Question:
     seconds: float = 150.0
 
 
+def matches(word: str, *names: str) -> bool:
+    """Whether one of the names has a word."""
+    return any(word.casefold() in name.casefold() for name in names)
+
+
 def seconds_of(run: Callable[[], object], count: int = 1) -> float:
     """Seconds of so many calls."""
     start = time.perf_counter()

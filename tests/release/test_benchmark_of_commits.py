@@ -126,6 +126,33 @@ def test_what_a_tree_refuses_is_told_and_is_no_success(scripted: type[Scripted])
     assert page.endswith("nothing can be compared\n")
 
 
+def test_a_run_that_a_tree_refuses_is_told_and_the_rest_is_compared(
+    scripted: type[Scripted], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Refusing(scripted):  # type: ignore[valid-type, misc]
+        def ask(self, **command: Any) -> dict[str, Any]:
+            if command["do"] == "time" and self.side == "base" and "pendulum" in command["what"]:
+                return {"cannot": "TypeError: no such option"}
+            return dict(super().ask(**command))
+
+    monkeypatch.setattr(commits, "Process", Refusing)
+    found = compare({"base": ROOT, "head": ROOT}, Size(), ["pendulum", "bricard"])
+    assert found.left_out == {"pendulum: C alone": "base: TypeError: no such option"}
+    assert [one.what for one in found.times] == [
+        *("families/chain_10: from empty caches", "bricard: C alone")
+    ]
+
+
+def test_a_commit_that_is_not_there_ends_with_another_status_than_a_worse_one(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(command, "BUILD", tmp_path)
+    for commit in ("no-such-commit", "--help"):
+        monkeypatch.setenv("BASE", commit)
+        assert command.main([]) == command.REFUSED
+        assert f"bad revision '{commit}'" in capsys.readouterr().err
+
+
 def test_every_scene_of_the_quick_run_is_committed() -> None:
     known = commits.scenes(Size(is_full=True))
     assert set(commits.QUICK_SCENES) <= set(known) and commits.COLD in known
@@ -134,7 +161,7 @@ def test_every_scene_of_the_quick_run_is_committed() -> None:
 
 
 def test_a_commit_that_is_not_there_is_one_line() -> None:
-    with pytest.raises(SystemExit, match="git log: fatal"):
+    with pytest.raises(commits.CommitError, match="git log: fatal"):
         commits.git("log", "-1", "no-such-commit", "--")
 
 
