@@ -48,9 +48,12 @@ def required(name: str, install: str = "pip install 'kousoku[bench]'") -> Any:
         It is not installed.
     """
     try:
-        return import_module(name)
+        found = import_module(name)
+        if getattr(found, "__file__", None) is None:  # what a package that is removed may leave
+            raise ImportError(f"{name} is a folder without modules")
     except ImportError as error:
         raise MissingError(f"{name.partition('.')[0]} ({error}); {install}") from error
+    return found
 
 
 @dataclass(frozen=True, slots=True)

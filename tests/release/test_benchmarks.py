@@ -97,6 +97,15 @@ def test_a_missing_peer_is_named_with_what_to_install_and_the_rest_runs(workers:
         required("no_such_peer.part")
 
 
+def test_a_folder_that_a_removed_peer_leaves_is_no_peer(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "removed_peer" / "plugins").mkdir(parents=True)
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(MissingError, match=r"removed_peer \(.*\); pip install"):
+        required("removed_peer")
+
+
 def test_what_the_time_is_over_for_is_left_out_and_says_so(workers: Workers) -> None:
     assert {record.note for record in raced("quick", workers, seconds=-1.0)} == {
         "not run: the time of the contest was over"
