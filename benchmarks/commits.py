@@ -19,12 +19,13 @@ from __future__ import annotations
 import json
 import math
 import os
+import signal
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -233,6 +234,7 @@ class Process:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
+            start_new_session=True,  # what cuts this process does not cut it, too: end() does
         )
 
     def ask(self, **command: Any) -> dict[str, Any]:
@@ -258,7 +260,10 @@ class Process:
         return None if "cannot" in found else float(found["seconds"])
 
     def end(self) -> None:
-        """End it."""
+        """End it, and the compiler that it may have started."""
+        if self._process.poll() is None and os.name == "posix":
+            with suppress(ProcessLookupError):
+                os.killpg(self._process.pid, signal.SIGKILL)
         self._process.kill()
         self._process.communicate()
 
@@ -274,11 +279,22 @@ def checked_out(commit: str) -> Iterator[Path]:
     """
     with tempfile.TemporaryDirectory(prefix="kousoku-base-") as name:
         tree = Path(name) / "tree"
-        git("worktree", "add", "--detach", "--quiet", str(tree), commit)
         try:
+            git("worktree", "add", "--detach", "--quiet", str(tree), commit)
             yield tree
         finally:
-            git("worktree", "remove", "--force", str(tree))
+            with uncut(), suppress(CommitError):  # where it was not added
+                git("worktree", "remove", "--force", "--force", str(tree))
+
+
+@contextmanager
+def uncut() -> Iterator[None]:
+    """Let nobody cut a block by hand: it puts the repository in order."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def git(*words: str) -> str:
@@ -354,10 +370,13 @@ def compare(
                 for n, side in enumerate(order):
                     tell(f"{about}: process {n + 1} of 4")
                     cache = Path(name) / f"cache_{side}"
+                    process = Process(side, trees[side], cache)
+                    stack.callback(process.end)
                     cold = Process(side, trees[side], Path(name) / f"cold_{k}_{n}")
-                    started.append((Process(side, trees[side], cache), cold.cold()))
-                    cold.end()
-                    stack.callback(started[-1][0].end)
+                    try:
+                        started.append((process, cold.cold()))
+                    finally:
+                        cold.end()
                 _add(times, f"{COLD}: from empty caches", started)
                 running = [process for process, _ in started]
                 items = _opened(found, running, opens)
