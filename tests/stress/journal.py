@@ -19,7 +19,7 @@ ON, OFF = {"1", "yes", "true", "on"}, {"", "0", "no", "false", "off"}
 
 
 def digest_of(run: object, folders: Iterable[str], counts: Callable[[Path], bool]) -> str:
-    """Return what tells a run from those with other options or other sources."""
+    """Digest of a run's options and sources."""
     digest = hashlib.sha256(repr(run).encode())
     for folder in folders:
         for path in sorted(Path(ROOT, folder).rglob("*")):
@@ -30,7 +30,7 @@ def digest_of(run: object, folders: Iterable[str], counts: Callable[[Path], bool
 
 
 def is_on(name: str) -> bool:
-    """Return whether the environment turns a switch on, as ``make bench FULL=1`` does.
+    """Whether the environment turns a switch on, as ``make bench FULL=1`` does.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def is_on(name: str) -> bool:
 
 
 def done_in(journal: Path) -> Iterator[dict[str, Any]]:
-    """Yield what a journal has; a line that was cut, or is none of a journal, is left out."""
+    """Records of a journal; a line that was cut, or is none of a journal, is left out."""
     for line in journal.read_bytes().splitlines() if journal.exists() else ():
         try:
             done = json.loads(line)
@@ -55,7 +55,7 @@ def done_in(journal: Path) -> Iterator[dict[str, Any]]:
 
 
 def page_in(folder: Path) -> jinja2.Template:
-    """Return the template of the page that lies in a folder: Markdown."""
+    """Template of the page that lies in a folder: Markdown."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder),
         undefined=jinja2.StrictUndefined,
