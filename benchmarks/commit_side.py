@@ -108,8 +108,11 @@ class LoadedTree:
 
     def _sizes(self, name: str, mechanism: Any) -> dict[str, float]:
         """Bytes of the text in C, and of the machine code."""
+        code = self._machine_code(Path(name).stem)
+        if not hasattr(mechanism, "files"):  # an old commit
+            return code
         c = [text for file, text in mechanism.files.items() if file.endswith((".c", ".h"))]
-        return {"bytes in C": float(sum(map(len, c)))} | self._machine_code(Path(name).stem)
+        return {"bytes in C": float(sum(map(len, c)))} | code
 
     def _machine_code(self, package: str) -> dict[str, float]:
         libraries = Path(os.environ["KOUSOKU_CACHE"]).glob(f"lib/{package}-*/*")

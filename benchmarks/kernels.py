@@ -463,8 +463,8 @@ def targets(records: Sequence[Record]) -> list[Target]:
                 value = _ratio(own[tool, line], own.get(peer))
                 found.append(Target(contest, f"{line} over {' '.join(peer)}", value, limit))
         for line, limit in MICROSECONDS.items() if contest == CALLS else ():
-            one = own["kousoku", line]
-            value = None if one.fastest is None else one.fastest * 1e6
+            one = own.get(("kousoku", line))
+            value = None if one is None or one.fastest is None else one.fastest * 1e6
             found.append(Target(contest, f"µs of a {line}", value, limit))
     return found
 
@@ -543,7 +543,7 @@ def _table_of_kinds(records: Sequence[Record], known: Limits) -> str:
             kernel, _, way = one.line.partition(": ")
             own = found.setdefault((one.contest.removeprefix("kind "), kernel), {})
             own[way, one.setting] = one
-    if not found or not known.byte:
+    if not found:
         return ""
     rows = []
     for (package, kernel), own in found.items():
@@ -582,9 +582,11 @@ def _size_of(one: Record) -> tuple[bool, float, float]:
 
 
 def _with_share(one: Record, known: Limits) -> str:
-    """Nanoseconds, and how much of them this machine needs at least."""
+    """Nanoseconds, and how much of them this machine needs at least, if that was measured."""
     if one.fastest is None:
         return one.note
+    if not known.byte:
+        return f"{one.fastest * 1e9:.3g}"
     n, count = one.extra.get("n", 1.0), int(one.extra.get("threads", 1))
     unit = "vector" if "n" in one.extra else "scalar"
     operations, size = one.extra["operations"], one.extra["bytes"]
