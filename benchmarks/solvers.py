@@ -17,7 +17,7 @@ from benchmarks.kit import (
     number,
     table,
 )
-from benchmarks.plots import Line, work_precision
+from benchmarks.plots import ToolLine, work_precision
 from benchmarks.problems import linkage
 from benchmarks.problems.catalog import PROBLEMS
 from benchmarks.problems.problem import GROWTH, ROWS
@@ -224,7 +224,7 @@ def _lines(records: Sequence[Record]) -> dict[tuple[str, str], list[Record]]:
 def _plot(contest: str, records: Sequence[Record], figures: Figures) -> str:
     """Plot: a line of kousoku for the default and the C, one a line of peers."""
     lines = [
-        Line(
+        ToolLine(
             f"{tool} {line}",
             [
                 (one.error, one.fastest)

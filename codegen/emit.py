@@ -13,7 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from kousoku import __version__
 from kousoku.codegen.context import package_context
 from kousoku.codegen.context_lines import c_call, python_lines
-from kousoku.codegen.known import known_errors
+from kousoku.codegen.known_errors import known_errors
 from kousoku.model.manifest import ABI, KernelManifest, Manifest
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from kousoku.model.digits import CONTEXT
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.frames import joint_points
 from kousoku.model.joints import JOINTS, NAMES
-from kousoku.model.mechanism import Instance, Term
+from kousoku.model.multibody import Instance, Term
 from kousoku.model.precise import NOISE
 from kousoku.model.traced import Traced, at_scene
 

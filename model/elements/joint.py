@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kousoku.model.coordinates import CoordinateList, PreciseMeasure
     from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.frames import BodyFrame
-    from kousoku.model.mechanism import Instance
+    from kousoku.model.multibody import Instance
     from kousoku.model.spatial import Joint
 
 ANGLE, SECOND_ANGLE = "angle", "second_angle"

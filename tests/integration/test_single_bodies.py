@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.read import read_scene
-from kousoku.runtime.motion import rotated
+from kousoku.runtime.row_rotations import rotated
 
 from .conftest import SCENES
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.motion import Motion
+    from kousoku.runtime.integrate.motion import Motion
 
 PENDULUM = ([-0.8923814855285858, -1.78987577342278], [-1.999683868883533, -0.03555874754523177])
 """Horizontal displacement and height at 1 s and 5 s of the motion that several cases share."""

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.read import scene_from_dict
-from kousoku.runtime.motion import rotated
+from kousoku.runtime.row_rotations import rotated
 
 if TYPE_CHECKING:
     from collections.abc import Callable
