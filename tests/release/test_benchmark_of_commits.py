@@ -156,13 +156,14 @@ def test_a_comparison_that_is_cut_leaves_no_tree_behind() -> None:
 def test_a_run_that_a_tree_refuses_is_told_and_the_rest_is_compared(
     scripted: type[Scripted], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    class Refusing(scripted):  # type: ignore[valid-type, misc]
-        def ask(self, **command: Any) -> dict[str, Any]:
-            if command["do"] == "time" and self.side == "base" and "pendulum" in command["what"]:
-                return {"cannot": "TypeError: no such option"}
-            return dict(super().ask(**command))
+    answered = scripted.ask
 
-    monkeypatch.setattr(commits, "Process", Refusing)
+    def refusing(self: Scripted, **command: Any) -> dict[str, Any]:
+        if command["do"] == "time" and self.side == "base" and "pendulum" in command["what"]:
+            return {"cannot": "TypeError: no such option"}
+        return answered(self, **command)
+
+    monkeypatch.setattr(scripted, "ask", refusing)
     found = compare({"base": ROOT, "head": ROOT}, Size(), ["pendulum", "bricard"])
     assert found.left_out == {"pendulum: C alone": "base: TypeError: no such option"}
     assert [one.what for one in found.times] == [
