@@ -193,12 +193,12 @@ def install(extras: list[str]) -> int:
 
 
 def has_links() -> bool:
-    """Return whether git made the links of ``kousoku/``, which type checkers and editors follow."""
+    """Whether git made the links of ``kousoku/``, which type checkers and editors follow."""
     return (ROOT / "kousoku" / "model").is_dir()
 
 
 def digest() -> str:
-    """Return what decides whether kousoku is installed again.
+    """Digest of what decides whether kousoku is installed again.
 
     That is ``pyproject.toml``; and where there are no links, all sources: what type checkers follow
     then is a second tree of files, which does not see new and replaced ones by itself.
@@ -214,12 +214,12 @@ def digest() -> str:
 
 
 def files(pattern: str) -> list[str]:
-    """Return the files of the checkout that a pattern stands for."""
+    """Files of the checkout that a pattern stands for."""
     return sorted(path.as_posix() for path in Path().glob(pattern))
 
 
 def python_for_venv() -> str | None:
-    """Return a Python that is new enough: this one, or one of the PATH."""
+    """Python that is new enough: this one, or one of the PATH."""
     if sys.version_info >= OLDEST:
         return sys.executable
     for name in ("python3.14", "python3.13", "python3.12", "python3.11", "python3", "python"):

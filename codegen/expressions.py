@@ -25,7 +25,7 @@ LARGEST_BITS = 8192
 
 
 def to_graph(expression: Expression, graph: Graph, leaves: Mapping[str, int]) -> int:
-    """Return the node of a formula.
+    """Node of a formula.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def to_graph(expression: Expression, graph: Graph, leaves: Mapping[str, int]) ->
 
 
 def _apply(graph: Graph, op: Op, args: Sequence[int]) -> int:
-    """Return the node of a function; what the graph does not have is composed."""
+    """Node of a function; what the graph does not have is composed."""
     match op:
         case Op.ADD:
             return graph.sum(args)
@@ -90,7 +90,7 @@ def _of_one(graph: Graph, op: Op, x: int) -> int:
 
 
 def _arc(graph: Graph, x: int) -> int:
-    """Return √(1 − x²), as a product that keeps its digits near ±1."""
+    """Root √(1 − x²), as a product that keeps its digits near ±1."""
     one = graph.const(1)
     return graph.sqrt(graph.mul(graph.sub(one, x), graph.add(one, x)))
 
@@ -105,7 +105,7 @@ def _power(graph: Graph, a: int, b: int) -> int:
 
 
 def _repeated(graph: Graph, a: int, count: int) -> int:
-    """Return the product of `count` equal factors, by squaring."""
+    """Product of `count` equal factors, by squaring."""
     product = graph.const(1)
     while count:
         if count % 2:
@@ -117,7 +117,7 @@ def _repeated(graph: Graph, a: int, count: int) -> int:
 
 
 def _bounded(graph: Graph, node: int) -> int:
-    """Return a node, rounded to a double if it is a constant of very many digits."""
+    """Node, rounded to a double if it is a constant of very many digits."""
     value = graph.value(node)
     if value is None or bits_of(value) <= LARGEST_BITS:
         return node

@@ -53,7 +53,7 @@ Cells = tuple[tuple[int, ...], ...]
 
 
 def freeze(function: Function) -> Kernel:
-    """Return the kernel of a derived function.
+    """Kernel of a derived function.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ class _Lowering:
             self._chain(factors)
 
     def output(self, output: Any) -> tuple[int, ...]:
-        """Return the elements of an output, row-major."""
+        """Elements of an output, row-major."""
         expression, quantity = output.expression, output.quantity
         if not getattr(expression, "is_Matrix", False):
             return (self.scalar(expression),)
@@ -126,7 +126,7 @@ class _Lowering:
         return cells
 
     def matrix(self, x: Any) -> Cells:
-        """Return the graph nodes of the elements of a matrix expression."""
+        """Graph nodes of the elements of a matrix expression."""
         cells = self._memo.get(x)
         if cells is None:
             cells = self._memo[x] = self._lower(x)
@@ -279,7 +279,7 @@ class _Lowering:
                     self._find_products(arg, products)
 
     def scalar(self, x: Any) -> int:
-        """Return the graph node of a scalar formula."""
+        """Graph node of a scalar formula."""
         node = self._scalars.get(x)
         if node is None:
             node = self._scalars[x] = self._lower_scalar(x)

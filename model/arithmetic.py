@@ -63,7 +63,7 @@ class FormulaArithmetic(Arithmetic[Number]):
     pow: Callable[[Number, Number], Number]
 
     def applied(self, op: Op, args: Sequence[Number]) -> Number:
-        """Return an operation on numbers; a sum may have more than two, from left to right."""
+        """Result of an operation on numbers; a sum may have more than two, from left to right."""
         if op is Op.ADD:
             return reduce(operator.add, args)
         call = OPERATORS.get(op) or getattr(self, op.value)

@@ -66,7 +66,7 @@ def _check_frame(scene: Scene, graph: Graph, tolerance: float) -> None:
 def _ways(
     scene: Scene, graph: Graph, start: str, limit: float, *, jumps: bool = True
 ) -> Iterator[tuple[str, float]]:
-    """Yield nodes with their shortest way from `start`, as long as it is below `limit`.
+    """Nodes with their shortest way from `start`, as long as it is below `limit`.
 
     The frame is a way between fixed nodes where `jumps` says so.
     """

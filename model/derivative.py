@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def derivative(expression: Expression, name: str) -> Expression:
-    """Return the partial derivative of a formula; all other names are held fixed.
+    """Partial derivative of a formula; all other names are held fixed.
 
     At a kink the derivative is the mean of both sides: that of ``abs`` is ``sign``, which is 0 at
     0, and where two arguments of ``max`` are equal their derivatives count half each.
@@ -54,7 +54,7 @@ def derivative(expression: Expression, name: str) -> Expression:
 
 
 def _smooth_root(part: Expression) -> Expression | None:
-    """Return a root of an even power as a power of ``abs(a)`` where that has two derivatives.
+    """Root of an even power as a power of ``abs(a)`` where that has two derivatives.
 
     Those of the root, ``(a^2)^1.5``, are 0/0 where a is zero.
     """
@@ -66,7 +66,7 @@ def _smooth_root(part: Expression) -> Expression | None:
 
 
 def _derivative(part: Expression, slopes: tuple[Expression, ...]) -> Expression:
-    """Return the derivative of a function of formulas, given those of its arguments."""
+    """Derivative of a function of formulas, given those of its arguments."""
     args = part.args
     match part.op:
         case Op.ADD:
@@ -113,14 +113,14 @@ def _where_positive(a: Expression) -> Expression:
 
 
 def _of_extreme(part: Expression, da: Expression, db: Expression) -> Expression:
-    """Return ½ ((1 + s) a′ + (1 − s) b′), where s is the sign of a − b, or of b − a for ``MIN``."""
+    """Derivative ½ ((1 + s) a′ + (1 − s) b′), s the sign of a − b, or of b − a for ``MIN``."""
     a, b = part.args if part.op is Op.MAX else part.args[::-1]
     sign = apply(Op.SIGN, a - b)
     return ((1 + sign) * da + (1 - sign) * db) / 2
 
 
 def _slope(part: Expression) -> Expression:
-    """Return the derivative of a function by its only argument."""
+    """Derivative of a function by its only argument."""
     (x,) = part.args
     match part.op:
         case Op.ABS:

@@ -15,7 +15,7 @@ CONTEXT.dps = 50
 
 
 def exact(number: Any) -> Fraction:
-    """Return a number of mpmath, a double or a fraction as it is."""
+    """Exact value of a number of mpmath, a double or a fraction."""
     if not hasattr(number, "_mpf_"):
         return Fraction(number)
     sign, mantissa, exponent, _ = number._mpf_

@@ -56,7 +56,7 @@ class Dual:
 
 
 def _applied(op: Op, value: High, *args: Dual) -> Dual:
-    """Return the value of an operation with the gradient Σ slope · ∇argument."""
+    """Value of an operation with the gradient Σ slope · ∇argument."""
     slopes = SLOPES[op](value, [arg.value for arg in args], HIGH)
     gradient: dict[Any, High] = {}
     for arg, slope in zip(args, slopes, strict=True):
@@ -74,7 +74,7 @@ def _function(op: Op) -> Callable[..., Dual]:
 
 
 def variable(value: High, name: object) -> Dual:
-    """Return a number that derivatives are taken by."""
+    """Number that derivatives are taken by."""
     return Dual(value, {name: CONTEXT.one})
 
 
@@ -113,7 +113,7 @@ DUAL: Arithmetic[Dual] = Arithmetic(
 def evaluate_dual(
     kernel: Kernel, inputs: Mapping[str, Sequence[float | High]]
 ) -> dict[str, tuple[Dual, ...]]:
-    """Return the outputs of a kernel in 50 digits, with their derivatives by its inputs.
+    """Outputs of a kernel in 50 digits, with their derivatives by its inputs.
 
     Parameters
     ----------

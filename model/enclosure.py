@@ -54,7 +54,7 @@ RISING = frozenset(
 
 
 def enclosure(expression: Expression, spans: Mapping[str, Bounds]) -> Bounds:
-    """Return the bounds of a formula.
+    """Bounds of a formula.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def _point(formula: Expression) -> Bounds:
 
 
 def _applied(op: Op, args: Sequence[Bounds]) -> Bounds:
-    """Return what a function does to intervals."""
+    """Bounds of a function of intervals."""
     if all(one.is_one for one in args):
         return _point(composed(op, *(one.least for one in args)))
     first = args[0]
@@ -108,7 +108,7 @@ def _applied(op: Op, args: Sequence[Bounds]) -> Bounds:
 
 
 def composed(op: Op, *args: Expression) -> Expression:
-    """Return a function of formulas, in functions that texts have, so that none overflows."""
+    """Function of formulas, in functions that texts have, so that none overflows."""
     match op:
         case Op.LOG_SUM:
             a, b = args
@@ -149,12 +149,12 @@ def quotient_of(a: Bounds, b: Bounds) -> Bounds:
 
 
 def _magnitude(x: Bounds) -> Bounds:
-    """Return the bounds of the absolute value."""
+    """Bounds of the absolute value."""
     return Bounds(_most(x.least, neg(x.most), ZERO), _most(neg(x.least), x.most))
 
 
 def _reciprocal(x: Bounds) -> Bounds:
-    """Return those of 1 / x: infinite where x may be zero, as then the product of both ends is."""
+    """Bounds of 1 / x: infinite where x may be zero, as then the product of both ends is."""
     if x.is_one:
         return _point(div(ONE, x.least))
     product = _most(mul(x.least, x.most), ZERO)
@@ -176,7 +176,7 @@ def _power(a: Bounds, b: Bounds) -> Bounds:
 
 
 def _wave(op: Op, x: Bounds) -> Bounds:
-    """Return those of a sine or cosine: ± (|slope in the middle| r + r²/2) within r of it."""
+    """Bounds of a sine or cosine: ± (|slope in the middle| r + r²/2) within r of it."""
     other = Op.COS if op is Op.SIN else Op.SIN
     middle = div(add(x.least, x.most), number(2))
     r = div(add(x.most, neg(x.least)), number(2))
@@ -186,7 +186,7 @@ def _wave(op: Op, x: Bounds) -> Bounds:
 
 
 def _angle(y: Bounds, x: Bounds) -> Bounds:
-    """Return those of atan2: within 2 asin(r/d) of the angle in the middle, d away from zero.
+    """Bounds of atan2: within 2 asin(r/d) of the angle in the middle, d away from zero.
 
     r is the half diagonal of the rectangle. One that lies across the jump has all angles.
     """

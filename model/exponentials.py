@@ -54,7 +54,7 @@ class Form:
 
 
 def without_overflow(formula: Expression) -> Expression:
-    """Return a formula that is divided by no sum of exponentials.
+    """Formula that is divided by no sum of exponentials.
 
     1/(eᵃ + eᵇ) is exp(−l) with the logarithm l of the sum, of which there are bounds everywhere:
     those of the first are 0/0 and ∞/∞ far from where a and b are equal.
@@ -80,7 +80,7 @@ def rate_of(law: Expression, time: str, order: int) -> Expression:
 
 
 def _form(part: Expression, args: Sequence[Form]) -> Form:
-    """Return the form of a formula, given those of its parts."""
+    """Form of a formula, given those of its parts."""
     if not part.args:
         is_positive = part.value is not None and part.value > 0
         return Form(part, part, logarithm=_logarithm(part) if is_positive else None)
@@ -120,7 +120,7 @@ def _product(
     logarithm: Expression | None,
     args: Sequence[Form],
 ) -> Form:
-    """Return a product: its exponentials are one where there are more, or one was a quotient."""
+    """Product: its exponentials are one where there are more, or one was a quotient."""
     are_many = sum(one.exponent != ZERO for one in args) > 1
     is_anew = are_many or any(one.is_anew for one in args)
     whole = mul(factor, apply(Op.EXP, exponent)) if is_anew else whole
@@ -129,7 +129,7 @@ def _product(
 
 
 def _divided(a: Form, b: Form) -> Form:
-    """Return a / b, each term of a by itself where exponentials are among them."""
+    """Quotient a / b, each term of a by itself where exponentials are among them."""
     assert b.logarithm is not None
     logarithm = None if a.logarithm is None else add(a.logarithm, neg(b.logarithm))
     if any(one.exponent != ZERO for one in a.terms):
@@ -144,14 +144,14 @@ def _divided(a: Form, b: Form) -> Form:
 def _both(
     combine: Callable[[Expression, Expression], Expression], args: Sequence[Form]
 ) -> Expression | None:
-    """Return logarithms combined, if all are known."""
+    """Combined logarithms, if all are known."""
     logarithms = [one.logarithm for one in args]
     known = [one for one in logarithms if one is not None]
     return reduce(combine, known) if len(known) == len(logarithms) else None
 
 
 def _log_of_sum(a: Expression, b: Expression) -> Expression:
-    """Return log(eᵃ + eᵇ)."""
+    """Logarithm log(eᵃ + eᵇ)."""
     return apply(Op.LOG_SUM, a, b)
 
 

@@ -216,7 +216,7 @@ class _Parser:
         raise self.error(unknown(f"name {token[:40]!r}", token, known), start)
 
     def is_degrees(self, start: int) -> bool:
-        """Return whether what was read since then begins with a number of degrees."""
+        """Whether the text that was read since then begins with a number of degrees."""
         return start <= self.counted and not self.text[start : self.counted].strip("+- \t\r\n")
 
     def number(self, token: str, start: int) -> Fraction:

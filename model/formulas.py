@@ -33,7 +33,7 @@ WITH_FORMULAS = ("bodies", "joints", "coordinates", "drivers", "forces", "events
 
 
 def fixed_names(scene: Scene, *also: str) -> Mapping[str, float]:
-    """Return the parameters, which do not change in a run, and names `also` with the value 0.
+    """Parameters, which do not change in a run, and names `also` with the value 0.
 
     The parameters are not copied: each formula asks for them.
     """
@@ -41,13 +41,13 @@ def fixed_names(scene: Scene, *also: str) -> Mapping[str, float]:
 
 
 def state_names(scene: Scene) -> frozenset[str]:
-    """Return what a formula of the motion may depend on: time, parameters, coordinates, rates."""
+    """Names that a formula of the motion may depend on: time, parameters, coordinates, rates."""
     rates = (f"{name}{RATE}" for name in scene.coordinates)
     return frozenset((TIME, *scene.parameters, *scene.coordinates, *rates))
 
 
 def used_names(formula: str, names: Collection[str]) -> tuple[str, ...]:
-    """Return those names that stand in a formula, in the order of its text.
+    """Names of those given that stand in a formula, in the order of its text.
 
     What is multiplied by zero stands there, too: the formula cannot be read without it.
     """
@@ -55,7 +55,7 @@ def used_names(formula: str, names: Collection[str]) -> tuple[str, ...]:
 
 
 def used_parameters(scene: Scene) -> dict[str, float]:
-    """Return those parameters of a scene of bodies that stand in its formulas."""
+    """Parameters of a scene of bodies that stand in its formulas."""
     if not scene.parameters:
         return {}
     texts = " ".join(text for part in WITH_FORMULAS for text in texts_of(getattr(scene, part)))
@@ -64,7 +64,7 @@ def used_parameters(scene: Scene) -> dict[str, float]:
 
 
 def texts_of(value: object) -> Iterator[str]:
-    """Yield all texts in a part of a scene, names of elements among them."""
+    """Texts in a part of a scene, names of elements among them."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, Formula):
@@ -81,14 +81,14 @@ def texts_of(value: object) -> Iterator[str]:
 
 
 def values_at_start(scene: Scene) -> Mapping[str, float]:
-    """Return the values that are known before the scene is put together: parameters, and t = 0."""
+    """Values that are known before the scene is put together: parameters, and t = 0."""
     return fixed_names(scene, TIME)
 
 
 def formula_problems(
     value: object, names: Collection[str], key: str, start: Mapping[str, float]
 ) -> Iterator[Problem]:
-    """Yield what is wrong with the formulas of a value.
+    """Problems of the formulas of a value.
 
     Parameters
     ----------

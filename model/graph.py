@@ -122,7 +122,7 @@ class Node(Generic[Arg]):
         return hash(self._fields())
 
     def with_args(self, args: tuple[Arg, ...]) -> Node[Arg]:
-        """Return the same of other operands."""
+        """Node of the same operation with other operands."""
         return Node(self.op, args, self.value, self.symbol)
 
 
@@ -152,30 +152,30 @@ class Graph:
         return known
 
     def const(self, value: Fraction | int | float) -> int:
-        """Return the node of a number; a float stands for its exact binary value."""
+        """Node of a number; a float stands for its exact binary value."""
         known = self._numbers.get(value)
         if known is None:
             known = self._numbers[value] = self._add(Node(Op.CONST, value=Fraction(value)))
         return known
 
     def input(self, name: str, index: int) -> int:
-        """Return the node of element ``index`` (flat, row-major) of the input array ``name``."""
+        """Node of element ``index`` (flat, row-major) of the input array ``name``."""
         known = self._inputs.get((name, index))
         if known is None:
             known = self._inputs[name, index] = self._add(Node(Op.INPUT, symbol=(name, index)))
         return known
 
     def value(self, a: int) -> Fraction | None:
-        """Return the exact number of a constant node, None of any other."""
+        """Exact number of a constant node, None of any other."""
         return self._nodes[a].value
 
     def _negated(self, a: int) -> int | None:
-        """Return b where a is −b."""
+        """Operand b where a is −b."""
         node = self._nodes[a]
         return node.args[0] if node.op is Op.NEG else None
 
     def add(self, a: int, b: int) -> int:
-        """Return a + b."""
+        """Sum a + b."""
         va, vb = self.value(a), self.value(b)
         if va is not None or vb is not None:
             if va is not None and vb is not None:
@@ -191,7 +191,7 @@ class Graph:
         return self._intern(Op.ADD, min(a, b), max(a, b))
 
     def sub(self, a: int, b: int) -> int:
-        """Return a − b."""
+        """Difference a − b."""
         va, vb = self.value(a), self.value(b)
         if va is not None or vb is not None:
             if va is not None and vb is not None:
@@ -209,7 +209,7 @@ class Graph:
         return self._intern(Op.SUB, a, b)
 
     def neg(self, a: int) -> int:
-        """Return −a."""
+        """Negative −a."""
         value, node = self.value(a), self._nodes[a]
         if value is not None:
             return self.const(-value)
@@ -220,7 +220,7 @@ class Graph:
         return self._intern(Op.NEG, a)
 
     def mul(self, a: int, b: int) -> int:
-        """Return a · b."""
+        """Product a · b."""
         va, vb = self.value(a), self.value(b)
         if va is not None or vb is not None:
             if va is not None and vb is not None:
@@ -239,7 +239,7 @@ class Graph:
         return self._intern(Op.MUL, min(a, b), max(a, b))
 
     def div(self, a: int, b: int) -> int:
-        """Return a / b."""
+        """Quotient a / b."""
         va, vb = self.value(a), self.value(b)
         if vb is not None and vb != 0:
             if va is not None:
@@ -255,11 +255,11 @@ class Graph:
         return self._intern(Op.DIV, a, b)
 
     def sqrt(self, a: int) -> int:
-        """Return √a."""
+        """Root √a."""
         return self._intern(Op.SQRT, a)
 
     def sin(self, a: int) -> int:
-        """Return sin a, a in radians."""
+        """Sine of a, a in radians."""
         if self.value(a) == 0:
             return a
         if (minus := self._negated(a)) is not None:
@@ -267,7 +267,7 @@ class Graph:
         return self._intern(Op.SIN, a)
 
     def cos(self, a: int) -> int:
-        """Return cos a, a in radians."""
+        """Cosine of a, a in radians."""
         if self.value(a) == 0:
             return self.const(1)
         if (minus := self._negated(a)) is not None:
@@ -275,19 +275,19 @@ class Graph:
         return self._intern(Op.COS, a)
 
     def atan2(self, y: int, x: int) -> int:
-        """Return the angle of the vector (x, y), in (−π, π]."""
+        """Angle of the vector (x, y), in (−π, π]."""
         return self._intern(Op.ATAN2, y, x)
 
     def exp(self, a: int) -> int:
-        """Return e to the power a."""
+        """Exponential: e to the power a."""
         return self.const(1) if self.value(a) == 0 else self._intern(Op.EXP, a)
 
     def log(self, a: int) -> int:
-        """Return the natural logarithm of a."""
+        """Natural logarithm of a."""
         return self.const(0) if self.value(a) == 1 else self._intern(Op.LOG, a)
 
     def abs(self, a: int) -> int:
-        """Return |a|."""
+        """Absolute value |a|."""
         value, node = self.value(a), self._nodes[a]
         if value is not None:
             return self.const(abs(value))
@@ -296,21 +296,21 @@ class Graph:
         return a if node.op is Op.ABS else self._intern(Op.ABS, a)
 
     def max(self, a: int, b: int) -> int:
-        """Return the larger of a and b, and the other one where one of them is NaN."""
+        """Larger of a and b, and the other one where one of them is NaN."""
         va, vb = self.value(a), self.value(b)
         if va is not None and vb is not None:
             return self.const(max(va, vb))
         return a if a == b else self._intern(Op.MAX, min(a, b), max(a, b))
 
     def sum(self, terms: Iterable[int]) -> int:
-        """Return the sum from left to right."""
+        """Sum from left to right."""
         total = self.const(0)
         for term in terms:
             total = self.add(total, term)
         return total
 
     def apply(self, op: Op, args: Sequence[int]) -> int:
-        """Return ``op`` applied to ``args``: how a walk over another graph rebuilds a node here."""
+        """Node of ``op`` of ``args``: how a walk over another graph rebuilds a node here."""
         return int(getattr(self, _METHODS[op])(*args))
 
 
@@ -319,5 +319,5 @@ _METHODS = {op: op.value for op in GRAPH_OPS}
 
 
 def literal(value: Fraction) -> str:
-    """Return the shortest text that reads back as the double nearest to ``value``."""
+    """Shortest text that reads back as the double nearest to ``value``."""
     return repr(float(value))

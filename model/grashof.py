@@ -89,13 +89,13 @@ def check_closure(scene: Scene) -> tuple[str, ...]:
 
 
 def _blocks(n_rows: int) -> Iterator[np.ndarray]:
-    """Yield all divisions, as many at once as are checked together."""
+    """Blocks of all divisions, as many at once as are checked together."""
     for first in range(0, n_rows, BLOCK):
         yield np.arange(first, min(first + BLOCK, n_rows))
 
 
 def _turning_points(scene: Scene) -> np.ndarray:
-    """Return where the distances of dyads at one crank are extreme, in parts of divisions.
+    """Places where the distances of dyads at one crank are extreme, in parts of divisions.
 
     A crank that is stopped between two divisions is stopped all the same.
     """
@@ -174,7 +174,7 @@ def _refuse(scene: Scene, known: dict[str, Known], dyad: Dyad, index: int, k: fl
 
 
 def _four_bar(scene: Scene, dyad: Dyad, crank: Crank, end: str, distance: float) -> str:
-    """Return Grashof's inequality (34) that does not hold, and where the crank stops."""
+    """Grashof's inequality (34) that does not hold, and where the crank stops."""
     origin, length = scene.nodes[crank.center].at, scene.length(crank.link)
     x, y = (b - a for a, b in zip(origin, scene.nodes[end].at, strict=True))
     frame = hypot(x, y)
@@ -197,7 +197,7 @@ def _four_bar(scene: Scene, dyad: Dyad, crank: Crank, end: str, distance: float)
 
 
 def _slider_crank(scene: Scene, dyad: Dyad, crank: Crank) -> str:
-    """Return the condition of a crank with an offset slider, and where the crank stops."""
+    """Condition of a crank with an offset slider, and where the crank stops."""
     slider = scene.sliders[dyad.parts[1].partition(".")[2]]
     rod = dyad.parts[0].partition(".")[2]
     (dx, dy), (x, y) = slider.direction, scene.nodes[crank.center].at

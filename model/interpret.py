@@ -36,7 +36,7 @@ ARRAY: Arithmetic[Any] = Arithmetic(
 def evaluate(
     kernel: Kernel, inputs: Mapping[str, Sequence[Number]], arithmetic: Arithmetic[Number]
 ) -> dict[str, tuple[Number, ...]]:
-    """Return the outputs of a kernel.
+    """Outputs of a kernel.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def evaluate(
 def node_values(
     kernel: Kernel, inputs: Mapping[str, Sequence[Number]], arithmetic: Arithmetic[Number]
 ) -> list[Number]:
-    """Return the values of all nodes of a kernel, as :func:`evaluate` does for its outputs."""
+    """Values of all nodes of a kernel, as :func:`evaluate` does for its outputs."""
     values: list[Any] = []
     for node in kernel.nodes:
         op, args, symbol = node.op, node.args, node.symbol

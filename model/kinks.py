@@ -38,7 +38,7 @@ NEAR = ("1", "1.0625", "0.921875")
 
 
 def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Expression | None:
-    """Return the first part of a formula at which its first two derivatives may jump.
+    """First part of a formula at which its first two derivatives may jump.
 
     Both sides of a kink are looked at in 50 digits where its arguments are equal. It must be known
     when that is: their difference is linear in time.
@@ -77,7 +77,7 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Expr
 
 
 def _without_roots(law: Expression) -> tuple[Expression, dict[Expression, Expression]]:
-    """Return a formula with ``abs(a)`` in its roots of even powers, and which root each one was.
+    """Formula with ``abs(a)`` in its roots of even powers, and which root each one was.
 
     ``sqrt(a^2)`` is ``abs(a)``, and ``(a^2)^0.75`` is ``abs(a)^1.5``.
     """
@@ -102,7 +102,7 @@ def _is_smooth(
     time: str,
     values: Mapping[str, Any],
 ) -> bool:
-    """Return whether both sides have the same value and derivatives where they meet."""
+    """Whether both sides have the same value and derivatives where they meet."""
     from kousoku.model.digits import CONTEXT  # noqa: PLC0415
     from kousoku.model.traced import traced  # noqa: PLC0415
 
@@ -135,7 +135,7 @@ def _count(expression: Expression) -> int:
 
 
 def _branches(gap: Expression) -> list[Expression]:
-    """Return what a formula can be, with either side of each kink in it."""
+    """Branches of a formula, with either side of each kink in it."""
     for part in ordered(gap):
         if part.op in KINKS:
             sides = (*part.args, neg(part.args[0]))[:2]
@@ -144,7 +144,7 @@ def _branches(gap: Expression) -> list[Expression]:
 
 
 def _sizes(expression: Expression) -> Expression:
-    """Return a formula with all its sums over absolute values: what its terms are like."""
+    """Formula with all its sums over absolute values: what its terms are like."""
 
     def build(op: Op, args: tuple[Expression, ...]) -> Expression:
         is_sum = op is Op.ADD

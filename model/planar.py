@@ -41,7 +41,7 @@ class Link(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     length: float | None = None
 
     def other(self, node: str) -> str:
-        """Return the end that is not `node`."""
+        """End that is not `node`."""
         first, second = self.nodes
         return second if node == first else first
 

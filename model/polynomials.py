@@ -58,7 +58,7 @@ class Polynomial:
     terms: Mapping[Powers, Fraction]
 
     def expression(self) -> Expression:
-        """Return it as a formula, the highest powers first."""
+        """Formula of the polynomial, the highest powers first."""
         terms = []
         for powers, factor in sorted(self.terms.items(), reverse=True):
             product = map(power, self.variables, map(number, powers))
@@ -83,7 +83,7 @@ class Squares(NamedTuple):
 
 
 def polynomial_of(formula: Expression) -> Polynomial | None:
-    """Return a formula as a polynomial; None where it is too long."""
+    """Formula as a polynomial; None where it is too long."""
     inner, stack = {id(formula)}, [formula]
     while stack:
         for arg in _args_of(stack.pop()):
@@ -107,7 +107,7 @@ def polynomial_of(formula: Expression) -> Polynomial | None:
 
 
 def square_part(formula: Expression) -> Squares | None:
-    """Return a polynomial as a product with even powers; None where there are none.
+    """Polynomial as a product with even powers; None where there are none.
 
     In one variable all are found, in several those of variables and a square that these leave.
     """
@@ -125,7 +125,7 @@ def square_part(formula: Expression) -> Squares | None:
 
 
 def _even_power(part: Expression) -> tuple[Expression, int] | None:
-    """Return a and n of a^n with an even n, or of a*a."""
+    """Base a and exponent n of a^n with an even n, or of a*a."""
     match part:
         case Expression(Op.MUL, (a, b)) if a == b:
             return a, 2
@@ -135,14 +135,14 @@ def _even_power(part: Expression) -> tuple[Expression, int] | None:
 
 
 def root_of_even_power(part: Expression) -> tuple[Expression, Fraction] | None:
-    """Return a and n b of (a^n)^b with an even n and a b that is not whole."""
+    """Base a and exponent n b of (a^n)^b with an even n and a b that is not whole."""
     exponent = _root_exponent(part)
     found = None if exponent is None else _even_power(part.args[0])
     return None if exponent is None or found is None else (found[0], found[1] * exponent)
 
 
 def _root_exponent(part: Expression) -> Fraction | None:
-    """Return b of a root, a^b where b is not whole; None of what is no root."""
+    """Exponent b of a root, a^b where b is not whole; None of what is no root."""
     if part.op is Op.SQRT:
         return Fraction(1, 2)
     exponent = part.args[1].value if part.op is Op.POW else None
@@ -150,7 +150,7 @@ def _root_exponent(part: Expression) -> Fraction | None:
 
 
 def with_squares_apart(part: Expression) -> Expression:
-    """Return a root with the roots of squares in it apart: ``sqrt(x^2 - 2*x + 1)``, ``(x - 1)^2``.
+    """Root with the roots of squares in it apart: ``sqrt(x^2 - 2*x + 1)``, ``(x - 1)^2``.
 
     Written out it is known to half of its digits where it is near to zero, and is nowhere known to
     be an absolute value. What is no root is returned as it is.
@@ -163,7 +163,7 @@ def with_squares_apart(part: Expression) -> Expression:
 
 
 def _squares_of(part: Expression) -> Squares | None:
-    """Return the even powers of a product unless it is negative, also if it is a quotient."""
+    """Even powers of a product unless it is negative, also if it is a quotient."""
     if part.op is Op.DIV and not _is_sum(part):
         above, below = part.args
         single = _even_power(above)
@@ -175,7 +175,7 @@ def _squares_of(part: Expression) -> Squares | None:
 
 
 def _root_of(part: Expression, exponent: Fraction) -> Expression:
-    """Return a root: of the square of a number that number."""
+    """Root of a formula; of the square of a number that number."""
     if part.value is not None and exponent.denominator == 2:
         roots = [isqrt(size) for size in part.value.as_integer_ratio()]
         if [size * size for size in roots] == [*part.value.as_integer_ratio()]:
@@ -186,7 +186,7 @@ def _root_of(part: Expression, exponent: Fraction) -> Expression:
 
 
 def is_never_zero(formula: Expression) -> bool:
-    """Return whether a formula is a polynomial in one variable that has no real root."""
+    """Whether a formula is a polynomial in one variable that has no real root."""
     found = polynomial_of(formula)
     if found is None or len(found.variables) != 1 or not found.terms:
         return False
@@ -196,13 +196,13 @@ def is_never_zero(formula: Expression) -> bool:
 
 
 def _is_power(part: Expression) -> bool:
-    """Return whether a power is a product, of none or more factors."""
+    """Whether a power is a product, of none or more factors."""
     exponent = part.args[1].value
     return exponent is not None and exponent.denominator == 1 and 0 <= exponent <= HIGHEST
 
 
 def _is_sum(part: Expression) -> bool:
-    """Return whether a formula is a sum or product of others."""
+    """Whether a formula is a sum or product of others."""
     match part.op:
         case Op.ADD | Op.NEG | Op.MUL:
             return True
@@ -214,7 +214,7 @@ def _is_sum(part: Expression) -> bool:
 
 
 def _args_of(part: Expression) -> tuple[Expression, ...]:
-    """Return of what a formula is a sum or product."""
+    """Parts that a formula is a sum or product of."""
     if not _is_sum(part):
         return ()
     return part.args[:1] if part.op in {Op.POW, Op.DIV} else part.args
@@ -223,7 +223,7 @@ def _args_of(part: Expression) -> tuple[Expression, ...]:
 def _terms(
     part: Expression, variables: tuple[Expression, ...], known: Mapping[int, Terms]
 ) -> Terms | None:
-    """Return a formula as a sum of products, where all its parts are; None where it is too long."""
+    """Formula as a sum of products, where all its parts are; None where it is too long."""
     if part.value is not None:
         return {(0,) * len(variables): part.value} if part.value else {}
     if not _is_sum(part):
@@ -273,7 +273,7 @@ def _less(powers: Powers, by: Powers) -> Powers:
 
 
 def _root(terms: Terms) -> Terms | None:
-    """Return the polynomial of which these are the square, the factor of the highest being one."""
+    """Polynomial of which these are the square, the factor of the highest being one."""
     highest = max(terms)
     if any(n % 2 for n in highest):
         return None
@@ -298,7 +298,7 @@ def _in_one(terms: Mapping[Powers, Fraction]) -> Factors:
 
 
 def _even_variables(terms: Mapping[Powers, Fraction]) -> tuple[Terms, list[tuple[Terms, int]]]:
-    """Return what is left of a polynomial without even powers, and these, one for each variable."""
+    """Rest of a polynomial without even powers, and these, one for each variable."""
     least = tuple(map(min, zip(*terms, strict=True)))
     one = (0,) * len(least)
     rest = {_less(powers, least): factor for powers, factor in terms.items()}
@@ -317,7 +317,7 @@ def _even_variables(terms: Mapping[Powers, Fraction]) -> tuple[Terms, list[tuple
 
 
 def _even_parts(terms: Mapping[Powers, Fraction]) -> tuple[Terms, list[tuple[Terms, int]]]:
-    """Return what is left of a polynomial without even powers, and these, by Yun's algorithm."""
+    """Rest of a polynomial without even powers, and these, by Yun's algorithm."""
     p = _in_one(terms)
     rest: Factors = (p[-1],)
     parts: list[tuple[Terms, int]] = []
@@ -353,7 +353,7 @@ def _sturm_chain(p: Factors) -> list[Factors]:
 
 
 def _changes(values: Sequence[Fraction]) -> int:
-    """Return how often the sign changes along a list."""
+    """Number of sign changes along a list."""
     return sum(a * b < 0 for a, b in pairwise(values))
 
 
@@ -370,7 +370,7 @@ def _product(a: Factors, b: Factors) -> Factors:
 
 
 def _divided(a: Factors, b: Factors) -> tuple[Factors, Factors]:
-    """Return quotient and remainder; nothing is zero."""
+    """Quotient and remainder; an empty one is zero."""
     left, found = list(a), [Fraction(0)] * max(len(a) - len(b) + 1, 0)
     for n in reversed(range(len(found))):
         found[n] = left[n + len(b) - 1] / b[-1]
@@ -382,7 +382,7 @@ def _divided(a: Factors, b: Factors) -> tuple[Factors, Factors]:
 
 
 def _gcd(a: Factors, b: Factors) -> Factors:
-    """Return the greatest common divisor, the factor of its highest power one."""
+    """Greatest common divisor, the factor of its highest power one."""
     while b:
         a, b = b, _divided(a, b)[1]
         b = tuple(x / b[-1] for x in b)

@@ -57,7 +57,7 @@ def double(value: High) -> float:
 
 
 def sqrt(value: High) -> High:
-    """Return √value."""
+    """Root √value."""
     return applied(Op.SQRT, value) if isinstance(value, Traced) else CONTEXT.sqrt(value)
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def _of_arc(x: Any, numbers: Arithmetic[Any]) -> Any:
-    """Return √(1 − x²), as a product that keeps its digits near ±1."""
+    """Root √(1 − x²), as a product that keeps its digits near ±1."""
     return numbers.sqrt((1 - x) * (1 + x))
 
 

@@ -102,7 +102,7 @@ class Seen:
 
 
 def seen_of(system: System) -> Seen:
-    """Return what runs of a system look at: forces, springs, gravity, drivers, and events."""
+    """Quantities that runs of a system look at: forces, springs, gravity, drivers, and events."""
     measures = tuple(_measures(system))
     names = {TIME, *(name for name, _ in system.parameters)}
     names.update(chain.from_iterable((one.name, one.rate) for one in measures))
@@ -166,7 +166,7 @@ def _measures(system: System) -> Iterator[Measure]:
 
 
 def _texts(system: System) -> Iterator[tuple[str, str]]:
-    """Yield all formulas, and the key of what pushes; those of springs name their own length."""
+    """Formulas with the key of what pushes; those of springs name their own length."""
     for place, force in enumerate(system.forces):
         key = join("forces", force.name)
         yield from ((text, key) for _, text in force.formulas)
@@ -179,7 +179,7 @@ def _texts(system: System) -> Iterator[tuple[str, str]]:
 
 
 def switching_functions(formula: Expression) -> Iterator[Expression]:
-    """Yield what is zero where a formula has a kink or a jump: of ``max(a, b)`` it is a − b.
+    """Functions that are zero where a formula kinks or jumps: of ``max(a, b)`` it is a − b.
 
     ``abs(a)*a`` has neither, and is as large on both sides; ``sqrt(a^2)`` is ``abs(a)``;
     ``atan(1/a)`` jumps where a is zero.
@@ -203,7 +203,7 @@ def _divisors_of(formula: Expression) -> Iterator[Expression]:
 
 
 def _edges_of(formula: Expression) -> Iterator[Expression]:
-    """Yield what is negative where a root, a logarithm or an arc sine has no value."""
+    """Functions that are negative where a root, a logarithm or an arc sine has no value."""
     for part in ordered(formula):
         edge = None
         if part.op in {Op.SQRT, Op.LOG}:
@@ -219,18 +219,18 @@ def _edges_of(formula: Expression) -> Iterator[Expression]:
 
 
 def _inside(a: Expression) -> Expression:
-    """Return what is positive where a number has an arc sine."""
+    """Function that is positive where a number has an arc sine."""
     return add(ONE, neg(apply(Op.ABS, a)))
 
 
 def even_root(part: Expression) -> tuple[Expression, Fraction] | None:
-    """Return a and b of a root of an even power of a, which is abs(a) to the power b."""
+    """Base a and exponent b of a root of an even power of a, which is abs(a) to the power b."""
     found = root_of_even_power(part)
     return None if found is None or found[1] % 2 == 0 else found
 
 
 def _places_of(law: Expression) -> Iterator[Expression]:
-    """Yield what is zero where the law of a driver or a derivative of it may jump."""
+    """Functions that are zero where the law of a driver or a derivative of it may jump."""
     yield from switching_functions(law)
     for part in ordered(law):
         place = _place_of(part)
@@ -239,7 +239,7 @@ def _places_of(law: Expression) -> Iterator[Expression]:
 
 
 def _poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
-    """Yield what is zero where a formula may be infinite, as far as it varies."""
+    """Functions that are zero where a formula may be infinite, as far as it varies."""
     for part in ordered(formula):
         place = None
         if part.op in {Op.DIV, Op.LOG}:
@@ -256,7 +256,7 @@ def _poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Express
 
 
 def _summands(formula: Expression) -> Iterator[Expression]:
-    """Yield what a formula is a sum of: a product may be finite where a factor is not."""
+    """Summands of a formula: a product may be finite where a factor is not."""
     if formula.op in {Op.ADD, Op.NEG}:
         yield from chain.from_iterable(map(_summands, formula.args))
     else:
@@ -264,7 +264,7 @@ def _summands(formula: Expression) -> Iterator[Expression]:
 
 
 def _zeros_of(place: Expression) -> Iterator[Expression]:
-    """Yield functions that change sign where one is zero: the factors, and what roots are of."""
+    """Functions that change sign where one is zero: the factors, and what roots are of."""
     match place:
         case Expression(Op.MUL, args):
             yield from chain.from_iterable(map(_zeros_of, args))
@@ -277,13 +277,13 @@ def _zeros_of(place: Expression) -> Iterator[Expression]:
 
 
 def _crossed(place: Expression) -> tuple[Expression, ...]:
-    """Return functions that change sign where one is zero: 1 - 2*t + t^2 only touches zero."""
+    """Functions that change sign where one is zero: 1 - 2*t + t^2 only touches zero."""
     squares = square_part(place)
     return (place,) if squares is None else (squares.rest, *(a for a, _ in squares.powers))
 
 
 def _place_of(part: Expression) -> Expression | None:
-    """Return what is zero where a function, or a derivative of it, is infinite or jumps."""
+    """Function that is zero where another, or a derivative of it, is infinite or jumps."""
     match part:
         case Expression(Op.SQRT | Op.LOG, (a,)):
             return a if even_root(part) is None else None
@@ -304,7 +304,7 @@ def _place_of(part: Expression) -> Expression | None:
 
 
 def may_be_zero(expression: Expression) -> bool:
-    """Return whether a formula may be zero, as far as the ranges of its functions tell.
+    """Whether a formula may be zero, as far as the ranges of its functions tell.
 
     Of polynomials in one variable it is known.
     """
@@ -313,7 +313,7 @@ def may_be_zero(expression: Expression) -> bool:
 
 
 def range_of(expression: Expression) -> tuple[float, float]:
-    """Return the least and the most that a formula may be, as the ranges of its functions tell."""
+    """Least and greatest value of a formula, as the ranges of its functions tell."""
     least, most = -inf, inf
     known: dict[int, tuple[float, float]] = {}
     for part in ordered(expression):
@@ -327,7 +327,7 @@ def range_of(expression: Expression) -> tuple[float, float]:
 
 
 def _range(part: Expression, args: Sequence[tuple[float, float]]) -> tuple[float, float]:
-    """Return the least and the most that a function of such ranges may be."""
+    """Least and greatest value of a function of such ranges."""
     least, most = args[0]
     match part.op:
         case Op.ADD:
@@ -366,7 +366,7 @@ def _with_rates(law: Expression) -> tuple[Expression, ...]:
 
 
 def may_jump(formula: Expression, varying: Collection[str]) -> bool:
-    """Return whether a formula may jump where names vary, also through infinity.
+    """Whether a formula may jump where names vary, also through infinity.
 
     A quotient does so where what it is divided by may be zero, as far as :func:`may_be_zero` tells.
     """
@@ -376,7 +376,7 @@ def may_jump(formula: Expression, varying: Collection[str]) -> bool:
 
 
 def _may_jump(part: Expression) -> bool:
-    """Return whether the last function of a formula is one that may jump, also to infinity."""
+    """Whether the last function of a formula is one that may jump, also to infinity."""
     if part.op is Op.DIV:
         return part.args[1].value is None
     if part.op is Op.POW:
@@ -386,7 +386,7 @@ def _may_jump(part: Expression) -> bool:
 
 
 def _signed_squares(part: Expression) -> Iterator[Expression]:
-    """Yield the factors ``abs(a)`` of a product that has a factor a, too."""
+    """Factors ``abs(a)`` of a product that has a factor a, too."""
     factors = list(_factors(part))
     for factor in factors if len(factors) > 1 else ():
         if factor.op is Op.ABS:
@@ -403,7 +403,7 @@ def _factors(part: Expression) -> Iterator[Expression]:
 
 
 def varying_parts(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
-    """Yield the smooth functions that a formula is a sum or an extreme of, polynomials not.
+    """Smooth functions that a formula is a sum or an extreme of, polynomials not.
 
     Where they vary much faster than elsewhere, steps that were long enough step over it. Products
     and powers of them vary faster than they do: these are looked at as a whole.
@@ -428,7 +428,7 @@ def varying_parts(formula: Expression, varying: Collection[str]) -> Iterator[Exp
 
 
 def _is_transparent(part: Expression, varying: Collection[str]) -> bool:
-    """Return whether a function of polynomials is one, but for kinks."""
+    """Whether a function of polynomials is one, but for kinks."""
     if part.op is Op.POW:
         exponent = part.args[1].value
         return exponent is not None and exponent.denominator == 1 and exponent >= 0

@@ -55,7 +55,7 @@ class Expression(Node["Expression"]):
         return self._key
 
     def _own(self) -> tuple[str, ...]:
-        """Return what tells it from others, but for its operands."""
+        """Key that tells a formula from others, but for its operands."""
         if self.value is not None:
             return "number", *(f"{one:x}" for one in self.value.as_integer_ratio())
         return ("name", self.name) if self.symbol else (self.op.value,)
@@ -102,12 +102,12 @@ Operand = Expression | Fraction | int
 
 
 def number(value: Fraction | int) -> Expression:
-    """Return an exact number."""
+    """Formula of an exact number."""
     return Expression(Op.CONST, value=Fraction(value))
 
 
 def symbol(name: str) -> Expression:
-    """Return a quantity that changes."""
+    """Formula of a quantity that changes."""
     return Expression(Op.INPUT, symbol=(name, 0))
 
 
@@ -115,7 +115,7 @@ ZERO, ONE = number(0), number(1)
 
 
 def add(*terms: Expression) -> Expression:
-    """Return the sum of formulas; zeros are left out, and numbers that meet are added."""
+    """Sum of formulas; zeros are left out, and numbers that meet are added."""
     kept: list[Expression] = []
     for term in terms:
         if kept and (sum_ := _folded(kept[-1], term, Op.ADD)) is not None:
@@ -129,7 +129,7 @@ def add(*terms: Expression) -> Expression:
 
 
 def mul(*factors: Expression) -> Expression:
-    """Return the product of formulas, from left to right; zeros and ones fold away."""
+    """Product of formulas, from left to right; zeros and ones fold away."""
     product: Expression = ONE
     for factor in factors:
         if ZERO in (product, factor):
@@ -143,7 +143,7 @@ def mul(*factors: Expression) -> Expression:
 
 
 def div(a: Expression, b: Expression) -> Expression:
-    """Return a / b; b is not the number zero."""
+    """Quotient a / b; b is not the number zero."""
     if a == ZERO or b == ONE:
         return a
     quotient = _folded(a, b, Op.DIV)
@@ -151,14 +151,14 @@ def div(a: Expression, b: Expression) -> Expression:
 
 
 def neg(a: Expression) -> Expression:
-    """Return −a."""
+    """Negative −a."""
     if a.value is not None:
         return number(-a.value)
     return a.args[0] if a.op is Op.NEG else Expression(Op.NEG, (a,))
 
 
 def power(a: Expression, b: Expression) -> Expression:
-    """Return a to the power b."""
+    """Power of a with the exponent b."""
     if b == ZERO:
         return ONE
     if b == ONE:
@@ -171,7 +171,7 @@ def power(a: Expression, b: Expression) -> Expression:
 
 
 def apply(op: Op, *args: Expression) -> Expression:
-    """Return a function of formulas, through its builder where it has one."""
+    """Function of formulas, through its builder where it has one."""
     match op:
         case Op.ADD:
             return add(*args)
@@ -188,7 +188,7 @@ def apply(op: Op, *args: Expression) -> Expression:
 
 
 def ordered(expression: Expression) -> tuple[Expression, ...]:
-    """Return all parts of a formula, each once and after its own parts, the formula last.
+    """Parts of a formula, each once and after its own parts, the formula last.
 
     Parts are told apart by identity: a formula that is shared is one part.
     """
@@ -210,7 +210,7 @@ def evaluated(
     names: Mapping[str, T],
     apply: Callable[[Op, Sequence[T]], T],
 ) -> T:
-    """Return what a formula is, of whatever its numbers and names are.
+    """Value of a formula, of whatever its numbers and names are.
 
     Parameters
     ----------
@@ -233,7 +233,7 @@ def evaluated(
 
 
 def names_of(expression: Expression) -> tuple[str, ...]:
-    """Return the names that a formula depends on, in the order of the text."""
+    """Names that a formula depends on, in the order of the text."""
     return tuple(dict.fromkeys(part.name for part in ordered(expression) if part.name))
 
 
@@ -287,12 +287,12 @@ def _term(given: Operand) -> Expression:
 
 
 def _folded(a: Expression, b: Expression, op: Op) -> Expression | None:
-    """Return the number that two numbers make, unless it has too many digits."""
+    """Number that two numbers make, unless it has too many digits."""
     if a.value is None or b.value is None or bits_of(a.value) + bits_of(b.value) > LARGEST_BITS:
         return None
     return number(OPERATORS[op](a.value, b.value))
 
 
 def bits_of(value: Fraction) -> int:
-    """Return those of the longer of numerator and denominator."""
+    """Bits of the longer of numerator and denominator."""
     return max(value.numerator.bit_length(), value.denominator.bit_length())

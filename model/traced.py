@@ -132,17 +132,17 @@ class Traced:
 
 
 def at_scene(number: Any) -> Any:
-    """Return a number with the parameters of the scene."""
+    """Value of a number with the parameters of the scene."""
     return number.value if isinstance(number, Traced) else number
 
 
 def other_value(value: float, place: int) -> float:
-    """Return another value of a parameter, the first of those that numbers are traced with."""
+    """Other value of a parameter, the first of those that numbers are traced with."""
     return float(parameter("", value, place).values[1])
 
 
 def parameter(name: str, value: float, place: int) -> Traced:
-    """Return a parameter of a scene.
+    """Parameter of a scene.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def parameter(name: str, value: float, place: int) -> Traced:
 
 
 def traced(expression: Expression, parameters: Mapping[str, Any]) -> Any:
-    """Return the value of a formula of parameters, with the formula where these are traced."""
+    """Value of a formula of parameters, with the formula where these are traced."""
 
     def apply_to(op: Op, args: Sequence[Any]) -> Any:
         if op is Op.ADD:
@@ -171,7 +171,7 @@ def traced(expression: Expression, parameters: Mapping[str, Any]) -> Any:
 
 
 def applied(op: Op, *args: Any) -> Any:
-    """Return a function of numbers, some of which depend on parameters.
+    """Value of a function of numbers, some of which depend on parameters.
 
     Where all are plain numbers, or the result does not depend on parameters, it is a plain number.
     """
@@ -193,7 +193,7 @@ def applied(op: Op, *args: Any) -> Any:
 
 
 def _short(op: Op, args: Sequence[Any]) -> tuple[Any, ...]:
-    """Return what zeros and ones leave of an operation, and nothing where it is to be computed."""
+    """Rest that zeros and ones leave of an operation, nothing where it is to be computed."""
     if op in {Op.ADD, Op.MUL, Op.DIV}:
         a, b = args
         if op is Op.ADD and 0 in (a, b):
@@ -208,7 +208,7 @@ def _short(op: Op, args: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def _value(op: Op, args: Sequence[Any]) -> Any:
-    """Return a value; not a number where there is none that is real, or only a huge one."""
+    """Value of an operation; not a number where none is real, or only a huge one."""
     try:
         value = HIGH.applied(op, args)
     except (ValueError, ZeroDivisionError, OverflowError, TypeError):
@@ -228,14 +228,14 @@ def _is_opaque(op: Op, args: Sequence[Any]) -> bool:
 
 
 def _of_its_own(value: Any, key: str) -> list[Any]:
-    """Return the value in the scene and two others that no other formula has."""
+    """Value in the scene and two others that no other formula has."""
     size = abs(value) or CONTEXT.mpf(1)
     parts = (CONTEXT.mpf(int(half, 16)) / 16**20 for half in (key[:16], key[16:]))
     return [value, *(value + size * (part + 1) for part in parts)]
 
 
 def _plain(value: Any, noise: Any) -> Any:
-    """Return a number that does not depend on parameters, without what rounding left of it."""
+    """Number that does not depend on parameters, without what rounding left of it."""
     near = CONTEXT.mpf(float(value))
     if abs(value) <= noise:
         return CONTEXT.mpf(0)
@@ -247,5 +247,5 @@ def _high(value: Any) -> Any:
 
 
 def _expression(value: Any) -> Expression:
-    """Return a number as a formula."""
+    """Number as a formula."""
     return value.expression if isinstance(value, Traced) else number(exact(value))

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def value_of(expression: Expression, values: Mapping[str, float]) -> float:
-    """Return the value of a formula; not a number where it has none that is real and finite.
+    """Value of a formula; not a number where it has none that is real and finite.
 
     Parameters
     ----------

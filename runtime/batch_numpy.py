@@ -96,7 +96,7 @@ def _batch(kernel: NumpyKernel, inputs: Sequence[Array]) -> tuple[int, ...]:
 def _results(
     kernel: NumpyKernel, batch: tuple[int, ...], out: Out, outputs: Sequence[str] | None
 ) -> dict[str, Array]:
-    """Return the arrays to fill by name: new ones, or those of ``out`` once they are checked."""
+    """Arrays to fill, by name: new ones, or those of ``out`` once they are checked."""
     shapes = {name: batch + shape for name, shape in kernel.outputs.items()}
     if out is None:
         wanted = shapes if outputs is None else outputs
@@ -150,7 +150,7 @@ def _fill_blocks(body: Body, inputs: Inputs, results: Results, batch: tuple[int,
 
 
 def _rows(array: Array, shape: tuple[int, ...], batch: tuple[int, ...]) -> Array:
-    """Return a row for each evaluation, or the one row that all evaluations share."""
+    """Rows, one for each evaluation, or the one row that all evaluations share."""
     if array.ndim == len(shape):
         return array.reshape(1, math.prod(shape))
     rows = np.broadcast_to(array, batch + shape)
@@ -185,7 +185,7 @@ class _Symbol(NDArrayOperatorsMixin):
 
 
 def _needed(calls: Sequence[Call], results: Sequence[Any]) -> list[Call]:
-    """Return the operations that some results need, and count the uses of each symbol by them."""
+    """Operations that some results need; the uses of each symbol by them are counted."""
     needed: list[Call] = []
     for value in results:
         if isinstance(value, _Symbol):

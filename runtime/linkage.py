@@ -174,7 +174,7 @@ class LinkageSolver(Linkage):
         return self.solve(**options)
 
     def evaluate(self, segment: str, given: dict[str, Array]) -> dict[str, Array]:
-        """Return the workspace after a segment, region by region.
+        """Workspace after a segment, region by region.
 
         Parameters
         ----------
@@ -211,7 +211,7 @@ def load_scene(folder: str | Path, *, target: Target = "auto") -> LinkageSolver:
 
 
 def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
-    """Return the solver of files that were read.
+    """Solver of files that were read.
 
     Raises
     ------
@@ -237,7 +237,7 @@ def _open_same(sources: Sources, target: Target) -> LinkageSolver:
 
 
 def record_of(run: Run, rows: Rows) -> Any:
-    """Return the record of ``solver.h`` that asks for a run and points at room for its rows."""
+    """Record of ``solver.h`` that asks for a run and points at room for its rows."""
     record = _run_type(len(run.origin))()
     for field in RUN:
         value = getattr(run if hasattr(run, field.name) else rows, field.name)
@@ -252,7 +252,7 @@ def record_of(run: Run, rows: Rows) -> Any:
 
 
 def _run_type(inputs: int) -> type[ctypes.Structure]:
-    """Return the record of ``solver.h``."""
+    """Record of ``solver.h``."""
 
     class Record(ctypes.Structure):
         _fields_ = tuple(

@@ -39,7 +39,7 @@ class LinkageCheck(SolverCheck[LinkageSolver]):
     FORMAT = 1
 
     def load(self, target: Target) -> LinkageSolver:
-        """Return the solver by a target."""
+        """Solver by a target."""
         return open_linkage(self.sources, target)
 
     def require(self, data: Mapping[str, Any]) -> object:
@@ -49,11 +49,11 @@ class LinkageCheck(SolverCheck[LinkageSolver]):
         return points, solution, data["exact"]
 
     def rows(self, solver: LinkageSolver, data: Mapping[str, Any]) -> Iterable[Row]:
-        """Return the worst error of each output of each segment."""
+        """Worst error of each output of each segment."""
         return worst_rows(_rows(solver, data["points"]))
 
     def problems(self, solvers: Sequence[LinkageSolver], data: Data) -> Iterator[str]:
-        """Yield which segments have other bits by C, and what is wrong with motions."""
+        """Messages on segments with other bits by C, and on what is wrong with motions."""
         if data is None:
             return
         if len(solvers) > 1:
@@ -65,7 +65,7 @@ class LinkageCheck(SolverCheck[LinkageSolver]):
 def _found(
     solver: LinkageSolver, point: Mapping[str, Any]
 ) -> Iterator[tuple[str, str, Floats, Mapping[str, Any]]]:
-    """Yield segment, output, what was computed at a point, and what is stored of it."""
+    """Segments and outputs, with the values that were computed at a point and those stored."""
     given = {name: np.array(x, dtype=np.float64) for name, x in point["inputs"].items()}
     for segment, outputs in point["outputs"].items():
         with np.errstate(all="ignore"):
@@ -75,7 +75,7 @@ def _found(
 
 
 def _rows(solver: LinkageSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
-    """Yield the error of each output of each segment at each point."""
+    """Errors of each output of each segment at each point."""
     for number, point in enumerate(points):
         inputs = tuple((name, ", ".join(map(repr, x))) for name, x in point["inputs"].items())
         for segment, name, values, columns in _found(solver, point):
@@ -93,7 +93,7 @@ def _rows(solver: LinkageSolver, points: Sequence[Mapping[str, Any]]) -> Iterato
 def _differences(
     one: LinkageSolver, other: LinkageSolver, data: Mapping[str, Any]
 ) -> Iterator[str]:
-    """Yield where two targets give other bits first, of segments that use only + − × ÷ √."""
+    """First differences in bits of two targets, of segments that use only + − × ÷ √."""
     known = set[tuple[str, str]]()
     for point in data["points"]:
         pairs = zip(_found(one, point), _found(other, point), strict=True)
@@ -108,7 +108,7 @@ def _differences(
 
 
 def _motion_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iterator[str]:
-    """Yield what is wrong with the motions that a solver gives.
+    """Problems with the motions that a solver gives.
 
     Both methods are run as the scene says, and once more with other rates, from another turn on
     where the inputs turn; each row that is known is compared.
@@ -127,7 +127,7 @@ def _motion_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iter
 
 
 def _at_other_rates(run: Run, exact: dict[str, Floats]) -> tuple[Run, dict[str, Floats]]:
-    """Return a run whose time goes by otherwise, and what it must give.
+    """Run whose time goes by otherwise, and what it must give.
 
     With t(τ), dt/dτ = s and d²t/dτ² = c, a velocity v becomes s v, an acceleration a becomes
     s² a + c v; the same holds for the inputs.
@@ -149,7 +149,7 @@ def _at_other_rates(run: Run, exact: dict[str, Floats]) -> tuple[Run, dict[str, 
 def _problems(
     where: str, solver: LinkageSolver, run: Run, rows: Sequence[int], exact: dict[str, Floats]
 ) -> Iterator[str]:
-    """Yield how a run differs from the rows that are known."""
+    """Differences of a run from the rows that are known."""
     mechanism, got = solver.mechanism, solver.rows(run)
     good = [k for k, row in enumerate(rows) if row < got.done]
     if len(good) < len(rows):

@@ -40,7 +40,7 @@ HAND_WRITTEN = ("kousoku", "model", "symbolic", "ledger", "codegen", "runtime", 
 
 
 def sources(folder: str) -> list[Path]:
-    """Return the Python files of a root folder, its links left out."""
+    """Python files of a root folder, its links left out."""
     found = (ROOT / folder).rglob("*.py")
     return sorted(path for path in found if not any(p.is_symlink() for p in path.parents))
 
@@ -54,7 +54,7 @@ class _WhatRuns(ast.NodeTransformer):
 
 @cache
 def imports(path: Path, *, with_types: bool = True) -> set[str]:
-    """Return the absolute names of all that a file imports, wherever in the file."""
+    """Absolute names of all that a file imports, wherever in the file."""
     names = set()
     package = ("kousoku", *path.relative_to(ROOT).parent.parts)
     tree = ast.parse(path.read_text(encoding="utf-8"))
@@ -70,7 +70,7 @@ def imports(path: Path, *, with_types: bool = True) -> set[str]:
 
 
 def rooms(path: Path) -> set[str]:
-    """Return the sub-packages of kousoku that a file imports; ``library``: what goes along."""
+    """Sub-packages of kousoku that a file imports; ``library``: what goes along."""
     parts = (name.split(".")[1:3] for name in imports(path) if name.startswith("kousoku."))
     return {"library" if part[-1] in LIBRARIES else part[0] for part in parts}
 

@@ -33,7 +33,7 @@ def kernel() -> Kernel:
 
 
 def marks(figure: Figure) -> list[int]:
-    """Return how many nodes each panel shows."""
+    """Number of nodes that each panel shows."""
     return [
         sum(np.asarray(item.get_offsets()).shape[0] for item in panel.collections[1:])
         for panel in figure.axes

@@ -46,7 +46,7 @@ mass = 1
 
 
 def two_bodies(joint: str) -> System:
-    """Return two bodies at the origin with a joint as it is drawn."""
+    """Two bodies at the origin with a joint as it is drawn."""
     kind, shape = JOINTS[joint], JOINT_PICTURES[joint]
     keys: dict[str, Any] = {}
     if kind.has_point:
@@ -61,7 +61,7 @@ def two_bodies(joint: str) -> System:
 
 
 def rows_of(joint: str) -> NDArray[np.float64]:
-    """Return the columns of body j of the Jacobian of a joint."""
+    """Columns of body j of the Jacobian of a joint."""
     system = two_bodies(joint)
     rows = []
     for instance in system.constraints:
@@ -80,7 +80,7 @@ def rows_of(joint: str) -> NDArray[np.float64]:
 
 
 def evaluated(instance: Instance | Coordinate) -> tuple[Any, Any]:
-    """Return value and Jacobian of an instance or a coordinate, both bodies at the origin."""
+    """Value and Jacobian of an instance or a coordinate, both bodies at the origin."""
     state = {"r_i": np.zeros(3), "p_i": np.eye(4)[0], "r_j": np.zeros(3), "p_j": np.eye(4)[0]}
     module = importlib.import_module(f"kousoku.generated.kinds.{instance.kind}")
     given = state | {name: np.array(value) for name, value in instance.constants}
@@ -91,7 +91,7 @@ def evaluated(instance: Instance | Coordinate) -> tuple[Any, Any]:
 
 
 def motion_of(freedom: JointFreedom) -> NDArray[np.float64]:
-    """Return velocity and angular velocity of body j, whose origin is the origin."""
+    """Velocity and angular velocity of body j, whose origin is the origin."""
     direction, at = np.array(freedom.direction), np.array(freedom.at)
     if freedom.kind == "shift":
         return np.concatenate([direction, np.zeros(3)])

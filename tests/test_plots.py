@@ -17,7 +17,7 @@ plots = pytest.importorskip("kousoku.plots", reason="needs matplotlib")
 
 
 def circle(radius: float = 2.0) -> tuple[NDArray[np.float64], ...]:
-    """Return the angle of a point that turns with unit speed, and its motion."""
+    """Angle of a point that turns with unit speed, and its motion."""
     alpha = np.linspace(0.0, 2.0 * np.pi, 61)
     position = radius * np.stack([np.cos(alpha), np.sin(alpha)], axis=1)
     velocity = radius * np.stack([-np.sin(alpha), np.cos(alpha)], axis=1)

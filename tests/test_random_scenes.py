@@ -41,7 +41,7 @@ def keys(table: str) -> set[str]:
 
 
 def formulas(value: Any, path: tuple[str, ...]) -> Iterator[str]:
-    """Yield the keys under which formulas of parameters stand, without the names of elements."""
+    """Keys under which formulas of parameters stand, without the names of elements."""
     if isinstance(value, dict):
         for key, part in value.items():
             yield from formulas(part, (*path, key))

@@ -38,13 +38,13 @@ LINKAGES = read(DOCS / "linkages.md")
 
 
 def blocks(text: str, language: str) -> list[tuple[str, str]]:
-    """Return the fenced blocks of a language, each with the text block that follows it."""
+    """Fenced blocks of a language, each with the text block that follows it."""
     fence = rf"```{language}\n(.*?)```\n(?:\n```text\n(.*?)```)?"
     return [(code, shown) for code, shown in re.findall(fence, text, re.DOTALL)]
 
 
 def shown_commands(*pages: str) -> list[tuple[str, str]]:
-    """Return the commands of pages that show what they print, and that."""
+    """Commands of pages that show what they print, and what that is."""
     found = []
     for page in pages:
         text = read(DOCS / page)
@@ -87,7 +87,7 @@ def test_the_japanese_readme_has_the_same_programs() -> None:
 
 
 def without_comments(text: str, language: str) -> list[str]:
-    """Return the blocks of a language; what stands behind ``#`` may be in another one."""
+    """Blocks of a language; what stands behind ``#`` may be in another one."""
     return [re.sub(r" *# .*", "", code) for code, _ in blocks(text, language)]
 
 
@@ -204,7 +204,7 @@ def test_the_table_of_kinds_is_complete() -> None:
 
 
 def anchors(path: Path) -> set[str]:
-    """Return the anchors of a page's headings, as GitHub makes them."""
+    """Anchors of a page's headings, as GitHub makes them."""
     prose = re.sub(r"```.*?```", "", read(path), flags=re.DOTALL)
     headings = re.findall(r"^#+ +(.*?) *$", prose, re.MULTILINE)
     plain = [re.sub(r"[^\w\- ]", "", heading.lower()) for heading in headings]

@@ -119,7 +119,7 @@ class Assembly:
 
 
 def assemble(scene: Scene) -> Assembly:
-    """Return the assembly of a scene.
+    """Assembly of a scene.
 
     Raises
     ------

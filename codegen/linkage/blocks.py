@@ -43,7 +43,7 @@ class Block:
 
 
 def triangular_blocks(assembly: Assembly) -> tuple[Block, ...]:
-    """Return all blocks of a assembly, each after those that it depends on.
+    """Blocks of an assembly, each after those that it depends on.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def triangular_blocks(assembly: Assembly) -> tuple[Block, ...]:
 def live_blocks(
     assembly: Assembly, blocks: Sequence[Block], wanted: Sequence[int]
 ) -> tuple[Block, ...]:
-    """Return the blocks that the wanted coordinates depend on, in the same order."""
+    """Blocks that the wanted coordinates depend on, in the same order."""
     needed = set(wanted)
     kept: list[Block] = []
     for block in reversed(blocks):
@@ -85,14 +85,14 @@ def live_blocks(
 
 
 def _unknowns(assembly: Assembly, element: LinkElement, row: int) -> tuple[int, ...]:
-    """Return the unknown coordinates that an equation depends on."""
+    """Unknown coordinates that an equation depends on."""
     terms = (element.ends[place] for place in DEPENDS[row])
     found = {term.coordinate: None for term in terms if term.factor}
     return tuple(c for c in found if assembly.coordinates[c].role is Role.UNKNOWN)
 
 
 def _match(unknowns_of: Mapping[Row, tuple[int, ...]]) -> dict[int, Row]:
-    """Return for each matched unknown its equation; as many are matched as can be."""
+    """Equation of each matched unknown; as many are matched as can be."""
     row_of: dict[int, Row] = {}
     unknown_of: dict[Row, int] = {}
     for start in unknowns_of:
@@ -131,7 +131,7 @@ def _exchange(
 def _components(
     unknowns_of: Mapping[Row, tuple[int, ...]], row_of: Mapping[int, Row]
 ) -> tuple[Block, ...]:
-    """Return the strongly connected components (Tarjan 1972), dependencies first."""
+    """Strongly connected components (Tarjan 1972), dependencies first."""
     index: dict[int, int] = {}
     low: dict[int, int] = {}
     stack: dict[int, None] = {}
@@ -199,7 +199,7 @@ def _not_determined(
 def _underdetermined(
     unknowns_of: Mapping[Row, tuple[int, ...]], row_of: Mapping[int, Row], free: Sequence[int]
 ) -> list[int]:
-    """Return the unknowns of the under-determined part, reached from those left over."""
+    """Unknowns of the under-determined part, reached from those left over."""
     unknown_of = {row: unknown for unknown, row in row_of.items()}
     seen = dict.fromkeys(free)
     queue = list(free)
@@ -215,7 +215,7 @@ def _underdetermined(
 def _overdetermined(
     unknowns_of: Mapping[Row, tuple[int, ...]], row_of: Mapping[int, Row], extra: Sequence[Row]
 ) -> list[int]:
-    """Return the elements of the over-determined part, reached from the equations left over."""
+    """Elements of the over-determined part, reached from the equations left over."""
     seen = dict.fromkeys(extra)
     queue = list(extra)
     while queue:

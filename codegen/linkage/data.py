@@ -20,7 +20,7 @@ FORMAT = 1
 
 
 def linkage_data(program: Program, layout: Layout) -> dict[str, Any]:
-    """Return what ``motion.json`` holds: fields of ``kinematics.Mechanism``, and of its ``Run``."""
+    """Data of ``motion.json``: fields of ``kinematics.Mechanism``, and of its ``Run``."""
     assembly = layout.assembly
     scene, coordinates = assembly.scene, assembly.coordinates
     return {
@@ -57,7 +57,7 @@ def linkage_data(program: Program, layout: Layout) -> dict[str, Any]:
 
 
 def _run(layout: Layout) -> dict[str, Any]:
-    """Return what the scene asks for."""
+    """Run that the scene asks for, as data."""
     scene = layout.assembly.scene
     inputs = [*scene.inputs.values()]
     turns = [turns_of(given) or 0.0 for given in inputs]
@@ -76,7 +76,7 @@ def _run(layout: Layout) -> dict[str, Any]:
 
 
 def _curves(layout: Layout, block: Block) -> list[dict[str, Any]]:
-    """Return what bends the equations of a block.
+    """Curves that bend the equations of a block.
 
     ε1 alone is |d| = l. With ε2 or ε3 it is one of two rows of d = l (cos β, sin β), turned by a
     constant angle, and where all three are there, ε3 − ε2 is linear: it adds the other angle.
@@ -102,7 +102,7 @@ def _curve(
     y: Sequence[tuple[int, Affine]],
     angle: Sequence[Affine],
 ) -> dict[str, Any]:
-    """Return how a link bends a row, with places and factors of the terms that move."""
+    """Curve by which a link bends a row, with places and factors of the terms that move."""
     sums = {"x": x, "y": y, "angle": [(1, term) for term in angle]}
     moving = {
         name: [

@@ -46,7 +46,7 @@ SHARED = tuple(f"integrate/{name}.py" for name in ("__init__", "given", "result"
 
 
 def emit_linkage(program: Program, layout: Layout, more: Mapping[str, str]) -> dict[str, str]:
-    """Return the folder of a linkage's solver.
+    """Folder of a linkage's solver.
 
     Parameters
     ----------
@@ -95,5 +95,5 @@ def emit_linkage(program: Program, layout: Layout, more: Mapping[str, str]) -> d
 
 
 def listed(text: str) -> str:
-    """Return text inside a comment of C, in lines that fit."""
+    """Text inside a comment of C, in lines that fit."""
     return "\n * ".join(wrap(text, 92))

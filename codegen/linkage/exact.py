@@ -55,7 +55,7 @@ class Exact:
         self.constant = constant
 
     def block(self, number: int, order: int) -> dict[str, list[Any]]:
-        """Return the outputs of one kernel of a block: position, velocity or acceleration."""
+        """Outputs of one kernel of a block: position, velocity or acceleration."""
         block = self.layout.blocks[number]
         rows = [(self.layout.assembly.elements[element], row) for element, row in block.rows]
         if order == 0:
@@ -72,19 +72,19 @@ class Exact:
         return {"gamma": [-(c + b) for c, b in zip(carried, bent, strict=True)]}
 
     def nodes(self) -> dict[str, list[Any]]:
-        """Return the outputs of the kernel ``nodes``."""
+        """Outputs of the kernel ``nodes``."""
         terms = [term for _, x, y in self.layout.assembly.nodes for term in (x, y)]
         names = ("position", "velocity", "acceleration")
         return {name: [self.term(term, k) for term in terms] for k, name in enumerate(names)}
 
     def angles(self) -> dict[str, list[Any]]:
-        """Return the outputs of the kernel ``angles``."""
+        """Outputs of the kernel ``angles``."""
         columns = [self._angle(link) for link in self.layout.assembly.scene.links]
         names = ("angle", "angle_dot", "angle_ddot")
         return {name: [column[k] for column in columns] for k, name in enumerate(names)}
 
     def term(self, term: Affine, order: int) -> Any:
-        """Return offset + factor · coordinate, or a time derivative of it."""
+        """Term offset + factor · coordinate, or a time derivative of it."""
         coordinate = self.layout.assembly.coordinates[term.coordinate]
         if not self.layout.is_moving(term):
             fixed = term.factor * coordinate.start if coordinate.role is Role.FIXED else _ZERO
@@ -112,7 +112,7 @@ class Exact:
         return evaluate(link.rate if order else link.deformation, inputs, self.arithmetic)
 
     def _deformation(self, element: LinkElement, row: int) -> tuple[Any, dict[int, Any]]:
-        """Return ε of a row and its derivatives by coordinates."""
+        """Deformation ε of a row and its derivatives by coordinates."""
         values = self._element(element, row, 0)
         slope: dict[int, Any] = {}
         for place in DEPENDS[row]:
@@ -125,7 +125,7 @@ class Exact:
         return values["epsilon"][0], slope
 
     def _carried(self, element: LinkElement, row: int, number: int, order: int) -> Any:
-        """Return D times the derivatives of what is known before the block."""
+        """Product of D and the derivatives of what is known before the block."""
         unknowns = self.layout.blocks[number].unknowns
         values = self._element(element, row, 0)
         total = self.arithmetic.number(_ZERO)
@@ -139,7 +139,7 @@ class Exact:
         return self._element(element, row, 1)["D_dot_x_dot"][0]
 
     def _angle(self, link: str) -> tuple[Any, Any, Any]:
-        """Return β, β̇ = t · ḋ / l and β̈ = (t · d̈ − 2 l̇ β̇) / l."""
+        """Angle β, β̇ = t · ḋ / l and β̈ = (t · d̈ − 2 l̇ β̇) / l."""
         places = {name: (x, y) for name, x, y in self.layout.assembly.nodes}
         first, second = (places[node] for node in self.layout.assembly.scene.links[link].nodes)
         (dx, dy), (vx, vy), (ax, ay) = (

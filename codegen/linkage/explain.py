@@ -59,7 +59,7 @@ class LinkageExplanation:
         )
 
     def as_data(self) -> dict[str, Any]:
-        """Return it as data, ready for JSON."""
+        """Explanation as data, ready for JSON."""
         return {
             "name": self.name,
             "inputs": self.inputs,
@@ -69,7 +69,7 @@ class LinkageExplanation:
 
 
 def explain_linkage(scene: Scene) -> LinkageExplanation:
-    """Return what is solved for a planar linkage.
+    """Explanation of what is solved for a planar linkage.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 def layout_of(assembly: Assembly) -> Layout:
-    """Return the equations of a assembly block by block, and the places of all numbers.
+    """Equations of an assembly block by block, and the places of all numbers.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def layout_of(assembly: Assembly) -> Layout:
 
 
 def program_of(layout: Layout) -> Program:
-    """Return what a linkage needs to move: three segments for each block, then the outputs."""
+    """Program that moves a linkage: three segments for each block, then the outputs."""
     numbers = range(len(layout.blocks))
     kernels = [kernel for number in numbers for kernel in block_kernels(layout, number)]
     kernels.append(node_kernel(layout))
@@ -74,14 +74,14 @@ def program_of(layout: Layout) -> Program:
 
 
 def _segment(layout: Layout, number: int, kernel: Kernel) -> Segment:
-    """Return the segment that a kernel of the whole workspace is."""
+    """Segment that a kernel of the whole workspace is."""
     slots = tuple(layout.regions[quantity.name].base for quantity in kernel.outputs)
     contents = (*wrap(kernel.title, 92), kernel.source)
     return Segment(kernel.name, (Task(number, (0,), slots),), contents, kernel.formula)
 
 
 def generate_scene(scene: Scene, *, references: bool = False) -> dict[str, str]:
-    """Return the folder of the solver of a linkage.
+    """Folder of the solver of a linkage.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ PAPER = "Yamada and Tatsumi 1981"
 
 
 def block_kernels(layout: Layout, number: int) -> tuple[Kernel, Kernel, Kernel]:
-    """Return the kernels of one block: its residual and matrix, and its right-hand sides.
+    """Kernels of one block: its residual and matrix, and its right-hand sides.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def block_kernels(layout: Layout, number: int) -> tuple[Kernel, Kernel, Kernel]:
 
 
 def _places(element: LinkElement, row: int, slopes: Sequence[int]) -> list[tuple[Affine, int]]:
-    """Return the ends that one row depends on, each with the derivative by it."""
+    """Ends that one row depends on, each with the derivative by it."""
     return [(element.ends[place], slopes[place]) for place in DEPENDS[row]]
 
 
@@ -118,7 +118,7 @@ class _Composer:
         return Quantity(name, (len(self.block.rows),), unit, "right-hand side")
 
     def _carried(self, number: int, row: int, order: int) -> int:
-        """Return −D times the derivatives of the coordinates that are known by now."""
+        """Product of −D and the derivatives of the coordinates that are known by now."""
         element = self.layout.assembly.elements[number]
         link = self._inline(self.layout.link[row].deformation, element, row)
         total = self.graph.const(0)
@@ -129,7 +129,7 @@ class _Composer:
         return total
 
     def _gradient(self, places: Sequence[tuple[Affine, int]]) -> dict[int, int]:
-        """Return the derivatives by coordinates, given those by the ends of the link."""
+        """Derivatives by coordinates, given those by the ends of the link."""
         gradient: dict[int, int] = {}
         for term, derivative in places:
             part = self.graph.mul(self.graph.const(term.factor), derivative)
@@ -157,7 +157,7 @@ class _Composer:
         source: str,
         outputs: Mapping[Quantity, Sequence[int]],
     ) -> Kernel:
-        """Return the kernel of what was composed."""
+        """Kernel of what was composed."""
         return drop_dead(
             Kernel(
                 name=name + self.suffix,

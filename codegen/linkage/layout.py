@@ -126,12 +126,12 @@ class Layout:
         return bool(term.factor) and role is not Role.FIXED
 
     def place_of(self, coordinate: int) -> int:
-        """Return where a coordinate stands among the inputs and, after them, the unknowns."""
+        """Place of a coordinate among the inputs and, after them, the unknowns."""
         name, index = self.everywhere[coordinate]
         return index if name == "alpha" else len(self.assembly.inputs) + index
 
     def node(self, graph: Graph, term: Affine, order: int) -> int:
-        """Return the graph node of offset + factor · coordinate, or of a time derivative of it."""
+        """Graph node of offset + factor · coordinate, or of a time derivative of it."""
         coordinate = self.assembly.coordinates[term.coordinate]
         if not self.is_moving(term):
             fixed = term.factor * coordinate.start if coordinate.role is Role.FIXED else 0

@@ -29,7 +29,7 @@ class LinkRow:
 
 
 def rows_of(link: Package) -> tuple[LinkRow, LinkRow, LinkRow]:
-    """Return the three rows of the frozen kind ``link``."""
+    """Three rows of the frozen kind ``link``."""
     kernels = {kernel.name: kernel for kernel in link.kernels}
     first, second, third = (
         LinkRow(

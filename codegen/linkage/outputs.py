@@ -21,7 +21,7 @@ MOTIONS = (
 
 
 def node_kernel(layout: Layout) -> Kernel:
-    """Return the kernel of the motion of all nodes: position, velocity, acceleration, (24), (25).
+    """Kernel of the motion of all nodes: position, velocity, acceleration, (24), (25).
 
     Each output is (nodes, 2), in frame O, in the order of the scene.
     """
@@ -49,7 +49,7 @@ def node_kernel(layout: Layout) -> Kernel:
 
 
 def angle_kernel(layout: Layout) -> Kernel:
-    """Return the kernel of the angles β of all links, their first and second derivatives.
+    """Kernel of the angles β of all links, their first and second derivatives.
 
     Each output is (links,), counter-clockwise from +x, from the first node of the link to the
     second, (10)-(13); the angle is in (−π, π].
@@ -80,7 +80,7 @@ def angle_kernel(layout: Layout) -> Kernel:
 
 
 def _angle(layout: Layout, g: Graph, link: str) -> tuple[int, int, int]:
-    """Return β, β̇ = d × v / l² and β̈ = (d × a − 2 (d · v) β̇) / l² of a link."""
+    """Angle β, β̇ = d × v / l² and β̈ = (d × a − 2 (d · v) β̇) / l² of a link."""
     places = {name: (x, y) for name, x, y in layout.assembly.nodes}
     first, second = (places[node] for node in layout.assembly.scene.links[link].nodes)
     (dx, dy), (vx, vy), (ax, ay) = (

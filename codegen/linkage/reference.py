@@ -57,7 +57,7 @@ class Point:
 
 
 def reference_values(program: Program, layout: Layout, found: Sequence[Place]) -> str:
-    """Return the text of the reference values.
+    """Text of the reference values.
 
     Values come from :class:`kousoku.codegen.linkage.exact.Exact` in 50 digits. Constants of the
     scene count as inputs in the unit of error: they were inputs before they were bound.
@@ -73,7 +73,7 @@ def reference_values(program: Program, layout: Layout, found: Sequence[Place]) -
 
 
 def _points(layout: Layout, found: Sequence[Place]) -> list[Point]:
-    """Return the points, the last ones each with a number that is NaN."""
+    """Points, the last ones each with a number that is NaN."""
     points = [
         Point(
             f"{place.part} of the way",
@@ -108,7 +108,7 @@ def _given(layout: Layout) -> Numbers:
 
 
 def _scattered(numbers: Numbers, size: float, seed: int) -> Numbers:
-    """Return numbers that are off by parts of ``size``; zeros move by it too."""
+    """Numbers that are off by parts of ``size``; zeros move by it too."""
     golden = 0.6180339887498949
     count = seed
     moved: dict[str, tuple[float, ...]] = {}
@@ -123,7 +123,7 @@ def _scattered(numbers: Numbers, size: float, seed: int) -> Numbers:
 
 
 def _row(program: Program, layout: Layout, point: Point) -> dict[str, object]:
-    """Return one point with the references of its segments."""
+    """Point with the references of its segments."""
     high = {n: [CONTEXT.mpf(x) for x in xs] for n, xs in point.numbers.items()}
     duals = {n: [variable(x, (n, k)) for k, x in enumerate(xs)] for n, xs in high.items()}
     sizes: dict[object, Any] = {(n, k): abs(x) for n, xs in high.items() for k, x in enumerate(xs)}

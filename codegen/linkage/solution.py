@@ -46,14 +46,14 @@ class Place:
 
 
 def span_of(given: Input) -> Fraction:
-    """Return how far an input goes until the last division."""
+    """Way of an input until the last division."""
     if given.to is not None:
         return Fraction(given.to) - Fraction(given.start)
     return 2 * HALF_TURN * Fraction(turns_of(given) or 0)
 
 
 def places(layout: Layout) -> list[Place]:
-    """Return the linkage at every step of its way, up to a dead centre; empty if it never fits."""
+    """Linkage at every step of its way, up to a dead centre; empty if it never fits."""
     start = [HIGH.number(layout.assembly.coordinates[u].start) for u in layout.unknowns]
     found: list[Place] = []
     try:
@@ -73,7 +73,7 @@ def places(layout: Layout) -> list[Place]:
 
 
 def solution(layout: Layout, found: Sequence[Place]) -> dict[str, object]:
-    """Return what the solver of the scene must give, as data.
+    """Solution that the solver of the scene must give, as data.
 
     Motions of the nodes at some of :data:`STEPS` divisions, rounded to doubles. Where a block has
     more than two unknowns only the first position is sure to be on the branch of the scene.
@@ -107,7 +107,7 @@ def _solve(block: dict[str, list[High]], right: Sequence[High]) -> list[High]:
 
 
 def _positions(layout: Layout, motion: dict[str, list[High]]) -> list[High]:
-    """Return x by damped Newton, block by block.
+    """Positions x by damped Newton, block by block.
 
     Raises
     ------
@@ -145,7 +145,7 @@ def _positions(layout: Layout, motion: dict[str, list[High]]) -> list[High]:
 
 
 def _placed(layout: Layout, part: Fraction, near: list[High]) -> dict[str, list[High]]:
-    """Return the motion at a part of the way, its position the one that Newton finds from near."""
+    """Motion at a part of the way, its position the one that Newton finds from near."""
     alpha, alpha_dot, alpha_ddot = _inputs(layout, part)
     motion = {"alpha": alpha, "x": near, "alpha_dot": alpha_dot, "alpha_ddot": alpha_ddot}
     return {**motion, "x": _positions(layout, motion)}
@@ -154,7 +154,7 @@ def _placed(layout: Layout, part: Fraction, near: list[High]) -> dict[str, list[
 def _advanced(
     layout: Layout, motion: dict[str, list[High]], part: Fraction, end: Fraction, halvings: int
 ) -> dict[str, list[High]]:
-    """Return the motion at ``end``, in steps so short that none reaches over a dead centre.
+    """Motion at ``end``, in steps so short that none reaches over a dead centre.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def _is_near(layout: Layout, x: list[High], predicted: list[High], found: list[H
 
 
 def _sides(layout: Layout, motion: dict[str, list[High]]) -> list[bool]:
-    """Return on which side of a dead centre each block is."""
+    """Side of a dead centre on which each block is."""
     exact = _exact(layout, motion)
     sides = []
     for number, block in enumerate(layout.blocks):
@@ -210,7 +210,7 @@ def _derivatives(layout: Layout, motion: dict[str, list[High]], order: int) -> l
 
 
 def _predicted(layout: Layout, motion: dict[str, list[High]], step: Fraction) -> list[High]:
-    """Return where x will be about a step on, given as a part of the way, (26)."""
+    """Coordinates x about a step on, given as a part of the way, (26)."""
     spans = [step * span_of(item) for item in layout.assembly.scene.inputs.values()]
     along = {**motion, "alpha_dot": [HIGH.number(span) for span in spans]}
     along["alpha_ddot"] = [CONTEXT.zero] * len(spans)

@@ -69,7 +69,7 @@ class Alone:
         return Run(self, chosen, **options).finish()
 
     def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
-        """Return a run at time 0 that can be stopped and go on."""
+        """Run at time 0 that can be stopped and go on."""
         require_options(self.layout.name, options, OPTIONS, "times")
         return Run(self, times_of(self.layout.name, None, times, 0), **options)
 
@@ -153,7 +153,7 @@ class Run:
         return f"<Run of {self._scene.layout.name}: {at}, {rows}>"
 
     def _led(self, initial: Initial, parameters: Array) -> tuple[Array, Array]:
-        """Return q and v with initial values, given the start of the scene."""
+        """Coordinates q and velocities v with initial values, given the start of the scene."""
         from .placing import started
 
         data, scene = self._scene.data, self._scene.solver.scene
@@ -162,7 +162,7 @@ class Run:
         return started(self._layout, rows, self._evaluate(parameters), y, initial)
 
     def _evaluate(self, parameters: Array) -> Evaluate:
-        """Return what the scene computes at time 0, with the parameters of the run."""
+        """Evaluation of the scene at time 0, with the parameters of the run."""
         from .initial import evaluated
 
         solver, places = self._scene.solver, self._scene.data["places"]
@@ -202,7 +202,7 @@ class Run:
         return self.motion()
 
     def motion(self) -> Motion:
-        """Return what was computed so far."""
+        """Motion as far as it was computed."""
         written = int(state_of(self._scene.solver.scene, self.state).next_row)
         data, scene = self._scene.data, self._scene.solver.scene
         checked = ([tuple(row) for row in data[part]] for part in CheckedRows._fields)

@@ -56,7 +56,7 @@ def add_dense_rows(m: Method, h: float, state: State, work: Work) -> None:
 
 
 def has_led_works(m: Method, scene: Scene) -> bool:
-    """Return whether works at times inside of a step are summed from powers at its stages."""
+    """Whether works at times inside of a step are summed from powers at its stages."""
     return scene.is_driven and scene.works > 0 and m.order == 5
 
 
@@ -94,7 +94,7 @@ def interpolate(m: Method, x: float, state: State, y: Array) -> None:
 
 
 def differentiate(m: Method, x: float, h: float, state: State) -> Array:
-    """Return the derivative of the interpolating polynomial of a step of length h."""
+    """Derivative of the interpolating polynomial of a step of length h."""
     y, rate = np.zeros_like(state.y), np.zeros_like(state.y)
     for n in reversed(range(3 + len(m.dense))):
         factor = x if n % 2 == 0 else 1.0 - x

@@ -34,7 +34,7 @@ class Told(NamedTuple):
 
 
 def without_value(layout: Layout, event: float, where: str) -> str:
-    """Return a message: which formula of an event has no value, and what to do.
+    """Message on which formula of an event has no value, and what to do.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def without_value(layout: Layout, event: float, where: str) -> str:
 
 
 def bends(layout: Layout, bent: float, limit: float, behind: float) -> str:
-    """Return a message: which driver leads no further, and what to do.
+    """Message on which driver leads no further, and what to do.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def bends(layout: Layout, bent: float, limit: float, behind: float) -> str:
 
 
 def infinite(layout: Layout, pole: float) -> str:
-    """Return a message: which force no motion leads through, and what to do.
+    """Message on which force no motion leads through, and what to do.
 
     Parameters
     ----------

@@ -148,7 +148,7 @@ def predict_and_correct(
 def roughness(
     h: float, drift: float, start: Position, to: Position, work: Work, state: State
 ) -> float:
-    """Return how far a step is from a smooth one: that is at most one.
+    """Roughness of a step, at most one where it is smooth.
 
     The prediction met the constraints, and the accelerations explain the change of the velocities;
     on another branch they do not. It goes with the square of h. Where no position was found it is
@@ -170,7 +170,7 @@ def roughness(
 
 
 def is_explained(h: float, start: Position, half: Position, last: Position, work: Work) -> bool:
-    """Return whether velocities explain where bodies are after two halves of length h.
+    """Whether velocities explain where bodies are after two halves of length h.
 
     No prediction tells that of bodies that are put onto what drives them, and where a driver jumps
     its rates do not.
@@ -185,7 +185,7 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
 
 
 def told_ratio(work: Work, state: State) -> float:
-    """Return what tells branches, negative where all rows are solved for: another number."""
+    """Ratio that tells branches, negative where all rows are solved for: another number."""
     ratio = branch_ratio(work, state)
     return -ratio if work.all is not None and work.all.is_on else ratio
 
@@ -193,7 +193,7 @@ def told_ratio(work: Work, state: State) -> float:
 def may_leap(
     h: float, before: float, after: float, last: Position, state: State, work: Work
 ) -> bool:
-    """Return whether half a step of length h may leap over a singular configuration.
+    """Whether half a step of length h may leap over a singular configuration.
 
     There is another branch behind it. What tells branches goes with the square of the distance from
     it, which changes at a steady rate: no half passes zero where it and those beside it change the
@@ -209,7 +209,7 @@ def may_leap(
 
 
 def position_at(place: int, work: Work) -> Position:
-    """Return where a position of a step is kept: that of its middle, its end, two between."""
+    """Room of a position of a step: of its middle, its end, two between."""
     return Position(work.k[2 * place], work.k[2 * place + 1])
 
 
@@ -267,7 +267,7 @@ def reach(
 
 
 def branch_at(end: float, state: State, work: Work) -> int:
-    """Return whether a step to an end may lead onto another branch: LEAPS, STAYS or MEETS."""
+    """Whether a step to an end may lead onto another branch: LEAPS, STAYS or MEETS."""
     if not (state.is_near > 0.0 and work.scene.has_refinement):
         return STAYS
     last = position_at(1, work)
@@ -294,14 +294,14 @@ def find_between(end: float, weak: float, state: State, work: Work) -> bool:
 
 
 def least_size_of_works(h: float, state: State, work: Work) -> float:
-    """Return what errors of works are compared with in a step of length h, beside the works [J]."""
+    """Size that errors of works are compared with in a step of length h, beside the works [J]."""
     work.w.run("energy")
     rate = usual_rate(h, position_at(1, work).y, state, work)
     return usual_energy(rate, work.scene) + float(work.w.energies[0])
 
 
 def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:
-    """Return what a step of length h leaves of energy that no work explains, in tolerances.
+    """Change of energy in a step of length h that no work explains, in tolerances.
 
     The energy of positions is exact: it tells what no rule says of its own error, as where powers
     are narrow beside the nodes. Steps over the finest way are not asked: energies differ by what
@@ -429,7 +429,7 @@ def note_ratios(ratio: float, end: float, state: State, work: Work, *, is_deep: 
 
 
 def watched_end(s: Settings, end: float, part: float, look: Look) -> float:
-    """Return where a position to an end must be, so that forces between are told, and events.
+    """Time at which a position to an end must be, so that forces between are told, and events.
 
     One that leaps over a place stays where it is.
     """
@@ -447,7 +447,7 @@ def watched_end(s: Settings, end: float, part: float, look: Look) -> float:
 
 
 def following(error: float, rough: float, *, is_good: bool, is_told: bool) -> float:
-    """Return how much longer than a step the next one is, or that which is tried in its place."""
+    """Factor from a step's length to the next one's, or to that which is tried in its place."""
     by_shape = 0.9 / math.sqrt(rough) if rough > 0.0 else 2.0
     if not is_good:
         return larger(0.2, by_shape) if 1.0 < rough < math.inf else 0.5

@@ -53,7 +53,7 @@ class Method:
 
 
 def row_of(text: str) -> tuple[float, ...]:
-    """Return the nearest doubles of fractions that are parted by blanks."""
+    """Nearest doubles of fractions that are parted by blanks."""
     return tuple(float(Fraction(number)) for number in text.split())
 
 

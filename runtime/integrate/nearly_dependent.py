@@ -31,7 +31,7 @@ def nearly_dependent(
     work: Array,
     tolerance: float,
 ) -> str:
-    """Return why a run is refused whose rows nearly depend on each other.
+    """Message that refuses a run whose rows nearly depend on each other.
 
     Parameters
     ----------

@@ -78,7 +78,7 @@ def write_scaled_rows(rank: Rank, work: Work) -> None:
 
 
 def rate_of_row(rank: Rank) -> tuple[Array, Array]:
-    """Return what rows miss per unit of the motion that those allow that were taken.
+    """Rates at which rows miss, per unit of the motion that the rows taken so far allow.
 
     That is in lengths of the scene or radians; with it what is left of each row in itself, squared.
     """
@@ -94,7 +94,7 @@ def rate_of_row(rank: Rank) -> tuple[Array, Array]:
 
 
 def rank_here(rank: Rank, work: Work) -> int:
-    """Return how many rows are independent beyond doubt at the geometry in the workspace.
+    """Number of rows that are independent beyond doubt at the geometry in the workspace.
 
     They become a basis, and their rates negative; those of the others are what they miss.
     """
@@ -122,7 +122,7 @@ def rank_here(rank: Rank, work: Work) -> int:
 
 
 def is_regular_beside(wanted: int, rank: Rank, state: State, work: Work) -> bool:
-    """Return whether as many rows are independent beside the start, a singular configuration."""
+    """Whether as many rows are independent beside the start, a singular configuration."""
     y, nq = work.k[0], work.scene.nq
     for back in range(2):
         y[:] = state.y
@@ -147,7 +147,7 @@ def is_regular_beside(wanted: int, rank: Rank, state: State, work: Work) -> bool
 
 
 def keep_rank(state: State, work: Work) -> bool:
-    """Return whether rows that are independent with the parameters of the scene are so in the run.
+    """Whether rows that are independent with the parameters of the scene are so in the run.
 
     The former is where the scene starts with them. What others miss takes the place of residuals,
     0 of those that are independent. The state stays as it is.

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def are_closed(misses: Array, times: float, scene: Scene) -> bool:
-    """Return whether rows miss so many times the closure tolerance at most.
+    """Whether rows miss so many times the closure tolerance at most.
 
     Those that are left out do, and others where these took over.
     """

@@ -161,7 +161,7 @@ class Scene:
             object.__setattr__(self, name, value)
 
     def size(self, region: str) -> int:
-        """Return the size of a region, 0 where the scene has none of that name."""
+        """Size of a region, 0 where the scene has none of that name."""
         return self.regions.get(region, (0, 0))[1]
 
     @property
@@ -367,11 +367,11 @@ class Workspace:
         self.q[:] = self.q_moved
 
     def size_of(self, u: Array) -> float:
-        """Return the largest element of a correction, lengths relative to that of the scene."""
+        """Largest element of a correction, lengths relative to that of the scene."""
         return float(np.max(np.abs(u) / self.scene.lengths))  # a NaN stays
 
     def way_of(self, h: float, y: Array, end: Array) -> float:
-        """Return how far bodies move in a step of length h to an end, in lengths and radians."""
+        """Distance that bodies move in a step of length h to an end, in lengths and radians."""
         nq = self.scene.nq
         return h * larger(self.size_of(y[nq:]), self.size_of(end[nq:]))
 
@@ -417,5 +417,5 @@ class RowMemory:
 
 
 def state_of(scene: Scene, numbers: Array) -> State:
-    """Return a state by names."""
+    """State with its fields by name."""
     return State(numbers, scene.state_sizes)

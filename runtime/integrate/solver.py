@@ -176,7 +176,7 @@ class Solver:
             return self._run(settings, times, max_steps, s, work, rows)
 
     def _are_possible(self, settings: Settings, s: State) -> bool:
-        """Return whether a run may be made so, and goes on with the method that it began with."""
+        """Whether a run may be made so, and goes on with the method that it began with."""
         is_kinematic = self.scene.is_driven and settings.method == len(METHODS)
         if not (LEAST_TOLERANCE <= settings.tolerance < 1.0 and settings.largest_step > 0.0):
             return False
@@ -321,7 +321,7 @@ class Solver:
 
 
 def _is_sound(s: State, n_times: int) -> bool:
-    """Return whether a state is one that a run goes on from: none that was cut or damaged."""
+    """Whether a state is one that a run goes on from: none that was cut or damaged."""
     if not 0.0 <= s.next_row <= n_times or s.next_row != math.floor(s.next_row):
         return False
     if not s.time_before <= s.time or not math.isfinite(s.step_size):
@@ -330,5 +330,5 @@ def _is_sound(s: State, n_times: int) -> bool:
 
 
 def _are_numbers(time: float, *arrays: Array) -> bool:
-    """Return whether time and arrays are finite."""
+    """Whether time and arrays are finite."""
     return math.isfinite(time) and all(np.isfinite(array).all() for array in arrays)

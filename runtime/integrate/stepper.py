@@ -224,7 +224,7 @@ class Attempts:
 
 
 def is_kept(trial: Trial) -> bool:
-    """Return whether a trial meets the tolerance."""
+    """Whether a trial meets the tolerance."""
     return trial.error <= 1.0
 
 
@@ -240,13 +240,13 @@ def add_to_start(start: Array, y: Array, low: Array | None) -> None:
 
 
 def fastest(end: Array, state: State, work: Work) -> float:
-    """Return the largest speed so far and at the end of a step, in lengths and radians [1/s]."""
+    """Largest speed so far and at the end of a step, in lengths and radians [1/s]."""
     size_of, nq = work.w.size_of, work.scene.nq
     return larger(larger(state.fastest, size_of(state.y[nq:])), size_of(end[nq:]))
 
 
 def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
-    """Return what the rates of a step are compared with, in lengths of the scene and radians [1/s].
+    """Rate that those of a step are compared with, in lengths of the scene and radians [1/s].
 
     It is told by the motion: in other units of time it is the same.
     """
@@ -269,12 +269,12 @@ def note_extent(end: Array, work: Work, state: State) -> None:
 
 
 def usual_energy(rate: float, scene: Scene) -> float:
-    """Return the energy of all bodies where they move at such a rate."""
+    """Energy of all bodies where they move at such a rate."""
     return scene.mass * (scene.length * rate) * (scene.length * rate) / 2.0
 
 
 def energy_balance(q: Array, work: Work, state: State) -> float:
-    """Return the change of energy since the start that no work explains; works are in q."""
+    """Change of energy since the start that no work explains; works are in q."""
     balance = work.w.energies[0] + work.w.energies[1] - state.energy
     for done in q[work.scene.nq - work.scene.works : work.scene.nq]:
         balance -= done
@@ -282,7 +282,7 @@ def energy_balance(q: Array, work: Work, state: State) -> float:
 
 
 def energy_moved(q: Array, work: Work, state: State) -> float:
-    """Return kinetic energy, change of potential energy since the start, and all works.
+    """Kinetic energy, change of potential energy since the start, and all works.
 
     Works are in q. That of every step counts, whatever rows are written.
     """
@@ -296,7 +296,7 @@ def energy_moved(q: Array, work: Work, state: State) -> float:
 def estimate(
     m: Method, row: Sequence[float], trial: Trial, state: State, work: Work, tolerance: float
 ) -> float:
-    """Return the root mean square of one estimate of the error, in units of the tolerance."""
+    """Root mean square of one estimate of the error, in units of the tolerance."""
     scene, now, end, error = work.scene, state.y, work.y, work.scratch
     nq, nv = scene.nq, scene.nv
     rate = usual_rate(trial.h, end, state, work)
@@ -317,7 +317,7 @@ def estimate(
 
 
 def tells_drift(trial: Trial, state: State, work: Work) -> bool:
-    """Return whether what a step is off the constraints tells of its error.
+    """Whether what a step is off the constraints tells of its error.
 
     Neither drivers nor rows that take over lead it there, and it is no rounding.
     """
@@ -329,7 +329,7 @@ def tells_drift(trial: Trial, state: State, work: Work) -> bool:
 def local_error(
     m: Method, trial: Trial, state: State, work: Work, tolerance: float, *, is_locked: bool = False
 ) -> float:
-    """Return the error of a step, in units of the tolerance; locked from a switch to the next."""
+    """Error of a step, in units of the tolerance; locked from a switch to the next."""
     e = estimate(m, m.errors[0], trial, state, work, tolerance)
     if len(m.errors) == 1 or e * e == 0.0:
         return e
@@ -358,7 +358,7 @@ def stage(
 
 
 def norm_error(m: Method, h: float, state: State, work: Work) -> float:
-    """Return by how much a step takes Euler parameters from norm one, before they are brought back.
+    """Distance of Euler parameters from norm one after a step, before they are brought back.
 
     Where steps are fixed no other error tells that bodies turn too far in one.
     """
@@ -413,7 +413,7 @@ def make_dense_stages(m: Method, trial: Trial, work: Work, state: State) -> bool
 
 
 def least_of_parabola(trial: Trial, state: State) -> float:
-    """Return the least of a parabola through pivot ratios of a step, and of those of its stages."""
+    """Least of a parabola through pivot ratios of a step, and of those of its stages."""
     first, last, x = state.position_ratio, trial.end_ratio, trial.inner
     bend = ((trial.inner_ratio - first) / x - (last - first)) / (x - 1.0)
     slope = last - first - bend
@@ -423,13 +423,13 @@ def least_of_parabola(trial: Trial, state: State) -> float:
 
 
 def sinks(part: float, trial: Trial, state: State, work: Work) -> bool:
-    """Return whether that sinks to a part of those at the ends."""
+    """Whether the least ratio of a step sinks to a part of those at its ends."""
     ends = larger(state.position_ratio, trial.end_ratio)
     return least_of_parabola(trial, state) < part * smaller(ends, usual_ratio(work, state))
 
 
 def meeting_part(first: float, last: float) -> float:
-    """Return at which part of a step branches seem to meet.
+    """Part of a step at which branches seem to meet.
 
     Roots of ratios at its ends, which go with the distance from there, tell that.
     """
@@ -437,7 +437,7 @@ def meeting_part(first: float, last: float) -> float:
 
 
 def dipping_part(first: float, last: float, trial: Trial) -> float:
-    """Return at which part of a step that is if a stage has a small ratio: before or behind it."""
+    """Part at which branches seem to meet if a stage has a small ratio: before or behind it."""
     dip, x = math.sqrt(trial.dip_ratio), trial.dip
     if meeting_part(first, last) > x:
         return x + (1.0 - x) * dip / (dip + last)
@@ -445,7 +445,7 @@ def dipping_part(first: float, last: float, trial: Trial) -> float:
 
 
 def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Return how far a step may lead so that ratios tell of other branches; infinite if any way."""
+    """Longest way of a step on which ratios tell of other branches; infinite without a limit."""
     is_loose = work.scene.is_driven or tried.s.tolerance > LOOSE
     if not work.scene.has_refinement or not is_loose or tried.is_fixed:
         return math.inf
@@ -457,7 +457,7 @@ def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> floa
 
 
 def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
-    """Return whether a step is no longer than that: else it is made again."""
+    """Whether a step is no longer than the longest way: else it is made again."""
     way = work.w.way_of(trial.h, state.y, work.y) if longest < math.inf else 0.0
     if not way > longest:
         return True
@@ -467,7 +467,7 @@ def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
 
 
 def branch_of(tried: Attempts, trial: Trial, work: Work, state: State) -> int:
-    """Return whether a step may end on another branch: LEAPS, STAYS or MEETS."""
+    """Whether a step may end on another branch: LEAPS, STAYS or MEETS."""
     if not work.scene.has_refinement:
         return STAYS
     first, last, most = state.position_ratio, trial.end_ratio, usual_ratio(work, state)
@@ -519,7 +519,7 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
 
 
 def next_trial(tried: Attempts, state: State) -> Trial:
-    """Return a trial of the length that is next, no longer than to where the step ends at most."""
+    """Trial of the length that is next, no longer than to where the step ends at most."""
     h = smaller(state.step_size, tried.s.largest_step)
     if tried.is_fixed and tried.avoided == 0:
         h = tried.s.fixed_step
@@ -532,7 +532,7 @@ def next_trial(tried: Attempts, state: State) -> Trial:
 
 
 def is_weak(ratio: float, tried: Attempts, state: State) -> bool:
-    """Return whether rows are nearly dependent at a pivot ratio."""
+    """Whether rows are nearly dependent at a pivot ratio."""
     return ratio < (VAGUE if tried.is_fixed else WEAK) * state.largest_pivot_ratio
 
 
@@ -582,7 +582,7 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
 
 
 def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:
-    """Return whether rows are independent at the stages of a trial: else others lie elsewhere."""
+    """Whether rows are independent at the stages of a trial: else others lie elsewhere."""
     if not (trial.is_good or tried.is_fixed) or not is_weak(trial.least_ratio, tried, state):
         return True
     if trial.least_ratio > 0.0 and is_weak(trial.most_ratio, tried, state):
@@ -624,7 +624,7 @@ def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
 
 
 def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Return where a trial must end by what crosses in it; poles want all stages."""
+    """Time at which a trial must end by what crosses in it; poles want all stages."""
     m, s, look = tried.m, tried.s, tried.look
     has_stages = tried.has_switches and is_kept(trial)
     look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
@@ -639,7 +639,7 @@ def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
 
 
 def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Return where a trial must end so that samples tell up to a time how narrow parts vary."""
+    """Time at which a trial must end so that samples tell up to a time how narrow parts vary."""
     look = tried.look
     if not work.scene.has_narrow or not is_kept(trial):
         return trial.end
@@ -654,7 +654,7 @@ def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State
 
 
 def met_in(told: float, tried: Attempts, trial: Trial) -> float:
-    """Return where a trial must end so that its polynomial meets what its stages do."""
+    """Time at which a trial must end so that its polynomial meets what its stages do."""
     look, is_cut = tried.look, trial.end == tried.look.cut  # at a cut rounding decides
     if not tried.has_switches or not is_kept(trial) or tried.is_beyond or is_cut:
         return trial.end
@@ -667,7 +667,7 @@ def met_in(told: float, tried: Attempts, trial: Trial) -> float:
 
 
 def is_at_event(tried: Attempts, trial: Trial, state: State) -> bool:
-    """Return whether a trial that was cut for an event ends there: else the cut is there."""
+    """Whether a trial that was cut for an event ends there: else the cut is there."""
     look, end = tried.look, trial.end
     if len(state.counts) == 0 or not is_kept(trial) or end != look.cut:
         return True
@@ -683,7 +683,7 @@ def is_at_event(tried: Attempts, trial: Trial, state: State) -> bool:
 
 
 def length_by_error(m: Method, trial: Trial) -> float:
-    """Return how long a step is that meets the tolerance, where a trial does not, or its branch."""
+    """Length of a step that meets the tolerance, where a trial does not, or its branch."""
     factor = 0.2
     if trial.longest > 0.0:
         return trial.longest
@@ -704,7 +704,7 @@ def end_at(to: float, tried: Attempts, trial: Trial, state: State) -> None:
 
 
 def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
-    """Return whether a trial ends where it may by what is seen in it: else it is to end there."""
+    """Whether a trial ends where it may by what is seen in it: else it is to end there."""
     look = tried.look
     if not work.scene.sees or not trial.is_whole or not (is_kept(trial) or not tried.is_guessed):
         return True

@@ -69,7 +69,7 @@ class Certifier:
         self._angle = _slopes([curve.angle for curve in curves], places)
 
     def condition(self, block: BlockEquations) -> float:
-        """Return the most that residuals of 1 move unknowns, as lengths, with factors at hand."""
+        """Largest motion of unknowns by residuals of 1, as lengths, with factors at hand."""
         return float(np.max(self._inverse(block).sum(axis=1)))
 
     def _inverse(self, block: BlockEquations) -> Array:
@@ -78,7 +78,7 @@ class Certifier:
         return lengths
 
     def tilt(self, block: BlockEquations, way: Way, residual: float) -> float:
-        """Return how far the Jacobian turns in the tube, relative to itself; write its radius.
+        """Turn of the Jacobian in the tube, relative to itself; its radius is written.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class Certifier:
         return tilt
 
     def _along(self, way: Way, slopes: Array) -> tuple[Array, ...]:
-        """Return sums of coordinates along a way, (curves,) each.
+        """Sums of coordinates along a way, (curves,) each.
 
         Returns
         -------
@@ -121,7 +121,7 @@ class Certifier:
         )
 
     def _distances(self, way: Way) -> tuple[Array, Array]:
-        """Return what links do to equations |d| = l.
+        """Bends and slope of equations |d| = l.
 
         As (|d|² - l²)/2l, which is a polynomial of s: what it has of s³ to s⁶ vanishes together at
         the end.
@@ -146,7 +146,7 @@ class Certifier:
         return bends, slope / self._length
 
     def _arms(self, way: Way) -> Array:
-        """Return what links do to equations d = l (cos β, sin β), (3, curves).
+        """Bends of equations d = l (cos β, sin β), (3, curves).
 
         By the fourth derivative of the direction.
         """
@@ -161,7 +161,7 @@ class Certifier:
 
 
 def _slopes(sums: list[Sequence[tuple[int, float]]], places: int) -> Array:
-    """Return the derivatives of sums by coordinates, (places, sums)."""
+    """Derivatives of sums by coordinates, (places, sums)."""
     slopes = np.zeros((places, len(sums)))
     for k, terms in enumerate(sums):
         for place, factor in terms:

@@ -155,13 +155,13 @@ class Continuation:
         return self.newton.equations.differentiate(self.position, alpha_dot, alpha_ddot)
 
     def _way(self, step: float, pace: Array, pace_dot: Array, correction: Array) -> Way:
-        """Return the cubics of a step, (26) and what was corrected."""
+        """Cubics of a step, (26) and what was corrected."""
         first, second = np.concatenate((pace, self.x1)), np.concatenate((pace_dot, self.x2))
         third = np.concatenate((np.zeros_like(pace), correction))
         return Way(step * first, 0.5 * step * step * second, third, np.zeros_like(third))
 
     def _tilt(self, way: Way, residual: float) -> float:
-        """Return how far the Jacobians turn along a step, the most of all blocks.
+        """Turn of the Jacobians along a step, the most of all blocks.
 
         Raises
         ------

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def segments_of(
     kernels: Sequence[tuple[Function, int, str, str]], tasks: Mapping[str, str]
 ) -> dict[str, Segment]:
-    """Return the segments of a mechanism, each a function of the workspace.
+    """Segments of a mechanism, each a function of the workspace.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class Equations:
         self.blocks = tuple(BlockEquations(self, k) for k in range(len(mechanism.blocks)))
 
     def region(self, name: str) -> Array:
-        """Return a region of the workspace, to read and to write."""
+        """Region of the workspace, to read and to write."""
         base, size = self.mechanism.regions[name]
         return self.slots[base : base + size]
 
@@ -81,7 +81,7 @@ class Equations:
     def differentiate(
         self, position: Coordinates, alpha_dot: Array, alpha_ddot: Array
     ) -> tuple[Array, Array]:
-        """Return the derivatives of x along given ones of the inputs, with the factors at hand.
+        """Derivatives of x along given ones of the inputs, with the factors at hand.
 
         Returns
         -------
@@ -127,30 +127,30 @@ class BlockEquations:
         self._factors = LU(np.eye(n), self.scale)
 
     def residuals(self) -> Array:
-        """Return the residuals, (n,), as lengths."""
+        """Residuals, (n,), as lengths."""
         self._position()
         return self._epsilon.copy()
 
     def jacobian(self) -> Array:
-        """Return the Jacobian, (n, n)."""
+        """Jacobian, (n, n)."""
         self._position()
         return self._jacobian.copy()
 
     def evaluate(self) -> tuple[Array, float]:
-        """Return the residuals, (n,), and the smallest pivot; keep the factors of the Jacobian."""
+        """Residuals, (n,), and the smallest pivot; the factors of the Jacobian are kept."""
         self._factors = LU(self.jacobian(), self.scale)
         return self._epsilon.copy(), self._factors.pivot
 
     def solve(self, right: Array) -> Array:
-        """Return the solution with the factors that :meth:`evaluate` kept, (n,)."""
+        """Solution with the factors that :meth:`evaluate` kept, (n,)."""
         return self._factors.solve(right)
 
     def velocity_side(self) -> Array:
-        """Return the right-hand side of the velocities, (22) and (24), (n,)."""
+        """Right-hand side of the velocities, (22) and (24), (n,)."""
         self._velocity()
         return self._nu.copy()
 
     def acceleration_side(self) -> Array:
-        """Return the right-hand side of the accelerations, (23) and (25), (n,)."""
+        """Right-hand side of the accelerations, (23) and (25), (n,)."""
         self._acceleration()
         return self._gamma.copy()

@@ -144,7 +144,7 @@ class Mechanism:
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any], segments: Mapping[str, Segment]) -> Mechanism:
-        """Return what ``motion.json`` says, with the segments of ``solver.py``."""
+        """Mechanism from ``motion.json``, with the segments of ``solver.py``."""
         blocks, first = [], 0
         for block in data["blocks"]:
             own = slice(first, first + len(block["unknowns"]))

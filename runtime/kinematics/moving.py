@@ -55,7 +55,7 @@ class Linkage:
         self.mechanism, self.scene = target.mechanism(data), target.scene(data)
 
     def request(self, **options: Any) -> Run:
-        """Return the run that options ask for, those of :meth:`solve`.
+        """Run that options ask for, those of :meth:`solve`.
 
         Raises
         ------
@@ -65,11 +65,11 @@ class Linkage:
         return request(self.scene, **options)
 
     def rows(self, run: Run) -> Rows:
-        """Return what :meth:`solve` starts from, for a run."""
+        """Rows that :meth:`solve` starts from, for a run."""
         return self.target.solve(self.mechanism, run)
 
     def solve(self, **options: Any) -> Trajectory:
-        """Return the motion of the scene.
+        """Motion of the scene.
 
         Parameters
         ----------
@@ -106,7 +106,7 @@ class Linkage:
         samples: int = 1001,
         **options: Any,
     ) -> Trajectory:
-        """Return the motion in time, with all inputs at from + rate t + ½ acceleration t².
+        """Motion in time, with all inputs at from + rate t + ½ acceleration t².
 
         Where :meth:`solve` keeps the divisions and one rate at all of them, here the rates grow
         with the accelerations, and inputs go on by their laws until the end, also beyond ``to``

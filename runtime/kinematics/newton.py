@@ -31,7 +31,7 @@ class Convergence(NamedTuple):
 
 
 def largest(values: Array) -> float:
-    """Return the largest magnitude."""
+    """Largest magnitude."""
     return float(np.max(np.abs(values)))
 
 

@@ -51,7 +51,7 @@ class Field(NamedTuple):
         return self.type.endswith("*")
 
     def declared(self, inputs: int) -> str:
-        """Return its declaration, given how many inputs there are."""
+        """Declaration of the field, given how many inputs there are."""
         room = f"[{inputs}]" if self.is_by_input else ""
         return f"{self.type}{' ' * (not self.is_pointer)}{self.name}{room}"
 
@@ -153,7 +153,7 @@ class Run:
         )
 
     def inputs_of(self, division: int) -> tuple[Array, Array]:
-        """Return the inputs of a division, each turn from the same numbers, and one division.
+        """Inputs of a division, each turn from the same numbers, and one division.
 
         Returns
         -------
@@ -175,25 +175,25 @@ class Run:
         return alpha, delta
 
     def laws_at(self, time: float) -> tuple[Array, Array]:
-        """Return the inputs by their laws in time, and their rates, (inputs,) each."""
+        """Inputs by their laws in time, and their rates, (inputs,) each."""
         rate, rate_dot = np.asarray(self.rate), np.asarray(self.rate_dot)
         alpha = np.asarray(self.origin) + (rate + 0.5 * rate_dot * time) * time
         return alpha, rate + rate_dot * time
 
     def end_of(self, now: float, time: float) -> float:
-        """Return where a step to a time ends, at the latest where an input turns back."""
+        """End of a step to a time, at the latest where an input turns back."""
         turns = -np.asarray(self.rate) / np.asarray(self.rate_dot)  # not finite: never
         return float(np.min(turns[(now < turns) & (turns < time)], initial=time))
 
     def whole_turns(self, division: int) -> Array:
-        """Return by how much the inputs, counted on, are beyond those of a division, (inputs,)."""
+        """Whole turns by which the inputs, counted on, exceed those of a division, (inputs,)."""
         n = self.divisions
         parts = [math.fmod(turns * division, n) for turns in self.turns]
         pairs = zip(self.turns, parts, strict=True)
         return np.array([math.tau * round((turns * division - p) / n) for turns, p in pairs])
 
     def counted_inputs(self, division: int) -> list[float]:
-        """Return the inputs of a division, counting on over the turns."""
+        """Inputs of a division, counting on over the turns."""
         part, counted = division / self.divisions, []
         for i, turns in enumerate(self.turns):
             whole = math.tau * (turns * division / self.divisions)
@@ -211,7 +211,7 @@ def request(
     from_turn: int | None = None,
     limit: float | None = None,
 ) -> Run:
-    """Return a run over whole turns of the inputs, or once over the way that they go.
+    """Run over whole turns of the inputs, or once over the way that they go.
 
     Parameters
     ----------
@@ -300,7 +300,7 @@ class Rows:
 
 
 def empty_rows(mechanism: Mechanism, count: int) -> Rows:
-    """Return room for as many rows."""
+    """Room for as many rows."""
     nodes = (count, len(mechanism.nodes), 2)
     links = (count, len(mechanism.links) if mechanism.wants_angles else 0)
     return Rows(

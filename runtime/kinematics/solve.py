@@ -46,20 +46,20 @@ class Solver:
         self.segments = segments_of(kernels, tasks or {})
 
     def mechanism(self, data: Mapping[str, Any]) -> Mechanism:
-        """Return what ``motion.json`` says of the mechanism."""
+        """Mechanism from ``motion.json``."""
         return Mechanism.from_data(data, self.segments)
 
     def scene(self, data: Mapping[str, Any]) -> Run:
-        """Return what it says of the run that the scene asks for."""
+        """Run that the scene asks for, from ``motion.json``."""
         return Run(**data["run"])
 
     def solve(self, mechanism: Mechanism, run: Run) -> Rows:
-        """Return what is asked, as far as the mechanism moves."""
+        """Rows that are asked for, as far as the mechanism moves."""
         return solve(mechanism, run)
 
 
 def solve(mechanism: Mechanism, run: Run) -> Rows:
-    """Return what is asked, as far as the mechanism moves.
+    """Rows that are asked for, as far as the mechanism moves.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ PNG = b"\x89PNG\r\n\x1a\n"
 
 @pytest.fixture
 def rows(run: Run, tmp_path: Path, compiler: object) -> Callable[..., Any]:
-    """Return the rows of a run of the loop, by name."""
+    """Rows of a run of the loop, by name."""
 
     def moved(*options: object, scene: Path = LOOP) -> Any:
         out = tmp_path / "rows.csv"

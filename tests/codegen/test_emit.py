@@ -121,7 +121,7 @@ def test_text_of_n1(folder: dict[str, str], golden: Callable[[str], None], name:
 
 
 def load_module(folder: dict[str, str], tmp_path: Path) -> Any:
-    """Return the emitted NumPy module."""
+    """Emitted NumPy module."""
     return import_source(tmp_path, {n: t.encode() for n, t in folder.items()}, "kernels.py")
 
 

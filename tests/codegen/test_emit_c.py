@@ -98,7 +98,7 @@ KERNELS = {kernel.name: kernel for kernel in PACKAGE.kernels}
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the emitted folder."""
+    """Emitted folder."""
     path = tmp_path_factory.mktemp("mix")
     for name, text in emit(PACKAGE, {}).items():
         (path / name).write_text(text, encoding="utf-8")
@@ -107,7 +107,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def module(folder: Path) -> Any:
-    """Return the emitted NumPy module."""
+    """Emitted NumPy module."""
     files = {path.name: path.read_bytes() for path in folder.glob("*.py")}
     return import_source(folder, files, "kernels.py")
 
@@ -123,7 +123,7 @@ def build(
 
 @pytest.fixture(scope="module", params=LANES)
 def library(request: pytest.FixtureRequest, compiler: Toolchain, folder: Path) -> ctypes.CDLL:
-    """Return the compiled library for each width of the lanes."""
+    """Compiled library for each width of the lanes."""
     name = f"mix{request.param}.so"
     done = build(compiler, folder, [f"-DKOUSOKU_LANES={request.param}"], name)
     assert done.returncode == 0, done.stderr
@@ -134,18 +134,18 @@ def library(request: pytest.FixtureRequest, compiler: Toolchain, folder: Path) -
 
 
 def pointers(arrays: Sequence[Array | None]) -> Any:
-    """Return an array of pointers; None is NULL."""
+    """Array of pointers; None is NULL."""
     addresses = [None if array is None else array.ctypes.data for array in arrays]
     return (ctypes.c_void_p * len(arrays))(*addresses)
 
 
 def draw(rng: np.random.Generator, kernel: Kernel, n: int) -> list[Array]:
-    """Return random inputs with a batch axis."""
+    """Random inputs with a batch axis."""
     return [rng.normal(size=(n, q.size)) for q in kernel.inputs]
 
 
 def blank(kernel: Kernel, n: int, wanted: Wanted | None = None) -> list[Any]:
-    """Return outputs full of NaN, None where not wanted."""
+    """Outputs full of NaN, None where not wanted."""
     chosen = range(len(kernel.outputs)) if wanted is None else wanted
     return [
         np.full((n, q.size), np.nan) if k in chosen else None for k, q in enumerate(kernel.outputs)
@@ -180,14 +180,14 @@ def run_batch(
 
 
 def bits(arrays: Sequence[Array | None]) -> list[bytes]:
-    """Return bytes to compare, with one NaN for all."""
+    """Bytes to compare, with one NaN for all."""
     return [np.where(np.isnan(a), np.nan, a).tobytes() for a in arrays if a is not None]
 
 
 def numpy_results(
     module: Any, kernel: Kernel, inputs: Sequence[Array], wanted: Wanted | None = None
 ) -> list[Array]:
-    """Return what the NumPy text gives, flat for each evaluation."""
+    """Results of the NumPy text, flat for each evaluation."""
     shaped = [a.reshape(len(a), *q.shape) for a, q in zip(inputs, kernel.inputs, strict=True)]
     chosen = range(len(kernel.outputs)) if wanted is None else wanted
     names = [kernel.outputs[k].name for k in chosen]

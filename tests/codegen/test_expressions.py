@@ -56,7 +56,7 @@ TWO_ARGUMENTS: dict[str, Callable[[float, float], float]] = {
 
 
 def kernel_of(*expressions: Expression) -> Kernel:
-    """Return the kernel that computes some formulas of t and x."""
+    """Kernel that computes some formulas of t and x."""
     graph = Graph()
     leaves = {name: graph.input(name, 0) for name in NAMES}
     results = tuple((to_graph(expression, graph, leaves),) for expression in expressions)
@@ -65,7 +65,7 @@ def kernel_of(*expressions: Expression) -> Kernel:
 
 
 def values(expressions: list[Expression], t: Any, x: Any, numbers: Arithmetic[Any]) -> list[Any]:
-    """Return the values of some formulas."""
+    """Values of some formulas."""
     outputs = evaluate(kernel_of(*expressions), {"t": [t], "x": [x]}, numbers)
     return [value for (value,) in outputs.values()]
 
@@ -75,7 +75,7 @@ def value(text: str, t: float = 0.0, x: float = 0.0) -> float:
 
 
 def joined(parts: tuple[str, Pair, Pair]) -> Pair:
-    """Return two formulas joined by an operator, or as arguments of a function."""
+    """Two formulas joined by an operator, or as arguments of a function."""
     sign, (a, f), (b, g) = parts
     if sign in TWO_ARGUMENTS:
         h = TWO_ARGUMENTS[sign]
@@ -95,7 +95,7 @@ def applied(parts: tuple[str, Pair]) -> Pair:
 
 
 def power(base: float, exponent: Fraction) -> float:
-    """Return Python's power, but of -0 with a root: sqrt keeps its sign, which pow drops."""
+    """Python's power, but of -0 with a root: sqrt keeps its sign, which pow drops."""
     if base == 0.0 and math.copysign(1.0, base) < 0.0 and exponent.denominator > 1:
         raise ValueError("the sign of a root of -0")
     return math.pow(base, float(exponent))
@@ -129,7 +129,7 @@ POINTS = st.floats(-3, 3).map(lambda number: round(number, 3))
 
 
 def python_value(pair: Pair, t: float, x: float) -> tuple[float, float]:
-    """Return Python's value, and how far small changes of all numbers move it."""
+    """Python's value, and how far small changes of all numbers move it."""
     try:
         value = pair[1](t, x, 1.0)
         moved = [pair[1](t * (1 + e), x * (1 - e), 1 + 2 * e) for e in (1e-12, -1e-12)]

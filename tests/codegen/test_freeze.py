@@ -51,7 +51,7 @@ def function_of(expression: Any, shape: tuple[int, ...], *inputs: Quantity) -> F
 
 
 def carried(kernel: Kernel, carrier: Ring) -> list[list[Fraction]]:
-    """Return the elements of all outputs as fractions of polynomials: nothing is rounded."""
+    """Elements of all outputs as fractions of polynomials: nothing is rounded."""
     symbols = {q.name: elements(q) for q in kernel.inputs}
     values: list[Fraction] = []
     for node in kernel.nodes:

@@ -121,7 +121,7 @@ def test_what_an_older_version_wrote_is_a_difference_and_a_users_file_is_not(
 
 @pytest.fixture
 def written(cache: Path, tmp_path: Path) -> dict[str, str]:
-    """Return the package n1, which lies in the folder ``n1``."""
+    """Package n1, which lies in the folder ``n1``."""
     tree = generate_kind("n1", COMMITTED)
     write_tree(tmp_path / "n1", tree)
     return tree

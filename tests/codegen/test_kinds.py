@@ -21,13 +21,13 @@ KINDS = resources.files("kousoku.generated").joinpath("kinds")
 
 
 def read(name: str) -> Any:
-    """Return the references of a package."""
+    """References of a package."""
     data = KINDS.joinpath(name, REFERENCE_FILE).read_bytes()
     return json.loads(content(REFERENCE_FILE, data))
 
 
 def errors(kernel: Kernel, point: Any) -> list[float]:
-    """Return the error of every element at a point, as a share of what it may be."""
+    """Errors of all elements at a point, as shares of what they may be."""
     inputs = {name: [np.float64(x) for x in xs] for name, xs in point["inputs"].items()}
     with np.errstate(all="ignore"):
         got = evaluate(kernel, inputs, ARRAY)

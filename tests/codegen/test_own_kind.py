@@ -49,7 +49,7 @@ SLANT = Constraint(
 
 
 def hand_made(*inputs: Quantity, output: str = "f", component: Any = None) -> Derivation:
-    """Return f = the first input, as a package of one kernel."""
+    """Function f = the first input, as a package of one kernel."""
     x = component if component is not None else elements(inputs[0])[0]
     outputs = (
         Output(Quantity(output, (), "m", "that"), symbol(inputs[0]), ImmutableDenseMatrix([x])),
@@ -238,7 +238,7 @@ def test_sizes_that_do_not_agree_are_refused() -> None:
 
 
 def root(inside: Any) -> Derivation:
-    """Return f = √inside, with x and y."""
+    """Function f = √inside, with x and y."""
     y = Quantity("y", (), "m", "another length")
     derivation = hand_made(X, y)
     (function,) = derivation.functions

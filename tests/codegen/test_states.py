@@ -43,7 +43,7 @@ FEW, FEWEST = 8, 4
 
 
 def function_of(derivation: Derivation, output: str) -> Function:
-    """Return the function that has an output, with this output alone."""
+    """Function that has an output, with this output alone."""
     for function in derivation.functions:
         for one in function.outputs:
             if one.quantity.name == output:
@@ -64,7 +64,7 @@ def errors(
     states: Sequence[Mapping[str, Any]],
     targets: Sequence[Literal["c", "numpy"]],
 ) -> Any:
-    """Return the errors of all elements at all states with all targets, in units."""
+    """Errors of all elements at all states with all targets, in units."""
     components, name = freeze_components(function), function.outputs[0].quantity.name
     kernels = [emitted(kind, function.name, target) for target in targets]
     found = []
@@ -123,7 +123,7 @@ def turn_fast(x: Numbers, rng: np.random.Generator) -> None:
 
 
 def arms(x: Numbers) -> tuple[Any, Any]:
-    """Return A s′ of j less that of i, and its rate."""
+    """Arm A s′ of j less that of i, and its rate."""
     a_i, a_j = orientation(x["p_i"]), orientation(x["p_j"])
     rate_i, rate_j = (np.cross(x[f"omega_{body}_b"], x[f"s_{body}_b"]) for body in "ij")
     return a_j @ x["s_j_b"] - a_i @ x["s_i_b"], a_j @ rate_j - a_i @ rate_i

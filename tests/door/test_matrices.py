@@ -70,7 +70,7 @@ TIMES = (0.0, 0.11, 0.37, 0.5)
 
 
 def chosen(cases: Iterable[Any], for_a_release: Collection[Any]) -> list[Any]:
-    """Return the cases of a test, some of them marked as those for a release."""
+    """Cases of a test, some of them marked as those for a release."""
     mark = pytest.mark.release
     return [pytest.param(x, marks=mark) if x in for_a_release else x for x in cases]
 
@@ -168,7 +168,7 @@ def _wrench(
     motion: Any,
     k: int,
 ) -> tuple[Array, Array]:
-    """Return force and torque −C_qᵀλ of some rows on body j of a joint, at its point, frame O."""
+    """Force and torque −C_qᵀλ of some rows on body j of a joint, at its point, frame O."""
     body = solver.bodies[place.body]
     columns = [n for n, name in enumerate(found.columns) if name.rpartition(".")[0] == body.name]
     wrench = -found.C_q[np.ix_(rows, columns)].T @ told.lam[rows]
@@ -241,7 +241,7 @@ def _start(scene: Scene, body: Any) -> Array:
 
 
 def _moved(equations: Any, q: Array, change: Array) -> Array:
-    """Return q after δr and δθ′, which turns about a fixed axis."""
+    """Coordinates q after δr and δθ′, which turns about a fixed axis."""
     found = q.copy()
     pairs = (pairwise(equations.starts[k]) for k in (0, 1))
     for body, (first, _), (at, end) in zip(equations.bodies, *pairs, strict=True):

@@ -42,7 +42,7 @@ def last_angle(mechanism: ks.Mechanism, mass: float) -> float:
 
 
 def emptied(mechanism: ks.Mechanism, mass: float) -> float:
-    """Return what a child computes whose cache is empty, and stays so."""
+    """Angle that a child computes whose cache is empty, and stays so."""
     cache = Path(os.environ["KOUSOKU_CACHE"])
     assert not list(cache.glob("scenes/*"))
     return last_angle(mechanism, mass)

@@ -64,7 +64,7 @@ def restated() -> list[Derivation]:
 
 @pytest.fixture(scope="module")
 def written(slant: Derivation, tmp_path_factory: pytest.TempPathFactory) -> Library:
-    """Return the kernels of two vectors at an angle, in a folder."""
+    """Kernels of two vectors at an angle, in a folder."""
     return ks.kernels(slant, tmp_path_factory.mktemp("kinds") / "slant", target="numpy")
 
 
@@ -163,7 +163,7 @@ def solver_of(mechanism: ks.Mechanism) -> DynamicsSolver:
 
 
 def told(text: Any, *kinds: Any, error: type[Exception] = SceneError) -> str:
-    """Return the message of what is wrong with a scene."""
+    """Message of what is wrong with a scene."""
     with pytest.raises(error) as caught:
         loading.generated(read(text, *kinds))
     return str(caught.value)
@@ -223,7 +223,7 @@ def test_what_follows_of_a_kind_is_checked_by_its_value_alone(slant: Derivation)
 
 
 def frozen_own(kind: Derivation) -> Package:
-    """Return the kernels of a kind as they were derived."""
+    """Kernels of a kind as they were derived."""
     return kernel_json.load_frozen(own_kinds([kind])[kind.name].kernels)
 
 
@@ -401,7 +401,7 @@ def test_what_is_built_takes_kinds_when_it_is_loaded(slant: Derivation) -> None:
 
 
 def two_bodies(x: float) -> str:
-    """Return two free bodies, the second at x, and the head of a joint of them."""
+    """Two free bodies, the second at x, and the head of a joint of them."""
     bodies = "".join(
         f"[bodies.{name}]\nposition = [{x}, 0, 0]\nmass = 1\n"
         "inertia = { xx = 1, yy = 1, zz = 1 }\n"

@@ -38,7 +38,7 @@ NEEDED = {"numpy", "msgspec", "mpmath", "jinja2", "markupsafe", "typing_extensio
 
 
 def signature(function: object) -> str:
-    """Return how a function of kousoku is called, without ``self``; empty for others."""
+    """Signature of a function of kousoku, without ``self``; empty for others."""
     if not inspect.isfunction(function) or not function.__module__.startswith("kousoku."):
         return ""
     text = str(inspect.signature(function))
@@ -46,7 +46,7 @@ def signature(function: object) -> str:
 
 
 def members(kind: type) -> Iterator[str]:
-    """Yield the fields, properties and methods that are public, those of bases too, by name."""
+    """Fields, properties and methods that are public, those of bases too, by name."""
     if issubclass(kind, BaseException):
         return
     fields = {name for base in kind.__mro__ for name in getattr(base, "__annotations__", {})}
@@ -60,7 +60,7 @@ def members(kind: type) -> Iterator[str]:
 
 
 def shown(name: str, what: Any) -> Iterator[str]:
-    """Yield the lines of a public name."""
+    """Lines of a public name."""
     if inspect.isclass(what):
         yield f"{name}{signature(what.__init__)}"
         yield from members(what)

@@ -35,7 +35,7 @@ class Belt(Coupling):
                 )
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Return radius · angle of the second − radius · angle of the first."""
+        """Combination radius · angle of the second − radius · angle of the first."""
         from kousoku.model import precise
         from kousoku.model.combinations import as_written
 

@@ -48,7 +48,7 @@ class QuadraticDrag(ForceKind):
         require_one(force.input("coefficient"), f"{key}.coefficient")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Yield the drag."""
+        """Drag as an element."""
         from kousoku.model import precise
 
         frame = given.frames[force.body or ""]

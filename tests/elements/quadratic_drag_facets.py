@@ -36,7 +36,7 @@ class DragEffect:
     title: str = "quadratic drag"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return what it adds to the acceleration of each coordinate; F·v_P."""
+        """Share of the drag in the acceleration of each coordinate, and its power F·v_P."""
         p, orientation, v, omega, weights, point, coefficient = blocks
         share(trace, p, orientation)
         velocity = v + orientation @ omega.cross(point)
@@ -58,7 +58,7 @@ class DragFacets(ForceFacets[Drag]):
         return (column(()), *tasks.recorder.call(DragEffect(j.columns), *blocks))
 
     def leaves_plane(self, system: System, normal: int) -> bool:
-        """Return whether its point is not level with the body."""
+        """Whether the point is not level with the body."""
         point = dict(self.force.constants)["s_j_b"]
         return not is_level([point[normal]], [point])
 

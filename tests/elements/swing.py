@@ -33,7 +33,7 @@ class Swing(DriverKind):
     }
 
     def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
-        """Yield the joint; refuse it without amplitude or phase."""
+        """Joint that is driven; it is refused without amplitude or phase."""
         for name in ("amplitude", "phase"):
             if driver.input(name) is None:
                 raise SceneError("is missing; a swing wants it", key=f"{key}.{name}")
@@ -43,6 +43,6 @@ class Swing(DriverKind):
     def laws(
         self, name: str, driver: Driver, coordinates: CoordinateList
     ) -> Iterator[tuple[int, Value]]:
-        """Yield amplitude · sin(phase)."""
+        """Law amplitude · sin(phase)."""
         place = coordinates.of_joint(driver.input("swing"), ANGLE)
         yield place, f"{driver.input('amplitude')}*sin({text_of(driver.input('phase'))})"

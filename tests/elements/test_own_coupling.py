@@ -34,7 +34,7 @@ def belt(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def pulleys(**keys: Any) -> Tree:
-    """Return two pulleys, one of which is turned by a moment of 6 N m."""
+    """Two pulleys, one of which is turned by a moment of 6 N m."""
     inertia = {"xx": 1, "yy": 1, "zz": 2}
     drive = {"type": "belt", "joints": ["a", "b"], "radii": ["r", 0.3]} | keys
     return {

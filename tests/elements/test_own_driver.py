@@ -35,7 +35,7 @@ def swing(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def arm(**keys: Any) -> Tree:
-    """Return an arm on a hinge that a driver swings."""
+    """Arm on a hinge that a driver swings."""
     motor = {"swing": "hinge", "amplitude": 0.5, "phase": "w*t"} | keys
     return {
         "name": "arm",

@@ -43,7 +43,7 @@ def drag(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def falling(**force: Any) -> Tree:
-    """Return a point that falls, in mm; the coefficient is a parameter in kg/mm."""
+    """Point that falls, in mm; the coefficient is a parameter in kg/mm."""
     given = {"type": "quadratic_drag", "body": "ball", "coefficient": "c"} | force
     return {
         "name": "falling",
@@ -57,7 +57,7 @@ def falling(**force: Any) -> Tree:
 
 
 def swinging() -> Tree:
-    """Return a pendulum that is braked at a point beside its axis and beside its plane."""
+    """Pendulum that is braked at a point beside its axis and beside its plane."""
     inertia = {"xx": 0.3, "yy": 0.4, "zz": 0.5}
     blade = {"position": [0.8, 0, 0], "mass": 0.5, "inertia": inertia}
     hub = {"position": [0, 0, 0], "mass": MASS, "center": [0.5, 0, 0], "inertia": inertia}

@@ -34,7 +34,7 @@ def turned(t: float, axis: NDArray[np.float64] = Z) -> NDArray[np.float64]:
 
 
 def after(p: NDArray[np.float64], q: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the turn q in the frame that p has turned."""
+    """Turn q in the frame that p has turned."""
     vector = p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:])
     return np.array([p[0] * q[0] - p[1:] @ q[1:], *vector])
 

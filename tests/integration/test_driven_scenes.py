@@ -32,7 +32,7 @@ near = partial(np.testing.assert_allclose, rtol=0)
 
 @pytest.fixture
 def moved(mover: Callable[..., DynamicsSolver]) -> Callable[..., Motion]:
-    """Return the motion of a scene over some seconds."""
+    """Motion of a scene over some seconds."""
 
     def move(scene: Any, outputs: tuple[str, ...], end: float, **options: Any) -> Motion:
         return mover(scene, outputs).simulate(end, **{"samples": 41, **options})
@@ -133,7 +133,7 @@ def test_the_rocker_of_the_spatial_four_bar_is_where_the_coupler_reaches_it(
 
 
 def point(name: str, **tables: Any) -> Any:
-    """Return a scene of one point body."""
+    """Scene of one point body."""
     body = {"position": X, "point": True, "mass": 2}
     tree = {"name": name, "unit": "m", "bodies": {"tip": body}}
     return scene_from_dict({**tree, **tables})

@@ -29,7 +29,7 @@ TIMES = np.linspace(0.0, 3.0, 13)
 
 
 def wheel(joint: Tree, forces: Tree, **other: Any) -> Tree:
-    """Return a wheel of 2 kg on a joint with the ground."""
+    """Wheel of 2 kg on a joint with the ground."""
     body = {"position": [0, 0, 0], "mass": 2, "inertia": INERTIA} | other.pop("body", {})
     tree = {"name": "wheel_on_a_joint", "unit": "m", "bodies": {"wheel": body}}
     return tree | {"joints": {"joint": joint}, "forces": forces} | other

@@ -68,7 +68,7 @@ class SixBar:
         return "\n".join([*lines, "[inputs]", f"alpha = {{ {given} }}", ""])
 
     def equations(self, x: Array, alpha: float) -> tuple[Array, Array, Array]:
-        """Return the residuals, and their derivatives by A, B, P and by the angle."""
+        """Residuals, and their derivatives by A, B, P and by the angle."""
         arm = self.crank * np.array([math.cos(alpha), math.sin(alpha)])
         place = self.at | {"Q": self.at["O6"] + arm}
         place |= dict(zip("ABP", x.reshape(3, 2), strict=True))
@@ -85,7 +85,7 @@ class SixBar:
         return residual, slope, rate
 
     def followed(self, turns: int, count: int) -> Array:
-        """Return A, B, P at so many small steps a turn, up to a dead centre, (rows, 6)."""
+        """Points A, B, P at so many small steps a turn, up to a dead centre, (rows, 6)."""
         x = np.concatenate([self.at[node] for node in "ABP"])
         _, slope, rate = self.equations(x, self.start)
         side, step, rows = np.sign(np.linalg.det(slope)), math.tau / count, [x]
@@ -134,13 +134,13 @@ TWO_TURNS = SixBar(
 
 
 def positions(rows: Any) -> Array:
-    """Return A, B, P of a solver's good rows, (rows, 6)."""
+    """Points A, B, P of a solver's good rows, (rows, 6)."""
     got: Array = rows.position[: rows.done, 3:6].reshape(rows.done, 6)
     return got
 
 
 def random_six_bar(seed: int) -> SixBar:
-    """Return a six-bar whose crank is short, so that it often turns."""
+    """Six-bar whose crank is short, so that it often turns."""
     rng = np.random.default_rng(seed)
     o6, angle = rng.uniform(-1.3, 1.3, 2), rng.uniform(0, math.tau)
     q = o6 + rng.uniform(0.1, 0.5) * np.array([math.cos(angle), math.sin(angle)])

@@ -58,7 +58,7 @@ stroke = { slider = "ram", from = 4.5, to = 2.5, rate = -1, acceleration = 0.5 }
 
 
 def four_bar(l1: float, l2: float, l3: float, *at: str, more: str = "") -> str:
-    """Return the text of a four-bar on a frame of 100 cm."""
+    """Text of a four-bar on a frame of 100 cm."""
     return f"""
 name = "four_bar"
 unit = "cm"

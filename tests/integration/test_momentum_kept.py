@@ -21,7 +21,7 @@ INERTIA = {"xx": 0.04, "yy": 0.1, "zz": 0.12}
 
 
 def thrown() -> dict[str, Any]:
-    """Return two bodies on a ball joint that turn and fall, with a third one on a damper."""
+    """Two bodies on a ball joint that turn and fall, with a third one on a damper."""
     start = {"velocity": [1, 2, 3], "mass": 1, "inertia": INERTIA}
     damper = {"type": "spring_damper", "bodies": ["arm", "stone"], "stiffness": 10, "damping": 1}
     return {
@@ -42,7 +42,7 @@ def thrown() -> dict[str, Any]:
 def solvers(
     compiler: Toolchain, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[DynamicsSolver, DynamicsSolver]:
-    """Return the solver in C and in NumPy."""
+    """Solvers in C and in NumPy."""
     folder: Path = tmp_path_factory.mktemp("thrown")
     write_tree(folder, generate_dynamics(scene_from_dict(thrown()), ("energies",)))
     return load_dynamics(folder, target="c"), load_dynamics(folder, target="numpy")
@@ -90,7 +90,7 @@ def test_rows_that_are_not_checked_have_none(
 
 
 def cart() -> dict[str, Any]:
-    """Return a cart on rails along x, and a pendulum that swings and turns below it."""
+    """Cart on rails along x, and a pendulum that swings and turns below it."""
     solid = {"mass": 1, "inertia": INERTIA}
     bodies = {
         "cart": {"position": [0, 0, 0], "velocity": [1, 0, 0], **solid},
@@ -104,7 +104,7 @@ def cart() -> dict[str, Any]:
 
 
 def top() -> dict[str, Any]:
-    """Return a top on a fixed point."""
+    """Top on a fixed point."""
     start = {"orientation": {"axis": [1, 0, 0], "angle": 0.5}, "angular_velocity_b": [0, 1, 30]}
     body = {"position": [0, 0, 0], "center": [0, 0, 1], "mass": 1, "inertia": INERTIA, **start}
     joints = {"tip": {"type": "ball", "bodies": ["ground", "top"], "at": [0, 0, 0]}}

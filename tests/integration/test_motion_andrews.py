@@ -108,7 +108,7 @@ LENGTH, RATE = 0.04, 1140.0
 def squeezer(
     request: pytest.FixtureRequest, mover: Callable[..., DynamicsSolver]
 ) -> tuple[str, DynamicsSolver]:
-    """Return the scene, started as in the test set or as in the library of benchmarks."""
+    """Scene, started as in the test set or as in the library of benchmarks."""
     return request.param, mover(request.param, outputs=("energies",))
 
 

@@ -37,7 +37,7 @@ PUBLISHED = {
 
 
 def crank_angles(count: int, starts: Array) -> Array:
-    """Return θ and θ̇ at 10 s of cranks that start with 1 rad/s, by Taylor series of order 24."""
+    """Angle θ and θ̇ at 10 s of cranks that start with 1 rad/s, by Taylor series of order 24."""
     factor = 9.81 * ((count + 1) / 2 + count) / ((count + 1) / 3 + count)
     theta, rate = starts.copy(), np.ones_like(starts)
     steps, order = 250, 24
@@ -57,13 +57,13 @@ def crank_angles(count: int, starts: Array) -> Array:
 
 
 def products(first: list[Array], second: list[Array]) -> Array:
-    """Return the last coefficient of the product of two series."""
+    """Last coefficient of the product of two series."""
     array: Array = np.sum([a * b for a, b in zip(first, second[::-1], strict=True)], axis=0)
     return array
 
 
 def started_at(solver: DynamicsSolver, angle: float) -> DynamicsSolver:
-    """Return the solver with its cranks turned clockwise from the vertical."""
+    """Solver with its cranks turned clockwise from the vertical."""
     q, v = solver.q.copy(), solver.v.copy()
     turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     half = np.array([np.cos(angle / 2), -np.sin(angle / 2)])
@@ -83,7 +83,7 @@ def started_at(solver: DynamicsSolver, angle: float) -> DynamicsSolver:
 
 
 def numbers(places: Sequence[int | float]) -> list[int]:
-    """Return the indices of coordinates that move in the plane."""
+    """Indices of coordinates that move in the plane."""
     return [place for place in places if isinstance(place, int)]
 
 

@@ -78,7 +78,7 @@ both = pytest.mark.parametrize("mechanism", [LEVER, PISTON], ids=lambda one: one
 
 
 def at_divisions(solver: DynamicsSolver) -> Motion:
-    """Return the motion where the crank passes the divisions of a turn."""
+    """Motion where the crank passes the divisions of a turn."""
     angles = 2 * np.pi * np.arange(1, DIVISIONS + 1) / DIVISIONS
     motion = solver.simulate(14, samples=1401, tolerance=TOLERANCE)
     times = np.interp(angles, crank_angle(motion), motion.time)
@@ -90,14 +90,14 @@ def at_divisions(solver: DynamicsSolver) -> Motion:
 
 
 def crank_angle(motion: Motion) -> Array:
-    """Return the angle of the crank, counted on over whole turns."""
+    """Angle of the crank, counted on over whole turns."""
     p = motion.orientation["crank"]
     return np.unwrap(2 * np.arctan2(p[:, 3], p[:, 0]), period=4 * np.pi)
 
 
 @pytest.fixture(scope="module")
 def moved(mover: Mover) -> Callable[[Mechanism], Motion]:
-    """Return the motion of a mechanism at the divisions, computed once."""
+    """Motion of a mechanism at the divisions, computed once."""
     known: dict[str, Motion] = {}
 
     def find(mechanism: Mechanism) -> Motion:
@@ -111,7 +111,7 @@ def moved(mover: Mover) -> Callable[[Mechanism], Motion]:
 
 @pytest.fixture
 def slopes(solver: Callable[[str], LinkageSolver]) -> Callable[[Mechanism], Any]:
-    """Return x, x′ and x″ of the nodes at the divisions: α̇ = 1 and α̈ = 0 in the linkage."""
+    """Positions x, x′ and x″ of the nodes at the divisions: α̇ = 1 and α̈ = 0 in the linkage."""
 
     def find(mechanism: Mechanism) -> tuple[dict[str, Array], ...]:
         found = solver(mechanism.name).solve()
@@ -122,7 +122,7 @@ def slopes(solver: Callable[[str], LinkageSolver]) -> Callable[[Mechanism], Any]
 
 
 def crossed(a: Array, b: Array) -> Array:
-    """Return the z component of the product of vectors in the plane."""
+    """Component along z of the product of vectors in the plane."""
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
@@ -184,7 +184,7 @@ def test_the_joints_carry_what_the_laws_of_newton_and_euler_ask_for(
 def by_hand(
     mechanism: Mechanism, at: list[dict[str, Array]], rate: float
 ) -> tuple[dict[str, Array], float]:
-    """Return the forces on bodies j, and α̈: m a = ΣF and J ω̇ = ΣM about the middle of each bar."""
+    """Forces on bodies j, and α̈: m a = ΣF and J ω̇ = ΣM about the middle of each bar."""
     x, first, second = at
     laws: list[Array] = []
     rights: list[float] = []
@@ -211,7 +211,7 @@ def by_hand(
 
 
 def inertia_force(bar: Bar, x: dict[str, Array], a: dict[str, Array]) -> Array:
-    """Return m a of the middle and J ω̇, from the accelerations of both ends; J = m L²/12."""
+    """Products m a of the middle and J ω̇, from the accelerations of both ends; J = m L²/12."""
     one, other = bar.nodes
     turning = crossed(x[other] - x[one], a[other] - a[one]) / 12
     return bar.mass * np.append((a[one] + a[other]) / 2, turning)

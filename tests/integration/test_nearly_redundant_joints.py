@@ -25,7 +25,7 @@ Y = (0.0, -9.81, 0.0)
 
 
 def bricard(digits: int) -> Scene:
-    """Return the linkage of Bricard, turned, as one types it with so many digits."""
+    """Linkage of Bricard, turned, as one types it with so many digits."""
 
     def typed(x: Any) -> list[float]:
         return [round(float(component), digits) for component in TURN @ np.array(x)]
@@ -49,7 +49,7 @@ def bricard(digits: int) -> Scene:
 
 
 def door(by: float | str, **more: Any) -> Scene:
-    """Return a door on two hinges, the upper one aside and leaning by so much."""
+    """Door on two hinges, the upper one aside and leaning by so much."""
     tree: dict[str, Any] = {"name": "door", "unit": "m", "gravity": [*Y], **more}
     tree["bodies"] = {
         "d": {

@@ -24,7 +24,7 @@ both = pytest.mark.parametrize("name", LARGEST)
 
 
 def piston(plane: Any, alpha: Any) -> dict[str, Any]:
-    """Return position, velocity, acceleration of each node by (30), (31), (32)."""
+    """Position, velocity, acceleration of each node by (30), (31), (32)."""
     mp = plane.mp
     s, c = mp.sin(alpha), mp.cos(alpha)
     l1, l2 = mp.mpf(1), mp.mpf(2)
@@ -39,7 +39,7 @@ def piston(plane: Any, alpha: Any) -> dict[str, Any]:
 
 
 def lever(plane: Any, alpha: Any) -> dict[str, Any]:
-    """Return the same of the four-bar, where circles about O2 and O4 meet above the frame."""
+    """Motion of the four-bar's nodes, where circles about O2 and O4 meet above the frame."""
     mp = plane.mp
     origin, o4 = (mp.mpf(0), mp.mpf(0)), (mp.mpf(100), mp.mpf(0))
     still = ((0, 0), (0, 0))
@@ -65,7 +65,7 @@ def exact(plane: Any) -> dict[str, list[dict[str, Any]]]:
 
 
 def largest_errors(plane: Any, got: Trajectory, exact: list[dict[str, Any]]) -> list[float]:
-    """Return the largest errors of position, velocity, acceleration over all rows and nodes."""
+    """Largest errors of position, velocity, acceleration over all rows and nodes."""
     motions = (got.positions, got.velocities, got.accelerations)
     return [
         max(

@@ -28,7 +28,7 @@ JOINTS = {"a": ("ground", "crank"), "b": ("crank", "coupler"), "c": ("coupler", 
 
 
 def four_bar(turn: Any = (1, 0, 0, 0), **types: str) -> Scene:
-    """Return a four-bar that falls, turned as a whole; its joints are revolute unless given."""
+    """Four-bar that falls, turned as a whole; its joints are revolute unless given."""
 
     def seen(a: Any) -> list[float]:
         by = tuple(map(precise.number, turn))
@@ -61,7 +61,7 @@ def four_bar(turn: Any = (1, 0, 0, 0), **types: str) -> Scene:
 
 
 def largest_residual(scene: Scene, motion: Motion) -> float:
-    """Return by how much the rows of all joints, also those left out, are open at most."""
+    """Largest residual of the rows of all joints, also of those left out."""
     system = assemble(system_of(scene))
     rows = Residuals(system.constraints, system.bodies)
     columns = motion.columns()
@@ -115,7 +115,7 @@ def test_the_linkage_of_bricard_keeps_its_energy_and_closes_all_rows(
 
 
 def door(*heights: float) -> Scene:
-    """Return a door of 24 kg on hinges along the z axis."""
+    """Door of 24 kg on hinges along the z axis."""
     tree: dict[str, Any] = {"name": "door", "unit": "m", "gravity": [0, 0, -9.81]}
     box = {"mass": 24, "size": [1, 0.05, 2]}
     tree["bodies"] = {"door": {"position": [0.5, 0, 0], "boxes": [box]}}

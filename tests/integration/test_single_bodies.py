@@ -30,7 +30,7 @@ PENDULUM = ([-0.8923814855285858, -1.78987577342278], [-1.999683868883533, -0.03
 
 
 def shared(x: int, y: int, along: tuple[float, float, float] = (0, 0, 0)) -> list[list[float]]:
-    """Return positions of the shared motion, in the direction (x, y) from a point."""
+    """Positions of the shared motion, in the direction (x, y) from a point."""
     return [[along[0] + x * way, along[1] + y * way, along[2] + height] for way, height in PENDULUM]
 
 
@@ -89,14 +89,14 @@ LOOSE_LIMITS = {
 
 
 def solver_of(mover: Callable[..., DynamicsSolver], case: str) -> DynamicsSolver:
-    """Return the solver of a case, for the outputs that its scene wants; each is generated once."""
+    """Solver of a case, for the outputs that its scene wants; each is generated once."""
     scene = read_scene(SCENES / "adams" / f"{case}.toml")
     return mover(scene, outputs=scene.outputs)
 
 
 @pytest.fixture
 def motion(mover: Callable[..., DynamicsSolver], request: pytest.FixtureRequest) -> Motion:
-    """Return the motion of a case at the times of the samples."""
+    """Motion of a case at the times of the samples."""
     return solver_of(mover, request.param).simulate(times=[0.0, *TIMES], tolerance=1e-12)
 
 
@@ -112,7 +112,7 @@ def test_a_body_on_a_joint_moves_as_minimal_coordinates_do(motion: Motion, case:
 
 
 def as_adams_prints(motion: Motion, row: int, case: str) -> dict[str, Any]:
-    """Return a row as ADAMS prints it: global components, forces on the ground by the body.
+    """Row as ADAMS prints it: global components, forces on the ground by the body.
 
     The point of a torque is that of the ground, and the torque of a spring is part of it.
     """
@@ -135,7 +135,7 @@ def as_adams_prints(motion: Motion, row: int, case: str) -> dict[str, Any]:
 
 
 def turned_point(motion: Motion, row: int) -> Any:
-    """Return where the body would be if it had turned only, about the joint at (1, 2, 3)."""
+    """Place of the body if it had turned only, about the joint at (1, 2, 3)."""
     arm = motion.position["body"][0] - np.array([1, 2, 3])
     back = motion.orientation["body"][[0]] * [1, -1, -1, -1]
     own = rotated(back, arm[None])

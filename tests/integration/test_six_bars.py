@@ -99,7 +99,7 @@ alpha = {{ link = "rocker2", about = "O6", from = {start}, to = {end}, rate = 0.
 
 
 def from_behind(solver: Solver, got: Trajectory, rows: tuple[int, int]) -> LinkageSolver:
-    """Return the Stephenson six-bar that is driven by its last rocker, between two rows."""
+    """Stephenson six-bar that is driven by its last rocker, between two rows."""
     at = {node: got.positions[node][rows[0]] for node in "ABPQ"}
     nodes = "\n".join(f"{n} = {{ at = [{x:.1f}, {y:.1f}] }}" for n, (x, y) in at.items())
     arms = [got.positions["Q"][row] - got.positions["O6"][row] for row in rows]

@@ -31,7 +31,7 @@ TILTED = {"quaternion": [3, 1, -2, 1], "order": "wxyz"}
 
 
 def motion(folder: Path, bodies: Tree, joints: Tree) -> Motion:
-    """Return the motion of a scene up to 2 s, in rows of 1 s."""
+    """Motion of a scene up to 2 s, in rows of 1 s."""
     tree = {"name": "s", "unit": "m", "gravity": GRAVITY.tolist(), "bodies": bodies}
     write_tree(folder, generate_dynamics(scene_from_dict(tree | {"joints": joints})))
     return load_dynamics(folder).simulate(2.0, samples=3, tolerance=1e-12)
@@ -69,7 +69,7 @@ def test_a_body_slides_down_as_a_mass_does(tmp_path: Path, kind: str, way: str |
 
 
 def pendulum(parts: int) -> tuple[Tree, Tree]:
-    """Return a box on a tilted hinge, in one piece or in two that are welded together."""
+    """Box on a tilted hinge, in one piece or in two that are welded together."""
     joint = {"type": "hinge", "bodies": ["ground", "a"], "at": [0, 0, 0], "axis": [1, 0, 1]}
     frame = {"position": [0, 0, 0], "orientation": TILTED, "angular_velocity": [0.5, 0, 0.5]}
     halves = [{"mass": 1.5, "size": [1, 2, 2], "at": [0.5, 0, z]} for z in (-1, 1)]
@@ -119,7 +119,7 @@ START = np.array([1.0, 2.0, 3.0])
 
 
 def in_plane(folder: Path, **tables: Tree) -> Motion:
-    """Return the motion of a box in a tilted plane, with its two displacements x and y."""
+    """Motion of a box in a tilted plane, with its two displacements x and y."""
     joint: Tree = {"type": "planar", "bodies": ["ground", "box"], "axis": AXIS.tolist()}
     zero = rotation((3, 1, -2, 1)).T @ FIRST
     joint |= {"points": [START.tolist(), [0, 0, 0]], "zero": [FIRST.tolist(), zero.tolist()]}
@@ -137,7 +137,7 @@ def in_plane(folder: Path, **tables: Tree) -> Motion:
 
 
 def rotation(quaternion: Sequence[float]) -> NDArray[np.float64]:
-    """Return A of Euler parameters, scalar first."""
+    """Matrix A of Euler parameters, scalar first."""
     e0, *e = np.array(quaternion) / np.linalg.norm(quaternion)
     skew = np.cross(np.eye(3), e)
     matrix: NDArray[np.float64] = np.eye(3) + 2 * e0 * skew + 2 * np.matmul(skew, skew)

@@ -49,7 +49,7 @@ NONLINEAR = {
 
 
 def scene(unit: str = "m", factor: float = 1.0, **spring: Any) -> Any:
-    """Return the case, its lengths in another unit."""
+    """Case, its lengths in another unit."""
     own = {"stiffness": 100, "damping": 5, "free_length": 2 * factor} | spring
     inertia = {"xx": 0.04 * factor**2, "yy": 0.1 * factor**2, "zz": 0.1 * factor**2}
     tree = {
@@ -70,7 +70,7 @@ def scene(unit: str = "m", factor: float = 1.0, **spring: Any) -> Any:
 
 
 def nonlinear(case: str, unit: str, factor: float) -> dict[str, Any]:
-    """Return a case whose spring is not linear, its lengths in another unit."""
+    """Case whose spring is not linear, its lengths in another unit."""
     law = LAW if unit == "m" else "50*x + 10*abs(x)*x/1000 + 5*v"
     inertia = {"xx": 0.04 * factor**2, "yy": 0.1 * factor**2, "zz": 0.1 * factor**2}
     body: Any = {"mass": 1, "inertia": inertia}

@@ -25,7 +25,7 @@ def four_bar(
     given: str = "turns = 1",
     more: str = "",
 ) -> str:
-    """Return the text of a four-bar."""
+    """Text of a four-bar."""
     l1, l2, l3, l4 = lengths
     return f"""
 name = "four_bar"

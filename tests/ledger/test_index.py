@@ -60,7 +60,7 @@ def test_every_document_has_entries() -> None:
 
 
 def text_of(document: Document) -> str:
-    """Return a document as one line; the test is skipped where the documents are not."""
+    """Text of a document as one line; the test is skipped where the documents are not."""
     path = SEEDS / document.file
     if not path.is_file():
         pytest.skip("the documents are not here; KOUSOKU_SEEDS names their folder")
@@ -72,7 +72,7 @@ def one_line(text: str) -> str:
 
 
 def displays(text: str) -> list[str]:
-    """Return what a document displays: between double dollars, or paragraphs without prose."""
+    """Displays of a document: between double dollars, or paragraphs without prose."""
     if "$$" in text:
         return [one_line(shown) for shown in re.findall(r"\$\$(.*?)\$\$", text, re.DOTALL)]
     paragraphs = (one_line(part) for part in re.split(r"\n\s*\n", text))
@@ -80,12 +80,12 @@ def displays(text: str) -> list[str]:
 
 
 def is_formula(paragraph: str) -> bool:
-    """Return whether a paragraph is a formula: TeX or a relation, and no Japanese."""
+    """Whether a paragraph is a formula: TeX or a relation, and no Japanese."""
     return bool(re.search(r"[\\=]", paragraph)) and not JAPANESE.search(paragraph)
 
 
 def covered(text: str, document: Document) -> list[bool]:
-    """Return which letters of a document stand in what some entry prints."""
+    """Whether each letter of a document stands in what some entry prints."""
     seen = [False] * len(text)
     for entry in entries():
         if entry.document == document:
@@ -133,7 +133,7 @@ CONDITION = re.compile(
 
 
 def sentences(text: str) -> list[tuple[int, str]]:
-    """Return the sentences of a text with the places where they begin."""
+    """Sentences of a text with the places where they begin."""
     ends = [0, *(m.end() for m in re.finditer(r"。|．|(?<=[\u3040-\u9fff])\.", text)), len(text)]
     return [(start, text[start:end]) for start, end in pairwise(ends)]
 
@@ -159,7 +159,7 @@ def test_every_equality_inside_of_the_prose_has_an_entry(document: Document) -> 
 
 
 def numbers(text: str) -> list[str]:
-    """Return the numbers that stand beside the displays of a document."""
+    """Numbers that stand beside the displays of a document."""
     shown = " ".join(displays(text))
     return [m[1] or m[2] for m in re.finditer(r"\\tag\{(\d+)\}|\\quad \(([\d.]+)\)", shown)]
 

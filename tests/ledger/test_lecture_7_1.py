@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def steps() -> list[tuple[int, str]]:
-    """Return the place and an equation of each step on the virtual rotation that cites one."""
+    """Place and equation of each step on the virtual rotation that cites one."""
     sources = [step.source for step in derive("rotation").steps]
     of_motion = sources.index("5.16")
     return [(k, key) for k in range(of_motion) for key in filter(None, sources[k].split(", "))]

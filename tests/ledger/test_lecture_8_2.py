@@ -64,7 +64,7 @@ CHANGES = (
 
 
 def changed(form: str) -> list[str]:
-    """Return a formula with one mark changed, for each mark behind its first relation."""
+    """Formula with one mark changed, for each mark behind its first relation."""
     start = min(form.index(relation) for relation in ("=", r"\equiv") if relation in form)
     return [
         form[:place] + new + form[place + len(old) :]
@@ -75,7 +75,7 @@ def changed(form: str) -> list[str]:
 
 
 def is_sound(formula: str, entry: Entry) -> bool:
-    """Return whether no two sides of a formula differ."""
+    """Whether no two sides of a formula differ."""
     assert entry.vocabulary is not None
     try:
         refuted(formula, entry.vocabulary())

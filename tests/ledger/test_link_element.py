@@ -38,7 +38,7 @@ CHANGES = (
 
 
 def changed(entry: Entry, text: str) -> Entry:
-    """Return an entry whose true form is another one."""
+    """Entry whose true form is another one."""
     return replace(entry, corrected=text) if entry.corrected else replace(entry, printed=text)
 
 

@@ -117,14 +117,14 @@ def test_the_corrected_system_has_no_fault_and_the_printed_one_those_that_are_na
 
 
 def paper_system(key: str) -> tuple[sympy.Matrix, list[tuple[str, str]]]:
-    """Return the corrected matrix and its displacements with their known values."""
+    """Corrected matrix and its displacements with their known values."""
     words: ExampleVocabulary = WORDS[key]()
     rows, cells = parts(parse(ENTRIES[key].corrected)[0].sides[0])
     return sympy.Matrix(words.matrix(rows)), [displacement(cell) for cell in cells]
 
 
 def code_system(system: Assembly) -> sympy.Matrix:
-    """Return (15) in the rows and columns that the code gives to the elements of a scene."""
+    """Matrix (15) in the rows and columns that the code gives to the elements of a scene."""
     rows = []
     for number, element in enumerate(system.elements, 1):
         beta, length = sympy.symbols(f"β_{number}^0 l_{number}^0")

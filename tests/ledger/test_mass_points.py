@@ -46,7 +46,7 @@ STILL_TRUE = {r"\vec r_{A2} \times \vec f_{12} + \vec r_{A2} \times \vec f_{21} 
 
 
 def changed(form: str) -> list[str]:
-    """Return a formula with one thing in it changed, in all ways and places."""
+    """Formula with one thing in it changed, in all ways and places."""
     return [
         form[:place] + new + form[place + len(old) :]
         for old, new in CHANGES
@@ -123,7 +123,7 @@ def negative(x: Any) -> Any:
 
 
 def altered(package: str) -> Derivation:
-    """Return the code's derivation with the sign of each output and each step turned."""
+    """Code's derivation with the sign of each output and each step turned."""
     derivation = derive(package)
     functions = tuple(
         replace(

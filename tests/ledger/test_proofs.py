@@ -28,7 +28,7 @@ MARKED = [
 
 @cache
 def proved(equation: str) -> Proof:
-    """Return the proof of an entry, once for all tests."""
+    """Proof of an entry, once for all tests."""
     return prove(find(equation))
 
 

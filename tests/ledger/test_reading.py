@@ -115,7 +115,7 @@ def test_a_proof_of_one_document_is_not_known_to_another() -> None:
 
 
 def part(folder: Path, text: str) -> Any:
-    """Return a module that stands beside a file."""
+    """Module that stands beside a file."""
     (folder / "part.toml").write_text(text, encoding="utf-8")
     module = type(lecture_7_1)("part")
     module.__file__ = str(folder / "part.py")

@@ -62,7 +62,7 @@ class Text(NamedTuple):
 
 
 def written(folder: str) -> list[Path]:
-    """Return the hand-written files of a folder, links left out."""
+    """Hand-written files of a folder, links left out."""
     return sorted(
         path
         for path in (ROOT / folder).rglob("*")
@@ -74,7 +74,7 @@ def written(folder: str) -> list[Path]:
 
 @cache
 def texts() -> tuple[Text, ...]:
-    """Return all that was written by hand: of Python the strings and comments, else all."""
+    """Text that was written by hand: of Python the strings and comments, else all."""
     return tuple(_texts())
 
 
@@ -94,7 +94,7 @@ def _texts() -> Iterator[Text]:
 
 
 def of_python(text: str, folder: str) -> Iterator[str]:
-    """Return the strings and comments of a source; the ledger's raw strings quote the documents."""
+    """Strings and comments of a source; the ledger's raw strings quote the documents."""
     kinds = {tokenize.COMMENT, tokenize.STRING, getattr(tokenize, "FSTRING_MIDDLE", -1)}
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type in kinds and not (folder == "ledger" and token.string.startswith("r")):
@@ -102,7 +102,7 @@ def of_python(text: str, folder: str) -> Iterator[str]:
 
 
 def cited(text: str) -> list[str]:
-    """Return all numbers of equations that a text cites, those inside of ranges too."""
+    """Numbers of all equations that a text cites, those inside of ranges too."""
     inside = [
         str(number)
         for first, last in RANGE.findall(text)
@@ -112,7 +112,7 @@ def cited(text: str) -> list[str]:
 
 
 def misplaced(text: str) -> list[str]:
-    """Return the citations of a document's equations that it does not have."""
+    """Citations of a document's equations that it does not have."""
     wrong = []
     for match in OF_DOCUMENT.finditer(text):
         title = re.sub(r"[()]", "", match[1])

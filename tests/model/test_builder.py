@@ -21,7 +21,7 @@ SCENES = Path(__file__).parents[2] / "scenes"
 
 
 def lever() -> SceneBuilder:
-    """Return the lever crank of the paper, step by step."""
+    """Lever crank of the paper, step by step."""
     return (
         SceneBuilder(
             "lever_crank", unit="cm", title="Lever crank, Yamada and Tatsumi 1981, figure 6"

@@ -14,7 +14,7 @@ Tree = dict[str, Any]
 
 
 def triangle(a: float, b: float, c: float) -> SceneBuilder:
-    """Return a triangle that turns about one corner."""
+    """Triangle that turns about one corner."""
     return (
         SceneBuilder("triangle", unit="m")
         .node("A", at=(0, 0), fixed=True)

@@ -23,7 +23,7 @@ ZERO, X, Z = [0, 0, 0], [1, 0, 0], [0, 0, 1]
 
 
 def two_bodies(**joints: Tree) -> Tree:
-    """Return two bodies that are turned and displaced, in centimetres."""
+    """Two bodies that are turned and displaced, in centimetres."""
     bodies = {
         "a": {"position": [0, 0, 2], "orientation": {"axis": Z, "angle": 0.5}, "mass": 1},
         "b": {"position": [3, 0, 0], "orientation": {"axis": X, "angle": 1.25}, "mass": 1},
@@ -32,20 +32,20 @@ def two_bodies(**joints: Tree) -> Tree:
 
 
 def on_ground(kind: str, body: str, **keys: Any) -> Tree:
-    """Return a joint with the ground whose coordinates count from the frame of the body."""
+    """Joint with the ground whose coordinates count from the frame of the body."""
     axis, zero = (X, Z) if body == "b" else (Z, X)
     given = {"points": [ZERO, ZERO], "axes": [axis, axis], "zero": [zero, zero]}
     return {"type": kind, "bodies": ["ground", body], **given, **keys}
 
 
 def coupling(tree: Tree) -> tuple[System, Instance]:
-    """Return the system of a tree and its last combination."""
+    """System of a tree and its last combination."""
     system = system_of(scene_from_dict(tree))
     return system, next(c for c in reversed(system.constraints) if c.kind == COMBINATION)
 
 
 def terms(system: System, row: Instance) -> dict[str, float]:
-    """Return the factor of each coordinate by its name."""
+    """Factor of each coordinate by its name."""
     return {system.coordinates[term.coordinate].name: term.factor for term in row.terms}
 
 

@@ -27,7 +27,7 @@ ZERO = [0, 0, 0]
 
 
 def value(system: System, coordinate: Coordinate) -> float:
-    """Return a coordinate at the start, as the shipped kernel gives it."""
+    """Value of a coordinate at the start, as the shipped kernel gives it."""
     kernel = next(k for k in load_frozen(coordinate.kind).kernels if k.name == "constraint")
     inputs: dict[str, tuple[float, ...]] = dict(coordinate.constants)
     for letter, index in (("i", coordinate.i), ("j", coordinate.j)):
@@ -38,7 +38,7 @@ def value(system: System, coordinate: Coordinate) -> float:
 
 
 def arm(angle: float, **tables: Any) -> Tree:
-    """Return a body that is turned about z, in millimetres, on a cylindrical joint."""
+    """Body that is turned about z, in millimetres, on a cylindrical joint."""
     joint = {"type": "cylindrical", "bodies": ["ground", "arm"], "points": [[0, 0, 5], ZERO]}
     axes = {"axes": [[0, 0, 2], [0, 0, 1]], "zero": [[3, 0, 1], [0, 1, 0]]}
     body = {
@@ -251,7 +251,7 @@ ACROSS: Tree = {"axes": [[0, 0, 1], [1, 0, 0]], "zero": [[3, 4, 0], [0, 1, 0]]}
 
 
 def puck(joint: Tree, **tables: Any) -> Tree:
-    """Return a body whose point is at (2, 1) in a plane of another one, turned by 0.5 rad."""
+    """Body whose point is at (2, 1) in a plane of another one, turned by 0.5 rad."""
     name = {"name": "puck", "unit": "mm", "outputs": ["coordinates"]}
     sines = cos(0.5), sin(0.5)
     x, y = (0.6, 0.8), (-0.8, 0.6)

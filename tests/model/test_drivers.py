@@ -24,7 +24,7 @@ Tree = dict[str, Any]
 
 @pytest.fixture
 def crank() -> Tree:
-    """Return the tables of a body on an axle, in centimetres, new for each test."""
+    """Tables of a body on an axle, in centimetres, new for each test."""
     joint = {"type": "revolute", "bodies": ["ground", "crank"], "at": [0, 0, 0], "axis": [0, 0, 1]}
     return {
         "name": "crank",

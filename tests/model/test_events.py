@@ -17,7 +17,7 @@ Tree = dict[str, Any]
 
 @pytest.fixture
 def bead() -> Tree:
-    """Return the tables of a bead on the x axis, new for each test."""
+    """Tables of a bead on the x axis, new for each test."""
     return {
         "name": "bead",
         "unit": "cm",

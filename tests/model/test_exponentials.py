@@ -49,14 +49,14 @@ HILLS = (
 
 
 def bounds_of(formula: Expression, first: float, last: float) -> tuple[float, float]:
-    """Return the least and the most between two times."""
+    """Least and greatest value between two times."""
     bounds = enclosure(formula, SPANS)
     values = {"first": first, "last": last}
     return in_doubles(bounds.least, values), in_doubles(bounds.most, values)
 
 
 def in_doubles(expression: Expression, values: dict[str, float]) -> float:
-    """Return a value as solvers compute it, where exponentials may be infinite."""
+    """Value as solvers compute it, where exponentials may be infinite."""
     known: dict[int, np.float64] = {}
     with np.errstate(all="ignore"):
         for part in ordered(expression):

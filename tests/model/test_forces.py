@@ -34,7 +34,7 @@ BUSHING: Tree = {
 
 
 def scene(**force: Any) -> Tree:
-    """Return a bar and a point in mm under one force."""
+    """Bar and a point in mm under one force."""
     turned = {"axis": [0, 0, 1], "angle": 1.5707963267948966}
     bar = {"position": [0, 100, 0], "orientation": turned, "mass": 2, "center": [10, 0, 0]}
     inertia = {"xx": 300, "yy": 500, "zz": 600}

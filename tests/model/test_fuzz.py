@@ -63,7 +63,7 @@ def gives_scene_or_error(read: Any, source: object) -> None:
 
 
 def places(tree: object, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """Return the paths to all values of a tree."""
+    """Paths to all values of a tree."""
     found = [path] if path else []
     items = (
         tree.items()

@@ -20,7 +20,7 @@ ANGLES = st.floats(-7, 7)
 
 
 def four_bar(l1: float, l2: float, l3: float, l4: float, **way: Any) -> SceneBuilder:
-    """Return a four-bar with frame l4 along x and an input of l1."""
+    """Four-bar with frame l4 along x and an input of l1."""
     return (
         SceneBuilder("four_bar", unit="m", divisions=way.pop("divisions", 60))
         .node("A", at=(0, 0), fixed=True)
@@ -36,7 +36,7 @@ def four_bar(l1: float, l2: float, l3: float, l4: float, **way: Any) -> SceneBui
 
 
 def closes(l1: float, l2: float, l3: float, l4: float, angles: list[float]) -> list[float]:
-    """Return by how much the dyad of a four-bar misses at each angle; negative where it closes."""
+    """Gap of the dyad of a four-bar at each angle; negative where it closes."""
     distances = [hypot(l4 - l1 * cos(angle), -l1 * sin(angle)) for angle in angles]
     return [max(distance - l2 - l3, abs(l2 - l3) - distance) for distance in distances]
 

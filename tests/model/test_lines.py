@@ -19,7 +19,7 @@ SCENES = [*sorted((ROOT / "scenes").glob("*.toml")), *(ROOT / "tests/scenes").rg
 
 
 def key_lines(text: str) -> dict[Keys, int]:
-    """Return where each key and each element of a list stands for the first time."""
+    """Line in which each key and each element of a list stands for the first time."""
     lines: dict[Keys, int] = {}
     for path, line in each_key_line(text):
         lines.setdefault(path, line)
@@ -75,7 +75,7 @@ def test_quotes_at_the_end_of_a_long_text_belong_to_it() -> None:
 
 
 def paths(value: object, path: tuple[str | int, ...] = ()) -> list[tuple[str | int, ...]]:
-    """Return the paths to all values in a tree, and to all tables and lists."""
+    """Paths to all values in a tree, and to all tables and lists."""
     items: Any = ()
     if isinstance(value, dict):
         items = value.items()

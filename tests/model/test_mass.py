@@ -19,18 +19,18 @@ Tree = dict[str, Any]
 
 
 def body_of(**keys: Any) -> Any:
-    """Return a checked body at the origin."""
+    """Checked body at the origin."""
     tree = {"name": "one", "unit": "m", "bodies": {"b": {"position": [0, 0, 0], **keys}}}
     return scene_from_dict(tree).bodies["b"]
 
 
 def properties(**keys: Any) -> MassProperties:
-    """Return the mass properties of a body at the origin."""
+    """Mass properties of a body at the origin."""
     return mass_properties(body_of(**keys))
 
 
 def moments(given: MassProperties) -> list[float]:
-    """Return the principal moments as doubles."""
+    """Principal moments as doubles."""
     return [float(moment) for moment in given.moments]
 
 

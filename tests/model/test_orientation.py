@@ -19,7 +19,7 @@ UNITS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def matrix(**keys: Any) -> np.ndarray:
-    """Return A of an orientation as it is computed."""
+    """Matrix A of an orientation as it is computed."""
     given = decode(keys, Orientation)
     check_orientation(given, "orientation")
     p = quaternion(given)
@@ -28,7 +28,7 @@ def matrix(**keys: Any) -> np.ndarray:
 
 
 def about(axis: str, angle: float) -> np.ndarray:
-    """Return the matrix of a turn about a coordinate axis, written down element by element."""
+    """Matrix of a turn about a coordinate axis, written down element by element."""
     c, s = math.cos(angle), math.sin(angle)
     return {
         "x": np.array([[1, 0, 0], [0, c, -s], [0, s, c]]),

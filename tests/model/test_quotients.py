@@ -50,7 +50,7 @@ LIMITS = {
 
 
 def in_doubles(expression: Expression, first: float, last: float) -> float:
-    """Return a bound as solvers compute it."""
+    """Bound as solvers compute it."""
     known: dict[int, np.float64] = {}
     with np.errstate(all="ignore"):
         for part in ordered(expression):

@@ -15,7 +15,7 @@ from kousoku.model.scene import Scene
 
 @pytest.fixture
 def corner() -> Scene:
-    """Return a right angle of three links at B, and a frame link."""
+    """Right angle of three links at B, and a frame link."""
     nodes = {
         "A": Node(at=(0.0, 0.0), fixed=True),
         "B": Node(at=(3.0, 0.0)),
@@ -73,7 +73,7 @@ def test_a_link_knows_its_other_end() -> None:
 
 
 def imported_by(module: str) -> set[str]:
-    """Return what a fresh interpreter has imported after one import."""
+    """Modules that a fresh interpreter has imported after one import."""
     code = f"import sys, {module}; print('\\n'.join(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return set(done.stdout.split())

@@ -27,7 +27,7 @@ BLOCKS = re.findall(r"^( *)```(\w+)\n(.*?)^ *```$", TEXT, re.M | re.S)
 
 
 def blocks(language: str) -> list[str]:
-    """Return the code blocks of a language, their indentation taken off."""
+    """Code blocks of a language, their indentation taken off."""
     return [re.sub(f"^{dent}", "", body, flags=re.M) for dent, of, body in BLOCKS if of == language]
 
 

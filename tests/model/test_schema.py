@@ -39,7 +39,7 @@ VALUES = (
 
 @pytest.fixture(scope="module")
 def validator() -> Any:
-    """Return a validator of the committed schema."""
+    """Validator of the committed schema."""
     schema = json.loads(COMMITTED.read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator.check_schema(schema)
     return jsonschema.Draft202012Validator(schema)

@@ -29,17 +29,17 @@ OF_BODIES = [name for name, joint in NAMES.items() if joint in JOINTS]
 
 
 def scene(name: str) -> Any:
-    """Return a committed scene without its inputs."""
+    """Committed scene without its inputs."""
     return msgspec.structs.replace(read_scene(ROOT / "scenes" / f"{name}.toml"), inputs={})
 
 
 def violations(system: System) -> list[float]:
-    """Return C of all instances at the start."""
+    """Residuals C of all instances at the start."""
     return [c for instance in system.constraints for c in violation(system, instance)]
 
 
 def violation(system: System, instance: Instance) -> tuple[float, ...]:
-    """Return C of one instance at the start."""
+    """Residuals C of one instance at the start."""
     if instance.kind == COMBINATION:
         pairs = ((system.coordinates[term.coordinate], term.factor) for term in instance.terms)
         return (sum(factor * value(system, of) for of, factor in pairs) + instance.offset,)
@@ -47,12 +47,12 @@ def violation(system: System, instance: Instance) -> tuple[float, ...]:
 
 
 def value(system: System, coordinate: Coordinate) -> float:
-    """Return a coordinate at the start; an angle as its kernel gives it."""
+    """Value of a coordinate at the start; an angle as its kernel gives it."""
     return evaluated(system, coordinate)[0]
 
 
 def evaluated(system: System, instance: Instance | Coordinate) -> tuple[float, ...]:
-    """Return what the kernel of an instance or coordinate gives at the start."""
+    """Values of the kernel of an instance or coordinate at the start."""
     kernel = next(k for k in load_frozen(instance.kind).kernels if k.name == "constraint")
     inputs: dict[str, tuple[float, ...]] = dict(instance.constants)
     for letter, index in (("i", instance.i), ("j", instance.j)):
@@ -63,7 +63,7 @@ def evaluated(system: System, instance: Instance | Coordinate) -> tuple[float, .
 
 
 def turned_pair(kind: str) -> Tree:
-    """Return two bodies that are turned anyhow, and a joint in frame O between them."""
+    """Two bodies that are turned anyhow, and a joint in frame O between them."""
     entry = JOINTS[NAMES[kind]]
     joint: Tree = {"type": kind, "bodies": ["a", "b"]}
     if NAMES[kind] == "rod":
@@ -180,7 +180,7 @@ def test_the_frame_of_a_body_stands_in_its_centre_along_its_principal_axes() -> 
 
 
 def _left(q: tuple[float, ...]) -> list[tuple[float, ...]]:
-    """Return the matrix of p ↦ p ∘ q."""
+    """Matrix of p ↦ p ∘ q."""
     w, x, y, z = q
     return [(w, -x, -y, -z), (x, w, z, -y), (y, -z, w, x), (z, y, -x, w)]
 

@@ -18,7 +18,7 @@ T, X = symbol("t"), symbol("x")
 
 
 def doubled(times: int) -> Expression:
-    """Return 2ⁿ t as sums of two equal parts, which are shared."""
+    """Formula 2ⁿ t as sums of two equal parts, which are shared."""
     term: Expression = symbol("t")
     for _ in range(times):
         term = add(term, term)

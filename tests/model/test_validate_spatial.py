@@ -32,7 +32,7 @@ def put(tree: Tree, place: str, value: object) -> Tree:
 
 @pytest.fixture
 def bar() -> Tree:
-    """Return the tables of a spatial pendulum, new for each test."""
+    """Tables of a spatial pendulum, new for each test."""
     zero = [0, 0, 0]
     joint = {"type": "revolute", "bodies": ["ground", "bar"], "points": [zero, zero]}
     return {
@@ -97,7 +97,7 @@ def test_a_quaternion_is_given_with_its_order(
 
 
 def joint(kind: str, **keys: object) -> Tree:
-    """Return a joint between the ground and the bar."""
+    """Joint between the ground and the bar."""
     return {"type": kind, "bodies": ["ground", "bar"], **keys}
 
 

@@ -34,19 +34,19 @@ LAW: Tree = {"damping": None, "tension": "5*v"}
 
 
 def changed(**tables: Any) -> Tree:
-    """Return the scene with other tables; of a table that is None nothing is left."""
+    """Scene with other tables; of a table that is None nothing is left."""
     tree = copy.deepcopy(BAR) | tables
     return {name: table for name, table in tree.items() if table is not None}
 
 
 def force(given: Tree, **keys: Any) -> Tree:
-    """Return the scene with a force."""
+    """Scene with a force."""
     own = {name: value for name, value in (given | keys).items() if value is not None}
     return changed(forces={"f": own})
 
 
 def problems_of(tree: Tree) -> list[tuple[str, str]]:
-    """Return keys and reasons."""
+    """Keys and reasons of the problems of a scene."""
     with pytest.raises(SceneError) as caught:
         scene_from_dict(tree)
     return [(one.key, one.problem) for one in caught.value.problems]

@@ -34,7 +34,7 @@ def absent() -> Call:
 
 
 def cases(contest: str, size: Size) -> list[Case]:
-    """Return one case for each fate; the contest names which."""
+    """Cases, one for each fate; the contest names which."""
     made = {
         "quick": [("a", "line", quick), ("b", "line", quick)],
         "unending": [("a", "slow", unending), ("a", "slow", quick), ("a", "line", quick)],

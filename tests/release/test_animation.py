@@ -125,7 +125,7 @@ class Shown:
         )
 
     def pixels(self) -> Any:
-        """Return what is seen of the picture, (height, width, 3)."""
+        """Pixels of the picture as it is seen, (height, width, 3)."""
         from PIL import Image
 
         data = self.find("picture").screenshot_as_png
@@ -168,7 +168,7 @@ class Shown:
 
 
 def differ(first: Any, second: Any) -> int:
-    """Return how many pixels differ."""
+    """Number of pixels that differ."""
     return int((np.abs(first - second).max(axis=-1) > 8.0).sum())
 
 

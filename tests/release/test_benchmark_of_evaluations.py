@@ -144,7 +144,7 @@ def test_the_motion_of_the_bars_is_differentiated_as_differences_are() -> None:
 
 
 def chain_records(*, looped: bool) -> list[Record]:
-    """Return times of a chain of 10: 200 ns a bar, Pinocchio 300 ns with 1 µs for each call."""
+    """Times of a chain of 10: 200 ns a bar, Pinocchio 300 ns with 1 µs for each call."""
 
     def record(count: int, tool: str, line: str, seconds: float, **extra: float) -> Record:
         names = (evaluations.chain_name(count), tool, line, "")

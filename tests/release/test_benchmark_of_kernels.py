@@ -82,7 +82,7 @@ def test_every_contest_of_p2_has_ours_first_and_peers() -> None:
 
 
 def records_of(contests: list[str], ours: float) -> list[Record]:
-    """Return records in which peers take a microsecond, and kousoku a multiple of that."""
+    """Records in which peers take a microsecond, and kousoku a multiple of that."""
     return [
         Record(contest, case.tool, case.line, "", fastest=1e-6 * ours ** (case.tool == "kousoku"))
         for contest in contests

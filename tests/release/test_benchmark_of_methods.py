@@ -11,7 +11,7 @@ from kousoku.runtime.integrate.settings import method_for
 
 
 def made(orders: tuple[float, float], contest: str = "a") -> list[Record]:
-    """Return records of methods whose evaluations grow as a root of the error."""
+    """Records of methods whose evaluations grow as a root of the error."""
     return [
         Record(
             contest,

@@ -24,7 +24,7 @@ COMPARED = ("text/plain", "text/latex", "text/markdown")
 
 
 def shown(notebook: Any) -> list[list[tuple[str, str]]]:
-    """Return what each code cell shows, as (media type, text); a picture without its text."""
+    """Outputs of each code cell, as (media type, text); a picture without its text."""
     cells = []
     for cell in notebook.cells:
         if cell.cell_type != "code":
@@ -134,7 +134,7 @@ def test_notebook_holds_outputs_and_no_path_of_a_machine(path: Path) -> None:
 
 
 def names_used(path: Path) -> list[str]:
-    """Return what the code of a notebook imports, and the attributes that it reads."""
+    """Names that the code of a notebook imports, and the attributes that it reads."""
     cells = nbformat.read(path, as_version=4).cells
     source = "\n".join(cell.source for cell in cells if cell.cell_type == "code")
     names: list[str] = []

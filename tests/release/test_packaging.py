@@ -57,7 +57,7 @@ def distributions(tmp_path_factory: pytest.TempPathFactory) -> Distributions:
 
 
 def shipped(folder: str) -> list[Path]:
-    """Return the files of a root folder that a wheel must hold, links left out."""
+    """Files of a root folder that a wheel must hold, links left out."""
     return [
         path.relative_to(ROOT)
         for path in (ROOT / folder).rglob("*")

@@ -39,7 +39,7 @@ def told(name: str, *words: str) -> tuple[int, list[str]]:
 
 @cache
 def told_without_fault(name: str, case: str) -> tuple[int, list[str]]:
-    """Return what a case tells without a fault, once for all of its faults."""
+    """Answer of a case without a fault, once for all of its faults."""
     return told(name, "--case", case)
 
 

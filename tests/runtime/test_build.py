@@ -28,7 +28,7 @@ SOURCE = Source("seven", (("seven.c", b"int seven(void);\nint seven(void) { retu
 
 
 def entries(cache: Path) -> list[Path]:
-    """Return the folders of libraries and of builds."""
+    """Folders of libraries and of builds."""
     return sorted(path for path in (cache / "lib").iterdir() if path.is_dir())
 
 

@@ -32,12 +32,12 @@ ALL = ("accelerations", "reactions", "energies")
 
 @pytest.fixture
 def load(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Load:
-    """Return the compiled solver of a scene with outputs."""
+    """Compiled solver of a scene with outputs."""
     return lambda scene, outputs=ALL: load_dynamics(bodies_folder(scene, outputs), target="c")
 
 
 def tilted_pendulum(unit: Unit = "m") -> Scene:
-    """Return a rod of 2 kg and 1 m on a hinge at one end, in no coordinate plane, swinging."""
+    """Rod of 2 kg and 1 m on a hinge at one end, in no coordinate plane, swinging."""
     size = {"m": 1, "mm": 1000}[unit]
     builder = SceneBuilder("tilted", unit=unit).gravity(0, 0, -9.81 * size)
     builder.body(
@@ -54,7 +54,7 @@ def tilted_pendulum(unit: Unit = "m") -> Scene:
 
 
 def differences(values: Any, time: Any) -> Any:
-    """Return derivatives of columns by central differences of fourth order, at inner rows."""
+    """Derivatives of columns by central differences of fourth order, at inner rows."""
     h = time[1] - time[0]
     return (values[:-4] - 8 * values[1:-3] + 8 * values[3:-1] - values[4:]) / (12 * h)
 
@@ -88,7 +88,7 @@ def test_force_at_a_hinge_is_what_the_motion_of_the_centre_of_mass_asks_for(load
 
 
 def turned(p: Any, vectors: Any) -> Any:
-    """Return A(p) v, row by row."""
+    """Vectors A(p) v, row by row."""
     e0, e = p[:, :1], p[:, 1:]
     t = 2 * np.cross(e, vectors)
     return vectors + e0 * t + np.cross(e, t)

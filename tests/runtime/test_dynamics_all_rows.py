@@ -69,7 +69,7 @@ BAD = {
 
 
 def bar(shape: str, length: float) -> str:
-    """Return a body: a box, or a rod without thickness."""
+    """Body: a box, or a rod without thickness."""
     if shape == "rods":
         return f"rods = [{{ mass = 1, ends = [[0, 0, 0], [{length}, 0, 0]] }}]"
     return f"boxes = [{{ mass = 1, size = [{length}, 0.1, 0.05], at = [{length / 2}, 0, 0] }}]"
@@ -131,7 +131,7 @@ def folders(
 
 
 def dense(program: Program, system: System, row: Array, phase: float = 0.0) -> tuple[Array, float]:
-    """Return accelerations, and the multiplier of the driver, by least squares with all rows."""
+    """Accelerations, and the multiplier of the driver, by least squares with all rows."""
     work, n = ProgramInterpreter(program), len(program.rows)
     work["parameters"] = [RATE, phase]
     parts = np.split(row, np.cumsum([1, len(work["q"]), len(work["v"])]))

@@ -36,13 +36,13 @@ def load(backend: str, bodies_folder: Callable[..., Path]) -> Load:
 
 
 def turned_by_a_torque(gap: float) -> Scene:
-    """Return a four-bar whose rocker is longer than its crank by a gap: nearly a parallelogram."""
+    """Four-bar whose rocker is longer than its crank by a gap: nearly a parallelogram."""
     scene = replace(four_bar(rocker=CRANK + gap), drivers={}, parameters={}, gravity=(0, 0, 0))
     return scene_from_toml(to_toml(scene) + TORQUE)
 
 
 def off_branch(motion: Any, gap: float) -> float:
-    """Return how far the end of the rocker is from where coupler and rocker meet."""
+    """Largest distance of the end of the rocker from where coupler and rocker meet."""
     crank = end_of(motion, "crank", CRANK)
     wanted = pin(np.arctan2(crank[:, 1], crank[:, 0]), CRANK + gap)
     return float(np.abs(end_of(motion, "rocker", CRANK + gap) - wanted).max())

@@ -84,7 +84,7 @@ axes = [["e", 0, 1], [0, 0, 1]]""",
 
 
 def locomotive(turn: float, rise: float = 0.0) -> str:
-    """Return a scene of three cranks on a rod that start turned by so much; the third is e longer.
+    """Scene of three cranks on a rod that start turned by so much; the third is e longer.
 
     Its pin on the rod is higher by a part of that: by all of it, upright cranks fit.
     """
@@ -121,7 +121,7 @@ turn = {{ joint = "a1" }}
 
 
 def given(text: str, e: float) -> Any:
-    """Return a scene with another value of its parameter."""
+    """Scene with another value of its parameter."""
     return scene_from_toml(text.replace("e = 0.0", f"e = {e!r}"))
 
 
@@ -160,7 +160,7 @@ def test_cranks_that_hold_each_other_say_so_though_they_start_with_a_velocity(
 
 
 def moves(solver: Callable[[], DynamicsSolver], **options: Any) -> bool:
-    """Return whether bodies move; what does not is refused, or told."""
+    """Whether bodies move; what does not is refused, or told."""
     try:
         run = solver().simulate(0.3, samples=4, **options)
     except (SceneError, AssemblyError, SolveError, MotionError):

@@ -42,7 +42,7 @@ OF_ROWS = ("lam", "C", "dq")
 
 
 def drawn(scene: Scene, seed: int) -> dict[str, float]:
-    """Return other values of the parameters, a tenth away."""
+    """Other values of the parameters, a tenth away."""
     random = np.random.default_rng(seed)
     return {
         name: value * (1 + random.uniform(-0.1, 0.1)) for name, value in scene.parameters.items()
@@ -50,7 +50,7 @@ def drawn(scene: Scene, seed: int) -> dict[str, float]:
 
 
 def folded(scene: Scene, values: dict[str, float]) -> Scene:
-    """Return a scene with the numbers that some parameters make in place of its formulas."""
+    """Scene with the numbers that some parameters make in place of its formulas."""
     other = msgspec.structs.replace(scene, parameters=values, name=f"{scene.name}_folded")
     return with_numbers(read_formulas(other, Problems()))
 

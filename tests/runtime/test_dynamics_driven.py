@@ -38,7 +38,7 @@ RATE = 6.0
 
 
 def pin(crank: Array, rocker: float) -> Array:
-    """Return where coupler and rocker meet, above the line from the crank's pin to the ground's."""
+    """Point where coupler and rocker meet, above the line from the crank's pin to the ground's."""
     start = CRANK * np.stack([np.cos(crank), np.sin(crank)], axis=-1)
     way = np.array([GROUND, 0.0]) - start
     length = np.hypot(way[..., 0], way[..., 1])
@@ -50,7 +50,7 @@ def pin(crank: Array, rocker: float) -> Array:
 
 
 def four_bar(rocker: float = ROCKER, joint: str = "a", law: str = "rate*t") -> Scene:
-    """Return a four-bar whose crank begins at one radian; the angle of its joint is zero there."""
+    """Four-bar whose crank begins at one radian; the angle of its joint is zero there."""
     start = np.array([math.cos(1.0), math.sin(1.0)])
     meet = pin(np.array(1.0), rocker)
     turns = [math.atan2(*(meet - end)[::-1]) for end in (start, np.array([GROUND, 0.0]))]
@@ -88,7 +88,7 @@ def load(backend: str, bodies_folder: Callable[..., Path]) -> Load:
 
 
 def end_of(motion: Motion, body: str, length: float) -> Array:
-    """Return where the end of a bar is."""
+    """Place of the end of a bar."""
     e0, e3 = motion.orientation[body][:, 0], motion.orientation[body][:, 3]
     turned = np.stack([e0**2 - e3**2, 2 * e0 * e3], axis=1)
     end: Array = motion.position[body][:, :2] + length * turned

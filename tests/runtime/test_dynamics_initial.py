@@ -70,7 +70,7 @@ def start(solver: Any, **options: Any) -> Any:
 
 
 def written(motion: Any, row: int) -> dict[str, Any]:
-    """Return a row as the bodies of the scene are written."""
+    """Row as the bodies of the scene are written."""
     tables = ((motion.position, motion.orientation), (motion.velocity, motion.angular_velocity))
     return {
         name: np.concatenate(
@@ -122,7 +122,7 @@ def test_coordinates_start_where_they_are_told_to_with_both_targets(
 
 
 def written_there(led: Any) -> dict[str, Any]:
-    """Return the linkage of loop_free, written where a motion starts."""
+    """Linkage of loop_free, written where a motion starts."""
     tree = tree_of("loop_free")
     place = {name: values[0] for name, values in led.position.items()}
     turn = {name: values[0] for name, values in led.orientation.items()}

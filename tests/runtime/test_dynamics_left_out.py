@@ -28,7 +28,7 @@ SCENES = Path(__file__).parents[2] / "scenes"
 
 @pytest.fixture(scope="module")
 def loose(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of a pendulum whose hinge does not hold its point along x."""
+    """Folder of a pendulum whose hinge does not hold its point along x."""
     system = assemble(system_of(read_scene(SCENES / "pendulum.toml")))
     whole = all_rows(system)
     kinds = [one.kind for one in system.constraints]

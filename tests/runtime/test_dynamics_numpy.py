@@ -39,7 +39,7 @@ TARGETS: tuple[Any, Any] = ("c", "numpy")
 
 
 def bob() -> Scene:
-    """Return a point that a rod holds."""
+    """Point that a rod holds."""
     builder = SceneBuilder("bob", unit="m").gravity(0, -9.81, 0)
     builder.body("bob", position=(1, 0, 0), mass=1, point=True)
     builder.joint("rod", type="rod", bodies=("ground", "bob"), points=((0, 0, 0), (0, 0, 0)))
@@ -47,7 +47,7 @@ def bob() -> Scene:
 
 
 def cranks() -> Scene:
-    """Return two cranks that a rod couples: a single row holds them."""
+    """Two cranks that a rod couples: a single row holds them."""
     builder = SceneBuilder("cranks", unit="m").gravity(3, -9.81, 0)
     for name, x in (("a", 0.0), ("b", 2.0)):
         builder.body(name, position=(x, 1, 0), mass=1, inertia={"xx": 0.1, "yy": 0.1, "zz": 0.1})
@@ -71,7 +71,7 @@ MAKERS: dict[str, Callable[[], Scene]] = {
 
 @pytest.fixture
 def folder(bodies_folder: Callable[..., Path]) -> Folder:
-    """Return the folder of a scene of :data:`MAKERS` with all outputs."""
+    """Folder of a scene of :data:`MAKERS` with all outputs."""
     return lambda name: bodies_folder(MAKERS[name](), ALL)
 
 

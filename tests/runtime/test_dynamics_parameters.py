@@ -62,7 +62,7 @@ def arm(load: Load) -> Any:
 
 
 def moved(motion: Any) -> tuple[Any, Any]:
-    """Return the angle of the arm and the displacement of the bob."""
+    """Angle of the arm and the displacement of the bob."""
     e = motion.orientation["arm"]
     return np.unwrap(2 * np.arctan2(e[:, 3], e[:, 0])), motion.position["bob"] - [2.0, 0.0, 0.0]
 

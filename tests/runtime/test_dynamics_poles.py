@@ -61,7 +61,7 @@ HEALTHY = [
 
 @pytest.fixture
 def run(backend: str, bodies_folder: Callable[..., Path]) -> Move:
-    """Return what moves a cart by a force."""
+    """Function that moves a cart by a force."""
 
     def move(force: str, more: str = "", **options: Any) -> Motion:
         scene = scene_from_toml(CART.format(force=force) + more)

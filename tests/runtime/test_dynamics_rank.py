@@ -90,7 +90,7 @@ SCENES = {
 
 
 def travel(run: Motion, solver: DynamicsSolver) -> float:
-    """Return how far a coordinate came."""
+    """Longest way that a coordinate came."""
     return float(np.ptp(run.rows[:, 1 : 1 + len(solver.q)], axis=0).max())
 
 
@@ -160,7 +160,7 @@ simulate(0.1, samples=2, parameters={{"e": 2.1e-3}})
 
 
 def flat_later(angle: float) -> tuple[str, dict[str, Any]]:
-    """Return a scene that is a parallelogram with d = 2, and its start at an angle as q0 and v0."""
+    """Scene that is a parallelogram with d = 2, and its start at an angle as q0 and v0."""
     place = [1.0, *[0.0] * 3]
     turned = [math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)]
     tip = [math.cos(angle), math.sin(angle), 0.0]
@@ -229,7 +229,7 @@ def test_file_and_parameters_decide_alike(bodies_folder: Callable[..., Path]) ->
 
 
 def given(value: float, text: str, key: str) -> str:
-    """Return how a text writes the value of a parameter."""
+    """Value of a parameter as a text writes it."""
     found = text.partition(f"{{ {key} = ")[2].partition(" }")[0]
     assert float(found) == value
     return found

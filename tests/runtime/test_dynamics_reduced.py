@@ -36,7 +36,7 @@ MOMENT = 2.0 * (3.0**2 + 3.0**2) / 12
 
 
 def led(law: str = "2*t - 0.5*sin(t)", *, has_rod: bool = True) -> Scene:
-    """Return a crank that a motor leads, and a rod that swings on its end in space."""
+    """Crank that a motor leads, and a rod that swings on its end in space."""
     builder = SceneBuilder("led", unit="m").gravity(0, 0, -9.81)
     builder.body(
         "crank", position=(0, 0, 0), boxes=[{"mass": 3, "size": [2, 0.2, 0.3], "at": [1, 0, 0]}]
@@ -63,7 +63,7 @@ def led(law: str = "2*t - 0.5*sin(t)", *, has_rod: bool = True) -> Scene:
 
 
 def slider() -> Scene:
-    """Return a carriage on a rail and a pendulum on it, a top beside them: no drivers."""
+    """Carriage on a rail and a pendulum on it, a top beside them: no drivers."""
     builder = SceneBuilder("slider", unit="m").gravity(0, 0, -9.81)
     builder.body("carriage", position=(0, 0, 0), boxes=[{"mass": 2, "size": [1, 1, 1]}])
     builder.body(

@@ -60,7 +60,7 @@ def solver(backend: str, bodies_folder: Callable[..., Path]) -> DynamicsSolver:
 
 
 def passed(solver: DynamicsSolver, heights: Any = HEIGHTS, tolerance: float = 1e-10) -> Run:
-    """Return a run that has rows shortly before the line, and goes on behind it."""
+    """Run that has rows shortly before the line, and goes on behind it."""
     motion = solver.simulate(END, samples=1001, tolerance=tolerance)
     y, rate = motion.position["coupler_0"][:, 1], motion.velocity["coupler_0"][:, 1]
     at = int(np.argmax(y < heights[0]))
@@ -71,12 +71,12 @@ def passed(solver: DynamicsSolver, heights: Any = HEIGHTS, tolerance: float = 1e
 
 
 def rate_at(height: Any) -> Any:
-    """Return the angular velocity of the cranks, which starts at a height of 1 m."""
+    """Angular velocity of the cranks, which starts at a height of 1 m."""
     return -np.sqrt(49 + 2 * PULL * (1 - height))
 
 
 def time_of_the_line() -> float:
-    """Return when the cranks come to the line: ∫ dθ / |ω| over a quarter of a turn."""
+    """Time at which the cranks come to the line: ∫ dθ / |ω| over a quarter of a turn."""
     x, weights = np.polynomial.legendre.leggauss(40)
     return float(-math.pi / 4 * np.sum(weights / rate_at(np.cos(math.pi / 4 * (x + 1)))))
 
@@ -93,7 +93,7 @@ def in_fifty_digits(q: Any, v: Any, scene: Scene = SCENE) -> dict[str, Any]:
 
 
 def uneven_chain(heavy: float, light: float) -> str:
-    """Return a chain of three boxes, of which the second is light."""
+    """Chain of three boxes, of which the second is light."""
     bodies = "".join(
         f"b{k} = {{ position = [{k}, 0, 0], mass = {m}, center = [0.5, 0.05, 0.02],"
         f" inertia = {{ xx = {0.01 * m}, yy = {0.09 * m}, zz = {0.095 * m} }},"
@@ -114,7 +114,7 @@ def uneven_chain(heavy: float, light: float) -> str:
 
 
 def worst(found: Any, wanted: Any) -> float:
-    """Return the largest error, relative to the largest number."""
+    """Largest error, relative to the largest number."""
     return float(np.abs(found - wanted).max() / np.abs(wanted).max())
 
 
@@ -378,7 +378,7 @@ def test_chains_have_no_refinement(bodies_folder: Callable[..., Path]) -> None:
 
 
 def chain_of(case: str) -> Scene:
-    """Return three bars that hang on each other, as the stress suite asks of them."""
+    """Three bars that hang on each other, as the stress suite asks of them."""
     draw = random.Random(f"mass ratios to 1e12 in a chain, {case}")
     return scene_from_dict(extremes.chain(draw).tree)
 

@@ -59,7 +59,7 @@ def load(backend: str, bodies_folder: Callable[..., Path]) -> Load:
 
 
 def table(run: Run) -> Any:
-    """Return the columns and the state at the end, without the time that it took."""
+    """Columns and the state at the end, without the time that it took."""
     columns = run.motion().columns()
     return np.stack(list(columns.values())), run.state
 
@@ -130,7 +130,7 @@ def test_state_of_another_solver_is_refused(load: Load) -> None:
 
 
 def changed(solver: DynamicsSolver, saved: SavedRun, name: str, value: float) -> SavedRun:
-    """Return a saved run with another number in its state."""
+    """Saved run with another number in its state."""
     state = saved.state.copy()
     solver.state[name].view(state).flat[-1] = value
     return replace(saved, state=state)
@@ -269,7 +269,7 @@ def test_solver_that_is_called_alone_refuses_what_a_run_refuses(
     rows = np.empty((len(TIMES), solver.target.row_size))
 
     def status_with(times: Any = TIMES, **given: Any) -> int:
-        """Return what the first call of a new run returns."""
+        """Status of the first call of a new run."""
         run = solver.begin(TIMES)
         memory = Memory(run.state, run._memory.work)
         go = solver.target.runner(settings._replace(**given), np.array(times), memory)

@@ -40,7 +40,7 @@ def four_bars(angle: float = ANGLE) -> Scene:
 
 
 def crank_angle(angle: float, end: float) -> float:
-    """Return where the cranks of a double parallelogram are, by small steps of fourth order."""
+    """Angle of the cranks of a double parallelogram, by small steps of fourth order."""
     factor = 9.81 * (1.5 + 2) / (1 + 2)
     steps = 40_000
     h, theta, rate = end / steps, angle, -1.0

@@ -35,7 +35,7 @@ WAYS: tuple[dict[str, Any], ...] = (
 
 @pytest.fixture
 def solver_of(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Callable[..., Any]:
-    """Return what makes a solver of a text."""
+    """Function that makes a solver of a text."""
     assert compiler
 
     def solver(text: str, target: Any = "c") -> DynamicsSolver:

@@ -33,7 +33,7 @@ def hinge(*bodies: str, x: float = 0.0) -> dict[str, Any]:
 
 
 def double_pendulum(t: float, s: float, m: float) -> dict[str, Any]:
-    """Return one that falls from rest, with a damper at its second hinge."""
+    """Double pendulum that falls from rest, with a damper at its second hinge."""
     return {
         "name": "double_pendulum",
         "unit": "m",
@@ -52,7 +52,7 @@ def double_pendulum(t: float, s: float, m: float) -> dict[str, Any]:
 
 
 def led(t: float, s: float, m: float) -> dict[str, Any]:
-    """Return a crank led by a driver against a load, and a bar that hangs from it."""
+    """Crank led by a driver against a load, and a bar that hangs from it."""
     scene = double_pendulum(t, s, m)
     turn = f"0.5*sin(3*t/{t!r})"
     return {
@@ -64,7 +64,7 @@ def led(t: float, s: float, m: float) -> dict[str, Any]:
 
 
 def oscillator(t: float, s: float, m: float) -> dict[str, Any]:
-    """Return a body on a spring that a force shakes from rest, weakly."""
+    """Body on a spring that a force shakes from rest, weakly."""
     return {
         "name": "oscillator",
         "unit": "m",
@@ -90,7 +90,7 @@ def oscillator(t: float, s: float, m: float) -> dict[str, Any]:
 
 
 def weight(t: float, s: float, m: float) -> dict[str, Any]:
-    """Return a weight on a spring that hardens, whose joint has no length."""
+    """Weight on a spring that hardens, whose joint has no length."""
     scene = oscillator(t, s, m)
     middle = [0, 0, 0]
     scene["bodies"] = {"cart": {**bar(m, s, s), "center": middle}}
@@ -101,7 +101,7 @@ def weight(t: float, s: float, m: float) -> dict[str, Any]:
 
 
 def moved(scene: dict[str, Any], end: float, **options: Any) -> Motion:
-    """Return the motion of a scene to an end."""
+    """Motion of a scene to an end."""
     return cast("Motion", kousoku.load(scene, target="numpy").simulate(end, samples=11, **options))
 
 

@@ -33,7 +33,7 @@ pytestmark = pytest.mark.usefixtures("warm_cache")
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of the heavy top, with all outputs and reference values."""
+    """Folder of the heavy top, with all outputs and reference values."""
     outputs = ("accelerations", "reactions", "energies")
     tree = generate_dynamics(read_scene(SCENES / "heavy_top.toml"), outputs, references=True)
     folder = tmp_path_factory.mktemp("verified") / "heavy_top"
@@ -43,7 +43,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def folder(whole: Path, tmp_path: Path) -> Path:
-    """Return a copy that may be spoilt."""
+    """Copy of the folder that may be spoilt."""
     shutil.copytree(whole, tmp_path / "heavy_top")
     return tmp_path / "heavy_top"
 
@@ -199,7 +199,7 @@ def test_a_solver_can_be_asked_for_accelerations_at_any_state(whole: Path, targe
 
 
 def _principal(solver: Any, vector: Any) -> Any:
-    """Return a vector of the user's frame in the principal frame of the only body."""
+    """Vector of the user's frame in the principal frame of the only body."""
     w, *e = solver.bodies[0].axes_b
     return vector + 2.0 * (w * np.cross(e, vector) + np.cross(e, np.cross(e, vector)))
 

@@ -24,7 +24,7 @@ pytestmark = pytest.mark.usefixtures("numpy_solver")
 
 
 def shaker(value: str, force: str) -> Mechanism:
-    """Return a shaft that a driver leads against a load."""
+    """Shaft that a driver leads against a load."""
     scene = {
         "name": "shaker",
         "unit": "m",
@@ -122,7 +122,7 @@ def test_works_hold_in_rows_between_positions(samples: int, tolerance: float) ->
 
 
 def pulsing(monkeypatch: pytest.MonkeyPatch) -> Mechanism:
-    """Return a shaft that turns evenly, whose load is 2 at rows and between, and 1 on average.
+    """Shaft that turns evenly, whose load is 2 at rows and between, and 1 on average.
 
     Nothing bounds the formula: steps know of it what they sample.
     """

@@ -380,7 +380,7 @@ COEFFICIENTS = {
 
 
 def changed(method: methods.Method, old: float, new: float) -> methods.Method:
-    """Return a method with one number in place of another."""
+    """Method with one number in place of another."""
 
     def with_new(table: Any) -> Any:
         if isinstance(table, tuple):

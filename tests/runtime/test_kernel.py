@@ -29,7 +29,7 @@ C, C_Q = np.array([28.0]), np.array([[4.0, 8.0, 12.0, 0.0]])
 
 
 def outputs_of(r: Floats, length: Floats) -> tuple[Floats, Floats]:
-    """Return C and C_q by einsum, exact for small integers."""
+    """Constraints C and Jacobian C_q by einsum, exact for small integers."""
     row = np.concatenate([r, np.zeros((*r.shape[:-1], 1))], axis=-1)
     C = np.broadcast_to(length, np.broadcast_shapes(length.shape, r.shape[:-1])) * (r**2).sum(-1)
     return C[..., None], (2 * length[..., None] * row)[..., None, :]

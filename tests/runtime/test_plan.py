@@ -24,7 +24,7 @@ SOURCE = Path(plan.__file__).parent / "_call.c"
 
 @pytest.fixture
 def plan_type(compiler: Toolchain) -> Any:
-    """Return the extension's type."""
+    """Type of the extension."""
     built = plan.plan_type(compiler)
     if built is None:
         pytest.skip("no headers of Python and NumPy")

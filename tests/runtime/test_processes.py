@@ -206,7 +206,7 @@ def test_a_cache_that_libraries_cannot_be_loaded_from_gives_one_message_and_the_
 
 
 def _with_a_cache_on(prepare: str, cache: Path, folder: Path) -> tuple[str, str]:
-    """Return what is printed, and told, where the cache lies on a file system of its own."""
+    """Printed output, and messages, where the cache lies on a file system of its own."""
     cache.mkdir()
     enter = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c"]
     mounted = prepare.format(cache=cache)

@@ -108,7 +108,7 @@ def test_a_motion_that_is_small_beside_the_tolerance_is_told() -> None:
 
 
 def table(swing: float, unit: float = 1.0, **more: Any) -> dict[str, Any]:
-    """Return a turntable of 10 m with a slider at its rim, on a spring; lengths in other units."""
+    """Turntable of 10 m with a slider at its rim, on a spring; lengths in other units."""
     place, heavy = 10.0 * unit, 1e4 * unit * unit
     turn = {"angular_velocity": [0, 0, 1]}
     start = {"position": [place, 0, swing * unit], "velocity": [0, place, 0]}

@@ -51,13 +51,13 @@ SEEN = (
 
 
 def record(of: Any) -> Any:
-    """Return a record of Python as ``solver.h`` declares it."""
+    """Record of Python as ``solver.h`` declares it."""
     declared = [(name, TYPES[kind]) for name, kind in get_type_hints(of).items()]
     return type(of.__name__, (ctypes.Structure,), {"_fields_": declared})
 
 
 def in_c(solver: DynamicsSolver, settings: Settings, state: Any) -> tuple[int, Verdict]:
-    """Return what C returns, and its verdict."""
+    """Code that C returns, and its verdict."""
     target: Any = solver.target
     verdict = record(Verdict)()
     given = ctypes.byref(record(Settings)(*settings)), state.ctypes, ctypes.byref(verdict)
@@ -77,7 +77,7 @@ def in_python(solver: DynamicsSolver, settings: Settings, state: Any) -> Verdict
 
 
 def same(solver: DynamicsSolver, settings: Settings, state: Any) -> Doubt:
-    """Return what both say of a state, with the same bits."""
+    """Doubts that C and Python have of a state, with the same bits."""
     code, found = in_c(solver, settings, state)
     wanted = in_python(solver, settings, state)
     assert code == found.doubts == wanted.doubts
@@ -86,7 +86,7 @@ def same(solver: DynamicsSolver, settings: Settings, state: Any) -> Doubt:
 
 
 def doubts_of(run: Run) -> Doubt:
-    """Return what both say of a run when it is done, which is what its ledger says."""
+    """Doubts that both have of a run when it is done, which are those of its ledger."""
     try:
         trust = run.finish().ledger.trust
     except MotionError as error:
@@ -181,7 +181,7 @@ def test_a_row_without_a_value_hides_nothing_of_the_others(bodies_folder: Any) -
 
 
 def loosened(folder: Path) -> DynamicsSolver:
-    """Return a pendulum whose hinge does not hold its point along x."""
+    """Pendulum whose hinge does not hold its point along x."""
     system = assemble(system_of(read_scene(SCENES / "pendulum.toml")))
     whole = all_rows(system)
     kinds = [one.kind for one in system.constraints]
@@ -197,7 +197,7 @@ def test_joint_that_comes_open_where_a_row_was_left_out_is_doubted(tmp_path: Pat
 
 
 def states(run: Run, count: int) -> Iterator[Any]:
-    """Yield states of a run in which what the verdict looks at is anything, NaN among it."""
+    """States of a run in which what the verdict looks at is anything, NaN among it."""
     rng, fields = np.random.default_rng(13), run.solver.state
     for _ in range(count):
         state = run.state.copy()
@@ -210,13 +210,13 @@ def states(run: Run, count: int) -> Iterator[Any]:
 
 
 def some(rng: np.random.Generator) -> float:
-    """Return a number of any size, or one that is none."""
+    """Number of any size, or one that is none."""
     special = (0.0, np.nan, np.inf, 1.0)
     return float(rng.choice(special)) if rng.random() < 0.1 else 10.0 ** rng.uniform(-24, 6)
 
 
 def solvers(bodies_folder: Callable[..., Path], folder: Path) -> dict[str, DynamicsSolver]:
-    """Return scenes that differ in what the verdict depends on.
+    """Scenes that differ in what the verdict depends on.
 
     Rows that are solved for, that are left out, and that coordinates fulfil; drivers that move
     masses, and that move what has none; joints that leave nothing free.

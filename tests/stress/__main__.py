@@ -70,7 +70,7 @@ class Answer:
 
 
 def questions() -> dict[str, Question]:
-    """Return all questions by the names of their modules."""
+    """Questions by the names of their modules."""
     names = sorted(module.name for module in pkgutil.iter_modules(stress.__path__))
     modules = {
         name: import_module(f"tests.stress.{name}") for name in names if name not in NO_QUESTIONS
@@ -79,7 +79,7 @@ def questions() -> dict[str, Question]:
 
 
 def journal_of(size: Size) -> Path:
-    """Return the journal of a run: another one for other sources."""
+    """Journal of a run: another one for other sources."""
     run = size.is_full, size.seed, machine()
     return BUILD / f"{digest_of(run, SOURCES, _is_source)}.jsonl"
 
@@ -89,7 +89,7 @@ def _is_source(path: Path) -> bool:
 
 
 def stopped(error: StoppedError, name: str, case: str) -> Outcome:
-    """Return the outcome of a case that did not end by itself: that is a finding."""
+    """Outcome of a case that did not end by itself: that is a finding."""
     command = f"python -m tests.stress {name} --case '{case}'"
     return Outcome(findings=[Finding(f"case {case}: {error}", "", command)])
 
@@ -136,7 +136,7 @@ def ask(
 
 
 def machine() -> str:
-    """Return the machine and what kousoku runs on there, in words."""
+    """Machine and what kousoku runs on there, in words."""
     return (
         f"{processor()}, {os.cpu_count()} processors, {platform.system()},"
         f" Python {platform.python_version()}, NumPy {np.__version__}, {compiler()}"
@@ -144,7 +144,7 @@ def machine() -> str:
 
 
 def compiler() -> str:
-    """Return the version of the compiler that kousoku takes here, if it takes one."""
+    """Version of the compiler that kousoku takes here, if it takes one."""
     try:
         return find_toolchain().name
     except CompilerError:
@@ -154,7 +154,7 @@ def compiler() -> str:
 def page_of(
     chosen: dict[str, Question], answers: dict[str, Answer], size: Size, seconds: float
 ) -> str:
-    """Return the page of a run, which took so long on the clock, in Markdown."""
+    """Page of a run, which took so long on the clock, in Markdown."""
     parts = []
     for name, answer in answers.items():
         question, outcome = chosen[name], answer.outcome
@@ -204,7 +204,7 @@ def keep(name: str, finding: Finding) -> str:
 
 
 def arguments_of(words: list[str] | None) -> argparse.Namespace:
-    """Return what the command line asks for; the environment is what ``make stress N=…`` sets."""
+    """Arguments of the command line; the environment is what ``make stress N=…`` sets."""
     given, known = os.environ, questions()
     parser = argparse.ArgumentParser(prog="python -m tests.stress", description=__doc__)
     only = [name for name in given.get("ONLY", "").split(",") if name]

@@ -85,7 +85,7 @@ def cases(size: Size) -> Iterator[str]:
 
 
 def body(name: str, at: tuple[float, float], angle: float, length: float, mass: float) -> str:
-    """Return a bar that begins at a place."""
+    """Bar that begins at a place."""
     box = f"{{ mass = {mass!r}, size = [{length!r}, 0.1, 0.1], at = [{length / 2!r}, 0, 0] }}"
     turn = f"{{ axis = [0, 0, 1], angle = {angle!r} }}"
     place = f"position = [{at[0]!r}, {at[1]!r}, 0]\norientation = {turn}\nboxes = [{box}]\n"
@@ -93,7 +93,7 @@ def body(name: str, at: tuple[float, float], angle: float, length: float, mass: 
 
 
 def joined(bodies: dict[str, tuple[float, float, float, float]], pins: str, law: str) -> str:
-    """Return the scene of bars, by place, angle and length, with the joints that close it."""
+    """Scene of bars, by place, angle and length, with the joints that close it."""
     parameters = "rate = 1.0\n" + "amp = 1.0\n" * (law == "swinging")
     bars = "".join(body(n, (x, y), a, b, round(b, 2)) for n, (x, y, a, b) in bodies.items())
     return (
@@ -103,13 +103,13 @@ def joined(bodies: dict[str, tuple[float, float, float, float]], pins: str, law:
 
 
 def pin(name: str, one: str, x: float, other: str, y: float) -> str:
-    """Return a hinge at a place along each of two bars."""
+    """Hinge at a place along each of two bars."""
     pair = f'bodies = ["{one}", "{other}"], points = [[{x!r}, 0, 0], [{y!r}, 0, 0]]'
     return f'{name} = {{ type = "revolute", {pair}, axes = [[0, 0, 1], [0, 0, 1]] }}\n'
 
 
 def four_bar(draw: random.Random, gap: float, law: str) -> Linkage:
-    """Return a four-bar that nearly lies flat where its crank points away, or to the other pin."""
+    """Four-bar that nearly lies flat where its crank points away, or to the other pin."""
     crank = draw.uniform(0.3, 1.5)
     ground = crank * draw.uniform(1.3, 4.0)
     kind = draw.choice(("parallelogram", "stretched", "folded"))
@@ -149,7 +149,7 @@ def four_bar(draw: random.Random, gap: float, law: str) -> Linkage:
 
 
 def slider_crank(draw: random.Random, gap: float, law: str) -> Linkage:
-    """Return a slider-crank whose rod is nearly across the slide where its crank is."""
+    """Slider-crank whose rod is nearly across the slide where its crank is."""
     crank = draw.uniform(0.3, 1.5)
     offset = draw.choice((0.0, crank * draw.uniform(-0.8, 0.8)))
     rod = crank + abs(offset) + gap
@@ -177,13 +177,13 @@ def slider_crank(draw: random.Random, gap: float, law: str) -> Linkage:
 
 
 def random_linkage(draw: random.Random) -> Linkage:
-    """Return a linkage with a gap of any size, or none."""
+    """Linkage with a gap of any size, or none."""
     gap = draw.choice((0.0, *(10 ** draw.uniform(-13.0, -2.7) for _ in range(8)), 10**-1.5))
     return draw.choice((four_bar, slider_crank))(draw, gap, draw.choice(tuple(TEXTS)))
 
 
 def signs_of(linkage: Linkage, angle_at: Callable[[Array], Array], times: Array) -> Array:
-    """Return the branch at times: where branches meet the motion goes straight on to the other."""
+    """Branch at times, 1 or -1: where branches meet the motion goes straight on to the other."""
     if linkage.gap > 0.0:
         return np.ones_like(times)
     fine = np.unique(np.concatenate([np.linspace(0.0, times[-1], 20001), times]))
@@ -195,7 +195,7 @@ def signs_of(linkage: Linkage, angle_at: Callable[[Array], Array], times: Array)
 
 
 def is_on_branch(linkage: Linkage, angle_at: Callable[[Array], Array], motion: Any) -> bool:
-    """Return whether no row of a motion is on the other branch."""
+    """Whether no row of a motion is on the other branch."""
     name, length = linkage.bar
     e0, e3 = motion.orientation[name][:, 0], motion.orientation[name][:, 3]
     turned = np.stack([e0 * e0 - e3 * e3, 2 * e0 * e3], axis=-1)

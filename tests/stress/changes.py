@@ -23,7 +23,7 @@ class DoesNotApply(Exception):
 
 
 def multiplied(value: Any, factor: float) -> Any:
-    """Return a number, a formula or a list of them multiplied by a number."""
+    """Number, formula or list of them, multiplied by a number."""
     if isinstance(value, list | tuple):
         return [multiplied(one, factor) for one in value]
     if isinstance(value, str):
@@ -39,7 +39,7 @@ def write_numbers(body: Tree) -> None:
 
 
 def is_angle(tree: Tree, one: Tree) -> bool:
-    """Return whether what a coordinate, driver, force or input refers to is an angle."""
+    """Whether what a coordinate, driver, force or input refers to is an angle."""
     if "coordinate" in one:
         return is_angle(tree, tree["coordinates"][one["coordinate"]])
     if "joint" not in one:
@@ -100,7 +100,7 @@ class Scaled:
                 one[key] = multiplied(one[key], factor)
 
     def _said(self, formula: Any, **more: float) -> Any:
-        """Return formulas in which time, coordinates and rates have the old numbers."""
+        """Formulas in which time, coordinates and rates have the old numbers."""
         if isinstance(formula, list | tuple):
             return [self._said(one, **more) for one in formula]
         if not isinstance(formula, str):
@@ -142,7 +142,7 @@ class Scaled:
                 ]
 
     def _split(self, name: str, force: Tree) -> list[tuple[str, Tree]]:
-        """Return a force, or friction once for all that it acts on: each is scaled by its own."""
+        """Force, or friction once for all that it acts on: each is scaled by its own."""
         if force["type"] != "friction" or "of" in force:
             return [(name, force)]
         kind = self.old["joints"][force["joint"]]["type"]
@@ -183,12 +183,12 @@ class Scaled:
 
 
 def turned(tree: Tree, A: Matrix) -> Tree:
-    """Return a scene that is turned about the origin of frame O."""
+    """Scene that is turned about the origin of frame O."""
     return Displaced(tree, A, None).tree
 
 
 def moved(tree: Tree, offset: Vector) -> Tree:
-    """Return a scene that is elsewhere."""
+    """Scene that is moved elsewhere."""
     return Displaced(tree, None, offset).tree
 
 
@@ -269,7 +269,7 @@ class Displaced:
 
 
 def reordered(tree: Tree) -> Tree:
-    """Return a scene whose elements are in the opposite order."""
+    """Scene whose elements are in the opposite order."""
     return {
         key: dict(reversed(value.items())) if isinstance(value, dict) else value
         for key, value in tree.items()
@@ -277,7 +277,7 @@ def reordered(tree: Tree) -> Tree:
 
 
 def split(tree: Tree) -> Tree:
-    """Return a scene whose rigid bodies are two halves each, of the same place, welded together."""
+    """Scene whose rigid bodies are two halves each, of the same place, welded together."""
     new = copy.deepcopy(tree)
     for name, body in tree["bodies"].items():
         if body.get("point") or "mass" not in body:
@@ -304,7 +304,7 @@ def split(tree: Tree) -> Tree:
 
 
 def can_be_reversed(tree: Tree) -> bool:
-    """Return whether a motion runs back when all velocities are reversed."""
+    """Whether a motion runs back when all velocities are reversed."""
     if tree.get("drivers") or tree.get("inputs"):
         return False
     for one in tree.get("forces", {}).values():

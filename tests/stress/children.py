@@ -93,7 +93,7 @@ def _ended(work: Work, mishap: Mishap | None) -> list[str]:
 
 
 def ended(child: int, read: int) -> End:
-    """Return how a process ended, when it has."""
+    """End of a process, when it has ended."""
     with os.fdopen(read, "rb") as stream:
         data = stream.read()
     _, status = os.waitpid(child, 0)
@@ -103,12 +103,12 @@ def ended(child: int, read: int) -> End:
 
 
 def alone(work: Work, mishap: Mishap | None = None) -> End:
-    """Return how one process ends."""
+    """End of one process."""
     return ended(*begun(work, mishap))
 
 
 def together(works: Sequence[Work]) -> list[End]:
-    """Return how processes end that begin at once."""
+    """Ends of processes that begin at once."""
     gate = os.pipe()
     running = [begun(work, gate=gate) for work in works]
     for end in gate:
@@ -117,7 +117,7 @@ def together(works: Sequence[Work]) -> list[End]:
 
 
 def _changes(event: str, arguments: tuple[Any, ...]) -> Iterator[str]:
-    """Yield the files that an event changes."""
+    """Files that an event changes."""
     if event == "open" and isinstance(arguments[2], int) and arguments[2] & WRITES:
         yield str(arguments[0])
     for name in arguments[: CHANGES.get(event, 0)]:
@@ -125,7 +125,7 @@ def _changes(event: str, arguments: tuple[Any, ...]) -> Iterator[str]:
 
 
 def counting(found: list[int]) -> Mishap:
-    """Return what counts changes of files, and lets them be."""
+    """Mishap that counts changes of files, and lets them be."""
 
     def hear(event: str, arguments: tuple[Any, ...]) -> None:
         found[0] += any(True for _ in _changes(event, arguments))
@@ -134,7 +134,7 @@ def counting(found: list[int]) -> Mishap:
 
 
 def killed_before(number: int) -> Mishap:
-    """Return what kills the process before a change of a file, by its number."""
+    """Mishap that kills the process before a change of a file, by its number."""
     left = [number]
 
     def hear(event: str, arguments: tuple[Any, ...]) -> None:
@@ -147,7 +147,7 @@ def killed_before(number: int) -> Mishap:
 
 
 def killed_after(size: int) -> Mishap:
-    """Return what kills the process while it writes a file, after so many bytes."""
+    """Mishap that kills the process while it writes a file, after so many bytes."""
 
     def prepare() -> None:
         signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
@@ -157,7 +157,7 @@ def killed_after(size: int) -> Mishap:
 
 
 def full_after(size: int) -> Mishap:
-    """Return what lets no file have more bytes: writing fails half way."""
+    """Mishap that lets no file have more bytes: writing fails half way."""
     return lambda: _limit(size)
 
 
@@ -169,7 +169,7 @@ def _limit(size: int) -> None:
 
 
 def full_from(number: int) -> Mishap:
-    """Return what lets no file be made from some change on: there is no room for it."""
+    """Mishap that lets no file be made from some change on: there is no room for it."""
     left = [number]
 
     def hear(event: str, arguments: tuple[Any, ...]) -> None:
@@ -183,7 +183,7 @@ def full_from(number: int) -> Mishap:
 
 
 def read_only(folder: Path) -> Mishap:
-    """Return what lets nothing in a folder be changed, also where one is root."""
+    """Mishap that lets nothing in a folder be changed, also where one is root."""
 
     def hear(event: str, arguments: tuple[Any, ...]) -> None:
         for name in _changes(event, arguments):

@@ -58,14 +58,14 @@ the integral is known to half of what it may miss."""
 
 
 def nodes(end: float, number: int = 17) -> Array:
-    """Return times at which powers are integrated, those of Clenshaw and Curtis."""
+    """Times at which powers are integrated, those of Clenshaw and Curtis."""
     times = end * (1 - np.cos(np.pi * np.arange(number) / (number - 1))) / 2
     times[-1] = end
     return times
 
 
 def _integral(times: Array, values: Any) -> tuple[float, float]:
-    """Return the integral of the polynomial through values at nodes, and what it may miss.
+    """Integral of the polynomial through values at nodes, and what it may miss.
 
     That is the size of its last coefficients: they are small where values are smooth.
     """
@@ -76,7 +76,7 @@ def _integral(times: Array, values: Any) -> tuple[float, float]:
 
 
 def size_of(*arrays: Array) -> float:
-    """Return the largest absolute value, 0 of nothing."""
+    """Largest absolute value, 0 of nothing."""
     return max((abs(float(x)) for a in arrays for x in np.ravel(a)), default=0.0)
 
 
@@ -104,7 +104,7 @@ class Comparison:
         self.rough = ROUGH if "sqrt(" in str(tree.get("forces")) else 0.0
 
     def rows(self, run: Motion) -> Iterator[Measured]:
-        """Yield how far the rows of a motion are from what the evaluator says of them."""
+        """Distances of the rows of a motion from what the evaluator says of them."""
         length = max(1.0, run.layout.length)
         self.missed = run.ledger.trust.missed * length
         # what rows that are left out miss moves: by the rates, and theirs, that the run tells
@@ -124,7 +124,7 @@ class Comparison:
         yield from self._events(run, seen)
 
     def evaluations(self, run: Motion) -> Iterator[Evaluation]:
-        """Yield what the evaluator says of the rows of a motion, one after the other."""
+        """Evaluations of the rows of a motion, one after the other."""
         last = None
         for k in range(len(run)):
             t, q, v = run.state(k)
@@ -135,7 +135,7 @@ class Comparison:
     def _at(
         self, t: float, q: Array, v: Array, last: tuple[float, Evaluation] | None
     ) -> Evaluation:
-        """Return a row; angles have gone on by half of the time with the rate before and after."""
+        """Evaluation of a row; angles went on by half of the time at the rate before and after."""
         state = self.evaluator.state_of(q.tolist(), v.tolist())
         if last is None:
             return self.evaluator.evaluate(t, state)
@@ -146,7 +146,7 @@ class Comparison:
         return self.evaluator.evaluate(t, state, near)
 
     def scales(self, found: Evaluation) -> Array:
-        """Return by what the rows are measured: what a metre or a radian of a body makes of them.
+        """Scales of the rows: what a metre or a radian of a body makes of them.
 
         So a coupler of angles with a displacement is measured as the angle that it is.
         """
@@ -165,7 +165,7 @@ class Comparison:
         return size_of(found.v / self.units(found))
 
     def _tables(self, run: Motion, k: int, found: Evaluation) -> Iterator[Measured]:
-        """Yield how far results are off: coordinates, energies, forces of joints."""
+        """Errors of results: coordinates, energies, forces of joints."""
         for name, u in found.coordinates.items():
             if name not in run.coordinate:
                 continue
@@ -183,7 +183,7 @@ class Comparison:
             yield "potential energy (relative)", size_of(off) / size, 60 * U
 
     def _events(self, run: Motion, seen: list[tuple[float, Evaluation]]) -> Iterator[Measured]:
-        """Yield how far formulas are from zero at their events, and events that are not there."""
+        """Distances of formulas from zero at their events, and events that are not there."""
         for name, event in run.events.items():
             for k in range(len(event.states)):
                 t, q, v = event.states.state(k)
@@ -199,7 +199,7 @@ class Comparison:
             yield "events between rows that are missing (events)", max(0, missing), 0
 
     def _beyond(self, name: str, found: Evaluation) -> float:
-        """Return by how much of a second, metre or radian the formula of an event is above zero."""
+        """Height above zero of the formula of an event, in seconds, metres or radians."""
         formula = found.events[name]
         lengths = [self.metre if self._is_length(name) else 1.0 for name in found.coordinates]
         rates = [size * (1 + self._speed(found)) for size in lengths]
@@ -207,7 +207,7 @@ class Comparison:
         return float(formula.value / changes) if changes else 0.0
 
     def works(self, run: Motion) -> Iterator[Measured]:
-        """Yield how far works are from integrals of the evaluator's powers.
+        """Distances of works from integrals of the evaluator's powers.
 
         Parameters
         ----------
@@ -245,7 +245,7 @@ class Comparison:
         return key is None or "displacement" in key[1]
 
     def _equations(self, run: Motion, k: int, found: Evaluation) -> Iterator[Measured]:
-        """Yield how far M, f, C_q, ν, γ and what follows from them are off."""
+        """Errors of M, f, C_q, ν, γ and what follows from them."""
         state = run.state(k)
         theirs = self.mechanism.matrices(*state)
         # Both choose rows of their own for a joint: one's are combinations of the other's.
@@ -286,7 +286,7 @@ class Comparison:
     def _accelerations(
         self, run: Motion, k: int, found: Evaluation, solution: Solution, limit: float
     ) -> Iterator[Measured]:
-        """Yield how far the table of accelerations is off."""
+        """Errors of the table of accelerations."""
         if "accelerations" not in self.tree["outputs"]:
             return
         tables = run.acceleration, run.angular_acceleration
@@ -300,7 +300,7 @@ class Comparison:
     def _wrench(
         self, run: Motion, k: int, owner: str, pushes: Array, known: tuple[float, float]
     ) -> Iterator[Measured]:
-        """Yield how far the tables of force and torque of a joint are off."""
+        """Errors of the tables of force and torque of a joint."""
         ends = self.evaluator.joints.ends.get(owner)
         if ends is None or "reactions" not in self.tree["outputs"]:
             return
@@ -327,11 +327,11 @@ class Comparison:
         return Pose(run.position[body][k], rotation(p))
 
     def _force(self, found: Evaluation, *also: Array) -> float:
-        """Return the largest of some generalised forces in N and N m."""
+        """Largest of some generalised forces in N and N m."""
         return size_of(*(f * self.units(found) for f in (found.f, *also))) / self.metre**2
 
     def _stiffness(self) -> float:
-        """Return the largest force of a spring or bushing that a metre or a radian makes [N, N m].
+        """Largest force of a spring or bushing that a metre or a radian makes [N, N m].
 
         Those of one that is nearly relaxed are differences of positions, which both have rounded:
         relative to themselves they have as few digits as one likes.
@@ -363,11 +363,11 @@ class Comparison:
 
     @staticmethod
     def _of(A: Array) -> Array:
-        """Return the largest element of each row, 1 of a row of zeros."""
+        """Largest element of each row, 1 of a row of zeros."""
         return np.array([[size_of(row) or 1.0] for row in A])
 
     def units(self, found: Evaluation) -> Array:
-        """Return how much of each column a metre or a radian is."""
+        """Amount of each column that a metre or a radian is."""
         sizes = np.ones(len(found.v))
         for own in found.columns.values():
             sizes[own.start : own.start + 3] = self.metre

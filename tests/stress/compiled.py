@@ -38,14 +38,14 @@ END, ROWS, STEPS = 2.0, 21, 4000
 
 
 def scene_of(sort: str, name: str) -> Any:
-    """Return a scene, committed or random."""
+    """Scene, committed or random."""
     return (
         ROOT / "scenes" / f"{name}.toml" if sort == "scene" else random_scene(random.Random(name))
     )
 
 
 def files_of(thing: str) -> dict[str, str] | None:
-    """Return the C sources of a thing; None where its random scene is refused."""
+    """Sources in C of a thing; None where its random scene is refused."""
     sort, name = thing.split()
     if sort == "kind":
         folder = KINDS / name
@@ -61,7 +61,7 @@ def files_of(thing: str) -> dict[str, str] | None:
 
 
 def computed(sort: str, name: str) -> Iterator[np.ndarray[Any, Any]]:
-    """Yield all numbers of a thing."""
+    """All numbers of a thing."""
     if sort == "kind":
         folder = KINDS / name
         library, sources = load(folder, target="c"), Sources.read(folder)

@@ -71,7 +71,7 @@ BROKEN = {
 
 @cache
 def compilers() -> dict[str, str]:
-    """Return the compilers of this machine by name; another name of one is none."""
+    """Compilers of this machine by name; another name of one is none."""
     found: dict[str, str] = {}
     for name in (*WANTED, *OTHERS):
         place = shutil.which(name.split()[0])

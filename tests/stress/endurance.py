@@ -99,7 +99,7 @@ def run(case: str) -> Outcome:
 
 
 def growth(time: Array, lost: Array) -> float:
-    """Return the exponent by which the largest value so far grows with time."""
+    """Exponent by which the largest value so far grows with time."""
     largest = np.maximum.accumulate(lost)
     is_late = (time > 0.01 * time[-1]) & (largest > 0.0)
     if is_late.sum() < 3:

@@ -48,7 +48,7 @@ INDEPENDENT = 1e-3
 
 
 def bar(at: Any, mass: float, angle: float = 0.0, omega: float = 0.0, length: float = 1.0) -> Bar:
-    """Return a bar from its origin along its x axis, not quite symmetric."""
+    """Bar from its origin along its x axis, not quite symmetric."""
     center = (0.5 * length, 0.03 * length)
     return Bar(at, mass, center, 0.1 * mass * length**2, angle, omega)
 
@@ -103,7 +103,7 @@ def four_bar(
 
 
 def heavy_loop(draw: random.Random) -> Scene:
-    """Return a four-bar of masses that differ by up to 1e12."""
+    """Four-bar of masses that differ by up to 1e12."""
     masses = [10 ** draw.choice((0, draw.uniform(-6, 6), -6, 6)) for _ in range(3)]
     return four_bar(
         (1.0, 3.0, 2.0, 3.0), draw.uniform(0.5, 2.5), draw.uniform(-1, 1), tuple(masses)
@@ -111,13 +111,13 @@ def heavy_loop(draw: random.Random) -> Scene:
 
 
 def change_point(draw: random.Random) -> Scene:
-    """Return a parallelogram near the position in which all bars lie in line, or there."""
+    """Parallelogram near the position in which all bars lie in line, or there."""
     near = draw.choice((0.0, 10 ** draw.uniform(-12, -1)))
     return four_bar((1.0, 2.0, 1.0, 2.0), near, 1.0)
 
 
 def dead_centre(draw: random.Random) -> Scene:
-    """Return a crank near the end of its way, or there: coupler and rocker lie in line."""
+    """Crank near the end of its way, or there: coupler and rocker lie in line."""
     near = draw.choice((0.0, 10 ** draw.uniform(-12, -1)))
     a, b, c, d = 2.0, 1.0, 1.5, 2.2
     end = math.acos((a * a + d * d - (b + c) ** 2) / (2 * a * d))
@@ -141,12 +141,12 @@ def stiff(draw: random.Random) -> Scene:
 
 
 def leaning(draw: random.Random) -> Scene:
-    """Return a four-bar whose last axis leans by 1e-12 to 0.1."""
+    """Four-bar whose last axis leans by 1e-12 to 0.1."""
     return four_bar((1.0, 3.0, 2.0, 3.0), 1.0, 0.5, nearly=10 ** draw.uniform(-12, -1), leans=True)
 
 
 def coincident(draw: random.Random) -> Scene:
-    """Return a four-bar on a small body whose two pins are in one place, or nearly."""
+    """Four-bar on a small body whose two pins are in one place, or nearly."""
     short = draw.choice((0.0, 10 ** draw.uniform(-12, -3)))
     scene = four_bar((1.0, 3.0, 2.0, 3.0), 1.0, 0.0)
     bars, hinges = dict(scene.bars), dict(scene.hinges)
@@ -159,7 +159,7 @@ def coincident(draw: random.Random) -> Scene:
 
 
 def two_pins(draw: random.Random) -> Scene:
-    """Return a bar that two pins hold on the ground, 1e-12 to 0.1 m from each other."""
+    """Bar that two pins hold on the ground, 1e-12 to 0.1 m from each other."""
     apart, angle = draw.choice((0.0, 10 ** draw.uniform(-12, -1))), draw.uniform(-3, 3)
     end = (apart * math.cos(angle), apart * math.sin(angle))
     hinges = {
@@ -187,7 +187,7 @@ MOVES = (1e-3, 1.0)
 
 
 def states_of(run: Any, row: int, names: Any) -> dict[str, State]:
-    """Return the state of each body in a row, as the doubles that it is."""
+    """State of each body in a row, as the doubles that it is."""
     found = {}
     for name in names:
         body = run.body(name)
@@ -202,7 +202,7 @@ def states_of(run: Any, row: int, names: Any) -> dict[str, State]:
 
 
 def numbers_of(run: Any, row: int, scene: Scene) -> dict[str, float]:
-    """Return accelerations and forces of a row, as :meth:`Solution.numbers` names them."""
+    """Accelerations and forces of a row, as :meth:`Solution.numbers` names them."""
     found = {}
     for name in scene.bars:
         body = run.body(name)
@@ -241,7 +241,7 @@ def judge(outcome: Outcome, family: str, case: str, scene: Scene, span: float) -
 def digits_lost(
     outcome: Outcome, family: str, scene: Scene, run: Any, row: int
 ) -> tuple[float, str] | None:
-    """Return how many digits a row lacks that its state determines, and of which number.
+    """Digits that a row lacks though its state determines them, and of which number.
 
     None where its forces are not determined, and it says so.
     """

@@ -111,7 +111,7 @@ PULSES: dict[str, tuple[str, Callable[[float], tuple[float, float]]]] = {
 
 
 def pulse(of: Callable[[float], tuple[float, float]]) -> Callable[[random.Random], Drawn]:
-    """Return what draws a pulse of time."""
+    """Function that draws a pulse of time."""
 
     def draw(random_: random.Random) -> Drawn:
         width = END * 10.0 ** random_.uniform(-6.0, -0.5)
@@ -171,7 +171,7 @@ WALLS = {
 
 
 def wall(integral: float, *, is_steep: bool, least: float) -> Callable[[random.Random], Drawn]:
-    """Return what draws a wall: half throw the cart back, half let it pass and keep a part.
+    """Function that draws a wall: half throw the cart back, half let it pass and keep a part.
 
     The least width is a power of ten, in metres of the 100 that the cart would go.
     """
@@ -403,7 +403,7 @@ def bump(random_: random.Random) -> Drawn:
 
 
 def moved(name: str, law: str) -> str:
-    """Return the scene of a cart under a law."""
+    """Scene of a cart under a law."""
     return CART.format(name=name, law=f"{law} + 0*place*width*height")
 
 

@@ -134,7 +134,7 @@ def _together(case: str) -> Outcome:
 
 @cache
 def _reference(scene: str) -> str:
-    """Return the digest of the rows of a scene, without a mishap."""
+    """Digest of the rows of a scene, without a mishap."""
     with tempfile.TemporaryDirectory(prefix="kousoku-stress-") as place:
         end = children.alone(partial(_loading, Path(place), "numpy", scene))
     assert end.how == "good", end
@@ -163,7 +163,7 @@ OLD = b"what was there before\n"
 
 
 def _of_tree(folder: Path) -> str:
-    """Return the digest of all files of a folder but those that begin with a dot."""
+    """Digest of all files of a folder but those that begin with a dot."""
     names = sorted(p for p in folder.rglob("*") if p.is_file() and not p.name.startswith("."))
     return _digest(
         b"".join(p.relative_to(folder).as_posix().encode() + p.read_bytes() for p in names)
@@ -241,7 +241,7 @@ MISHAPS = ("killed", "full", "read-only")
 
 
 def _mishap(kind: str, draw: random.Random, changes: int, place: Path, number: int) -> Any:
-    """Return what goes wrong, and in words."""
+    """Mishap of a kind, and its description in words."""
     if kind == "read-only":
         return children.read_only(place), "nothing can be written"
     if number % 2:
@@ -318,14 +318,14 @@ def _prepared(work: Work) -> Iterator[Path]:
 
 
 def _left_over(place: Path) -> Iterator[Path]:
-    """Yield what a process that ended by itself should have removed."""
+    """Files that a process that ended by itself should have removed."""
     for path in place.rglob(".*"):
         if path.exists() and path.suffix != ".lock":
             yield path
 
 
 def _state(work: Work, place: Path) -> dict[str, bytes]:
-    """Return the files that are written, without those that begin with a dot."""
+    """Files that are written, without those that begin with a dot."""
     at = place / work.file
     files = [at] if at.is_file() else [path for path in at.rglob("*") if path.is_file()]
     return {
@@ -338,7 +338,7 @@ def _state(work: Work, place: Path) -> dict[str, bytes]:
 def _is_whole(
     work: Work, place: Path, before: Mapping[str, bytes], after: Mapping[str, bytes]
 ) -> bool:
-    """Return whether each file is as before or as after; a mixed package is refused."""
+    """Whether each file is as before or as after; a mixed package is refused."""
     found = _state(work, place)
     if not all(data in (before.get(name), after.get(name)) for name, data in found.items()):
         return False
@@ -375,7 +375,7 @@ ALL = ("accelerations", "reactions", "energies")
 
 @cache
 def _loaded(number: int) -> tuple[dict[str, Any], float, dict[str, Any]] | None:
-    """Return a scene by each target, an end, and options; None where it cannot be moved."""
+    """Scene by each target, an end, and options; None where it cannot be moved."""
     if number < len(LONG):
         name, end, options = LONG[number]
         scene: Any = ROOT / "scenes" / f"{name}.toml"
@@ -393,7 +393,7 @@ def _loaded(number: int) -> tuple[dict[str, Any], float, dict[str, Any]] | None:
 
 
 def _told(run: Run) -> dict[str, Any]:
-    """Return all that a run says at its end, but how long it took."""
+    """All results that a run tells at its end, but how long it took."""
     motion = run.motion()
     ledger = motion.ledger.as_data()
     trust = motion.ledger.trust.as_data()
@@ -411,7 +411,7 @@ def _told(run: Run) -> dict[str, Any]:
 
 
 def _differs(a: Mapping[str, Any], b: Mapping[str, Any]) -> str:
-    """Return what is first told otherwise, empty if nothing is."""
+    """First difference in what is told, empty if there is none."""
     for name, value in a.items():
         is_same = (
             np.array_equal(value, b[name], equal_nan=True)
@@ -429,7 +429,7 @@ def _differs(a: Mapping[str, Any], b: Mapping[str, Any]) -> str:
 
 
 def _apart(a: Mapping[str, Any], b: Mapping[str, Any], tolerance: float) -> tuple[float, str]:
-    """Return how far two runs are apart that need not have the same bits.
+    """Distance of two runs that need not have the same bits.
 
     Returns
     -------

@@ -162,7 +162,7 @@ def ask(tree: Tree, outcome: Outcome, place: str, chosen: dict[str, Change]) -> 
 
 
 def off(tree: Tree, motion: Any, change: Change) -> tuple[float, str]:
-    """Return how far the motion of a changed scene is off in units, or what refuses it.
+    """Error of the motion of a changed scene in units, or what refuses it.
 
     Which step is rejected may depend on rounding, where forces bend or jump: the motion is then off
     by its own error. So both are run with a tolerance at which that counts as nothing.
@@ -176,7 +176,7 @@ def off(tree: Tree, motion: Any, change: Change) -> tuple[float, str]:
 
 
 def _off(tree: Tree, motion: Any, change: Change) -> tuple[float, str, int]:
-    """Return how far a motion is off, what refuses it, and how many steps were rejected."""
+    """Error of a motion, what refuses it, and how many steps were rejected."""
     other_tree = change.of(tree)
     try:
         other: Any = ks.load(other_tree, target="c").simulate(

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def digest_of(run: object, folders: Iterable[str], counts: Callable[[Path], bool]) -> str:
-    """Return what tells a run from those with other options or other sources."""
+    """Digest of a run's options and sources."""
     digest = hashlib.sha256(repr(run).encode())
     for folder in folders:
         for path in sorted(Path(ROOT, folder).rglob("*")):
@@ -27,7 +27,7 @@ def digest_of(run: object, folders: Iterable[str], counts: Callable[[Path], bool
 
 
 def done_in(journal: Path) -> Iterator[dict[str, Any]]:
-    """Yield what a journal has; a line that was cut is left out."""
+    """Records of a journal; a line that was cut is left out."""
     for line in journal.read_text(encoding="utf-8").splitlines() if journal.exists() else ():
         try:
             yield json.loads(line)
@@ -36,7 +36,7 @@ def done_in(journal: Path) -> Iterator[dict[str, Any]]:
 
 
 def page_in(folder: Path) -> jinja2.Template:
-    """Return the template of the page that lies in a folder: Markdown."""
+    """Template of the page that lies in a folder: Markdown."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder),
         undefined=jinja2.StrictUndefined,

@@ -118,15 +118,15 @@ class Subject:
     places: dict[str, list[int]]
 
     def row(self, inputs: Mapping[str, Sequence[float]]) -> list[float]:
-        """Return a point as a row of numbers."""
+        """Point as a row of numbers."""
         return [x for quantity in self.function.inputs for x in inputs[quantity.name]]
 
     def inputs(self, row: Any) -> dict[str, tuple[float, ...]]:
-        """Return what :meth:`row` made a row of."""
+        """Inputs that :meth:`row` made a row of."""
         return {name: tuple(row[places].tolist()) for name, places in self.places.items()}
 
     def values(self, rows: Any) -> Any:
-        """Return what the first kernel gives at points: (n, elements)."""
+        """Values of the first kernel at points: (n, elements)."""
         _, kernel = self.kernels[0]
         quantities = kernel.manifest.inputs
         inputs = (rows[:, self.places[q.name]].reshape((-1, *q.shape)) for q in quantities)
@@ -135,7 +135,7 @@ class Subject:
         return np.concatenate([np.reshape(x, (len(rows), -1)) for x in found], axis=1)
 
     def errors(self, rows: Any, *, has_floor: bool = False) -> dict[str, Any]:
-        """Return for each output the units that its worst element is off at points, nearly.
+        """Units that the worst element of each output is off at points, nearly.
 
         Where a value, or a number on the way to it, is none that doubles have, it is NaN.
         """
@@ -158,12 +158,12 @@ class Subject:
 
 
 def folder_of(package: str) -> Path:
-    """Return the folder of the kernels that are shipped."""
+    """Folder of the kernels that are shipped."""
     return Path(str(resources.files("kousoku.generated").joinpath("kinds", package)))
 
 
 def subjects(kind: str) -> tuple[Subject, ...]:
-    """Return the kernels of a kind, or of a choice of its rows."""
+    """Kernels of a kind, or of a choice of its rows."""
     package = package_of(kind)
     choice = kind.removeprefix(package)
     libraries = [load(folder_of(package), target="numpy")]
@@ -220,7 +220,7 @@ def check(
 
 
 def raised(subject: Subject, point: dict[str, Any]) -> dict[str, Any]:
-    """Return a point with units that are at least the floor of a climb."""
+    """Point with units that are at least the floor of a climb."""
     values, _ = wide.run(subject.components, np.array([subject.row(point["inputs"])]))
     floors = iter([float(FLOOR * whole[0]) for *_, whole in values])
     outputs = {}
@@ -234,7 +234,7 @@ def raised(subject: Subject, point: dict[str, Any]) -> dict[str, Any]:
 
 
 def rounded_up(units: float) -> str:
-    """Return how many units are lost, as the title of a finding has them."""
+    """Lost units, rounded up, as the title of a finding has them."""
     if not math.isfinite(units):
         return "beyond all units"
     return f"up to {10 ** math.ceil(math.log10(units)):g} units"
@@ -295,7 +295,7 @@ def check_worst(
 
 
 def starts(subject: Subject, name: str, number: int) -> Any:
-    """Return ordinary points, and states that machines are in, as rows."""
+    """Ordinary points, and states that machines are in, as rows."""
     inputs, rows = subject.function.inputs, list[list[float]]()
     stream = Sha256Random(name)
     for turn in range(number):
@@ -330,7 +330,7 @@ def climb(outcome: Outcome, kind: str, name: str, rounds: int) -> None:
 
 
 def changed(subject: Subject, rng: np.random.Generator, rows: Any) -> Any:
-    """Return points beside others: another exponent, sign, zero, direction, or a shared array."""
+    """Points beside others: another exponent, sign, zero, direction, or a shared array."""
     rows, names = rows.copy(), list(subject.places)
     for row, step in zip(rows, rng.integers(6, size=len(rows)), strict=True):
         places = subject.places[names[rng.integers(len(names))]]

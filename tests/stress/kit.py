@@ -51,7 +51,7 @@ class Size:
     count: int | None = None
 
     def examples(self, quick: int, full: int) -> int:
-        """Return the number of random examples: what was asked for, or the question's own."""
+        """Number of random examples: what was asked for, or the question's own."""
         if self.count is not None:
             return self.count
         return full if self.is_full else quick
@@ -140,12 +140,12 @@ class Outcome:
         self.findings += other.findings
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the outcome as JSON has it."""
+        """Outcome as JSON has it."""
         return asdict(self)
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Outcome:
-        """Return the outcome that :meth:`as_dict` wrote."""
+        """Outcome that :meth:`as_dict` wrote."""
         return cls(
             {figure: Worst(**worst) for figure, worst in data["figures"].items()},
             data["counts"],
@@ -209,7 +209,7 @@ class Question:
     in_full: str = ""
 
     def reason_of(self, finding: Finding) -> str | None:
-        """Return why a finding is known and not mended; None for a new one."""
+        """Reason why a finding is known and not mended; None for a new one."""
         found = (why for title, why in self.known.items() if finding.title.startswith(title))
         return next(found, None)
 
@@ -217,7 +217,7 @@ class Question:
 def falsify(
     strategy: SearchStrategy[T], check: Callable[[T], object], *, seed: int, examples: int
 ) -> tuple[T, Exception] | None:
-    """Return the smallest example that a check refuses, and what it says; None if it takes all.
+    """Smallest example that a check refuses, and what it says; None if it takes all.
 
     Parameters
     ----------

@@ -67,7 +67,7 @@ class Sort:
     tested: str = ""
 
     def files(self) -> list[Path]:
-        """Return the files, relative to the checkout."""
+        """Files, relative to the checkout."""
         found = [path for pattern in self.patterns for path in sorted(ROOT.glob(pattern))]
         return [path.relative_to(ROOT) for path in found if path.suffix in SUFFIXES]
 
@@ -110,14 +110,14 @@ def cases(size: Size) -> Iterator[str]:
 
 @cache
 def temporary() -> Path:
-    """Return a folder of this process, gone at its end."""
+    """Folder of this process, gone at its end."""
     folder = tempfile.mkdtemp(prefix="kousoku-mutants-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return Path(folder)
 
 
 def copy() -> Path:
-    """Return a copy of the checkout without the last mistake."""
+    """Copy of the checkout without the last mistake."""
     folder = mutants.copied(temporary() / "checkout")
     for path, old, new in SPOILT:
         text = (folder / path).read_text(encoding="utf-8")
@@ -169,7 +169,7 @@ def control(case: str) -> Outcome:
 
 
 def answered_as(path: Path) -> str:
-    """Return the file that answers name: the one that this is a copy of, or of any kind."""
+    """File that answers name: the one that this is a copy of, or of any kind."""
     folder, *rest = path.parts
     if folder == "generated" and rest[0] == "kinds":
         return Path(folder, "kinds", "*", *rest[2:]).as_posix()
@@ -182,7 +182,7 @@ def answered_as(path: Path) -> str:
 
 
 def made_in(folder: Path, mutant: Mutant, sort: Sort, stage: str) -> str:
-    """Return who notices a mistake in a copy of the checkout; "" if nobody does."""
+    """Command or tests that notice a mistake in a copy of the checkout; "" if none do."""
     whole = (ROOT / mutant.path).read_text(encoding="utf-8")
     is_emitted = mutant.path.parts[0] in {"codegen", "symbolic"}
     for path in [mutant.path] if is_emitted else copies_of(mutant.path, whole):
@@ -199,7 +199,7 @@ def made_in(folder: Path, mutant: Mutant, sort: Sort, stage: str) -> str:
 
 
 def noticed_by_tests(folder: Path, tested: str) -> str:
-    """Return which tests notice a mistake: the quick ones, then all of a folder if there is one."""
+    """Tests that notice a mistake: the quick ones, then all of a folder if there is one."""
     for tier, tests in {"quick": "tests", "test": tested}.items():
         if tests and mutants.run(folder, [*mutants.TIERS[tier], tests], PATIENCE):
             return f"by make {tier}"
@@ -207,7 +207,7 @@ def noticed_by_tests(folder: Path, tested: str) -> str:
 
 
 def copies_of(path: Path, text: str) -> list[Path]:
-    """Return a file and what generated folders have of it."""
+    """Paths of a file and of its copies in generated folders."""
     same = [
         found.relative_to(ROOT)
         for found in ROOT.glob(f"generated/**/{path.name}")
@@ -229,7 +229,7 @@ def seal(path: Path) -> None:
 
 
 def is_good(folder: Path, *words: str) -> bool:
-    """Return whether a command of kousoku ends well in a copy of the checkout."""
+    """Whether a command of kousoku ends well in a copy of the checkout."""
     environment = {
         "PYTHONPATH": str(folder),
         "KOUSOKU_CACHE": str(folder.parent / "cache"),

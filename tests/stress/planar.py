@@ -95,7 +95,7 @@ class Scene:
     leans: bool = False
 
     def without(self, hinge: str) -> Scene:
-        """Return the scene without a hinge."""
+        """Scene without a hinge."""
         kept = {name: x for name, x in self.hinges.items() if name != hinge}
         return replace(self, hinges=kept)
 
@@ -157,7 +157,7 @@ class Solution:
     forces: dict[str, tuple[Any, Any]]
 
     def numbers(self) -> dict[str, Any]:
-        """Return all numbers by name."""
+        """All numbers by name."""
         found: dict[str, Any] = {}
         for name, values in self.accelerations.items():
             found |= {f"{name}.{k}": x for k, x in zip(("ax", "ay", "alpha"), values, strict=True)}
@@ -176,7 +176,7 @@ def _once() -> Any:
 def solution(
     scene: Scene, states: Mapping[str, State], gravity: Any = None, factor: Factor = _once
 ) -> Solution:
-    """Return accelerations and forces at a state, in 60 digits.
+    """Accelerations and forces at a state, in 60 digits.
 
     Parameters
     ----------
@@ -295,7 +295,7 @@ def _pull(
 
 
 def units(scene: Scene, states: Mapping[str, State], seed: int, samples: int = 6) -> dict[str, Any]:
-    """Return for each number what rounding all that is given can change of it, about.
+    """Change of each number that rounding all that is given can make, about.
 
     Changes of ±u of each number, of random sign, are tried; the largest is taken, twice.
     """
@@ -314,7 +314,7 @@ def units(scene: Scene, states: Mapping[str, State], seed: int, samples: int = 6
 
 
 def _sizes(scene: Scene, states: Mapping[str, State], exact: Mapping[str, Any]) -> dict[str, Any]:
-    """Return for each number the largest of its kind, which a solver's roundings are parts of.
+    """Largest of each number's kind, which a solver's roundings are parts of.
 
     The acceleration of an origin is that of the centre less what the body turns; they may cancel.
     """

@@ -152,7 +152,7 @@ def ask(tree: Tree, outcome: Outcome, place: str, *, is_smallest: bool = False) 
 
 
 def look(tree: Tree, place: str) -> Outcome:
-    """Return what a scene measures, and what it finds."""
+    """Outcome of a scene: its measures and findings."""
     outcome = Outcome()
     outcome.count("scenes")
     try:
@@ -192,14 +192,14 @@ def look(tree: Tree, place: str) -> Outcome:
 
 
 def reason_of(error: KousokuError) -> str:
-    """Return the kind of an error, and its text without names and numbers."""
+    """Kind of an error, and its text without names and numbers."""
     problem = error.problems[0].problem if isinstance(error, SceneError) else str(error)
     text = re.sub(r"\b\w*_\d+\b|'[^']*'|[-+]?\d[\d.e+-]*", "…", problem.splitlines()[0])
     return f"{type(error).__name__}: {text[:70]}"
 
 
 def moved(mechanism: Mechanism) -> tuple[dict[str, Any], dict[str, MotionError]]:
-    """Return the motions of a scene, and why there is none."""
+    """Motions of a scene, and why there is none."""
     runs: dict[str, Any] = {}
     stops: dict[str, MotionError] = {}
     for name, options in WAYS.items():
@@ -229,7 +229,7 @@ def methods(tree: Tree, runs: dict[str, Any], outcome: Outcome, place: str) -> N
 
 
 def most_apart(tree: Tree, runs: dict[str, Any], name: str, other: str) -> float:
-    """Return how far a motion may be from another one, in metres and radians."""
+    """Largest distance that a motion may have from another one, in metres and radians."""
     forces, layout = str(tree.get("forces")), runs[name].layout
     jumps, limit = "sign(" in forces, 0.0
     size = max(1.0, layout.length) * (2 * layout.sizes["v"]) ** 0.5
@@ -247,7 +247,7 @@ def most_apart(tree: Tree, runs: dict[str, Any], name: str, other: str) -> float
 
 
 def apart(tree: Tree, one: Any, other: Any) -> float:
-    """Return how far two motions are apart, in metres and radians, of all rows."""
+    """Distance of two motions, in metres and radians, of all rows."""
     worst = 0.0
     for name in one.position:
         worst = max(worst, size_of(one.position[name] - other.position[name]) / UNITS[tree["unit"]])
@@ -272,7 +272,7 @@ def targets(tree: Tree, mechanism: Mechanism, outcome: Outcome, place: str) -> N
 
 
 def units_apart(one: Any, other: Any) -> float:
-    """Return how far a column is from another one in units in the last place of its largest."""
+    """Distance of a column from another one in units in the last place of its largest."""
     if not (np.isnan(one) == np.isnan(other)).all():
         return np.inf
     one, other = np.nan_to_num(one), np.nan_to_num(other)

@@ -21,7 +21,7 @@ def _is_table(value: Any) -> bool:
 
 
 def smallest(tree: Tree, is_found: Callable[[Tree], bool]) -> Tree:
-    """Return a smaller tree of which the same is true, found by leaving out parts in turn.
+    """Smaller tree of which the same is true, found by leaving out parts in turn.
 
     After ``MOST_SECONDS`` no more is tried.
 
@@ -49,7 +49,7 @@ def smallest(tree: Tree, is_found: Callable[[Tree], bool]) -> Tree:
 
 
 def _smaller(tree: Tree) -> Iterator[Tree]:
-    """Yield trees with one part less: first elements with all that names them, then keys."""
+    """Trees with one part less: first elements with all that names them, then keys."""
     for table in ("events", "forces", "inputs", "drivers", "bodies", "joints", "coordinates"):
         for name in tree.get(table, {}):
             yield without(tree, {name})
@@ -67,7 +67,7 @@ def _smaller(tree: Tree) -> Iterator[Tree]:
 
 
 def without(tree: Tree, names: set[str]) -> Tree:
-    """Return a tree without some elements, and without all that refers to them."""
+    """Tree without some elements, and without all that refers to them."""
     left = {}
     for table, elements in tree.items():
         if not _is_table(elements) or table == "parameters":

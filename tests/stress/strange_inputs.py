@@ -137,7 +137,7 @@ ATTACKS = (
 
 
 def formulas() -> SearchStrategy[str]:
-    """Return formulas: right ones, nearly right ones, deep ones, and what is none."""
+    """Formulas: right ones, nearly right ones, deep ones, and what is none."""
     atoms = st.sampled_from([*NUMBERS[:5], *WORDS[:5]]) | st.sampled_from([*NUMBERS, *WORDS])
     marks = st.sampled_from(MARKS[:5]) | st.sampled_from(MARKS)
 
@@ -168,7 +168,7 @@ def formulas() -> SearchStrategy[str]:
 
 
 def values() -> SearchStrategy[Any]:
-    """Return values of all types, most of them where they do not belong."""
+    """Values of all types, most of them where they do not belong."""
     leaves = (
         st.sampled_from([0, 1, -1, 0.5, 1e-3, True, "t", "k", "", [0, 0, 1], []])
         | st.sampled_from(
@@ -204,7 +204,7 @@ def _nested(depth: int) -> Any:
 
 @cache
 def trees() -> list[Tree]:
-    """Return right scenes: those that are committed, small ones first, and random ones."""
+    """Right scenes: those that are committed, small ones first, and random ones."""
     paths = [
         path
         for folder in ("scenes", "scenes/adams", "tests/scenes", "tests/scenes/design")
@@ -216,7 +216,7 @@ def trees() -> list[Tree]:
 
 
 def places(tree: object, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """Return the paths to all values of a tree."""
+    """Paths to all values of a tree."""
     pairs = (
         tree.items()
         if isinstance(tree, dict)
@@ -230,7 +230,7 @@ def places(tree: object, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
 
 @st.composite
 def edited_trees(draw: DrawFn) -> Tree:
-    """Return a right scene with some values, keys or tables that are others."""
+    """Right scene with some values, keys or tables that are others."""
     tree = copy.deepcopy(draw(st.sampled_from(trees())))
     for _ in range(draw(st.integers(1, 3))):
         every = places(tree)
@@ -290,7 +290,7 @@ EDITS: tuple[Callable[[DrawFn, Any, Any, Tree], None], ...] = (
 
 @st.composite
 def edited_texts(draw: DrawFn) -> str:
-    """Return the text of a right scene with some marks that are others, or of an edited tree."""
+    """Text of a right scene with some marks that are others, or of an edited tree."""
     if draw(st.booleans()):
         return written(draw(edited_trees()))
     text = written(draw(st.sampled_from(trees())))
@@ -310,7 +310,7 @@ def edited_texts(draw: DrawFn) -> str:
 
 
 def written(tree: Tree) -> str:
-    """Return a tree as TOML, whatever it holds, and text for what TOML has not."""
+    """Tree as TOML, whatever it holds, and text for what TOML has not."""
     return toml_of(_as_toml_has_it(tree))
 
 
@@ -369,7 +369,7 @@ WITH_FORMULA = {
 
 
 def with_formula(place: str, formula: str) -> tuple[Tree, str]:
-    """Return a scene that has a formula in a place, and the element that this is in."""
+    """Scene that has a formula in a place, and the element that this is in."""
     text = msgspec.json.encode({"name": "with_formula", "unit": "m"} | WITH_FORMULA[place]).decode()
 
     elements: list[str] = []

@@ -31,7 +31,7 @@ ABOUT = "kousoku/about"
 
 @cache
 def kept() -> dict[str, bytes]:
-    """Return runs as they are saved: of bodies, and of a linkage."""
+    """Runs as they are saved: of bodies, and of a linkage."""
     found = {}
     with tempfile.TemporaryDirectory(prefix="kousoku-stress-") as place:
         path = Path(place, "run.npz")
@@ -46,7 +46,7 @@ def kept() -> dict[str, bytes]:
 
 
 def edits() -> SearchStrategy[tuple[Any, ...]]:
-    """Return edits of saved runs, as :func:`edited` takes them."""
+    """Edits of saved runs, as :func:`edited` takes them."""
     names = st.sampled_from([*kept()])
     number, how = st.integers(0, 10**6), st.integers(0, 4)
     bad = st.sampled_from([np.nan, np.inf, -1.0, 1e308, 0.0, 7.0, -1e9, 5e-324])
@@ -59,7 +59,7 @@ def edits() -> SearchStrategy[tuple[Any, ...]]:
 
 
 def edited(sort: str, *how: Any) -> bytes:
-    """Return a saved run after an edit."""
+    """Saved run after an edit."""
     edits_of: dict[str, Callable[..., bytes]] = {
         "about": about_edited,
         "array": array_edited,
@@ -69,7 +69,7 @@ def edited(sort: str, *how: Any) -> bytes:
 
 
 def bytes_edited(name: str, marks: list[tuple[int, int]]) -> bytes:
-    """Return a saved run with other bytes in some places."""
+    """Saved run with other bytes in some places."""
     data = bytearray(kept()[name])
     for place, value in marks:
         data[place % len(data)] = value
@@ -77,7 +77,7 @@ def bytes_edited(name: str, marks: list[tuple[int, int]]) -> bytes:
 
 
 def about_edited(name: str, number: int, value: Any, how: int) -> bytes:
-    """Return a saved run of which something else is said, or something is not."""
+    """Saved run of which something else is said, or something is not."""
     arrays = _arrays(name)
     tree = json.loads(str(arrays[ABOUT]))
     every = places(tree)
@@ -97,7 +97,7 @@ def about_edited(name: str, number: int, value: Any, how: int) -> bytes:
 
 
 def array_edited(name: str, which: int, place: int, value: float, how: int) -> bytes:
-    """Return a saved run without an array, or with another number, type or size of it."""
+    """Saved run without an array, or with another number, type or size of it."""
     arrays = _arrays(name)
     key = [*arrays][which % len(arrays)]
     array = arrays[key]

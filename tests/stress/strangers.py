@@ -128,7 +128,7 @@ class Tried:
 
 
 def _files(example: object) -> dict[str, str]:
-    """Return what shows an example: a scene where it is one."""
+    """Files that show an example: a scene where it is one."""
     if isinstance(example, tuple) and isinstance(example[0], str | dict):
         example = example[0]
     if isinstance(example, dict):
@@ -164,7 +164,7 @@ def refused_well(error: KousokuError, place: str = "", begins: tuple[str, ...] =
 
 
 def taken(read: Callable[[], ks.Scene], emit: bool, *begins: str) -> bool:
-    """Return whether a scene is taken; it then is composed, and the emitted modules are Python.
+    """Whether a scene is taken; it then is composed, and the emitted modules are Python.
 
     A message of what is refused begins with one of some files, tables, or elements.
     """
@@ -264,7 +264,7 @@ def try_tokens(case: str) -> Outcome:
 
 
 def strange_json(tree: object) -> str:
-    """Return a manifest as kousoku would write it, so that it is refused for what it says."""
+    """Manifest as kousoku would write it, so that it is refused for what it says."""
     from kousoku.model.jsontext import to_text
 
     return to_text(tree)
@@ -535,7 +535,7 @@ def _named(names: dict[str, str]) -> str:
 
 
 def _moved(names: dict[str, str], target: str) -> Any:
-    """Return the rows of the scene with some names."""
+    """Rows of the scene with some names."""
     which: Any = target
     run: Any = ks.load(_named(names), target=which).simulate(0.1, samples=3, tolerance=1e-5)
     return run.rows
@@ -543,7 +543,7 @@ def _moved(names: dict[str, str], target: str) -> Any:
 
 @cache
 def _plain(target: str) -> Any:
-    """Return the rows of the scene with plain names."""
+    """Rows of the scene with plain names."""
     return _moved(PLAIN, target)
 
 

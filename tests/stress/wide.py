@@ -52,19 +52,19 @@ class Pair:
         return Pair(*_renormalised(product, error))
 
     def inverse(self) -> Pair:
-        """Return 1/x by a step of Newton's method."""
+        """Inverse 1/x by a step of Newton's method."""
         guess = Pair(1 / self.high, np.zeros_like(self.high))
         return guess * (number(2, guess) + -(self * guess))
 
     def root(self) -> Pair:
-        """Return √x; NaN of a negative number."""
+        """Root √x; NaN of a negative number."""
         guess = np.sqrt(self.high)
         rest = self + -(Pair(guess, 0 * guess) * Pair(guess, 0 * guess))
         return Pair(*_renormalised(guess, np.where(guess == 0, 0, rest.high / (2 * guess))))
 
 
 def number(value: Fraction | int, like: Pair) -> Pair:
-    """Return the same number at every point."""
+    """Number that is the same at every point."""
     high = LONG(value.numerator) / LONG(value.denominator)
     exact = Fraction(*(int(x) for x in high.as_integer_ratio()))
     rest = Fraction(value) - exact
@@ -92,7 +92,7 @@ def _two_product(a: Any, b: Any) -> tuple[Any, Any]:
 
 
 def _each(function: Callable[..., Any], *args: Pair) -> Pair:
-    """Return an angle function of each number."""
+    """Angle function of each number."""
     with mpmath.workdps(DIGITS):
         columns = [[_exact(x, y) for x, y in zip(p.high, p.low, strict=True)] for p in args]
         values = [function(*row) for row in zip(*columns, strict=True)]
@@ -145,7 +145,7 @@ class Wide:
 
 
 def _of(value: Pair, whole: Any, *parts: tuple[Wide, Any]) -> Wide:
-    """Return numbers with the gradient Σ slope · ∇argument."""
+    """Numbers with the gradient Σ slope · ∇argument."""
     gradient: dict[tuple[str, int], Any] = {}
     for argument, slope in parts:
         for place, derivative in argument.gradient.items():

@@ -41,7 +41,7 @@ class StoppedError(Exception):
 
 
 def processor() -> str:
-    """Return the processor's name, as far as the system tells."""
+    """Name of the processor, as far as the system tells."""
     words = Path("/proc/cpuinfo")
     text = words.read_text(encoding="utf-8") if words.exists() else ""
     found = re.search(r"model name\s*:\s*(.+)", text)
@@ -134,7 +134,7 @@ class Worker(Generic[T]):
 def run_cases(
     keys: Iterable[Key], seconds: dict[str, float], processes: int
 ) -> Iterator[tuple[Key, Answered | StoppedError]]:
-    """Yield cases as they end, with their outcomes or why there is none.
+    """Cases as they end, with their outcomes or why there is none.
 
     Parameters
     ----------

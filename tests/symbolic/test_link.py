@@ -59,7 +59,7 @@ def test_angles_are_wrapped(turns: int, derived: Callable[[str], Derivation]) ->
 
 
 def transferred(derivation: Derivation, left: str, values: dict[str, Any]) -> Any:
-    """Return a step of the method evaluated with explicit matrices."""
+    """Step of the method evaluated with explicit matrices."""
     (step,) = (s for s in derivation.steps if str(getattr(s.left, "name", "")) == left)
     replaced = {
         s: sympy.ImmutableMatrix(values[s.name]) for s in step.right.atoms(sympy.MatrixSymbol)

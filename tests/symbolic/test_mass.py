@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def substituted(function: Function, values: dict[str, Any]) -> list[list[Any]]:
-    """Return all outputs with the elements of some inputs replaced by formulas."""
+    """All outputs with the elements of some inputs replaced by formulas."""
     replaced = {
         s: value
         for q in function.inputs

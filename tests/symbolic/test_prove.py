@@ -52,7 +52,7 @@ def test_every_line_follows_from_those_before(
 
 
 def negated(output: Output) -> Output:
-    """Return the output with the sign of its first element that is not zero turned."""
+    """Output with the sign of its first element that is not zero turned."""
     values = list(output.components)
     place = next(k for k, value in enumerate(values) if value != 0)
     values[place] = -values[place]

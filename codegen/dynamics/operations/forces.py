@@ -18,12 +18,12 @@ ELONGATION = LAW_NAMES[:2]
 
 
 def column_of(trace: Trace, *nodes: int) -> Matrix:
-    """Return nodes as a column."""
+    """Column of nodes."""
     return Matrix(trace.graph, tuple((node,) for node in nodes), 1)
 
 
 def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tuple[int, ...]:
-    """Return the force in frame O and its torque in the body frame."""
+    """Force in frame O and its torque in the body frame."""
     rest = (trace.graph.const(0),) * 6
     inputs = {"p": p, "s_b": (*point.flat, *rest), "f": (*force.flat, *rest)}
     found = trace.inline(frozen("mass_points", "resultant"), inputs)
@@ -33,7 +33,7 @@ def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tu
 def accelerations(
     trace: Trace, forces: Sequence[int], columns: Sequence[int], weights: Matrix
 ) -> Matrix:
-    """Return what force and torque (F, N′) of a body add to the accelerations of its columns.
+    """Share of force and torque (F, N′) of a body in the accelerations of its columns.
 
     Parameters
     ----------

@@ -108,7 +108,7 @@ class Trace:
         return sorted(needed, key=lambda node: (self._depth(nodes[node]), node))
 
     def _depth(self, node: Node[int]) -> int:
-        """Return 0 of leaves, 1 of the negatives of leaves, 2 of all else."""
+        """Depth of a node: 0 of leaves, 1 of the negatives of leaves, 2 of all else."""
         if not node.args:
             return 0
         return 1 if node.op is Op.NEG and node.args[0] in self.numbers else 2

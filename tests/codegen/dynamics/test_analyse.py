@@ -28,7 +28,7 @@ SCENES = Path(__file__).parents[3] / "scenes"
 
 
 def columns_of(program: Program) -> tuple[tuple[int, ...], ...]:
-    """Return the velocities that bodies of a program have."""
+    """Velocities that bodies of a program have."""
     return tuple(
         tuple(k for k, place in enumerate((*body.v, *body.omega_b)) if place.slot >= 0)
         for body in program.bodies

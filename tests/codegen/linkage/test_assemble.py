@@ -26,7 +26,7 @@ def names(made: Assembly, role: Role) -> list[str]:
 
 
 def scene(**parts: object) -> Scene:
-    """Return a scene of one fixed node O and two links O-A, A-B, unchecked."""
+    """Scene of one fixed node O and two links O-A, A-B, unchecked."""
     given: dict[str, object] = {
         "nodes": {"O": Node(at=(0, 0), fixed=True), "A": Node(at=(2, 0)), "B": Node(at=(2, 1))},
         "links": {"oa": Link(nodes=("O", "A"), length=2), "ab": Link(nodes=("A", "B"), length=1)},

@@ -45,7 +45,7 @@ def layout(name: str) -> Layout:
 
 
 def referred(made: Layout) -> str:
-    """Return the text of the references of a linkage."""
+    """Text of the references of a linkage."""
     return reference_values(program_of(made), made, places(made))
 
 

@@ -27,7 +27,7 @@ def body(name: str, **places: Any) -> Any:
 
 
 def rows(count: int = 1) -> tuple[Any, Any, Any]:
-    """Return a body at (1, 2, 3), turned, and turning about the x of its principal frame."""
+    """Body at (1, 2, 3), turned, and turning about the x of its principal frame."""
     q = np.tile([1.0, 2.0, 3.0, *TURNED], (count, 1))
     v = np.tile([0.1, 0.2, 0.3, 2.0, 0.0, 0.0], (count, 1))
     v_dot = np.tile([1.0, 1.0, 1.0, 0.0, 0.0, 3.0], (count, 1))

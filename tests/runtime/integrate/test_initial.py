@@ -17,7 +17,7 @@ SLOPES = np.array([[2.0, 3.0, 5.0]])
 
 @pytest.fixture
 def leader() -> Leader:
-    """Return the leader of a point with three masses, and of a sum of its coordinates."""
+    """Leader of a point with three masses, and of a sum of its coordinates."""
 
     def evaluate(q: Any, v: Any) -> dict[str, Any]:
         return {

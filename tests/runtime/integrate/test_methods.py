@@ -21,7 +21,7 @@ def pendulum(y: np.ndarray) -> np.ndarray:
 
 
 def step(method: Method, y: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the end of a step and the derivatives of all stages."""
+    """End of a step and the derivatives of all stages."""
     k: list[np.ndarray] = []
     for row in method.a:
         k.append(pendulum(y + h * sum((a * f for a, f in zip(row, k, strict=True)), np.zeros(2))))
@@ -30,7 +30,7 @@ def step(method: Method, y: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarra
 
 
 def fine(y: np.ndarray, t: float) -> np.ndarray:
-    """Return the solution after t, by steps so short that only rounding is left."""
+    """Solution after t, by steps so short that only rounding is left."""
     for _ in range(64):
         y, _ = step(DOP853, y, t / 64)
     return y

@@ -33,7 +33,7 @@ RUN = Run(
 
 
 def solve_alone(mechanism: Mechanism, run: Run) -> Trajectory:
-    """Return the motion as a folder without kousoku makes it."""
+    """Motion as a folder without kousoku makes it."""
     solver: Any = SimpleNamespace(
         name="numpy", mechanism=lambda _: mechanism, scene=lambda _: run, solve=solve
     )

@@ -110,12 +110,12 @@ SCENES = {"six_bar": SIX_BAR, "rigid": RIGID, "piston": PISTON, "ram": RAM}
 
 @pytest.fixture(scope="module", params=SCENES)
 def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the package of a linkage."""
+    """Package of a linkage."""
     return emitted(SCENES[request.param], tmp_path_factory.mktemp(request.param))
 
 
 def emitted(scene: str, folder: Path) -> Path:
-    """Return a folder with the package of a linkage."""
+    """Folder with the package of a linkage."""
     for name, text in generate_scene(scene_from_toml(scene)).items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -125,7 +125,7 @@ def emitted(scene: str, folder: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def solver(folder: Path) -> LinkageSolver:
-    """Return a linkage's solver, whose tables the certificate reads."""
+    """Solver of a linkage, whose tables the certificate reads."""
     return load_scene(folder, target="numpy")
 
 
@@ -144,7 +144,7 @@ class Step:
         self.end = self.at(1.0)
 
     def cubics(self) -> Way:
-        """Return the way of the step, with the factors of its end at hand."""
+        """Way of the step, with the factors of its end at hand."""
         predicted = self.begin.x + self.part * (self.way.x1 + 0.5 * self.part * self.way.x2)
         self.evaluate(self.end)
         none = np.zeros_like(self.pace)
@@ -157,7 +157,7 @@ class Step:
             block.evaluate()
 
     def at(self, s: float) -> Coordinates:
-        """Return the position at s, by small steps."""
+        """Position at s, by small steps."""
         x, count = self.begin.x.copy(), 25
         for k in range(1, count + 1):
             alpha = self.begin.alpha + self.pace * (self.part * s * k / count)
@@ -165,7 +165,7 @@ class Step:
         return Coordinates(alpha, x)
 
     def jacobian(self, number: int, position: Coordinates) -> Array:
-        """Return the Jacobian of a block; rows of arms do not turn with these, but are at the end.
+        """Jacobian of a block; rows of arms do not turn with these, but are at the end.
 
         An arm's two rows are along it and across it, which means the same equations.
         """

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def bar(*lengths: float, phi: float, psi: float) -> Bar:
-    """Return crank, coupler, rocker, frame, and the angles near the first position."""
+    """Crank, coupler, rocker, frame, and the angles near the first position."""
     names = ("crank", "coupler", "rocker", "frame")
     return dict(zip(names, lengths, strict=True)) | {"phi": phi, "psi": psi}
 

@@ -98,11 +98,11 @@ class Evaluation:
         return solve(self.M, self.C_q, self.gamma, self.f, DEPENDENT)
 
     def turns(self, later: float = 0.0) -> dict[tuple[str, str], Number]:
-        """Return what angles are near a little later."""
+        """Values that angles are near a little later."""
         return {key: u.value + u.first[-2] * later for key, u in self.angles.items()}
 
     def pushes(self, owner: str) -> tuple[Array, Array]:
-        """Return −C_qᵀ λ of a joint or driver, and what of it the motion leaves open, (n, k)."""
+        """Forces −C_qᵀ λ of a joint or driver, and what of them the motion leaves open, (n, k)."""
         rows = [k for k, name in enumerate(self.owners) if name == owner]
         slopes = self.C_q[rows]
         return -slopes.T @ self.solution.lam[rows], slopes.T @ self.solution.free[rows]
@@ -141,7 +141,7 @@ class Evaluator:
         self.size = max((own.stop for own in self.columns.values()), default=0)
 
     def state_of(self, q: Vector, v: Vector) -> State:
-        """Return positions and velocities by body, from lists in the order of the scene.
+        """Positions and velocities by body, from lists in the order of the scene.
 
         Parameters
         ----------
@@ -161,7 +161,7 @@ class Evaluator:
         return found
 
     def _poses(self, state: State) -> dict[str, Pose]:
-        """Return the poses with derivatives: along all columns, along the motion, along time."""
+        """Poses with derivatives: along all columns, along the motion, along time."""
         poses = {"ground": GROUND}
         for name, own in self.columns.items():
             r, p, v, omega = state[name]
@@ -186,7 +186,7 @@ class Evaluator:
         return poses
 
     def evaluate(self, t: Number, state: State, turns: Turns | None = None) -> Evaluation:
-        """Return all at a state.
+        """Evaluation of all at a state.
 
         Parameters
         ----------
@@ -238,7 +238,7 @@ class Evaluator:
         )
 
     def _events(self, names: Mapping[str, Number]) -> dict[str, Jet]:
-        """Return the formulas of events, given what they may name."""
+        """Formulas of events, given what they may name."""
         given = self.tree.get("events", {})
         along = [
             [self.read.real(int(k == m)) for m in range(len(names))] for k in range(len(names))
@@ -271,7 +271,7 @@ class Evaluator:
         yield from [*state[name][2], *state[name][3]][: own.stop - own.start]
 
     def _inertia(self, load: Load, poses: Mapping[str, Pose], state: State) -> Array:
-        """Return M about the origins of the body frames; add weight and velocity forces."""
+        """Mass matrix M about the origins of the body frames; adds weight and velocity forces."""
         M = np.full((self.size, self.size), self.read.real(0))
         for name, own in self.columns.items():
             mass = self.masses[name]

@@ -140,7 +140,7 @@ class Forces:
 
     @staticmethod
     def _omega(at: Place, body: str) -> Vector:
-        """Return ω′, from Ȧ = A ω̃′."""
+        """Angular velocity ω′, from Ȧ = A ω̃′."""
         A = at.poses[body].A
         rates = [[x.first[-2] for x in row] for row in A]
         columns = [[value_of(A[k][m]) for k in range(3)] for m in range(3)]
@@ -197,7 +197,7 @@ class Forces:
                 load.works(name, load.along(u, -damping * u.first[-2]))
 
     def _directions(self, at: Place, force: Tree) -> Iterator[tuple[Number, Number, Jet]]:
-        """Yield stiffness, damping, and displacement or sine of a turn, of all six directions."""
+        """Stiffness, damping, and displacement or sine of a turn, of all six directions."""
         i, j = force["bodies"]
         written = self.joints.written
         if "points" in force:

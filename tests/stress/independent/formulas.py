@@ -48,7 +48,7 @@ class Reader:
         self.parameters = {name: self.number(x) for name, x in dict(parameters).items()}
 
     def number(self, given: float | str, names: Mapping[str, Number] | None = None) -> Number:
-        """Return the value of a number or of a formula, with more names than the parameters."""
+        """Value of a number or of a formula, with more names than the parameters."""
         if not isinstance(given, str):
             return self.real(given)
         text = re.sub(r"(?<=[0-9.])\s*deg\b", "*deg", given.strip()).replace("^", "**")
@@ -56,7 +56,7 @@ class Reader:
         return self._value(ast.parse(text, mode="eval").body, text, known)
 
     def vector(self, given: Any, names: Mapping[str, Number] | None = None) -> list[Number]:
-        """Return a list of numbers and formulas as numbers."""
+        """List of numbers and formulas as numbers."""
         return [self.number(x, names) for x in given]
 
     def _value(self, node: ast.expr, text: str, names: Mapping[str, Number]) -> Number:

@@ -87,7 +87,7 @@ TYPES = {alias: name for name, aliases in ALIASES.items() for alias in aliases.s
 
 
 def name_of(joint: Tree) -> str:
-    """Return the type of a joint by its first name."""
+    """Type of a joint by its first name."""
     given: str = joint["type"]
     return TYPES.get(given, given)
 
@@ -114,12 +114,12 @@ class Ends:
     zero: tuple[Vector, Vector]
 
     def between(self, poses: Poses) -> Vector:
-        """Return d, from the point of i to that of j."""
+        """Vector d, from the point of i to that of j."""
         start, end = (poses[b].place(s) for b, s in zip(self.bodies, self.points, strict=True))
         return minus(end, start)
 
     def frame(self, poses: Poses, k: int) -> tuple[Vector, Vector, Vector]:
-        """Return zero direction, third and axis of a body, in frame O."""
+        """Zero direction, third and axis of a body, in frame O."""
         A = poses[self.bodies[k]].A
         x, z = turned(A, self.zero[k]), turned(A, self.axes[k])
         return x, cross(z, x), z
@@ -153,11 +153,11 @@ class Joints:
         }
 
     def type_of(self, joint: str) -> str:
-        """Return the type of a joint by its first name."""
+        """Type of a joint by its first name."""
         return name_of(self.joints[joint])
 
     def laws(self) -> Iterator[tuple[str, Tree, list[Any]]]:
-        """Yield name, what is driven, and its formulas of time, of all drivers and inputs."""
+        """Name, driven coordinate and formulas of time, of all drivers and inputs."""
         for name, one in self.tree.get("drivers", {}).items():
             yield name, one, one["path"] if "path" in one else [one["value"]]
         for name, one in self.tree.get("inputs", {}).items():
@@ -168,11 +168,11 @@ class Joints:
             yield name, one, [lambda t, a=start, b=rate, c=more: a + b * t + c / 2 * (t * t)]
 
     def law(self, given: Any, t: Number) -> Number:
-        """Return a formula of time, that of an input among them."""
+        """Formula of time, that of an input among them."""
         return given(t) if callable(given) else self.read.number(given, {"t": t})
 
     def key_of(self, one: Tree) -> tuple[str, str] | None:
-        """Return joint and sort of what a coordinate, a driver or a force refers to."""
+        """Joint and sort of what a coordinate, a driver or a force refers to."""
         if "coordinate" in one:
             return self.key_of(self.named[one["coordinate"]])
         if "joint" not in one:
@@ -180,7 +180,7 @@ class Joints:
         return one["joint"], one.get("of", LEAVES[self.type_of(one["joint"])][0])
 
     def _starts(self) -> Iterator[tuple[tuple[str, str], Number | None]]:
-        """Yield what angles are near at the start: what drivers say, then what coordinates say."""
+        """Values that angles are near at the start: those of drivers, then those of coordinates."""
         for _, one, laws in self.laws():
             if (key := self.key_of(one)) is not None and key[1] in (ANGLE, SECOND):
                 yield key, self.law(laws[0], self.read.real(0))
@@ -215,7 +215,7 @@ class Joints:
 
     @staticmethod
     def _as_written(name: str, poses: tuple[Pose, Pose], axes: list[Vector]) -> list[Vector]:
-        """Return zero directions such that what a joint counts or keeps is zero as written."""
+        """Zero directions such that what a joint counts or keeps is zero as written."""
         a, b = (turned(pose.A, axis) for pose, axis in zip(poses, axes, strict=True))
         if name == "universal":
             return [
@@ -227,7 +227,7 @@ class Joints:
         return [back(pose.A, one) for pose, one in zip(poses, (x, y), strict=True)]
 
     def measure(self, one: Tree) -> Measure:
-        """Return a coordinate as a function of positions; angles within half a turn of zero."""
+        """Coordinate as a function of positions; angles within half a turn of zero."""
         if (key := self.key_of(one)) is not None:
             return lambda poses: self.leaf(key, poses)
         if "coordinate" in one:
@@ -241,7 +241,7 @@ class Joints:
         return lambda poses: dot(along, poses[one["body"]].place(point))
 
     def leaf(self, key: tuple[str, str], poses: Poses) -> Number:
-        """Return what a joint leaves free."""
+        """Value of a coordinate that a joint leaves free."""
         joint, sort = key
         ends, kind = self.ends[joint], self.type_of(joint)
         (x, y, z), (u, v, w) = ends.frame(poses, 0), ends.frame(poses, 1)
@@ -255,7 +255,7 @@ class Joints:
         return dot(along, ends.between(poses))
 
     def counted(self, one: Tree, poses: Poses, near: Mapping[tuple[str, str], Number]) -> Number:
-        """Return a coordinate with its turns: within half a turn of what it was near before."""
+        """Coordinate with its turns: within half a turn of what it was near before."""
         value = self.measure(one)(poses)
         key = self.key_of(one)
         if key is None or key[1] not in (ANGLE, SECOND):
@@ -268,7 +268,7 @@ class Joints:
         return value + 2 * self.read.pi * turns
 
     def combined(self, one: Tree, poses: Poses, near: Mapping[tuple[str, str], Number]) -> Number:
-        """Return the combination of coordinates that a screw or a coupling keeps."""
+        """Combination of coordinates that a screw or a coupling keeps."""
 
         def counted(joint: str, sort: str) -> Number:
             return self.counted({"joint": joint, "of": sort}, poses, near)
@@ -294,7 +294,7 @@ class Joints:
     def rows(
         self, t: Number, poses: Poses, near: Mapping[tuple[str, str], Number]
     ) -> Iterator[tuple[str, Number]]:
-        """Yield joint or driver, and what is zero, of all conditions."""
+        """Joint or driver, and what is zero, of all conditions."""
         for name in self.joints:
             yield from ((name, row) for row in self._rows_of(name, poses, near))
         for name, one, laws in self.laws():

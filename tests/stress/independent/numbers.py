@@ -38,7 +38,7 @@ class Jet:
     second: Any
 
     def through(self, f: Number, slope: Number, bend: Number) -> Jet:
-        """Return f(x), given f, f′ and f″ at its value."""
+        """Value f(x), given f, f′ and f″ at its value."""
         square = self.first * self.first
         return Jet(f, slope * self.first, slope * self.second + bend / 2 * square)
 
@@ -88,12 +88,12 @@ class Jet:
 
 
 def value_of(x: Number) -> Number:
-    """Return a number without its derivatives."""
+    """Value of a number, without its derivatives."""
     return x.value if isinstance(x, Jet) else x
 
 
 def _plain(name: str, x: Number, *more: Number) -> Number:
-    """Return a function of plain numbers: of mpmath where one of them is."""
+    """Function of plain numbers: of mpmath where one of them is."""
     for one in (x, *more):
         if hasattr(one, "context"):
             return getattr(one.context, name)(x, *more)
@@ -103,7 +103,7 @@ def _plain(name: str, x: Number, *more: Number) -> Number:
 def _smooth(
     name: str, slope: Callable[[Number, Number], Number], bend: Callable[[Number, Number], Number]
 ) -> Callable[[Number], Number]:
-    """Return a function by its name, given f′ and f″ from x and f."""
+    """Smooth function by its name, given f′ and f″ from x and f."""
 
     def function(x: Number) -> Number:
         f = _plain(name, value_of(x))
@@ -136,7 +136,7 @@ acos = _smooth(
 
 
 def atan2(y: Number, x: Number) -> Number:
-    """Return the angle of (x, y), in (−π, π] but for what its derivatives add."""
+    """Angle of (x, y), in (−π, π] but for what its derivatives add."""
     angle = _plain("atan2", value_of(y), value_of(x))
     if not (isinstance(x, Jet) or isinstance(y, Jet)):
         return angle
@@ -146,90 +146,90 @@ def atan2(y: Number, x: Number) -> Number:
 
 
 def sign(x: Number) -> Number:
-    """Return −1, 0 or 1."""
+    """Sign −1, 0 or 1."""
     return int(value_of(x) > 0) - int(value_of(x) < 0)
 
 
 def absolute(x: Number) -> Number:
-    """Return |x|."""
+    """Absolute value |x|."""
     return -x if value_of(x) < 0 else x
 
 
 def least(*given: Number) -> Number:
-    """Return the smallest of some numbers."""
+    """Smallest of some numbers."""
     return min(given, key=value_of)
 
 
 def largest(*given: Number) -> Number:
-    """Return the largest of some numbers."""
+    """Largest of some numbers."""
     return max(given, key=value_of)
 
 
 def dot(a: Vector, b: Vector) -> Number:
-    """Return a·b."""
+    """Scalar product a·b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """Return a × b."""
+    """Cross product a × b."""
     return [a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3)]
 
 
 def plus(a: Vector, b: Vector) -> Vector:
-    """Return a + b."""
+    """Sum a + b."""
     return [x + y for x, y in zip(a, b, strict=True)]
 
 
 def minus(a: Vector, b: Vector) -> Vector:
-    """Return a − b."""
+    """Difference a − b."""
     return [x - y for x, y in zip(a, b, strict=True)]
 
 
 def times(factor: Number, a: Vector) -> Vector:
-    """Return a vector multiplied by a number."""
+    """Vector multiplied by a number."""
     return [x * factor for x in a]
 
 
 def norm(a: Vector) -> Number:
-    """Return |a|."""
+    """Norm |a|."""
     return sqrt(dot(a, a))
 
 
 def unit(a: Vector) -> Vector:
-    """Return a / |a|, in two steps, so that no square overflows."""
+    """Unit vector a / |a|, in two steps, so that no square overflows."""
     size = max(abs(value_of(x)) for x in a)
     a = [x / size for x in a]
     return times(1 / norm(a), a)
 
 
 def across(a: Vector, b: Vector) -> Vector:
-    """Return the unit vector along what of b is across a, a of norm one."""
+    """Unit vector along what of b is across a, a of norm one."""
     return unit(minus(b, times(dot(a, b), a)))
 
 
 def any_across(a: Vector) -> Vector:
-    """Return some unit vector across another one."""
+    """One of the unit vectors across another one."""
     k = min(range(3), key=lambda m: abs(value_of(a[m])))
     return across(a, [int(m == k) for m in range(3)])
 
 
 def turned(A: Matrix, a: Vector) -> Vector:
-    """Return A a."""
+    """Vector A a."""
     return [dot(row, a) for row in A]
 
 
 def transposed(A: Matrix) -> Matrix:
-    """Return Aᵀ."""
+    """Transpose Aᵀ."""
     return [[row[k] for row in A] for k in range(3)]
 
 
 def back(A: Matrix, a: Vector) -> Vector:
-    """Return Aᵀ a."""
+    """Vector Aᵀ a."""
     return turned(transposed(A), a)
 
 
 def product(A: Matrix, B: Matrix) -> Matrix:
-    """Return A B."""
+    """Product A B."""
     return transposed([turned(A, column) for column in transposed(B)])
 
 
@@ -237,7 +237,7 @@ IDENTITY: Matrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
 
 def rotation(p: Vector) -> Matrix:
-    """Return A of a quaternion of any norm but zero, the images of the axes under p ∘ a ∘ p⁻¹."""
+    """Matrix A of a quaternion of any norm but zero, the images of the axes under p ∘ a ∘ p⁻¹."""
     square = p[0] * p[0] + dot(p[1:], p[1:])
     images = []
     for axis in IDENTITY:
@@ -247,21 +247,21 @@ def rotation(p: Vector) -> Matrix:
 
 
 def hamilton(p: Vector, q: Vector) -> Vector:
-    """Return the product of two quaternions, scalar first."""
+    """Product of two quaternions, scalar first."""
     e, f = p[1:], q[1:]
     vector = plus(plus(times(p[0], f), times(q[0], e)), cross(e, f))
     return [p[0] * q[0] - dot(e, f), *vector]
 
 
 def about(axis: Vector, angle: Number) -> Matrix:
-    """Return A of a turn about an axis of any length; none where the axis is zero."""
+    """Matrix A of a turn about an axis of any length; none where the axis is zero."""
     if not any(axis):
         return IDENTITY
     return rotation([cos(angle / 2), *times(sin(angle / 2), unit(axis))])
 
 
 def least_turn(a: Vector, b: Vector) -> Matrix:
-    """Return A of the smallest turn that takes a unit vector to another one."""
+    """Matrix A of the smallest turn that takes a unit vector to another one."""
     between = plus(a, b)
     if max(abs(x) for x in between) < 1e-7:  # half a turn, about any direction across
         return rotation([0, *any_across(a)])
@@ -269,7 +269,7 @@ def least_turn(a: Vector, b: Vector) -> Matrix:
 
 
 def array(values: Any) -> Any:
-    """Return an array of doubles, or of objects where there are numbers of mpmath."""
+    """Array of doubles, or of objects where there are numbers of mpmath."""
     return np.array(values, dtype=float if _are_doubles(values) else object)
 
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def orientation_of(read: Reader, given: Tree | None) -> Matrix:
-    """Return A of an orientation of a scene."""
+    """Matrix A of an orientation of a scene."""
     match given or {}:
         case {"quaternion": p, "order": order}:
             p = read.vector(p)
@@ -55,7 +55,7 @@ def orientation_of(read: Reader, given: Tree | None) -> Matrix:
 
 
 def nearest_rotation(A: Matrix) -> Matrix:
-    """Return the rotation next to a matrix that is nearly one, by A ← (A + A⁻ᵀ)/2.
+    """Rotation next to a matrix that is nearly one, by A ← (A + A⁻ᵀ)/2.
 
     The cofactors of a rotation are its elements, so that A⁻ᵀ is found without a division.
     """
@@ -87,7 +87,7 @@ class Mass:
 
 
 def mass_of(read: Reader, body: Tree) -> Mass | None:
-    """Return the mass of a body; None where it has none."""
+    """Mass of a body; None where it has none."""
     parts = [*_parts(read, body)]
     if not parts:
         return None
@@ -100,7 +100,7 @@ def mass_of(read: Reader, body: Tree) -> Mass | None:
 
 
 def steiner(mass: Number, d: Vector) -> Matrix:
-    """Return mass (|d|² I − d dᵀ)."""
+    """Tensor mass (|d|² I − d dᵀ)."""
     return [[mass * (dot(d, d) * (i == j) - d[i] * d[j]) for j in range(3)] for i in range(3)]
 
 
@@ -109,7 +109,7 @@ def _sum(A: Matrix, B: Matrix) -> Matrix:
 
 
 def _parts(read: Reader, body: Tree) -> Iterator[Part]:
-    """Yield mass, centre and tensor about this centre of all parts."""
+    """Mass, centre and tensor about this centre of all parts."""
     none: Matrix = [[read.real(0)] * 3] * 3
     if "mass" in body:
         mass, center = read.number(body["mass"]), read.vector(body.get("center", [0, 0, 0]))
@@ -143,7 +143,7 @@ def _parts(read: Reader, body: Tree) -> Iterator[Part]:
 
 
 def _given(read: Reader, mass: Number, center: Vector, inertia: Tree | None) -> Matrix:
-    """Return a tensor as it is given, about the centre of mass."""
+    """Tensor as it is given, about the centre of mass."""
     own = {key: read.number(x) for key, x in (inertia or {}).items() if key != "about"}
     letters = (("xx", "xy", "zx"), ("xy", "yy", "yz"), ("zx", "yz", "zz"))
     tensor: Matrix = [[own.get(key, read.real(0)) for key in row] for row in letters]
@@ -168,11 +168,11 @@ class Pose:
     A: Matrix
 
     def place(self, s: Vector) -> Vector:
-        """Return a point of the body in frame O."""
+        """Point of the body in frame O."""
         return plus(self.r, turned(self.A, s))
 
     def point(self, s: Vector) -> Vector:
-        """Return a point of frame O in the body."""
+        """Point of frame O in the body."""
         return back(self.A, minus(s, self.r))
 
 

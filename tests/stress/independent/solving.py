@@ -37,7 +37,7 @@ class Solution:
 
 
 def svd(A: Array) -> tuple[Array, Array, Array]:
-    """Return U, σ and Vᵀ with all columns of U."""
+    """Factors U, σ and Vᵀ with all columns of U."""
     if A.dtype != object:
         return np.linalg.svd(A, full_matrices=True)
     U, sigma, V = mpmath.svd_r(mpmath.matrix(A.tolist()), full_matrices=True)
@@ -46,21 +46,21 @@ def svd(A: Array) -> tuple[Array, Array, Array]:
 
 
 def inverse_of(L: Array) -> Array:
-    """Return the inverse of a matrix."""
+    """Inverse of a matrix."""
     if L.dtype != object:
         return np.linalg.inv(L)
     return np.array((mpmath.matrix(L.tolist()) ** -1).tolist(), dtype=object)
 
 
 def sizes_of(M: Array) -> Array:
-    """Return roots of the diagonal of M; of a thousandth of the most where there is zero."""
+    """Roots of the diagonal of M; of a thousandth of the most where there is zero."""
     diagonal = [M[k, k] for k in range(len(M))]
     least = max(diagonal, default=0) / 1000
     return np.array([x**0.5 if x > 0 else least**0.5 for x in diagonal])
 
 
 def solve(M: Array, C_q: Array, gamma: Array, f: Array, zero: float) -> Solution:
-    """Return accelerations and multipliers.
+    """Accelerations and multipliers.
 
     Accelerations are v̇ = v̇₀ + N y with C_q N = 0, by Nᵀ M N y = Nᵀ (f − M v̇₀); M may be singular,
     and Nᵀ M N may not.

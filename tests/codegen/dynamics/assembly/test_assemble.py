@@ -43,14 +43,14 @@ TILTED: Tree = {
 
 
 def built(bodies: Tree, joints: Tree) -> System:
-    """Return the system of bodies and joints."""
+    """System of bodies and joints."""
     return system_of(
         scene_from_dict({"name": "s", "unit": "m", "bodies": bodies, "joints": joints})
     )
 
 
 def disturbed(system: System, size: float, *, in_plane: bool = False) -> System:
-    """Return a system whose bodies stand, turn and move otherwise, each in its own way."""
+    """System whose bodies stand, turn and move otherwise, each in its own way."""
     bodies = []
     for k, body in enumerate(system.bodies):
         x, y, z = (size * math.sin(3 * k + i) for i in range(3))
@@ -68,7 +68,7 @@ def disturbed(system: System, size: float, *, in_plane: bool = False) -> System:
 
 
 def residuals(system: System) -> tuple[float, float]:
-    """Return the largest |C| and |C_q v| at the start."""
+    """Largest |C| and |C_q v| at the start."""
     c, rates = Residuals(system.constraints, system.bodies).fast(system.bodies)
     return float(np.abs(c).max(initial=0)), float(np.abs(rates).max(initial=0))
 
@@ -121,7 +121,7 @@ ON_A_ROD = {"rod": {"type": "rod", "bodies": ["ground", "b"], "points": [[0] * 3
 
 
 def on_a_rod(**keys: Any) -> System:
-    """Return a point on a rod of 1 m."""
+    """Point on a rod of 1 m."""
     return built({"b": {"position": [0.6, 0.8, 0.5], "point": True, "mass": 2, **keys}}, ON_A_ROD)
 
 
@@ -257,7 +257,7 @@ def test_the_order_of_the_joints_changes_no_digit() -> None:
 
 
 def four_bar(crank: Tree, **coupler: Any) -> System:
-    """Return a four-bar with cranks of 1 m and 2 m, 3 m apart, and a coupler of 2.5 m."""
+    """Four-bar with cranks of 1 m and 2 m, 3 m apart, and a coupler of 2.5 m."""
     rod = {"mass": 1}
     bodies = {
         "crank": {"position": [0, 0, 0], "mass": 1, **crank},
@@ -426,7 +426,7 @@ def test_a_large_system_that_does_not_fit_is_refused_at_once() -> None:
 
 
 def four_bar_with(*values: str) -> Tree:
-    """Return a rectangle of 3 m by 1 m, its two cranks driven."""
+    """Rectangle of 3 m by 1 m, its two cranks driven."""
 
     def bar(x: float, y: float, length: float, *, up: bool) -> Tree:
         turned = {"angles": ["90 deg" if up else 0, 0, 0], "sequence": "zyx", "about": "body"}

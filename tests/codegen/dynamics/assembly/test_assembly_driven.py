@@ -27,7 +27,7 @@ Z = [0, 0, 1]
 
 
 def built(bodies: Tree, joints: Tree, **tables: Any) -> System:
-    """Return the system of a scene in metres."""
+    """System of a scene in metres."""
     scene = {"name": "s", "unit": "m", "bodies": bodies, "joints": joints, **tables}
     return system_of(scene_from_dict(scene))
 
@@ -37,14 +37,14 @@ def hinge(i: str, j: str, at: Any) -> Tree:
 
 
 def arm(value: Any, **tables: Any) -> System:
-    """Return an arm of a metre along x on a hinge about z, driven."""
+    """Arm of a metre along x on a hinge about z, driven."""
     bodies = {"arm": {"position": [0, 0, 0], "mass": 1, "center": [1, 0, 0]}}
     drivers = {"motor": {"joint": "hinge", "value": value}}
     return built(bodies, {"hinge": hinge("ground", "arm", [0, 0, 0])}, drivers=drivers, **tables)
 
 
 def angle(system: System, body: int) -> float:
-    """Return the angle of a body about z, from −π to π."""
+    """Angle of a body about z, from −π to π."""
     p = system.bodies[body].p
     turned = 2 * math.atan2(p[3], p[0])
     return math.remainder(turned, math.tau)
@@ -55,7 +55,7 @@ CORNERS = {"a": (0.0, 0.0), "b": (0.0, 1.0), "c": (3.0, 2.0), "d": (3.0, 0.0)}
 
 
 def four_bar(**tables: Any) -> System:
-    """Return crank, coupler and rocker as they stand in :data:`CORNERS`, in that order."""
+    """Crank, coupler and rocker as they stand in :data:`CORNERS`, in that order."""
     bodies, joints = {}, {}
     ends = ["ground", "crank", "coupler", "rocker", "ground"]
     for name, (start, end) in zip(ends[1:4], pairwise(CORNERS), strict=True):
@@ -71,7 +71,7 @@ def four_bar(**tables: Any) -> System:
 
 
 def violated(system: System) -> tuple[float, float]:
-    """Return the largest |C| and |C_q v − ν| at the start."""
+    """Largest |C| and |C_q v − ν| at the start."""
     c, rates = Residuals.of(system, system.constraints).fast(system.bodies)
     return max(map(abs, c)), max(map(abs, rates))
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def elements(system: System) -> tuple[Residuals, Any]:
-    """Return the rows of a system, and C_q at the start by its elements."""
+    """Rows of a system, and C_q at the start by its elements."""
     rows = Residuals.of(system, system.constraints)
     place = DoublePose.of(Pose.of(system.bodies))
     _, *found = rows.elements(place.r, place.p)

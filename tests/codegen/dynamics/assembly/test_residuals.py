@@ -23,7 +23,7 @@ COUPLED = ["gear_train", "falling_nut", "constant_velocity", "oldham_coupling"]
 
 
 def anywhere(name: str) -> System:
-    """Return a scene whose bodies stand and turn where its joints do not hold."""
+    """Scene whose bodies stand and turn where its joints do not hold."""
     system = system_of(read_scene(SCENES / f"{name}.toml"))
     numbers = np.random.default_rng(len(name))
     bodies = []

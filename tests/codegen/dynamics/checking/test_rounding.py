@@ -29,12 +29,12 @@ SEGMENTS = ("geometry", "acceleration", "position", "move", "velocity", "energy"
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Return a b − c and √c. Blocks: a, b, c."""
+    """Difference a b − c and root √c. Blocks: a, b, c."""
 
     title: str = "difference"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return both."""
+        """Difference and root, as a column."""
         graph = trace.graph
         a, b, c = (block.flat[0] for block in blocks)
         rows = ((graph.sub(graph.mul(a, b), c),), (graph.sqrt(c),))
@@ -42,7 +42,7 @@ class Difference:
 
 
 def difference() -> Program:
-    """Return a program that computes a b − c and √c, in two tasks."""
+    """Program that computes a b − c and √c, in two tasks."""
     recorder = Recorder()
     given = recorder.region("q", 3)
     result = recorder.region("dq", 2)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def turned(mechanisms: SimpleNamespace, rng: np.random.Generator, name: str) -> ProgramInterpreter:
-    """Return a mechanism anywhere in space, with any velocities."""
+    """Mechanism anywhere in space, with any velocities."""
     system = getattr(mechanisms, name)()
     workspace = ProgramInterpreter(
         compose(all_rows(system, may_be_planar=False), ["reactions", "checks"])
@@ -31,7 +31,7 @@ def turned(mechanisms: SimpleNamespace, rng: np.random.Generator, name: str) -> 
 
 
 def moving(mechanisms: SimpleNamespace, rng: np.random.Generator, name: str) -> ProgramInterpreter:
-    """Return a mechanism with velocities that its joints allow, and its accelerations."""
+    """Mechanism with velocities that its joints allow, and its accelerations."""
     workspace = turned(mechanisms, rng, name)
     workspace.run("geometry", "velocity")
     workspace["v"] = [a + b for a, b in zip(workspace["v"], workspace["dv"], strict=True)]

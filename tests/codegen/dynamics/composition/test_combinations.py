@@ -58,7 +58,7 @@ ROWS = {
 
 
 def system_with(mechanisms: SimpleNamespace, *rows: Instance) -> System:
-    """Return three bodies, two of them in a chain, with further rows."""
+    """Three bodies, two of them in a chain, with further rows."""
     chain: System = mechanisms.chain(3)
     kept = tuple(one for one in chain.constraints if one.joint != "j2")
     return replace(
@@ -74,7 +74,7 @@ def program_of(system: System) -> Program:
 
 
 def anywhere(program: Program, rng: np.random.Generator) -> ProgramInterpreter:
-    """Return any state at some time, Euler parameters of norm one, in 50 digits."""
+    """State at some time, Euler parameters of norm one, in 50 digits."""
     workspace = ProgramInterpreter(program, HIGH)
     for name in ("q", "v"):
         workspace[name] = [CONTEXT.mpf(x) for x in rng.normal(size=len(workspace[name]))]
@@ -88,7 +88,7 @@ def anywhere(program: Program, rng: np.random.Generator) -> ProgramInterpreter:
 
 
 def later(workspace: ProgramInterpreter, step: Any) -> tuple[list[Any], list[Any]]:
-    """Return C and its rate a small time later on the motion."""
+    """Constraints C and their rate a small time later on the motion."""
     kept = {name: workspace[name] for name in ("t", "q", "v", "v_dot")}
     workspace["t"] = [x + step for x in kept["t"]]
     workspace["dq"] = [step * x for x in kept["v"]]
@@ -147,7 +147,7 @@ def test_accelerations_and_multipliers_are_those_of_the_dense_equations(
 
 
 def dense(workspace: ProgramInterpreter) -> tuple[Any, Any]:
-    """Return C_q, from the rates of unit velocities, and γ."""
+    """Jacobian C_q, from the rates of unit velocities, and γ."""
     v, v_dot = workspace["v"], workspace["v_dot"]
     base = np.array([float(x) for x in workspace["C_dot"]])
     columns = []

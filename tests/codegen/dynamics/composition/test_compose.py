@@ -33,7 +33,7 @@ def put(workspace: ProgramInterpreter, state: dict[str, Any]) -> None:
 
 
 def get(workspace: ProgramInterpreter, region: str) -> Any:
-    """Return what is in a region in the order of v, (n, 6), zeros where there is no coordinate."""
+    """Elements of a region in the order of v, (n, 6), zeros where there is no coordinate."""
     program = workspace.program
     offset = program.region(region).base - program.region("v").base
     return np.array(

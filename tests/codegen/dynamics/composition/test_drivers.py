@@ -30,7 +30,7 @@ GOLDEN = (1 + math.sqrt(5)) / 2
 
 @pytest.fixture
 def load(bodies_folder: Callable[..., Path]) -> Load:
-    """Return what generates a scene once and loads it for a target."""
+    """Loader that generates a scene once and loads it for a target."""
 
     def loaded(scene: dict[str, Any], target: Any = "c") -> DynamicsSolver:
         return load_dynamics(
@@ -41,7 +41,7 @@ def load(bodies_folder: Callable[..., Path]) -> Load:
 
 
 def pendulum(law: str, **given: Any) -> dict[str, Any]:
-    """Return a pendulum in the xz-plane whose angle is driven, in units of a decimetre."""
+    """Pendulum in the xz-plane whose angle is driven, in units of a decimetre."""
     return {
         "name": "driven",
         "unit": "dm",
@@ -108,7 +108,7 @@ def test_both_targets_drive_with_the_same_bits(load: Load) -> None:
 
 
 def gears(ratio: float) -> dict[str, Any]:
-    """Return two wheels whose angles are coupled, the first one turned by a torque."""
+    """Two wheels whose angles are coupled, the first one turned by a torque."""
     speeds = (20.0, 20.0 * ratio)
     return {
         "name": "gears",

@@ -38,7 +38,7 @@ def load(kind: str, j: int, *vectors: Any) -> ForceElement:
 
 @pytest.fixture
 def flying(mechanisms: SimpleNamespace) -> System:
-    """Return two bodies on a joint, and a third one, with a spring between the parts."""
+    """Two bodies on a joint, and a third one, with a spring between the parts."""
     bodies = tuple(mechanisms.body(f"b{k}", (k, 0.3 * k, 0.1)) for k in range(3))
     joint = mechanisms.point("ball", 0, 1, (0.5, 0.1, 0.0), (-0.5, -0.2, 0.0))
     gravity = (0.0, 0.0, -9.81)

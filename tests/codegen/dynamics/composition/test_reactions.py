@@ -36,14 +36,14 @@ OUTPUTS = ("reactions", "checks")
 
 
 def least(system: System) -> Program:
-    """Return the program of a system without the rows that depend on others."""
+    """Program of a system without the rows that depend on others."""
     found = independent(system, may_be_planar=False)
     assert found.left_out
     return compose(found, OUTPUTS)
 
 
 def moved(program: Program, rng: np.random.Generator, size: float) -> ProgramInterpreter:
-    """Return a workspace with a state of the mechanism near its start, with all computed."""
+    """Workspace with a state of the mechanism near its start, with all computed."""
     work = ProgramInterpreter(program)
     work["q"] = [
         x + size * e for x, e in zip(work["q"], rng.normal(size=len(work["q"])), strict=True)
@@ -59,7 +59,7 @@ def moved(program: Program, rng: np.random.Generator, size: float) -> ProgramInt
 
 
 def state_of(work: ProgramInterpreter) -> dict[str, Any]:
-    """Return positions and velocities of all bodies in space."""
+    """Positions and velocities of all bodies in space."""
     return {
         name: np.array(
             [[work.values[x.slot] for x in getattr(one, name)] for one in work.program.bodies]
@@ -69,7 +69,7 @@ def state_of(work: ProgramInterpreter) -> dict[str, Any]:
 
 
 def jacobian_of(one: Instance, state: dict[str, Any]) -> Any:
-    """Return C_q (n, 12) of an instance from its kind as it is shipped."""
+    """Jacobian C_q (n, 12) of an instance from its kind as it is shipped."""
     inputs = {name: list(values) for name, values in one.constants}
     for end, body in (("i", one.i), ("j", one.j)):
         is_ground = body == GROUND_INDEX
@@ -89,7 +89,7 @@ def rotation(p: Any) -> Any:
 def wanted(
     system: System, state: dict[str, Any], mechanisms: SimpleNamespace, length: float
 ) -> dict[str, Any]:
-    """Return force and torque (6,) of each joint on its body, at its point, in frame O."""
+    """Force and torque (6,) of each joint on its body, at its point, in frame O."""
     n = 6 * len(system.bodies)
     v_dot, _, _ = mechanisms.dense(system, state)
     rows, wrenches, names = [], [], list(dict.fromkeys(x.joint for x in system.constraints))
@@ -127,7 +127,7 @@ def wanted(
 
 
 def found(system: System, work: ProgramInterpreter, state: dict[str, Any]) -> dict[str, Any]:
-    """Return force and torque of each joint from the region, as ``wanted`` does."""
+    """Force and torque of each joint from the region, as ``wanted`` does."""
     result, values = {}, np.array(work["reactions"]).reshape(-1, 6)
     names = list(dict.fromkeys(x.joint for x in system.constraints))
     for name, own in zip(names, values, strict=True):
@@ -138,7 +138,7 @@ def found(system: System, work: ProgramInterpreter, state: dict[str, Any]) -> di
 
 
 def end_of(system: System, joint: str, state: dict[str, Any]) -> tuple[int, Any]:
-    """Return the body that the forces of a joint act on, and the joint's point in frame O."""
+    """Body that the forces of a joint act on, and the joint's point in frame O."""
     own = [one for one in system.constraints if one.joint == joint]
     point = np.array(next(v for one in own for name, v in one.constants if name == "s_j_b"))
     i, j = own[0].i, own[0].j
@@ -148,7 +148,7 @@ def end_of(system: System, joint: str, state: dict[str, Any]) -> tuple[int, Any]
 
 
 def door(hinges: int, axis: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> System:
-    """Return a door of 2 m on hinges along one axis, at equal distances."""
+    """Door of 2 m on hinges along one axis, at equal distances."""
     tree = {
         "name": "door",
         "unit": "m",
@@ -170,7 +170,7 @@ def door(hinges: int, axis: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Sys
 
 
 def leaning_four_bar() -> System:
-    """Return a four-bar of revolute joints in a plane that leans: three rows depend on others."""
+    """Four-bar of revolute joints in a plane that leans: three rows depend on others."""
     along, up = np.array([0.6, 0.0, 0.8]), np.array([0.48, 0.8, -0.36])
     corners = [x * along + y * up for x, y in ((0, 0), (0.3, 1), (2.3, 1.6), (2, 0))]
     ends = {"crank": (0, 1), "coupler": (1, 2), "rocker": (3, 2)}

@@ -46,7 +46,7 @@ def numbers(values: Any) -> np.ndarray:
 
 
 def errors(work: ProgramInterpreter, exact: ProgramInterpreter) -> np.ndarray:
-    """Return the errors of v_dot, lam and the power of the driver, relative to their largest."""
+    """Errors of v_dot, lam and the power of the driver, relative to their largest."""
     found = []
     for region, first in (("v_dot", 0), ("lam", 0), ("q_dot", -1)):
         wanted = numbers(exact[region][first:])
@@ -55,7 +55,7 @@ def errors(work: ProgramInterpreter, exact: ProgramInterpreter) -> np.ndarray:
 
 
 def left(work: ProgramInterpreter) -> float:
-    """Return what is left of C_q v_dot = gamma, relative to v_dot."""
+    """Residual of C_q v_dot = gamma, relative to v_dot."""
     work.run("check")
     rows = work["C_ddot"][: len(work["C"])]
     return float(np.abs(numbers(rows)).max() / np.abs(numbers(work["v_dot"])).max())

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def solver_of(program: Program, system: Any) -> Any:
-    """Return the solver of a program, with the integrator that goes along."""
+    """Solver of a program, with the integrator that goes along."""
     files = {name: text.encode() for name, text in emit_dynamics(program, system).items()}
     return import_source(Path(system.name), files, "solver.py").SOLVER
 

@@ -30,7 +30,7 @@ STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror
 
 
 def text_of(count: int) -> dict[str, str]:
-    """Return the folder of a body under forces; of many, each has kernels of its own."""
+    """Folder of a body under forces; of many, each has kernels of its own."""
     forces = {
         f"f{k}": {
             **{"type": "force", "body": "p", "point": [k % 7, k % 3, 1]},

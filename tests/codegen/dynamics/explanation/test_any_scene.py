@@ -26,7 +26,7 @@ JOINTS = st.sampled_from(["revolute", "cylindrical", "spherical", "parallel_axes
 
 
 def linkage(lengths: list[tuple[float, float]], kinds: list[str], *, in_plane: bool) -> System:
-    """Return bodies one behind the other, whose last point stays in a plane."""
+    """Bodies one behind the other, whose last point stays in a plane."""
     bodies: dict[str, Any] = {}
     joints: dict[str, Any] = {}
     at, before = (0.0, 0.0, 0.0), "ground"
@@ -44,7 +44,7 @@ def linkage(lengths: list[tuple[float, float]], kinds: list[str], *, in_plane: b
 
 
 def accelerations(program: Program) -> list[float]:
-    """Return the accelerations of all bodies at the start; 0 of those left out."""
+    """Accelerations of all bodies at the start; 0 of those left out."""
     workspace = ProgramInterpreter(program)
     for segment in ("geometry", "acceleration"):
         workspace.run(segment)

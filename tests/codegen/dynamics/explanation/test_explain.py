@@ -40,7 +40,7 @@ SUBSETS = [names for n in range(len(ALL) + 1) for names in itertools.combination
 
 
 def accelerations(program: Program) -> dict[tuple[str, int], float]:
-    """Return the accelerations at the start, by body and component; 0 of those left out."""
+    """Accelerations at the start, by body and component; 0 of those left out."""
     workspace = ProgramInterpreter(program)
     for segment in ("geometry", "acceleration"):
         workspace.run(segment)

@@ -62,7 +62,7 @@ def moved(workspace: ProgramInterpreter, step: Any) -> list[Any]:
 
 
 def anywhere(program: Program, rng: np.random.Generator) -> ProgramInterpreter:
-    """Return a state with Euler parameters of norm one, in 50 digits."""
+    """State with Euler parameters of norm one, in 50 digits."""
     workspace = ProgramInterpreter(program, HIGH)
     for name in ("q", "v", "v_dot"):
         workspace[name] = [CONTEXT.mpf(x) for x in rng.normal(size=len(workspace[name]))]

@@ -65,14 +65,14 @@ def torque(kind: str, j: int) -> ForceElement:
 
 
 def rotation(p: Any) -> Any:
-    """Return A by Rodrigues' formula."""
+    """Rotation A by Rodrigues' formula."""
     e0, e = p[0], np.asarray(p[1:])
     skew = np.array([[0.0, -e[2], e[1]], [e[2], 0.0, -e[0]], [-e[1], e[0], 0.0]])
     return np.eye(3) + 2 * e0 * skew + 2 * skew @ skew
 
 
 def end_of(state: dict[str, Any], index: int, point: Any) -> tuple[Any, Any, Any]:
-    """Return place and velocity of a point, and A."""
+    """Place and velocity of a point, and A."""
     if index == GROUND_INDEX:
         return np.array(point), np.zeros(3), np.eye(3)
     a = rotation(state["p"][index])
@@ -81,7 +81,7 @@ def end_of(state: dict[str, Any], index: int, point: Any) -> tuple[Any, Any, Any
 
 
 def loads_of(system: System, state: dict[str, Any]) -> Any:
-    """Return force in frame O and torque in the body frame on each body."""
+    """Force in frame O and torque in the body frame on each body."""
     loads = np.zeros((len(system.bodies) + 1, 6))  # the ground stands last
     for one in system.forces:
         given = {name: np.array(values) for name, values in one.constants}
@@ -132,7 +132,7 @@ def accelerations(workspace: ProgramInterpreter) -> Any:
 
 
 def own_law(i: int, j: int) -> ForceElement:
-    """Return the same spring by a formula in units of half a metre: it is homogeneous."""
+    """Formula of the same spring in units of half a metre: it is homogeneous."""
     constants = (("s_i_b", S_I), ("s_j_b", S_J), ("unit", (0.5,)), ("free_length", (0.8,)))
     return PointSpring("own", i, j, constants, law="70*x + 6*v")
 

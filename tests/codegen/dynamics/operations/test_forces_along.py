@@ -30,7 +30,7 @@ UNIT, TIME, GAIN = 0.5, 0.7, 3.0
 
 
 def acting(system: System, measure: str, *ends: int, **force: Any) -> System:
-    """Return a system with one coordinate, one parameter and one force."""
+    """System with one coordinate, one parameter and one force."""
     near = 4.0 * math.pi if measure == "angle" else 0.0
     i, j = ends
     one = Coordinate("u", measure, i, j, KINDS[measure], near)
@@ -46,7 +46,7 @@ def acting(system: System, measure: str, *ends: int, **force: Any) -> System:
 def measured(
     mechanisms: SimpleNamespace, system: System, state: dict[str, Any]
 ) -> tuple[float, float, Any]:
-    """Return value and rate of the coordinate, and its Jacobian (n, 6)."""
+    """Value and rate of the coordinate, and its Jacobian (n, 6)."""
     (one,) = system.coordinates
     inputs: dict[str, Any] = dict(one.constants)
     for end, index in (("i", one.i), ("j", one.j)):
@@ -208,7 +208,7 @@ def test_energy_of_a_spring_against_a_coordinate_is_half_k_times_its_square(
 
 
 def level(kind: str, constants: Any, free: float = 0.4) -> System:
-    """Return a body in the xy-plane with a spring against a coordinate to the ground."""
+    """Body in the xy-plane with a spring against a coordinate to the ground."""
     turn, still = (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     mass = {"mass": 1.3, "inertia": (0.2, 0.3, 0.25), "is_point": False}
     place = {"r": (1.0, 0.0, 0.0), "p": turn, "v": still, "omega_b": still}

@@ -70,7 +70,7 @@ def door(by: float) -> str:
 
 
 def bricard(digits: int) -> str:
-    """Return the linkage of Bricard, turned, as one types it with so many digits."""
+    """Linkage of Bricard, turned, as one types it with so many digits."""
 
     def typed(x: Any) -> str:
         return f"[{', '.join(f'{component:.{digits}f}' for component in TURN @ np.array(x))}]"
@@ -154,7 +154,7 @@ def test_door_on_hinges_that_are_nearly_in_line_turns(by: float) -> None:
 
 
 def on_pins(places: tuple[float, float], own: tuple[float, float]) -> str:
-    """Return a door on two hinges in line, each at a place of the ground and at one of its own."""
+    """Door on two hinges in line, each at a place of the ground and at one of its own."""
     joints = [
         f'{name} = {{ type = "hinge", bodies = ["ground", "d"], axis = [0, 0, 1],'
         f" points = [[0, 0, {z!r}], [0, 0, {z_d!r}]] }}"

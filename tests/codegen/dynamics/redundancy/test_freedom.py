@@ -30,7 +30,7 @@ TURN = np.linalg.qr(np.array([[1.0, 0.4, 0.2], [0.3, -1.0, 0.7], [0.1, 0.5, 1.0]
 
 @pytest.fixture
 def made(mechanisms: SimpleNamespace) -> SimpleNamespace:
-    """Return what systems are made of."""
+    """Mechanisms that systems are made of."""
     return mechanisms
 
 
@@ -43,7 +43,7 @@ def bricard() -> System:
 
 
 def turned_bar(made: SimpleNamespace) -> System:
-    """Return a four-bar whose axes are parallel to a direction that is in no coordinate plane."""
+    """Four-bar whose axes are parallel to a direction that is in no coordinate plane."""
     corners = [np.array(x) for x in ((0, 0, 0), (0.3, 1, 0), (2.3, 1.4, 0), (2, 0, 0))]
     rods = [(0, 1), (1, 2), (2, 3)]
     sign = np.sign(np.linalg.det(TURN))

@@ -50,7 +50,7 @@ def built(bodies: Tree, joints: Tree, **tables: Any) -> System:
 
 
 def slider_crank(pin: tuple[float, float], **tables: Any) -> System:
-    """Return a crank from the origin to a point at 1 m, a rod of 2 m and a slider on the x-axis."""
+    """Crank from the origin to a point at 1 m, a rod of 2 m and a slider on the x-axis."""
     x, y = pin
     end = x + (4 - y * y) ** 0.5
     bodies = {
@@ -121,7 +121,7 @@ def test_a_start_at_a_dead_centre_names_the_driver() -> None:
 
 
 def parallelogram(angle: float, drivers: Tree) -> System:
-    """Return cranks of 1 m, 2 m apart, at an angle from the line of their pins."""
+    """Cranks of 1 m, 2 m apart, at an angle from the line of their pins."""
     x, y = math.cos(angle), math.sin(angle)
     turned = {"orientation": {"axis": [0, 0, 1], "angle": angle}}
     bodies = {
@@ -180,7 +180,7 @@ def test_a_point_that_is_driven_in_its_plane_repeats_the_plane() -> None:
 
 
 def geared(made: SimpleNamespace, *, is_grounded: bool) -> System:
-    """Return two wheels on hinges, each of the ground or of a frame, and a gear between them."""
+    """Two wheels on hinges, each of the ground or of a frame, and a gear between them."""
     bodies = [made.body("a", (0, 0, 0)), made.body("b", (1, 0, 0))]
     frames = [-1, -1]
     if not is_grounded:

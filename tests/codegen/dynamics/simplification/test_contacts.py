@@ -45,7 +45,7 @@ WANTED = {
 
 
 def held(kind: str, *, ground_first: bool) -> System:
-    """Return two bodies on a ball, of which one is joined with the ground; both move."""
+    """Two bodies on a ball, of which one is joined with the ground; both move."""
     ends = ["ground", "b"] if ground_first else ["b", "ground"]
     joint: dict[str, Any] = {"type": kind, "bodies": ends}
     if JOINTS[kind].has_point:
@@ -71,7 +71,7 @@ def held(kind: str, *, ground_first: bool) -> System:
 
 
 def rates_of_momentum(system: System, about: Any) -> Any:
-    """Return ṗ and L̇ from the accelerations, about a point or the centre of mass."""
+    """Rates ṗ and L̇ of momentum from the accelerations, about a point or the centre of mass."""
     workspace = ProgramInterpreter(
         compose(all_rows(system, may_be_planar=False), ["checks", "energies"])
     )

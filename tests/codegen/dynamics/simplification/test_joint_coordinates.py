@@ -54,7 +54,7 @@ def numbers(rng: np.random.Generator, count: int = 3) -> list[float]:
 def hung(
     kind: str, seed: int = 1, *, is_swapped: bool = False, driven: tuple[str, ...] = ()
 ) -> Any:
-    """Return an arm on a joint with the ground, a tip on a ball of it, and a strut from there."""
+    """Arm on a joint with the ground, a tip on a ball of it, and a strut from there."""
     rng = np.random.default_rng(seed)
     builder = SceneBuilder("hung", unit="m").gravity(*numbers(rng))
     for name in ("arm", "tip"):
@@ -92,7 +92,7 @@ def run_at(program: Program, state: Any, *segments: str) -> ProgramInterpreter:
 
 
 def placed(program: Program, seed: int = 2, size: float = 0.05) -> ProgramInterpreter:
-    """Return a workspace with a state that meets all constraints, not far from the start."""
+    """Workspace with a state that meets all constraints, not far from the start."""
     rng, work = np.random.default_rng(seed), ProgramInterpreter(program)
     work["t"] = [TIME]
     for name, scale in (("q", size), ("v", 1.0)):

@@ -33,7 +33,7 @@ SEEDS = (1, 2, 6, 9, 12)
 
 
 def random_tree(seed: int, count: int = 6) -> Scene:
-    """Return bodies on each other and on the ground, half of them by fixed joints."""
+    """Bodies on each other and on the ground, half of them by fixed joints."""
     rng = np.random.default_rng(seed)
     builder = SceneBuilder(f"tree_{seed}", unit="cm").gravity(30, -500, -800)
     names = ["ground"]
@@ -126,7 +126,7 @@ def fixed(mechanisms: SimpleNamespace, name: str, i: int, j: int, s_i: Any, s_j:
 
 
 def row_of(mechanisms: SimpleNamespace, height: float = 0.0) -> System:
-    """Return a pendulum of three rods, the second fixed to the first, ``height`` above it."""
+    """Pendulum of three rods, the second fixed to the first, ``height`` above it."""
     system: System = mechanisms.planar_pendulum(3, height)
     hinge = [one for one in system.constraints if one.joint != "j1"]
     ends = (0.5, 0.0, 0.5 * height), (-0.5, 0.0, -0.5 * height)

@@ -24,7 +24,7 @@ MOTOR = {"motor": {"joint": "a", "value": "0.5*t + 0.1*sin(3*t)"}}
 
 
 def slider_crank(bodies: dict[str, Any], **tables: Any) -> Scene:
-    """Return crank and rod of 1 m and 2 m and a slider on the x-axis, and what they weigh."""
+    """Crank and rod of 1 m and 2 m and a slider on the x-axis, and what they weigh."""
     start = {"crank": [0, 0, 0], "rod": [0.6, 0.8, 0], "slider": [0.6 + 3.36**0.5, 0, 0]}
     axis = {"axis": [0, 0, 1], "type": "hinge"}
     joints = {

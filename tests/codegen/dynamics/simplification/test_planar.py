@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def changed(system: System, **fields: Any) -> System:
-    """Return a system whose first body is another."""
+    """System whose first body is another."""
     return replace(system, bodies=(replace(system.bodies[0], **fields), *system.bodies[1:]))
 
 
@@ -99,7 +99,7 @@ def test_the_planar_program_moves_as_the_spatial_one_does(
 
 
 def motion(program: Program, workspace: ProgramInterpreter) -> Any:
-    """Return corrections and accelerations of x, y and θ_z of all bodies."""
+    """Corrections and accelerations of x, y and θ_z of all bodies."""
     v = program.region("v").base
     slots = [
         body_place.slot - v
