@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from kousoku.model.elements.constraints import COORDINATES
+from kousoku.model.elements.constraints import COMBINATION, COORDINATES
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -173,6 +173,11 @@ class Instance:
     def bodies(self) -> tuple[int, ...]:
         """The bodies that it connects, each once, the ground too: first i, then j."""
         return tuple(dict.fromkeys((self.i, self.j, *self.others)))
+
+    @property
+    def is_combination(self) -> bool:
+        """Whether it combines coordinates, and has no kernels."""
+        return self.kind == COMBINATION
 
     @property
     def is_driver(self) -> bool:
