@@ -36,9 +36,9 @@ STAGES = (
 SHARED = {"angles", "quantity", "manifest", "errors", "cache", "compressed", "jsontext"}
 #: Folders of ``runtime`` that generated folders take along.
 LIBRARIES = ("integrate", "kinematics")
-#: Modules that import each other in a circle, at most: at the top of files; inside of functions, too;
-#: and for types alone. These numbers may only fall.
-MOST_IN_CYCLES = {"top": 0, "functions": 27, "types": 96}
+#: Modules that import each other in a circle, at most: at the top of files; inside of functions,
+#: too; and for types alone. These numbers may only fall.
+MOST_IN_CYCLES = {"top": 0, "functions": 16, "types": 96}
 HAND_WRITTEN = ("kousoku", "model", "symbolic", "ledger", "codegen", "runtime", "benchmarks")
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from benchmarks.problems.catalog import PROBLEMS
 from benchmarks.problems.problem import GROWTH, TIMES, kousoku_call, loaded
-from kousoku.runtime.motion import Motion
+from kousoku.runtime.integrate.motion import Motion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

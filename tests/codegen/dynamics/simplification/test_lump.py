@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from kousoku.model.scene import Scene
-    from kousoku.runtime.motion import Motion
+    from kousoku.runtime.integrate.motion import Motion
 
 MOVABLE = ("revolute", "spherical", "universal", "cylindrical")
 #: Of the last one a torque acts on a body that stands still: its work is told, and it stays a body.

@@ -1,19 +1,16 @@
-"""The motion of a scene of bodies, and rotations of rows of vectors."""
+"""Rotations of rows of vectors, by rows of Euler parameters."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from kousoku.runtime.integrate import body_tables
-from kousoku.runtime.integrate.motion import Motion
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
     Array = npt.NDArray[np.float64]
-
-__all__ = ["Motion", "composed", "rotated"]
 
 
 def rotated(p: Array, v: Array) -> Array:
