@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from kousoku.codegen.linkage.exact import Exact
 from kousoku.codegen.linkage.layout import OF_NODES
@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.linkage.layout import Layout
     from kousoku.model.planar import Input
-
-High = Any  # a number of CONTEXT: mpmath is untyped
+    from kousoku.model.precise import High
 
 #: Steps over the way of the inputs.
 STEPS = 10
