@@ -80,6 +80,12 @@ def size_of(*arrays: Array) -> float:
     return max((abs(float(x)) for a in arrays for x in np.ravel(a)), default=0.0)
 
 
+def _formulas(force: Mapping[str, Any]) -> list[str]:
+    """Return the formulas of a force, those of its components, too."""
+    parts = [one if isinstance(one, list) else [one] for one in force.values()]
+    return [part for one in parts for part in one if isinstance(part, str)]
+
+
 class Comparison:
     """A scene, and the evaluator of the same tree.
 
@@ -251,18 +257,19 @@ class Comparison:
         # Both choose rows of their own for a joint: one's are combinations of the other's.
         for owner in dict.fromkeys(found.owners):
             yield from self._rows_of(owner, found, theirs)
-        units, joule = self.units(found), self.metre**2
+        units, joule, rough = self.units(found), self.metre**2, self.rough
         if found.M is not None:
             square = np.outer(units, units) / joule
             off = size_of((found.M - theirs.M) * square) / size_of(found.M * square)
             yield "mass matrix (relative)", off, 40 * U
             size = self._force(found, found.M @ found.v) + 1e-3 + self._stiffness()
+            rough *= max(1.0, self._roots() / size)
             off = size_of((found.f - theirs.f) * units) / joule / size
-            yield "applied forces (relative)", off, max(10000 * U, self.rough)
+            yield "applied forces (relative)", off, max(10000 * U, rough)
         solution = self._solution(found)
         if solution is None or solution.condition > SINGULAR or solution.gap < CLEAR:
             return
-        limit = 10 * U * solution.condition**2 + REFINED + self.rough * solution.condition
+        limit = 10 * U * solution.condition**2 + REFINED + rough * solution.condition
         limit += 2 * self.rates_missed[1]
         yield from self._accelerations(run, k, found, solution, limit)
         if found.M is None:
@@ -345,6 +352,23 @@ class Comparison:
             units = [self.metre**2] if turns else units[: len(six)]
             sizes += (abs(float(read(k))) / u for k, u in zip(six, units, strict=True))
         return max(sizes)
+
+    def _roots(self) -> float:
+        """Return the largest force that is a root of a metre or a radian [N, N m].
+
+        Of a coordinate that is zero but for rounding that is what is rounded, whatever it pushes.
+        """
+        given = self.tree.get("coordinates", {})
+        sizes = {name: self.metre if self._is_length(name) else 1.0 for name in given}
+        names = {"t": 0.0, **sizes, **{f"{name}_dot": one for name, one in sizes.items()}}
+        largest = 0.0
+        for force in self.tree.get("forces", {}).values():
+            turns = "torque" in force["type"] or is_angle(self.tree, force)
+            unit = self.metre**2 if turns else self.metre
+            for text in _formulas(force):
+                if "sqrt(" in text:
+                    largest = max(largest, abs(self.evaluator.read.number(text, names)) / unit)
+        return largest
 
     def _rows_of(self, owner: str, found: Evaluation, theirs: Any) -> Iterator[Measured]:
         mine = [name == owner for name in found.owners]

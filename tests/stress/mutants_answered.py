@@ -53,6 +53,7 @@ ANSWERS = {
         "'37' -> '(2 * 37)' in 'W_SCRATCH = 33,": "a workspace that is larger than it must be",
         "'1' -> '(2 * 1)' in '#define ": "true as well",
         "'1' -> '(2 * 1)' in 'static const unsigned char is_length": "true as well",
+        "'1' -> '(2 * 1)' in 'static const unsigned char row_is_length": "true as well",
     },
     "runtime/integrate/lacking.h": {
         "'0' -> '1' in '#define N_NARROW 0'": (
@@ -86,6 +87,9 @@ ANSWERS = {
     "runtime/integrate/stepper.h": {
         "'*' -> '/' in 'if (!(trial.h > SMALLEST * larger(": (
             "another least length of steps, which are given up a little earlier or later"
+        ),
+        "'>' -> '>=' in 'trial->is_whole = !(way_of(trial->h, s->y, work->y) >": (
+            "a step that is exactly as long as the shortest that is given up is given up, too"
         ),
     },
 }

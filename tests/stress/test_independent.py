@@ -198,3 +198,14 @@ def test_works_of_a_root_of_rounding_are_rounding() -> None:
         measured = [*Comparison(tree, mechanism).works(run)]
     assert measured
     assert not [one for one in measured if not one[1] <= one[2]]
+
+
+def test_forces_of_a_root_of_rounding_are_rounding() -> None:
+    """The angle is zero at the start, and the body that is pushed is nearly at rest."""
+    tree = random_scene(random.Random("1 79 2"))
+    with quick_to_compile():
+        mechanism = ks.load(tree, target="c")
+        run: Any = mechanism.simulate(0.01, samples=2, tolerance=1e-9)
+        measured = [*Comparison(tree, mechanism).rows(run)]
+    assert measured
+    assert not [one for one in measured if not one[1] <= one[2]]
