@@ -48,9 +48,12 @@ def required(name: str, install: str = "pip install 'kousoku[bench]'") -> Any:
         It is not installed.
     """
     try:
-        return import_module(name)
+        found = import_module(name)
+        if getattr(found, "__file__", None) is None:  # what a package that is removed may leave
+            raise ImportError(f"{name} is a folder without modules")
     except ImportError as error:
         raise MissingError(f"{name.partition('.')[0]} ({error}); {install}") from error
+    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -261,6 +264,11 @@ class Question:
     words: Callable[[Sequence[Record]], str] = lambda _: ""
     run: Callable[[str, Size, Workers], list[Record]] | None = None
     seconds: float = 150.0
+
+
+def matches(word: str, *names: str) -> bool:
+    """Whether one of the names has a word."""
+    return any(word.casefold() in name.casefold() for name in names)
 
 
 def seconds_of(run: Callable[[], object], count: int = 1) -> float:

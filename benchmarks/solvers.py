@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from benchmarks.kit import KINDS, Figures, Question, Record, Size, Target, duration, number, table
-from benchmarks.plots import Line, work_precision
+from benchmarks.plots import ToolLine, work_precision
 from benchmarks.problems import linkage
 from benchmarks.problems.catalog import PROBLEMS
 from benchmarks.problems.problem import GROWTH, ROWS
@@ -170,12 +170,19 @@ What a tolerance of 1e-12 gives: a tolerance is what the error of a step may be,
 add up, and the motion makes each of them larger: of positions and velocities that are moved by a
 part of the length and of the largest velocities bodies are later off by so many times as much
 (`python -m benchmarks.problems.growth`). 1e-10 is promised where that is no more than 100, and more
-in proportion where it is more."""
+in proportion where it is more; that is kept as long as all steps together err by no more than one
+tolerance. Beside it stands what another implementation of the method makes of the equations of all
+bodies at the same tolerance."""
+
+#: Another implementation of the method whose errors stand beside those of kousoku.
+OTHER_DOP853 = "SciPy", "DOP853, index 1"
 
 
 def _tight(records: Sequence[Record]) -> str:
     """Rows of the tightest tolerance, beside how far motions magnify errors."""
-    own = [one for one in records if is_door(one) and one.setting == TIGHT]
+    tight = [one for one in records if one.setting == TIGHT]
+    own = [one for one in tight if is_door(one)]
+    others = {one.contest: one for one in tight if (one.tool, one.line) == OTHER_DOP853}
     lines = list(dict.fromkeys(one.line for one in own))
     rows = []
     for contest in dict.fromkeys(one.contest for one in own):
@@ -184,11 +191,14 @@ def _tight(records: Sequence[Record]) -> str:
             f"{number(one.error)} in {one.extra.get('steps', 0):.0f} steps" if one else "–"
             for one in map(found.get, lines)
         ]
-        promised = number(PROBLEMS[contest].promised)
-        rows.append([title_of(contest), f"{GROWTH[contest]:.2g}", *told, promised])
+        other = others.get(contest)
+        problem = PROBLEMS[contest]
+        judged = [number(other.error) if other else "–", number(problem.promised)]
+        rows.append([problem.title, f"{GROWTH[contest]:.2g}", *told, *judged])
     if not rows:
         return ""
-    heads = ["problem", "errors grow, times", *(f"error of {line}" for line in lines), "promised"]
+    errors = [*(f"error of {line}" for line in lines), " ".join(("error of", *OTHER_DOP853))]
+    heads = ["problem", "errors grow, times", *errors, "promised"]
     return f"{TIGHT_WORDS}\n\n{table(heads, rows)}"
 
 
@@ -213,7 +223,7 @@ def _lines(records: Sequence[Record]) -> dict[tuple[str, str], list[Record]]:
 def _plot(contest: str, records: Sequence[Record], figures: Figures) -> str:
     """Plot: a line of kousoku for the default and the C, one a line of peers."""
     lines = [
-        Line(
+        ToolLine(
             f"{tool} {line}",
             [
                 (one.error, one.fastest)

@@ -33,7 +33,7 @@ SOURCES = (
     "codegen/derived.py",
     "codegen/freeze.py",
     "codegen/freeze_components.py",
-    "codegen/known.py",
+    "codegen/known_errors.py",
     "codegen/manifold.py",
     "codegen/passes/*.py",
     "codegen/points.py",
@@ -50,7 +50,7 @@ SOURCES = (
     "model/jsontext.py",
     "model/kernel.py",
     "model/quantity.py",
-    "model/rows.py",
+    "model/parallel_rows.py",
     "model/slopes.py",
 )
 #: File beside the committed kinds that says of which sources they were derived.

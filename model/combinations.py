@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT
 from kousoku.model.elements.constraints import COMBINATION
-from kousoku.model.mechanism import Instance, Term
+from kousoku.model.multibody import Instance, Term
 from kousoku.model.precise import NOISE
 from kousoku.model.traced import Traced
 

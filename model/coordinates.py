@@ -10,7 +10,7 @@ from kousoku.model.elements.constraints import COORDINATES, is_length
 from kousoku.model.frames import joint_points
 from kousoku.model.joints import JOINTS, NAMES, sort_of
 from kousoku.model.measures import PreciseMeasure, place_measure
-from kousoku.model.mechanism import Coordinate
+from kousoku.model.multibody import RelativeCoordinate
 from kousoku.model.traced import at_scene
 
 if TYPE_CHECKING:
@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from kousoku.model.frames import BodyFrame
     from kousoku.model.precise import High
     from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Coordinate as Named
-    from kousoku.model.spatial import Joint
+    from kousoku.model.spatial import Coordinate, Joint
 
 
 def joint_measure(joint: Joint, sort: str, frames: Mapping[str, BodyFrame]) -> PreciseMeasure:
@@ -50,7 +49,7 @@ class CoordinateList:
     def __init__(self, scene: Scene, frames: Mapping[str, BodyFrame], unit: High) -> None:
         self.scene, self.frames, self.unit = scene, frames, unit
         self._places: dict[str, int] = {}
-        self._records: list[Coordinate] = []
+        self._records: list[RelativeCoordinate] = []
         self._values: list[High] = []
         self._turned: set[int] = set()
         self._starts: dict[tuple[str, str], High] = {}
@@ -61,11 +60,11 @@ class CoordinateList:
                 self._named.setdefault((given.joint, sort), name)
 
     @property
-    def records(self) -> tuple[Coordinate, ...]:
+    def records(self) -> tuple[RelativeCoordinate, ...]:
         """All that were asked for, in the order of asking."""
         return tuple(self._records)
 
-    def record(self, place: int) -> Coordinate:
+    def record(self, place: int) -> RelativeCoordinate:
         """Coordinate at a place."""
         return self._records[place]
 
@@ -138,14 +137,14 @@ class CoordinateList:
         i, j = (end.index for end in measure.ends)
         constants = measure.constants(self.unit)
         self._records.append(
-            Coordinate(name, measure.kind, i, j, constants, float(at_scene(start)))
+            RelativeCoordinate(name, measure.kind, i, j, constants, float(at_scene(start)))
         )
         self._values.append(value * self.unit_of(place)[1])
         if measure.is_turned:
             self._turned.add(place)
         return place
 
-    def _measure(self, given: Named) -> PreciseMeasure:
+    def _measure(self, given: Coordinate) -> PreciseMeasure:
         if given.joint is not None:
             joint = self.scene.joints[given.joint]
             return joint_measure(joint, sort_of(joint.type, given.of), self.frames)

@@ -22,7 +22,7 @@ class PreciseMeasure:
     Parameters
     ----------
     kind : str
-        The package, see :class:`kousoku.model.mechanism.Coordinate`.
+        The package, see :class:`kousoku.model.multibody.RelativeCoordinate`.
     ends : (BodyFrame, BodyFrame)
         Bodies i and j.
     vectors : tuple of (str, (3,))

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.elements.constraints import is_point
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.traced import Traced
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import Coordinate, Instance, System
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System
 
 
 def moved_by_parameters(system: System, one: Instance) -> bool:
@@ -22,7 +22,7 @@ def moved_by_parameters(system: System, one: Instance) -> bool:
     """
     if not system.parameters:
         return False
-    parts: list[Instance | Coordinate] = [one]
+    parts: list[Instance | RelativeCoordinate] = [one]
     parts += [system.coordinates[term.coordinate] for term in one.terms]
     return is_varying((one.offset, *(term.factor for term in one.terms))) or any(
         _moves(system, part.i if "_i_" in name else part.j, name, values)

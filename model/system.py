@@ -28,11 +28,11 @@ from kousoku.model.frames import (
 from kousoku.model.held import held_coordinates, held_of
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.mass import mass_properties
-from kousoku.model.mechanism import Instance, MovingBody, System
+from kousoku.model.multibody import Instance, MovingBody, System
 from kousoku.model.own_kind import FRAMES, ORIGINS, input_name
+from kousoku.model.parallel_rows import variant
 from kousoku.model.precise import ZERO, High, Triple
 from kousoku.model.quaternions import quaternion
-from kousoku.model.rows import variant
 from kousoku.model.spatial import GROUND
 from kousoku.model.system_drivers import driver_instances, start_values
 from kousoku.model.system_forces import events_of, force_elements, gravity_law, gravity_of

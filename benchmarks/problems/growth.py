@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from benchmarks.problems.problem import Problem
+    from benchmarks.problems.problem import BenchmarkProblem
     from kousoku.mechanism import Mechanism
 
     Array = npt.NDArray[np.float64]
@@ -36,7 +36,7 @@ EVERY, DIRECTIONS = 5, 9
 MOVED = ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
 
 
-def growth(problem: Problem) -> float:
+def growth(problem: BenchmarkProblem) -> float:
     """Largest later distance of positions, in lengths of the problem, over the first.
 
     The first one is what assembly leaves of a move: a motion of few bodies and the same one of many

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.analyse import ANY, ranked, with_joint_coordinates
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.operations.shapes import thickened
+from kousoku.codegen.dynamics.operations.body_coordinates import thickened
 from kousoku.codegen.dynamics.recording.counts import counts
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kousoku.model.elements.kind import Lowering
     from kousoku.model.frames import BodyFrame
     from kousoku.model.loads import Force
-    from kousoku.model.mechanism import ForceElement
+    from kousoku.model.multibody import ForceElement
     from kousoku.model.precise import Triple
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Value

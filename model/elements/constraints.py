@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.model.rows import ROWS
+from kousoku.model.parallel_rows import ROWS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.frames import BodyFrame
     from kousoku.model.measures import PreciseMeasure
-    from kousoku.model.mechanism import Instance
+    from kousoku.model.multibody import Instance
     from kousoku.model.spatial import Joint
 
 ANGLE, SECOND_ANGLE = "angle", "second_angle"

@@ -68,7 +68,7 @@ ANSWERS = {
             "a number is replaced by an equal one"
         ),
     },
-    "runtime/integrate/solver.py": {
+    "runtime/integrate/scene_solver.py": {
         "'<=' -> '<' in 'if status != Status.GOOD or asked <= s.time:'": (
             "a row at a switch is written by the polynomial of the step behind it: the same numbers"
         ),

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.pose import Pose
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.model.mechanism import Instance
+    from kousoku.model.multibody import Instance
     from kousoku.model.precise import High, Triple
 
 

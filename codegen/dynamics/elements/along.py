@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.elements.facets import Source
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.recording.matrix import Matrix
-    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.real import Real
 
 
@@ -43,7 +43,7 @@ class OnCoordinate(ForceFacets[E]):
 
     is_carried = True
 
-    def slopes(self, tasks: ForceRecorder) -> list[Block]:
+    def slopes(self, tasks: ForceRecorder) -> list[SlotMatrix]:
         """Jacobian J and the diagonal of M⁻¹ of body i, then those of body j."""
         slopes = tasks.coordinates.slopes(self.force.coordinate)
         return [
@@ -52,7 +52,7 @@ class OnCoordinate(ForceFacets[E]):
             for block in (slopes[index], tasks.body(index).inverse_mass)
         ]
 
-    def rate(self, tasks: ForceRecorder) -> Block:
+    def rate(self, tasks: ForceRecorder) -> SlotMatrix:
         """Rate u̇."""
         return tasks.coordinates.rate(self.force.coordinate, tasks.by_body)
 
@@ -81,7 +81,7 @@ class OnCoordinate(ForceFacets[E]):
 class AlongFacets(OnCoordinate[CoordinateForce]):
     """A force along a coordinate."""
 
-    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """Record M⁻¹Jᵀτ of both bodies, and τ u̇."""
         constants = tasks.constants(self.force)
         ends = self.slopes(tasks)

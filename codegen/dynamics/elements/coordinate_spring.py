@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.recording.matrix import Matrix
-    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.real import Real
 
 
@@ -85,7 +85,7 @@ class CoordinateSpringEnergy:
 class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
     """A spring and damper against a coordinate."""
 
-    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """Record M⁻¹Jᵀτ of both bodies, and the power of what is no potential energy."""
         constants = tasks.constants(self.force)
         ends = self.slopes(tasks)
@@ -95,13 +95,15 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         value = tasks.coordinates.value(self.force.coordinate)
         return tasks.recorder.call(operation, *ends, value, rate, *constants, *given)
 
-    def energy(self, tasks: ForceRecorder) -> Block:
+    def energy(self, tasks: ForceRecorder) -> SlotMatrix:
         """Record ½ k (u − u⁰)²."""
         constants = tasks.constants(self.force)
         value = tasks.coordinates.value(self.force.coordinate)
         return tasks.recorder.call(CoordinateSpringEnergy(), value, *constants)[0]
 
-    def elongation(self, tasks: ForceRecorder) -> tuple[Block, Block, Block, Block]:
+    def elongation(
+        self, tasks: ForceRecorder
+    ) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix, SlotMatrix]:
         """Record u and u̇; u⁰ and 1, since both are in rad or m."""
         _, free = tasks.constants(self.force)
         value = tasks.coordinates.value(self.force.coordinate)

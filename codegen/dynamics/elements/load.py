@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.operations.placement import Placement
     from kousoku.codegen.dynamics.recording.matrix import Matrix
-    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.real import Real
 
 
@@ -100,7 +100,7 @@ class LoadFacets(ForceFacets[Load]):
 
     is_carried = True
 
-    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """Record M⁻¹f of body j, and the power."""
         j = tasks.body(self.force.j)
         blocks = (j.p, j.orientation, j.v_r, j.omega_b, j.inverse_mass)
@@ -108,7 +108,7 @@ class LoadFacets(ForceFacets[Load]):
         constants = tasks.constants(self.force)
         return (column(()), *tasks.recorder.call(operation, *blocks, *constants))
 
-    def energy(self, tasks: ForceRecorder) -> Block:
+    def energy(self, tasks: ForceRecorder) -> SlotMatrix:
         """Record −F·r of its point."""
         constants, j = tasks.constants(self.force), tasks.body(self.force.j)
         return tasks.recorder.call(LoadEnergy(), j.r, j.p, *constants)[0]

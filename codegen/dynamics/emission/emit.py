@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.about import About
     from kousoku.model.manifest import Manifest
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 MOTION_FILE = "motion.json"
 TEMPLATES = {

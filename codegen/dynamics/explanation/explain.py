@@ -17,15 +17,15 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
 from kousoku.codegen.dynamics.explanation.text import text_of
 from kousoku.codegen.dynamics.generate import LEDGER
-from kousoku.codegen.dynamics.operations.shapes import thickened
+from kousoku.codegen.dynamics.operations.body_coordinates import thickened
 from kousoku.codegen.dynamics.recording.counts import counts, operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
-from kousoku.codegen.dynamics.simplification.bodies import gyroscopic_ratios
-from kousoku.codegen.dynamics.simplification.planar import plane_of
+from kousoku.codegen.dynamics.simplification.body_blocks import gyroscopic_ratios
+from kousoku.codegen.dynamics.simplification.planarity import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
 from kousoku.codegen.kernel_json import shipped_kinds
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name
 from kousoku.model.text import counted
 from kousoku.model.varying import fixed_system
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.operations.placement import Constants
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.scene import Scene
 
 #: Everything that can be computed.

@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.operations.own_frames import framed
 from kousoku.codegen.dynamics.recording.matrix import Matrix, square, stack
 from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.elements.constraints import COMBINATION
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.kernel import Kernel
-    from kousoku.model.mechanism import Coordinate, Instance
+    from kousoku.model.multibody import Instance, RelativeCoordinate
 
 #: Columns of a Jacobian for one body: δr in frame O, then δθ′ in the frame of the body.
 COLUMNS = 6
@@ -36,7 +36,7 @@ def frozen(package: str, name: str) -> Kernel:
     return next(kernel for kernel in found.kernels if kernel.name == name)
 
 
-def lengths_of(source: Instance | Coordinate) -> Iterator[tuple[str, tuple[float, ...]]]:
+def lengths_of(source: Instance | RelativeCoordinate) -> Iterator[tuple[str, tuple[float, ...]]]:
     """Constants that are lengths [m], with ``i`` or ``j`` for points of a body, else ``""``."""
     numbers, points = {"length"}, {"s_i_b", "s_j_b"}
     if is_own(source.kind):
@@ -53,7 +53,7 @@ def lengths_of(source: Instance | Coordinate) -> Iterator[tuple[str, tuple[float
             yield "", values
 
 
-def inputs_of(source: Instance | Coordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
+def inputs_of(source: Instance | RelativeCoordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
     """Inputs of kernels that are constant: those of one's own know other points."""
     unread = {"s_i_b", "s_j_b"} if is_own(source.kind) else set()
     return tuple((name, values) for name, values in source.constants if name not in unread)

@@ -24,14 +24,14 @@ from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Row
-    from kousoku.model.mechanism import Coordinate, System
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.model.multibody import RelativeCoordinate, System
     from kousoku.model.precise import High, Quadruple, Triple
 
     Numbers = tuple[float, ...]
@@ -171,14 +171,14 @@ def velocity_transformations_of(
     return found
 
 
-def is_worth(system: System, rows: Sequence[Row]) -> bool:
+def is_worth(system: System, rows: Sequence[ConstraintEquation]) -> bool:
     """Whether drivers act on bodies at the ground, or joints there have many of the rows.
 
     Parameters
     ----------
     system : System
         The scene.
-    rows : sequence of Row
+    rows : sequence of ConstraintEquation
         All that are solved.
     """
     grounded = [len(one.bodies) == 2 and GROUND_INDEX in one.bodies for one in system.constraints]
@@ -316,7 +316,7 @@ def _with_drivers(
     return found
 
 
-def _along(found: VelocityTransformation, coordinate: Coordinate) -> int:
+def _along(found: VelocityTransformation, coordinate: RelativeCoordinate) -> int:
     """Sign 1 or −1 of a coordinate that grows or falls with what the joint leaves free, else 0."""
     direction = facets_of_kind(coordinate.kind).direction(dict(coordinate.constants))
     if direction is None:
@@ -329,7 +329,7 @@ def _along(found: VelocityTransformation, coordinate: Coordinate) -> int:
     return (-1 if is_own else 1) * (1 if cosine > 0 else -1)
 
 
-def _at_start(system: System, coordinate: Coordinate) -> float:
+def _at_start(system: System, coordinate: RelativeCoordinate) -> float:
     """Value of a coordinate at the start, its turns counted."""
     inputs: dict[str, Sequence[High]] = {
         name: [precise.number(x) for x in values] for name, values in coordinate.constants

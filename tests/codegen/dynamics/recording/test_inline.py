@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 RESULTS = (
     *("C", "dq", "q_moved", "dv", "q_dot", "v_dot", "lam", "reactions", "energies"),

@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
+from kousoku.codegen.dynamics.operations.body_coordinates import NO_TURN, start
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
-from kousoku.codegen.dynamics.operations.shapes import NO_TURN, start
 from kousoku.codegen.dynamics.simplification.axis_permutation import (
     NORMAL,
     Plane,
@@ -38,14 +38,14 @@ from kousoku.codegen.dynamics.simplification.outline import live_elements
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.elements.constraints import is_axis
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
+    from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
 
 #: Largest residual of a dropped row, in metres or radians: what rounding leaves.
 RESIDUAL = 1e-12
@@ -202,7 +202,7 @@ def _at_start(system: System, instance: Instance) -> tuple[Sequence[float], Any]
 
 
 def _kernel_at_start(
-    system: System, one: Instance | Coordinate
+    system: System, one: Instance | RelativeCoordinate
 ) -> tuple[Sequence[float], Sequence[float]]:
     inputs: dict[str, Sequence[float]] = dict(one.constants)
     for end, index in (("i", one.i), ("j", one.j)):
