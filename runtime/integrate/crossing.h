@@ -406,9 +406,9 @@ static double first_time(
 /* whether a step begins where a function that has crossed is on the side that it left: a step ends
  * there where errors let it. Formulas are then those of that side, and the errors of a method can
  * be blind to its first stage */
-static int is_short_of(size_t k, const Node *a, const Look *look, const State *s, Work *work)
+static int is_short_of(size_t k, const TimeNode *a, const Look *look, const State *s, Work *work)
 {
-    Node node;
+    TimeNode node;
     if (a->time != look->start) return 0;
     look_closely(look->rounding, a->time, look, s, work, &node);
     return side_at(&node, k) != (int)s->sides[k];

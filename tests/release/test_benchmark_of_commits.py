@@ -184,7 +184,7 @@ def test_an_old_commit_without_texts_has_the_counts_that_it_has(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path))
-    side = object.__new__(commit_side.Side)
+    side = object.__new__(commit_side.LoadedTree)
     assert side._sizes("a", SimpleNamespace()) == {}
     texts = {"solver.c": "abc", "solver.h": "d", "manifest.json": "{}"}
     assert side._sizes("a", SimpleNamespace(files=texts)) == {"bytes in C": 4.0}

@@ -4,7 +4,7 @@ The same algorithm as ordinary C (``*.h``) and as ordinary Python, file by file;
 holds a copy of it beside the segments and the tables of its scene. It needs the C library, and in
 Python NumPy, and imports nothing of kousoku but itself.
 
-``mechanism``     records of the tables that describe a mechanism
+``tables``        records of the tables that describe a linkage
 ``status``        what an analysis ends with, and its tolerances
 ``rows``          what is asked for, and the rows of results
 ``lu``            LU factorisation
