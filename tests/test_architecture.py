@@ -24,7 +24,7 @@ MAY_IMPORT = {
     "ledger": {"model", "symbolic"},
     "codegen": {"model", "symbolic", "library"},
     "runtime": {"model", "library"},
-    "generated": {"runtime"},
+    "generated": {"runtime", "library"},
 }
 #: Rooms of ``codegen/dynamics``, and files beside them; each may import what stands before it.
 STAGES = (
