@@ -269,7 +269,7 @@ def page_of(
     took = sum(answer.seconds for answer in answers.values())
     words = [chosen[name].words(answer.records) for name, answer in answers.items()]
     return page_in(Path(__file__).parent).render(
-        words=" ".join(filter(None, words)),
+        words="\n\n".join(filter(None, words)),
         date=measured(answers),
         machine=about,
         size="full" if size.is_full else "quick",

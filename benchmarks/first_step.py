@@ -26,6 +26,7 @@ from benchmarks.kit import (
     Target,
     duration,
     fastest_and_median,
+    listed,
     table,
 )
 from benchmarks.limits import size_text
@@ -379,7 +380,7 @@ def _of_steps(records: Sequence[Record]) -> str:
 
 
 def words(records: Sequence[Record]) -> str:
-    """Sentence on how long it takes from a scene to its first step."""
+    """List of how long it takes from a scene to its first step."""
     told = []
     for one in records:
         if one.setting == TOTAL and one.line == SETTINGS["empty"] and one.contest != STEPS:
@@ -392,7 +393,7 @@ def words(records: Sequence[Record]) -> str:
                     f"{_cell(one)} for {bars_of(one.contest)} bars, {_cell(found[0])} when it is"
                     f" found by its content, {_cell(best)} with {best.tool}"
                 )
-    return f"From a scene to its first step it takes {'; '.join(told)}." if told else ""
+    return listed("From a scene to its first step it takes", told) if told else ""
 
 
 QUESTION = Question(

@@ -19,7 +19,18 @@ import numpy as np
 
 from benchmarks import limits
 from benchmarks.kernel_peers import heyoka_functions, lambdified, stacked
-from benchmarks.kit import Call, Case, Figures, Judged, Question, Record, Size, Target, table
+from benchmarks.kit import (
+    Call,
+    Case,
+    Figures,
+    Judged,
+    Question,
+    Record,
+    Size,
+    Target,
+    listed,
+    table,
+)
 from benchmarks.limits import Limits, aligned, measured, repeated, size_text, together
 from benchmarks.loops import Batch, casadi_loop, kousoku_loop, symforce_loop, sympy_loop
 from benchmarks.p2 import N_OUT, SAMPLE, Judge, inputs
@@ -614,7 +625,7 @@ def _plot(records: Sequence[Record], package: str, kernel: str) -> str:
 
 
 def words(records: Sequence[Record]) -> str:
-    """Sentence on where kousoku's kernels win and lose."""
+    """List of where kousoku's kernels win and lose."""
     ratios: dict[tuple[str, str], list[float]] = {}
     for contest in dict.fromkeys(one.contest for one in records):
         own = [one for one in records if one.contest == contest and one.fastest]
@@ -631,8 +642,8 @@ def words(records: Sequence[Record]) -> str:
     parts: dict[str, list[str]] = {}
     for (what, name), found in ratios.items():
         parts.setdefault(what, []).append(f"{_range(found)} of {name}")
-    told = "; ".join(f"{what}: {', '.join(each)}" for what, each in parts.items())
-    return f"A kernel, p2, takes of the time of others: {told}."
+    told = [f"{what}: {', '.join(each)}" for what, each in parts.items()]
+    return listed("A kernel, p2, takes of the time of others", told)
 
 
 def _range(found: Sequence[float]) -> str:

@@ -248,7 +248,7 @@ class Question:
     targets : callable
         Returns what the page promises, judged by all records.
     words : callable
-        Returns sentences for the first paragraph of the page: where kousoku wins and loses.
+        Returns sentences or lists for the head of the page: where kousoku wins and loses.
     run : callable, optional
         Measures a contest in another way than by a race of its cases.
     seconds : float
@@ -327,6 +327,11 @@ def duration(seconds: float | None) -> str:
         if seconds >= size:
             return f"{seconds / size:.3g} {unit}"
     return f"{seconds * 1e9:.3g} ns"
+
+
+def listed(lead: str, items: Sequence[str]) -> str:
+    """Paragraph in Markdown: one sentence, its parts as a list."""
+    return f"{lead}\n- " + ";\n- ".join(items) + "."
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -14,10 +14,24 @@ if TYPE_CHECKING:
 
 
 def rotated(p: Array, v: Array) -> Array:
-    """Matrix A(p) v for rows of Euler parameters of norm one, and of vectors."""
+    """Vectors A(p) v in frame O: lecture 7.1, (4.3).
+
+    Parameters
+    ----------
+    p : (n, 4) [-]
+        Euler parameters of norm one, scalar first.
+    v : (n, 3)
+        Vectors in the body frame; the result has their unit.
+    """
     return body_tables.rotated(p.T, v.T).T
 
 
 def composed(p: Array, q: Array) -> Array:
-    """Products p∘q for rows of Euler parameters, scalar first."""
+    """Euler parameters (n, 4) of the turns q, then p: products p∘q.
+
+    Parameters
+    ----------
+    p, q : (n, 4) [-]
+        Euler parameters, scalar first.
+    """
     return body_tables.composed(p.T, q.T).T

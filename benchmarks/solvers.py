@@ -5,7 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from benchmarks.kit import KINDS, Figures, Question, Record, Size, Target, duration, number, table
+from benchmarks.kit import (
+    KINDS,
+    Figures,
+    Question,
+    Record,
+    Size,
+    Target,
+    duration,
+    listed,
+    number,
+    table,
+)
 from benchmarks.plots import ToolLine, work_precision
 from benchmarks.problems import linkage
 from benchmarks.problems.catalog import PROBLEMS
@@ -349,7 +360,7 @@ def _over_exudyn(records: Sequence[Record]) -> list[Target]:
 
 
 def words(records: Sequence[Record]) -> str:
-    """Sentence on where kousoku wins, where it loses, and by how much."""
+    """List for each error of where kousoku wins, where it loses, and by how much."""
     parts = []
     for error in JUDGED:
         compared = beside([one for one in records if one.contest in PROBLEMS], error)
@@ -359,29 +370,28 @@ def words(records: Sequence[Record]) -> str:
         unmatched = [one.contest for one in compared if one.ours and not one.bodies]
         lost = [one.contest for one in compared if not one.ours]
         said = []
-        if ratios:
-            said.append(
-                f"To an error of {error:.0e} kousoku is faster than the best tool that gets all"
-                f" bodies on {_list(wins)}, and slower on {_list(losses)}."
-            )
+        if wins:
+            said.append(f"is faster on {_list(wins)}")
+        if losses:
+            said.append(f"is slower on {_list(losses)}")
         if unmatched:
-            said.append(f"Nothing else that gets all bodies reaches it on {_names(unmatched)}.")
+            said.append(f"is the only one of these to reach it on {_names(unmatched)}")
         if lost:
-            said.append(f"kousoku does not reach {error:.0e} on {_names(lost)}.")
+            said.append(f"does not reach it on {_names(lost)}")
         reduced = [one.ratio_reduced for one in compared if one.ratio_reduced is not None]
         if reduced:
             few, many = min(reduced), max(reduced)
             said.append(
-                "Beside equations that a person reduced by hand first it takes"
-                f" {_times(few)} to {_times(many)} times as long."
+                f"takes {_times(few)} to {_times(many)} times as long as with equations that a"
+                " person reduced by hand first"
             )
-        parts.append(" ".join(said))
-    return " ".join(parts)
+        if said:
+            lead = f"To an error of {error:.0e}, beside the best tool that gets all bodies, kousoku"
+            parts.append(listed(lead, said))
+    return "\n\n".join(parts)
 
 
 def _list(ratios: dict[str, float]) -> str:
-    if not ratios:
-        return "no problem"
     ordered = sorted(ratios.items(), key=lambda item: -item[1])
     return _joined([f"{title_of(name)} ({_times(ratio)} times)" for name, ratio in ordered])
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import os
+import pkgutil
 import re
 import subprocess
 import sys
@@ -254,6 +255,14 @@ def test_every_file_that_a_page_names_is_there(page: str) -> None:
     named = re.findall(r"`(\w+/[\w/]*\.py)`", text)
     assert named
     assert [name for name in named if not (ROOT / name).is_file()] == []
+
+
+@pytest.mark.parametrize("folder", HAND_WRITTEN)
+def test_every_name_that_a_docstring_refers_to_is_there(folder: str) -> None:
+    for path in sources(folder):
+        text = path.read_text(encoding="utf-8")
+        for name in re.findall(r":\w+:`~?(kousoku\.[\w.]+)`", text):
+            assert pkgutil.resolve_name(name) is not None, path
 
 
 def test_the_list_of_slow_tests_names_tests_that_are_there() -> None:

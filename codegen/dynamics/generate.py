@@ -4,8 +4,14 @@
     SI units, principal frames, instances of kinds; at a start that joints and drivers allow.
 ``analyse``: System → Analysed
     Fewer bodies, the plane, masses, rows and ranks: all that is decided beforehand.
+``given_start``: Scene, System → bodies as written
+    Where the start depends on parameters.
+``require_driven``: Analysed
+    Refused in words where what is wanted depends on masses that are missing.
 ``choice_of``: Analysed → Choice
     Composed; of two programs that solve it the better one.
+``solver_references``: Program, System → text
+    States with results in 50 digits, if wanted.
 ``inline``: Program → Program
     Small ones in one function a segment.
 ``emit_dynamics``: Program → {file: text}

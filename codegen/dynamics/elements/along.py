@@ -34,8 +34,8 @@ class AlongEffect:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Accelerations M⁻¹Jᵀτ of the coordinates of i and j; power τ u̇ [W]."""
-        left, weights_i, right, weights_j, rate, tau = blocks
-        return left.scaled(weights_i).T @ tau, right.scaled(weights_j).T @ tau, rate @ tau
+        left, inverse_mass_i, right, inverse_mass_j, rate, tau = blocks
+        return left.scaled(inverse_mass_i).T @ tau, right.scaled(inverse_mass_j).T @ tau, rate @ tau
 
 
 class OnCoordinate(ForceFacets[E]):

@@ -53,7 +53,7 @@ class CoordinateSpringEffect:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Accelerations M⁻¹Jᵀτ of the coordinates of i and j; its power [W]."""
-        left, weights_i, right, weights_j, value, rate, *given = blocks
+        left, inverse_mass_i, right, inverse_mass_j, value, rate, *given = blocks
         if self.law:
             unit, free, *rest = given
             one = column_of(trace, trace.graph.const(1))
@@ -64,7 +64,10 @@ class CoordinateSpringEffect:
             stiffness, damping, free = given
             damped = damping @ rate
             moment = stiffness @ (value - free) + damped
-        added = (-(left.scaled(weights_i).T @ moment), -(right.scaled(weights_j).T @ moment))
+        added = (
+            -(left.scaled(inverse_mass_i).T @ moment),
+            -(right.scaled(inverse_mass_j).T @ moment),
+        )
         return (*added, -(damped @ rate)) if self.works else added
 
 

@@ -56,7 +56,7 @@ class LoadEffect:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Accelerations of the coordinates; power F·v + N′·ω′ [W] if wanted."""
-        p, orientation, v, omega, weights, *constants = blocks
+        p, orientation, v, omega, inverse_mass, *constants = blocks
         share(trace, p, orientation)
         point = constants.pop(0) if self.kind in ("force", "force_b") else None
         given = sum(constants[1:], constants[0])
@@ -71,7 +71,7 @@ class LoadEffect:
             still = (trace.graph.const(1), *zeros)
             torque = at_point(trace, still, point, given)[3:]
             forces = (*(orientation @ given).flat, *torque)
-        found = (accelerations(trace, forces, self.columns, weights),)
+        found = (accelerations(trace, forces, self.columns, inverse_mass),)
         if not self.works:
             return found
         mul, rates = trace.graph.mul, (*v.flat, *omega.flat)

@@ -61,8 +61,8 @@ class SpringEffect:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Accelerations of the coordinates of i and j; its power [W]."""
-        r_i, p_i, a_i, v_i, omega_i, weights_i = blocks[:6]
-        r_j, p_j, a_j, v_j, omega_j, weights_j = blocks[6:12]
+        r_i, p_i, a_i, v_i, omega_i, inverse_mass_i = blocks[:6]
+        r_j, p_j, a_j, v_j, omega_j, inverse_mass_j = blocks[6:12]
         share(trace, p_i, a_i)
         share(trace, p_j, a_j)
         places = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j}
@@ -77,8 +77,8 @@ class SpringEffect:
             damped = law["damping"] @ found["l_dot"]
         force = _inline(trace, "force", places | {"T": tension})["force"].flat
         added = (
-            accelerations(trace, force[:COLUMNS], self.columns_i, weights_i),
-            accelerations(trace, force[COLUMNS:], self.columns_j, weights_j),
+            accelerations(trace, force[:COLUMNS], self.columns_i, inverse_mass_i),
+            accelerations(trace, force[COLUMNS:], self.columns_j, inverse_mass_j),
         )
         if not self.works:
             return added

@@ -162,18 +162,17 @@ class JointSystem:
 
         Of a body that is reduced it is C_q R and C_q R (Rᵀ M R)⁻¹; C_q itself stands last.
         """
-        weights_i, weights_j = blocks[3], blocks[7]
         others, count = len(self.columns) - 2, len(self.reduced)
         rest = blocks[8:]
-        weights = (weights_i, weights_j, *rest[:others])
+        inverse_masses = (blocks[3], blocks[7], *rest[:others])
         bases = dict(zip(self.reduced, rest[others : others + count], strict=True))
         residuals, full = rows_of_parts(
             trace, self.parts, self.columns, (*blocks[:3], *blocks[4:7], *rest[others + count :])
         )
         jacobians = [one @ bases[k] if k in bases else one for k, one in enumerate(full)]
         scaled = [
-            own @ weight if k in bases else own.scaled(weight)
-            for k, (own, weight) in enumerate(zip(jacobians, weights, strict=True))
+            own @ inverse if k in bases else own.scaled(inverse)
+            for k, (own, inverse) in enumerate(zip(jacobians, inverse_masses, strict=True))
         ]
         pairs = list(zip(scaled, jacobians, strict=True))
         graph = trace.graph

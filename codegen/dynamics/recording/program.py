@@ -374,7 +374,7 @@ def meaning_of(program: Program, segment: Segment) -> str:
         return segment.meaning
     sides = []
     meanings = (SEGMENTS | ON_DEMAND)[segment.name].split(" -> ")
-    for text, runs in zip(meanings, (reads, writes), strict=True):
+    for text, runs in zip(meanings, (_used, writes), strict=True):
         parts = [range(base, base + n) for one in segment.tasks for base, n in runs(program, one)]
         slots = {slot for part in parts for slot in part}
         used = {
@@ -391,6 +391,14 @@ def reads(program: Program, task: Task) -> Iterator[tuple[int, int]]:
     """First slot and length of each run that a task reads."""
     lengths = (quantity.size for quantity in program.kernels[task.kernel].inputs)
     return zip(task.inputs, lengths, strict=True)
+
+
+def _used(program: Program, task: Task) -> Iterator[tuple[int, int]]:
+    """Runs that a task reads; of the whole workspace only the slots that it computes with."""
+    if not program.is_inlined:
+        return reads(program, task)
+    nodes = program.kernels[task.kernel].nodes
+    return ((node.symbol[1], 1) for node in nodes if node.symbol is not None)
 
 
 def writes(program: Program, task: Task) -> Iterator[tuple[int, int]]:
