@@ -11,7 +11,6 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kousoku import __version__
 from kousoku.codegen.kernel_json import GRAPH_FILE, dump, parse
 from kousoku.codegen.passes.optimise import optimise
 from kousoku.model.cache import cache_folder, write_atomically
@@ -20,6 +19,7 @@ from kousoku.model.errors import LoadError
 from kousoku.model.jsontext import to_text
 from kousoku.model.kernel import Package
 from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.model.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -7,10 +7,10 @@ import re
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from kousoku import __version__
 from kousoku.model.errors import LoadError, printable
 from kousoku.model.jsontext import to_text
 from kousoku.model.quantity import Quantity
+from kousoku.model.version import __version__
 
 FORMAT = 2
 #: What a package and the runtime agree on: functions and records of C, rows, data files. It is

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
+from kousoku.model.elements.constraints import is_point
 from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.traced import Traced
@@ -39,6 +40,6 @@ def _moves(system: System, index: int, name: str, values: tuple[float, ...]) -> 
         return False
     w, x, y, z = map(precise.number, body.axes_b)
     seen = precise.triple(values)
-    if name.startswith("s_"):
+    if is_point(name):
         seen = precise.subtract(seen, precise.triple(body.origin_b))
     return any(isinstance(number, Traced) for number in precise.rotate_back((w, x, y, z), seen))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.model.elements.constraints import COORDINATES
+from kousoku.model.elements.constraints import COMBINATION, COORDINATES
 
 if TYPE_CHECKING:
     from kousoku.model.orientation import Quaternion, Vector
@@ -174,6 +174,11 @@ class Instance:
     def bodies(self) -> tuple[int, ...]:
         """The bodies that it connects, each once, the ground too: first i, then j."""
         return tuple(dict.fromkeys((self.i, self.j, *self.others)))
+
+    @property
+    def is_combination(self) -> bool:
+        """Whether it combines coordinates, and has no kernels."""
+        return self.kind == COMBINATION
 
     @property
     def is_driver(self) -> bool:

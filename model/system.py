@@ -13,7 +13,7 @@ import msgspec
 
 from kousoku.model import precise
 from kousoku.model.coordinates import CoordinateList
-from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
+from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS, is_point
 from kousoku.model.errors import SceneError
 from kousoku.model.formulas import used_parameters
 from kousoku.model.frames import (
@@ -239,7 +239,7 @@ def _instances(
         package = part.kind
         if CONSTRAINTS[package].has_variants:
             package = variant(package, constants["a_i_b"])
-        if package == "distance":
+        if CONSTRAINTS[part.kind].has_length:
             constants["length"] = (_length(name, joint, ends, points, unit),)
         yield Instance(name, package, ends[0].index, ends[1].index, tuple(constants.items()))
 
@@ -309,7 +309,7 @@ def _constants(
     """Inputs of a kernel that are fixed, in the order of its arguments."""
     for name in CONSTRAINTS[part.kind].inputs:
         k = "ij".index(name[2])
-        if name.startswith("s_"):
+        if is_point(name):
             yield name, ends[k].point(points[k], unit)
         else:
             yield name, precise.rounded(vectors[k][part.j if k else part.i])

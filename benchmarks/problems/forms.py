@@ -18,8 +18,8 @@ from benchmarks.problems.tree import (
     rotation,
     slopes,
 )
+from benchmarks.rotations import rotated
 from kousoku.model.builder import SceneBuilder
-from kousoku.runtime.row_rotations import rotated
 
 if TYPE_CHECKING:
     from benchmarks.problems.tree import Point, Vector

@@ -23,7 +23,7 @@ from benchmarks.problems.tools import (
     equation_lines,
     stepped,
 )
-from kousoku.runtime.row_rotations import rotated
+from benchmarks.rotations import rotated
 
 if TYPE_CHECKING:
     from benchmarks.kit import Size

@@ -21,7 +21,6 @@ from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
 from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import ARRAY, evaluate
 from kousoku.model.multibody import RelativeCoordinate
 
@@ -123,7 +122,7 @@ class Residuals:
 
     def _listed(self) -> Iterator[_Piece]:
         for instance, first in zip(self.constraints, self.first, strict=False):
-            if instance.kind != COMBINATION:
+            if not instance.is_combination:
                 yield _Piece(instance, first)
             for term in instance.terms:
                 source = self.coordinates[term.coordinate]
@@ -138,7 +137,7 @@ class Residuals:
         #: ν at t = 0 in 50 digits, row by row.
         self.nu = [zero] * self.rows
         for instance, first in zip(self.constraints, self.first, strict=False):
-            if instance.kind == COMBINATION:
+            if instance.is_combination:
                 law = law_at_start(instance, parameters)
                 self._offsets[first] = precise.number(instance.offset) - law.value
                 self.sizes[first] = abs(instance.offset) + abs(float(law.value))
@@ -341,7 +340,7 @@ def _residual_of(kind: str) -> Kernel:
 
 
 def _size(instance: Instance) -> int:
-    if instance.kind == COMBINATION:
+    if instance.is_combination:
         return 1
     return frozen(instance.kind, "constraint").outputs[0].size
 

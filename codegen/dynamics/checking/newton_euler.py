@@ -25,7 +25,7 @@ from kousoku.codegen.dynamics.operations.jets import (
 from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.model.digits import HIGH
-from kousoku.model.elements.constraints import COMBINATION, is_length
+from kousoku.model.elements.constraints import is_length
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.interpret import evaluate
@@ -245,7 +245,7 @@ class BodyEquations:
     def _residuals(self, one: Instance, at: Mapping[int, Course], time: Real) -> Sequence[Jet]:
         """Residuals, zero where a joint or driver holds."""
         own = {name: self._numbers(values) for name, values in one.constants}
-        if one.kind == COMBINATION:
+        if one.is_combination:
             total = self._jet(one.offset)
             for term in one.terms:
                 factor = self.digits.number(term.factor)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.operations.coordinates import CoordinateRate
 from kousoku.codegen.dynamics.operations.mechanics import JointRows, JointSystem, Rates
 from kousoku.codegen.dynamics.recording.recorder import column
-from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -138,7 +137,7 @@ class JointRecorder:
         parts = zip(joint.instances, joint.parts, joint.constants, strict=True)
         for place, part, constants in parts:
             one = self.system.constraints[place]
-            if part.kind != COMBINATION:
+            if not part.is_combination:
                 found += constants
             elif output == "C":
                 found.append(self.combinations.residual(one))

@@ -15,7 +15,7 @@ from kousoku.codegen.dynamics.operations.heights import FLAT, ends_of, is_level
 from kousoku.codegen.dynamics.operations.jets import Jet, atan2, cross, dot, sqrt
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT
-from kousoku.model.elements.constraints import base_of
+from kousoku.model.elements.constraints import base_of, is_point
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -335,7 +335,7 @@ def _across(i: Course, j: Course, own: Own) -> JetVector:
 
 def _heights(one: RelativeCoordinate, normal: int) -> list[float]:
     """Parts of the axes of a coordinate across the plane; 0 is in the plane and 1 across it."""
-    return [abs(axis[normal]) for name, axis in one.constants if not name.startswith("s_")]
+    return [abs(axis[normal]) for name, axis in one.constants if not is_point(name)]
 
 
 def _is_level(system: System, one: RelativeCoordinate, normal: int) -> bool:

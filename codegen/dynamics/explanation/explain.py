@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.analyse import PRESCRIBED, analyse, with_all_rows
 from kousoku.codegen.dynamics.assembled import assemble_scene
-from kousoku.codegen.dynamics.choose import cheaper, with_reactions
+from kousoku.codegen.dynamics.choose import cheaper, choice_of
 from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
@@ -150,11 +150,11 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     found = analyse(each, wanted)
     apart = _heavy(each)
     system, freedom = found.system, found.freedom
-    kept = compose(found, wanted)
+    choice = choice_of(found, wanted)
+    whole, program = choice.whole, choice.program
+    prescribed = cheaper(choice.analysed, wanted, whole, PRESCRIBED)
+    kept = whole if choice.analysed is found else compose(found, wanted)
     full = compose(with_all_rows(system, found.outline.plane), wanted) if freedom.dropped else kept
-    chosen, whole = with_reactions(found, wanted) if "reactions" in names else (found, kept)
-    prescribed = cheaper(chosen, wanted, whole, PRESCRIBED)
-    program = cheaper(chosen, wanted, whole)
     final = inline(program)
     structure = structure_of(system, program)
     steps = [

@@ -78,6 +78,11 @@ class InstanceRows:
     rows: tuple[int, ...]
     constants: tuple[str, ...]
 
+    @property
+    def is_combination(self) -> bool:
+        """Whether they combine coordinates, and have no kernels."""
+        return self.kind == COMBINATION
+
 
 @dataclass(frozen=True, slots=True)
 class BodyOrientation:
@@ -220,7 +225,7 @@ def rows_of_parts(
     residuals: list[Matrix] = []
     slopes: list[list[Matrix]] = [[] for _ in columns]
     for part in parts:
-        if part.kind == COMBINATION:
+        if part.is_combination:
             residuals.append(next(given))
             own = [next(given) for _ in columns]
         else:
@@ -291,7 +296,7 @@ class Rates:
         others, given = rest[: 2 * self.others], iter(rest[2 * self.others :])
         rates = []
         for part in self.parts:
-            if part.kind == COMBINATION:
+            if part.is_combination:
                 rates.append(next(given))
             else:
                 constants = [next(given) for _ in part.constants]

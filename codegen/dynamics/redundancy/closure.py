@@ -29,7 +29,6 @@ from kousoku.codegen.dynamics.redundancy.branch import (
 )
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
 from kousoku.model import precise
-from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
 from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.system import UNIT_NAMES
@@ -146,7 +145,7 @@ def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
     rows = np.where(residuals.in_metres, 1 / largest, 1.0)
     _, matrix = residuals.doubles(*places_of(bodies))
     for one, first in zip(residuals.constraints, residuals.first, strict=False):
-        if one.kind == COMBINATION:  # ratios may be of any size
+        if one.is_combination:  # ratios may be of any size
             size = float(((matrix[first] * columns.ravel()) ** 2).sum()) ** 0.5
             rows[first] = 1 / size if size else 1.0
         elif not residuals.in_metres[first]:

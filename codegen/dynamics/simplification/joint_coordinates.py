@@ -23,7 +23,6 @@ from kousoku.codegen.dynamics.operations.joint_coordinates import AXIS, NOTHING,
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import evaluate
 from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.varying import is_varying
@@ -207,10 +206,10 @@ def _leaves(one: VelocityTransformation, rows: Mapping[int, Sequence[int]]) -> i
 def _reduction(
     system: System, body: int, places: Sequence[int], *, is_planar: bool
 ) -> VelocityTransformation | None:
-    joints = [k for k in places if system.constraints[k].kind != COMBINATION]
+    joints = [k for k in places if not system.constraints[k].is_combination]
     groups = [list(own) for _, own in groupby(joints, lambda k: system.constraints[k].joint)]
     if len(groups) != 1 or any(
-        one.kind == COMBINATION and one.joint == system.constraints[joints[0]].joint
+        one.is_combination and one.joint == system.constraints[joints[0]].joint
         for one in system.constraints
     ):
         return None

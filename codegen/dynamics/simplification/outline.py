@@ -22,7 +22,6 @@ from kousoku.codegen.dynamics.simplification.axis_permutation import (
     shift_of,
 )
 from kousoku.codegen.dynamics.simplification.body_blocks import GROUND, body_blocks
-from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -127,7 +126,7 @@ def live_elements(system: System, *, is_planar: bool) -> Iterator[tuple[tuple[in
         return GROUND if index == GROUND_INDEX else bodies[index]
 
     for one in system.constraints:
-        if one.kind != COMBINATION:
+        if not one.is_combination:
             elements = _elements(one, recorder, body)
             yield _live(one, elements, body), elements
         else:

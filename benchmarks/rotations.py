@@ -1,4 +1,4 @@
-"""Rotations of rows of vectors by rows of Euler parameters."""
+"""Rotations of rows of vectors, by rows of Euler parameters."""
 
 from __future__ import annotations
 
