@@ -12,6 +12,8 @@ Python NumPy, and imports nothing of kousoku but itself.
 ``newton``        full and modified Newton method
 ``assembly``      the first position
 ``continuation``  predictor and corrector along the inputs
+``certificate``   that a step leads to the branch it came from
+``moving``        a call checked, and what went wrong told; in Python only
 ``solve``         the whole analysis, and what a folder has of it
-``trajectory``    results by name
+``trajectory``    results by name, in Python only
 """
