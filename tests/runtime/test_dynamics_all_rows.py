@@ -241,7 +241,7 @@ def test_all_rows_are_not_tried_again_where_they_did_not_help(
     """Where the cranks lie along the ground all rows are as weak as those that are kept."""
     solver = load_dynamics(bodies_folder(scene_of(), ()), target="numpy")
     target: Any = solver.target
-    integrate = sys.modules[type(target.solver).__module__.removesuffix(".solver")]
+    integrate = sys.modules[type(target.solver).__module__.removesuffix(".scene_solver")]
     module = import_module(".row_switch", integrate.__name__)
     users = [
         import_module(f".{name}", integrate.__name__) for name in ("stepper", "rows", "kinematics")

@@ -90,7 +90,7 @@ ANSWERS = {
     },
     "runtime/integrate/initial.py": {
         "'0.3' -> '(2 * 0.3)' in 'CLOSE, LONGEST =": (
-            "longer steps are tried on the way to given coordinates; those that fail are made shorter"
+            "longer steps are tried on the way to given coordinates; those that fail are shortened"
         ),
     },
     "runtime/kinematics/newton.h": {
