@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from benchmarks.rotations import composed, rotated
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
 from kousoku.model.families import chain
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.motion import composed, rotated
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:

@@ -38,7 +38,7 @@ COUNTS = {
 }
 
 
-class Side:
+class LoadedTree:
     """What a tree has loaded, by name."""
 
     def __init__(self, tree: Path) -> None:
@@ -108,8 +108,11 @@ class Side:
 
     def _sizes(self, name: str, mechanism: Any) -> dict[str, float]:
         """Bytes of the text in C, and of the machine code."""
+        code = self._machine_code(Path(name).stem)
+        if not hasattr(mechanism, "files"):  # an old commit
+            return code
         c = [text for file, text in mechanism.files.items() if file.endswith((".c", ".h"))]
-        return {"bytes in C": float(sum(map(len, c)))} | self._machine_code(Path(name).stem)
+        return {"bytes in C": float(sum(map(len, c)))} | code
 
     def _machine_code(self, package: str) -> dict[str, float]:
         libraries = Path(os.environ["KOUSOKU_CACHE"]).glob(f"lib/{package}-*/*")
@@ -177,7 +180,7 @@ def code_size(data: bytes) -> int:
 
 def main() -> None:
     """Answer commands until the input ends."""
-    side = Side(Path(sys.argv[1]))
+    side = LoadedTree(Path(sys.argv[1]))
     for line in sys.stdin:
         print(json.dumps(side.answer(json.loads(line))), flush=True)
 

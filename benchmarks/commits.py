@@ -19,19 +19,20 @@ from __future__ import annotations
 import json
 import math
 import os
+import signal
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.progress import Progress
 
-from benchmarks.kit import Size, duration, table
+from benchmarks.kit import Size, duration, matches, table
 from kousoku.model.cache import write_atomically
 
 if TYPE_CHECKING:
@@ -60,6 +61,15 @@ QUICK_SCENES = (
 QUICK_KINDS = ("p2", "rigid_body", "spring_damper")
 #: The scene whose way from empty caches is timed in each repeat.
 COLD = "families/chain_10"
+
+
+class CommitError(Exception):
+    """A commit is not there, or git is not; the text says so."""
+
+
+class CannotError(Exception):
+    """A side cannot run what it opened; the text says why."""
+
 
 Trees = dict[str, Path]
 """The folders of ``base`` and ``head``."""
@@ -224,6 +234,7 @@ class Process:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
+            start_new_session=True,  # what cuts this process does not cut it, too: end() does
         )
 
     def ask(self, **command: Any) -> dict[str, Any]:
@@ -249,7 +260,10 @@ class Process:
         return None if "cannot" in found else float(found["seconds"])
 
     def end(self) -> None:
-        """End it."""
+        """End it, and the compiler that it may have started."""
+        if self._process.poll() is None and os.name == "posix":
+            with suppress(ProcessLookupError):
+                os.killpg(self._process.pid, signal.SIGKILL)
         self._process.kill()
         self._process.communicate()
 
@@ -260,16 +274,27 @@ def checked_out(commit: str) -> Iterator[Path]:
 
     Raises
     ------
-    SystemExit
+    CommitError
         There is no such commit, or no git.
     """
     with tempfile.TemporaryDirectory(prefix="kousoku-base-") as name:
         tree = Path(name) / "tree"
-        git("worktree", "add", "--detach", "--quiet", str(tree), commit)
         try:
+            git("worktree", "add", "--detach", "--quiet", str(tree), commit)
             yield tree
         finally:
-            git("worktree", "remove", "--force", str(tree))
+            with uncut(), suppress(CommitError):  # where it was not added
+                git("worktree", "remove", "--force", "--force", str(tree))
+
+
+@contextmanager
+def uncut() -> Iterator[None]:
+    """Let nobody cut a block by hand: it puts the repository in order."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def git(*words: str) -> str:
@@ -277,7 +302,7 @@ def git(*words: str) -> str:
 
     Raises
     ------
-    SystemExit
+    CommitError
         It fails; its message is passed on.
     """
     try:
@@ -285,9 +310,9 @@ def git(*words: str) -> str:
             ["git", *words], cwd=ROOT, capture_output=True, text=True, check=False
         )
     except OSError as error:
-        raise SystemExit(f"BASE needs git: {error}") from error
+        raise CommitError(f"BASE needs git: {error}") from error
     if done.returncode:
-        raise SystemExit(f"git {words[0]}: {done.stderr.strip()}")
+        raise CommitError(f"git {words[0]}: {done.stderr.strip()}")
     return done.stdout.strip()
 
 
@@ -313,11 +338,17 @@ def scene(name: str) -> dict[str, Any]:
     return {"do": "scene", "name": name, "file": file, "end": ENDS.get(name, 1.0)}
 
 
+def names(size: Size) -> list[str]:
+    """Names of all that is compared."""
+    return [*scenes(size), *kinds(size)]
+
+
 def commands(size: Size, only: Sequence[str]) -> list[dict[str, Any]]:
     """Commands that processes open: scenes as this tree has them, and its own kinds."""
     opens = {name: scene(name) for name in scenes(size)}
     opens |= {name: {"do": "kernels", "package": name} for name in kinds(size)}
-    return [one for name, one in opens.items() if not only or any(word in name for word in only)]
+    wanted = [name for name in opens if not only or any(matches(word, name) for word in only)]
+    return [opens[name] for name in wanted]
 
 
 def compare(
@@ -339,16 +370,22 @@ def compare(
                 for n, side in enumerate(order):
                     tell(f"{about}: process {n + 1} of 4")
                     cache = Path(name) / f"cache_{side}"
+                    process = Process(side, trees[side], cache)
+                    stack.callback(process.end)
                     cold = Process(side, trees[side], Path(name) / f"cold_{k}_{n}")
-                    started.append((Process(side, trees[side], cache), cold.cold()))
-                    cold.end()
-                    stack.callback(started[-1][0].end)
+                    try:
+                        started.append((process, cold.cold()))
+                    finally:
+                        cold.end()
                 _add(times, f"{COLD}: from empty caches", started)
                 running = [process for process, _ in started]
                 items = _opened(found, running, opens)
                 for what in items:
                     tell(f"{about}: {what}")
-                    _add(times, what, _timed(what, running))
+                    try:
+                        _add(times, what, _timed(what, running))
+                    except CannotError as error:
+                        found.left_out[what] = str(error)
     found.times = times.judged()
     return found
 
@@ -393,17 +430,30 @@ def _opened(
 
 
 def _timed(what: str, running: Sequence[Process]) -> list[tuple[Process, float | None]]:
-    """Fastest of several rounds of each process, all in turn."""
-    about = min(running[0].ask(do="time", what=what, count=1)["seconds"] for _ in range(2))
+    """Fastest of several rounds of each process, all in turn.
+
+    Raises
+    ------
+    CannotError
+        One of them cannot run it, such as a commit from before an option.
+    """
+    about = min(_seconds(running[0], what, 1) for _ in range(2))
     count = max(1, int(SLICE / about))
     rounds = max(2, min(ROUNDS, int(SPENT / max(about, SLICE))))
     fastest = [math.inf] * len(running)
     for r in range(rounds):
         for n in range(len(running)):
             k = (n + r) % len(running)
-            seconds = running[k].ask(do="time", what=what, count=count)["seconds"]
-            fastest[k] = min(fastest[k], seconds)
+            fastest[k] = min(fastest[k], _seconds(running[k], what, count))
     return list(zip(running, fastest, strict=True))
+
+
+def _seconds(process: Process, what: str, count: int) -> float:
+    """Seconds of a call, of so many."""
+    answer = process.ask(do="time", what=what, count=count)
+    if "cannot" in answer:
+        raise CannotError(f"{process.side}: {answer['cannot']}")
+    return float(answer["seconds"])
 
 
 def page_of(found: Comparison, names: Mapping[str, str], took: float) -> str:
@@ -450,7 +500,7 @@ def _percent(head: float, base: float) -> str:
 def main(commit: str, size: Size, only: Sequence[str], build: Path) -> int:
     """Compare this tree with a commit, print and write what was found, and return the status."""
     start = time.monotonic()
-    name = git("log", "-1", "--format=%h %s", commit)
+    name = git("log", "-1", "--format=%h %s", "--end-of-options", commit, "--")
     here = git("log", "-1", "--format=%h %s", "HEAD")
     dirty = " with changes" if git("status", "--porcelain") else ""
     names = {"base": name, "head": f"{here}{dirty}"}

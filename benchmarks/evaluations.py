@@ -29,14 +29,21 @@ from benchmarks.kit import (
 from benchmarks.problems.catalog import PROBLEMS
 from benchmarks.problems.problem import finished, loaded
 from benchmarks.race import MISSING, race
-from benchmarks.segments import PARTS, SEGMENTS, Loop, Segments, seconds_of_parts, share_of_factors
+from benchmarks.segments import (
+    PARTS,
+    SEGMENTS,
+    SegmentLoop,
+    Segments,
+    seconds_of_parts,
+    share_of_factors,
+)
 from kousoku.runtime.dynamics import DynamicsSolver
 from kousoku.runtime.integrate.settings import KINEMATICS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from benchmarks.problems.problem import Problem
+    from benchmarks.problems.problem import BenchmarkProblem
     from benchmarks.race import Workers
     from kousoku.mechanism import Mechanism
     from kousoku.runtime.run import Run
@@ -89,7 +96,7 @@ def run(contest: str, size: Size, workers: Workers) -> list[Record]:
 # ---------------------------------------------------------------- problems
 
 
-def measure(problem: Problem) -> Iterator[Record]:
+def measure(problem: BenchmarkProblem) -> Iterator[Record]:
     """Cost of an evaluation of a problem, part by part, and how often each is made."""
     mechanism = loaded(problem)
     solver = mechanism.solver
@@ -131,7 +138,7 @@ def _loops(
     time: float,
     calls: dict[str, float],
     options: dict[str, Any],
-) -> dict[str, Loop]:
+) -> dict[str, SegmentLoop]:
     """Loops over all segments that are run, at the state of a time."""
     run = mechanism.begin([time], **options)
     finished(run)

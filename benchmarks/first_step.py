@@ -26,11 +26,12 @@ from benchmarks.kit import (
     Target,
     duration,
     fastest_and_median,
+    listed,
     table,
 )
 from benchmarks.limits import size_text
 from benchmarks.loops import started
-from benchmarks.plots import Line, growth
+from benchmarks.plots import ToolLine, growth
 from benchmarks.race import CAP, MISSING, TOO_LONG
 from benchmarks.stages import ORDER, PEERS, WARMED
 from kousoku.model.families import chain
@@ -89,7 +90,7 @@ def run(contest: str, size: Size, _workers: Workers) -> list[Record]:
         place = Path(name)
         file = scene_file(place, count)
         scene_file(place, WARMED)
-        found: dict[tuple[str, str], list[Answer]] = {}
+        found: dict[tuple[str, str], list[ProcessAnswer]] = {}
         for k in range(rounds):
             cache = place / f"cache_{k}"
             for how, setting in SETTINGS.items():
@@ -112,7 +113,7 @@ def run(contest: str, size: Size, _workers: Workers) -> list[Record]:
 
 
 @dataclass(slots=True)
-class Answer:
+class ProcessAnswer:
     """What a process said.
 
     Parameters
@@ -146,22 +147,22 @@ def process(
     return started([*command, str(file)], cwd=ROOT, env=environment, stdin=subprocess.PIPE)
 
 
-def ask(how: str, count: int, file: Path, cache: Path) -> Answer:
+def ask(how: str, count: int, file: Path, cache: Path) -> ProcessAnswer:
     """Times of a process from its begin to the first step."""
     if how == "Pinocchio" and count > MOST_JOINTS:
-        return Answer({}, {}, f"not run: its data hold {count}³ numbers")
+        return ProcessAnswer({}, {}, f"not run: its data hold {count}³ numbers")
     with process(how, count, file, cache) as own:
         try:
             said, complained = own.communicate(timeout=CAP)
         except subprocess.TimeoutExpired:
-            return Answer({}, {}, TOO_LONG)
+            return ProcessAnswer({}, {}, TOO_LONG)
     if own.returncode:
         reason = (complained.strip().splitlines() or [f"exit status {own.returncode}"])[-1]
-        return Answer({}, {}, f"fails: {reason[:120]}")
+        return ProcessAnswer({}, {}, f"fails: {reason[:120]}")
     data: dict[str, Any] = json.loads(said.splitlines()[-1])
     if "missing" in data:
-        return Answer({}, {}, f"{MISSING}{data['missing']}")
-    return Answer(data["seconds"], data["sizes"])
+        return ProcessAnswer({}, {}, f"{MISSING}{data['missing']}")
+    return ProcessAnswer(data["seconds"], data["sizes"])
 
 
 def library_size(cache: Path) -> float:
@@ -169,7 +170,9 @@ def library_size(cache: Path) -> float:
     return float(sum(path.stat().st_size for path in cache.glob(f"lib/chain_*/*{EXTENSION}")))
 
 
-def records_of(contest: str, tool: str, line: str, answers: Sequence[Answer]) -> Iterator[Record]:
+def records_of(
+    contest: str, tool: str, line: str, answers: Sequence[ProcessAnswer]
+) -> Iterator[Record]:
     """Record of the whole way, then one for each stage."""
     good = [one for one in answers if not one.note]
     kind: Kind = "kousoku" if tool == "kousoku" else "scene"
@@ -264,7 +267,7 @@ def body(records: Sequence[Record], figures: Figures) -> str:
             if (one := by.get((n, tool, line, TOTAL))) and one.median
         ]
         label = f"{tool}, {line}" if tool == "kousoku" else tool
-        lines.append(Line(label, points, is_bold=tool == "kousoku"))
+        lines.append(ToolLine(label, points, is_bold=tool == "kousoku"))
     drawn = growth("from scene to first step", "bars of a chain", lines)
     if drawn:
         parts.append(figures.add("first_step", drawn, "seconds to the first step over bars"))
@@ -377,7 +380,7 @@ def _of_steps(records: Sequence[Record]) -> str:
 
 
 def words(records: Sequence[Record]) -> str:
-    """Sentence on how long it takes from a scene to its first step."""
+    """List of how long it takes from a scene to its first step."""
     told = []
     for one in records:
         if one.setting == TOTAL and one.line == SETTINGS["empty"] and one.contest != STEPS:
@@ -390,7 +393,7 @@ def words(records: Sequence[Record]) -> str:
                     f"{_cell(one)} for {bars_of(one.contest)} bars, {_cell(found[0])} when it is"
                     f" found by its content, {_cell(best)} with {best.tool}"
                 )
-    return f"From a scene to its first step it takes {'; '.join(told)}." if told else ""
+    return listed("From a scene to its first step it takes", told) if told else ""
 
 
 QUESTION = Question(

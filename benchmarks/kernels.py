@@ -19,11 +19,22 @@ import numpy as np
 
 from benchmarks import limits
 from benchmarks.kernel_peers import heyoka_functions, lambdified, stacked
-from benchmarks.kit import Call, Case, Figures, Judged, Question, Record, Size, Target, table
+from benchmarks.kit import (
+    Call,
+    Case,
+    Figures,
+    Judged,
+    Question,
+    Record,
+    Size,
+    Target,
+    listed,
+    table,
+)
 from benchmarks.limits import Limits, aligned, measured, repeated, size_text, together
 from benchmarks.loops import Batch, casadi_loop, kousoku_loop, symforce_loop, sympy_loop
 from benchmarks.p2 import N_OUT, SAMPLE, Judge, inputs
-from benchmarks.plots import Line, growth
+from benchmarks.plots import ToolLine, growth
 from benchmarks.race import race
 from kousoku import runtime
 from kousoku.runtime.importing import import_source
@@ -463,8 +474,8 @@ def targets(records: Sequence[Record]) -> list[Target]:
                 value = _ratio(own[tool, line], own.get(peer))
                 found.append(Target(contest, f"{line} over {' '.join(peer)}", value, limit))
         for line, limit in MICROSECONDS.items() if contest == CALLS else ():
-            one = own["kousoku", line]
-            value = None if one.fastest is None else one.fastest * 1e6
+            one = own.get(("kousoku", line))
+            value = None if one is None or one.fastest is None else one.fastest * 1e6
             found.append(Target(contest, f"µs of a {line}", value, limit))
     return found
 
@@ -543,7 +554,7 @@ def _table_of_kinds(records: Sequence[Record], known: Limits) -> str:
             kernel, _, way = one.line.partition(": ")
             own = found.setdefault((one.contest.removeprefix("kind "), kernel), {})
             own[way, one.setting] = one
-    if not found or not known.byte:
+    if not found:
         return ""
     rows = []
     for (package, kernel), own in found.items():
@@ -582,9 +593,11 @@ def _size_of(one: Record) -> tuple[bool, float, float]:
 
 
 def _with_share(one: Record, known: Limits) -> str:
-    """Nanoseconds, and how much of them this machine needs at least."""
+    """Nanoseconds, and how much of them this machine needs at least, if that was measured."""
     if one.fastest is None:
         return one.note
+    if not known.byte:
+        return f"{one.fastest * 1e9:.3g}"
     n, count = one.extra.get("n", 1.0), int(one.extra.get("threads", 1))
     unit = "vector" if "n" in one.extra else "scalar"
     operations, size = one.extra["operations"], one.extra["bytes"]
@@ -607,12 +620,12 @@ def _plot(records: Sequence[Record], package: str, kernel: str) -> str:
             ]
             if len(points) > 2:
                 label = f"{way}, {count} thread{'s' * (count > 1)}"
-                lines.append(Line(label, points, is_bold=way == LANES))
+                lines.append(ToolLine(label, points, is_bold=way == LANES))
     return growth(f"{package} {kernel}", "evaluations at once", lines) if lines else ""
 
 
 def words(records: Sequence[Record]) -> str:
-    """Sentence on where kousoku's kernels win and lose."""
+    """List of where kousoku's kernels win and lose."""
     ratios: dict[tuple[str, str], list[float]] = {}
     for contest in dict.fromkeys(one.contest for one in records):
         own = [one for one in records if one.contest == contest and one.fastest]
@@ -629,8 +642,8 @@ def words(records: Sequence[Record]) -> str:
     parts: dict[str, list[str]] = {}
     for (what, name), found in ratios.items():
         parts.setdefault(what, []).append(f"{_range(found)} of {name}")
-    told = "; ".join(f"{what}: {', '.join(each)}" for what, each in parts.items())
-    return f"A kernel, p2, takes of the time of others: {told}."
+    told = [f"{what}: {', '.join(each)}" for what, each in parts.items()]
+    return listed("A kernel, p2, takes of the time of others", told)
 
 
 def _range(found: Sequence[float]) -> str:

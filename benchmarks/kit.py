@@ -48,9 +48,12 @@ def required(name: str, install: str = "pip install 'kousoku[bench]'") -> Any:
         It is not installed.
     """
     try:
-        return import_module(name)
+        found = import_module(name)
+        if getattr(found, "__file__", None) is None:  # what a package that is removed may leave
+            raise ImportError(f"{name} is a folder without modules")
     except ImportError as error:
         raise MissingError(f"{name.partition('.')[0]} ({error}); {install}") from error
+    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,7 +248,7 @@ class Question:
     targets : callable
         Returns what the page promises, judged by all records.
     words : callable
-        Returns sentences for the first paragraph of the page: where kousoku wins and loses.
+        Returns sentences or lists for the head of the page: where kousoku wins and loses.
     run : callable, optional
         Measures a contest in another way than by a race of its cases.
     seconds : float
@@ -261,6 +264,11 @@ class Question:
     words: Callable[[Sequence[Record]], str] = lambda _: ""
     run: Callable[[str, Size, Workers], list[Record]] | None = None
     seconds: float = 150.0
+
+
+def matches(word: str, *names: str) -> bool:
+    """Whether one of the names has a word."""
+    return any(word.casefold() in name.casefold() for name in names)
 
 
 def seconds_of(run: Callable[[], object], count: int = 1) -> float:
@@ -319,6 +327,11 @@ def duration(seconds: float | None) -> str:
         if seconds >= size:
             return f"{seconds / size:.3g} {unit}"
     return f"{seconds * 1e9:.3g} ns"
+
+
+def listed(lead: str, items: Sequence[str]) -> str:
+    """Paragraph in Markdown: one sentence, its parts as a list."""
+    return f"{lead}\n- " + ";\n- ".join(items) + "."
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -36,7 +36,7 @@ void loop(size_t n, const double *const *in, double *const *out)
 INCLUDES = ("/usr/include", "/usr/local/include", "/opt/homebrew/include", "/opt/local/include")
 
 
-class Loop:
+class CallLoop:
     """n single calls of one program.
 
     Parameters
@@ -57,7 +57,7 @@ class Loop:
         return _Bound(self._loop, (n, _pointers(inputs), _pointers(outputs)), (inputs, outputs))
 
 
-def kousoku_loop(folder: Path, package: Path) -> Loop:
+def kousoku_loop(folder: Path, package: Path) -> CallLoop:
     """Build the loop over the emitted C."""
     text = '#include "kernels.h"\n' + _LOOP.replace(
         "BODY", f"kousoku_p2_constraint_z({', '.join([*_STEPS, *_OUT])});"
@@ -65,7 +65,7 @@ def kousoku_loop(folder: Path, package: Path) -> Loop:
     return _build(folder / "kousoku_loop.c", text, [package / "kernels.c"], [f"-I{package}"])
 
 
-def casadi_loop(folder: Path, *, cse: bool) -> Loop:
+def casadi_loop(folder: Path, *, cse: bool) -> CallLoop:
     """Build the loop over CasADi's C; its matrices are column-major."""
     source = casadi_source(folder, cse=cse)
     call = (
@@ -77,7 +77,7 @@ def casadi_loop(folder: Path, *, cse: bool) -> Loop:
     return _build(folder / f"{source.stem}_loop.c", text, [source], [])
 
 
-def sympy_loop(folder: Path, *, cse: bool) -> Loop:
+def sympy_loop(folder: Path, *, cse: bool) -> CallLoop:
     """Build the loop over the C of SymPy's code generation, whose arguments are not const."""
     source = sympy_source(folder, cse=cse)
     steps = [f"(double *)({step})" for step in _STEPS]
@@ -87,7 +87,7 @@ def sympy_loop(folder: Path, *, cse: bool) -> Loop:
     return _build(folder / f"{source.stem}_loop.c", text, [source], [])
 
 
-def symforce_loop(folder: Path) -> Loop:
+def symforce_loop(folder: Path) -> CallLoop:
     """Build the loop over SymForce's C++; its matrices are column-major.
 
     Raises
@@ -179,7 +179,7 @@ def _pointers(arrays: Sequence[np.ndarray]) -> ctypes.Array[ctypes.c_void_p]:
     return (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays))
 
 
-def _build(loop: Path, text: str, sources: Sequence[Path], extra: Sequence[str]) -> Loop:
+def _build(loop: Path, text: str, sources: Sequence[Path], extra: Sequence[str]) -> CallLoop:
     """Compile the loop and the program, each a unit of its own, into one library."""
     loop.write_text(text)
     library = loop.with_suffix(".so")
@@ -192,7 +192,7 @@ def _build(loop: Path, text: str, sources: Sequence[Path], extra: Sequence[str])
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise MissingError(f"{loop.name} does not compile:\n{done.stderr}")
-    return Loop(library)
+    return CallLoop(library)
 
 
 @contextmanager

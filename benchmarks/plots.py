@@ -36,7 +36,7 @@ LABEL = 14
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class ToolLine:
     """One tool at its settings.
 
     Parameters
@@ -55,7 +55,7 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Axis:
+class LogAxis:
     """A logarithmic axis.
 
     Parameters
@@ -72,7 +72,9 @@ class Axis:
     end: float
 
     @classmethod
-    def of(cls, values: Sequence[float], start: float, end: float, *, falls: bool = False) -> Axis:
+    def of(
+        cls, values: Sequence[float], start: float, end: float, *, falls: bool = False
+    ) -> LogAxis:
         """Axis that shows all values, from the largest to the smallest if it falls."""
         low, high = math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
         high = max(high, low + 1)
@@ -89,7 +91,7 @@ class Axis:
         return range(low, high + 1)
 
 
-def work_precision(title: str, error: str, lines: Sequence[Line]) -> str:
+def work_precision(title: str, error: str, lines: Sequence[ToolLine]) -> str:
     """Plot."""
     found = [
         replace(line, points=[(max(x, LEAST), y) for x, y in line.points if x < LARGEST and y > 0])
@@ -98,14 +100,14 @@ def work_precision(title: str, error: str, lines: Sequence[Line]) -> str:
     return growth(title, error, found, falls=True)
 
 
-def growth(title: str, across: str, lines: Sequence[Line], *, falls: bool = False) -> str:
+def growth(title: str, across: str, lines: Sequence[ToolLine], *, falls: bool = False) -> str:
     """Plot of times over numbers that grow to the right, or fall as errors do."""
     shown = [(line, line.points) for line in lines if line.points]
     everything = [point for _, points in shown for point in points]
     if not everything:
         return ""
-    x = Axis.of([point[0] for point in everything], LEFT, WIDTH - RIGHT, falls=falls)
-    y = Axis.of([point[1] for point in everything], HEIGHT - BOTTOM, TOP)
+    x = LogAxis.of([point[0] for point in everything], LEFT, WIDTH - RIGHT, falls=falls)
+    y = LogAxis.of([point[1] for point in everything], HEIGHT - BOTTOM, TOP)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
         f'font-family="sans-serif" font-size="12">',
@@ -120,7 +122,7 @@ def growth(title: str, across: str, lines: Sequence[Line], *, falls: bool = Fals
     return "\n".join([*parts, "</svg>\n"])
 
 
-def _grid(x: Axis, y: Axis, error: str) -> list[str]:
+def _grid(x: LogAxis, y: LogAxis, error: str) -> list[str]:
     """Lines and numbers of both axes."""
     parts = []
     right, bottom = WIDTH - RIGHT, HEIGHT - BOTTOM
@@ -161,7 +163,7 @@ def _labels(wanted: list[tuple[float, int]]) -> dict[int, float]:
     return {k: place - over for k, place in places.items()}
 
 
-def _drawn(k: int, line: Line, points: list[tuple[float, float]], label: float) -> list[str]:
+def _drawn(k: int, line: ToolLine, points: list[tuple[float, float]], label: float) -> list[str]:
     """Line with its markers and its label."""
     colour, dashes = COLOURS[k % len(COLOURS)], DASHES[k % len(DASHES)]
     width = 2.4 if line.is_bold else 1.2

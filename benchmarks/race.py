@@ -38,7 +38,7 @@ TOO_LONG = f"> {CAP:g} s"
 #: One thread each: a library that divides its work would be measured against one that does not.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "EXUDYN_NUM_THREADS")
 
-Answer = dict[str, Any]
+RaceAnswer = dict[str, Any]
 
 _prepared: dict[str, Call] = {}
 
@@ -49,7 +49,7 @@ def _cases(question: str, contest: str, is_full: bool) -> list[Case]:
     return found
 
 
-def answer(question: str, command: str) -> Answer:
+def answer(question: str, command: str) -> RaceAnswer:
     """Do a part of a case in the process of its tool: set it up, run it, judge it, or time it."""
     wanted = json.loads(command)
     key = json.dumps([wanted["contest"], wanted["case"], wanted["full"]])
@@ -99,13 +99,13 @@ class Workers:
 
     def __init__(self, question: str, size: Size) -> None:
         self.question, self.size = question, size
-        self._workers: dict[str, Worker[Answer]] = {}
+        self._workers: dict[str, Worker[RaceAnswer]] = {}
         for name in THREADS:
             os.environ.setdefault(name, "1")
 
     def ask(
         self, tool: str, seconds: float, do: str, contest: str, case: int = 0, **more: Any
-    ) -> Answer:
+    ) -> RaceAnswer:
         """Let the process of a tool do a part of a case.
 
         Raises

@@ -131,20 +131,20 @@ class Segments:
             array[k] = 0
         return found
 
-    def alone(self, name: str, time: float, y: np.ndarray, parameters: np.ndarray) -> Loop:
+    def alone(self, name: str, time: float, y: np.ndarray, parameters: np.ndarray) -> SegmentLoop:
         """Loop over a segment at a state, some milliseconds long."""
         work = np.zeros(self.solver.target.work_size)
         addresses = [ctypes.c_void_p(array.ctypes.data) for array in (y, parameters, work)]
         self.library.alone_begin(ctypes.c_double(time), *addresses)
         function = self.library[f"alone_{name}"]
         function.restype = None
-        loop = Loop(function, work, FEW)
+        loop = SegmentLoop(function, work, FEW)
         about = min(seconds_of(loop) for _ in range(3)) / FEW
         return replace(loop, rounds=max(FEW, int(LONG / about)))
 
 
 @dataclass(frozen=True, slots=True)
-class Loop:
+class SegmentLoop:
     """A segment, again and again.
 
     Parameters

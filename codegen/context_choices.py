@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.printers import Printer
-    from kousoku.model.graph import Node
+    from kousoku.model.graph import OperationNode
     from kousoku.model.kernel import Kernel
 
 #: Operations whose operands may change places.
@@ -149,8 +149,8 @@ def together(kernels: Sequence[Kernel]) -> Kernel:
     """
     if len(kernels) == 1:
         return kernels[0]
-    nodes: list[Node[int]] = []
-    known: dict[Node[int], int] = {}
+    nodes: list[OperationNode[int]] = []
+    known: dict[OperationNode[int], int] = {}
     results: list[tuple[int, ...]] = []
     names: dict[int, str] = {}
     for kernel in kernels:

@@ -11,7 +11,6 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kousoku import __version__
 from kousoku.codegen.kernel_json import GRAPH_FILE, dump, parse
 from kousoku.codegen.passes.optimise import optimise
 from kousoku.model.cache import cache_folder, write_atomically
@@ -20,6 +19,7 @@ from kousoku.model.errors import LoadError
 from kousoku.model.jsontext import to_text
 from kousoku.model.kernel import Package
 from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.model.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -33,7 +33,7 @@ SOURCES = (
     "codegen/derived.py",
     "codegen/freeze.py",
     "codegen/freeze_components.py",
-    "codegen/known.py",
+    "codegen/known_errors.py",
     "codegen/manifold.py",
     "codegen/passes/*.py",
     "codegen/points.py",
@@ -50,7 +50,7 @@ SOURCES = (
     "model/jsontext.py",
     "model/kernel.py",
     "model/quantity.py",
-    "model/rows.py",
+    "model/parallel_rows.py",
     "model/slopes.py",
 )
 #: File beside the committed kinds that says of which sources they were derived.

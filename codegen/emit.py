@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from kousoku import __version__
 from kousoku.codegen.context import package_context
 from kousoku.codegen.context_lines import c_call, python_lines
-from kousoku.codegen.known import known_errors
+from kousoku.codegen.known_errors import known_errors
 from kousoku.model.manifest import ABI, KernelManifest, Manifest
+from kousoku.model.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

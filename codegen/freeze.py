@@ -25,7 +25,7 @@ from sympy.matrices.expressions.matexpr import MatrixElement
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
-from kousoku.codegen.matrix_chain import Association, flip
+from kousoku.codegen.matrix_chain import Association, Cells, flip
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model.errors import FreezeError
 from kousoku.model.graph import Graph, Op
@@ -35,7 +35,7 @@ from kousoku.symbolic.matrices import (
     Dot,
     NamedMatrix,
     NamedScalar,
-    Orientation,
+    OrientationMatrix,
     Skew,
     coefficient_and_factors,
     description,
@@ -48,8 +48,6 @@ if TYPE_CHECKING:
 
     from kousoku.model.quantity import Quantity
     from kousoku.symbolic.derivation import Function
-
-Cells = tuple[tuple[int, ...], ...]
 
 
 def freeze(function: Function) -> Kernel:
@@ -101,10 +99,12 @@ class _Lowering:
         for quantity in function.inputs:
             for k in range(quantity.size):
                 self.graph.input(quantity.name, k)
-        turned = {a for output in function.outputs for a in output.expression.atoms(Orientation)}
+        turned = {
+            a for output in function.outputs for a in output.expression.atoms(OrientationMatrix)
+        }
         for quantity in function.inputs:  # orientations first, in the order of the inputs
-            if quantity.shape == (4,) and Orientation(symbol(quantity)) in turned:
-                self.matrix(Orientation(symbol(quantity)))
+            if quantity.shape == (4,) and OrientationMatrix(symbol(quantity)) in turned:
+                self.matrix(OrientationMatrix(symbol(quantity)))
         products: dict[tuple[Any, ...], None] = {}
         for output in function.outputs:
             self._find_products(output.expression, products)
@@ -139,7 +139,7 @@ class _Lowering:
                 return self._input(x)
             case NamedMatrix():
                 return self._name(x.name, self.matrix(x.value))
-            case Orientation():
+            case OrientationMatrix():
                 return self._orientation(x)
             case Skew():
                 ((a,), (b,), (c,)) = self.matrix(x.v)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from kousoku.model.errors import FreezeError
-from kousoku.model.graph import Node, Op
+from kousoku.model.graph import Op, OperationNode
 from kousoku.model.kernel import Kernel
 from kousoku.symbolic.matrices import elements
 
@@ -60,11 +60,13 @@ class _Freezing:
 
     def __init__(self, function: Function) -> None:
         self.where = function.name
-        self.nodes: list[Node[int]] = []
+        self.nodes: list[OperationNode[int]] = []
         self._known: dict[Any, int] = {}
         for quantity in function.inputs:
             for index, symbol in enumerate(elements(quantity)):
-                self._known[symbol] = self._add(Node(Op.INPUT, symbol=(quantity.name, index)))
+                self._known[symbol] = self._add(
+                    OperationNode(Op.INPUT, symbol=(quantity.name, index))
+                )
 
     def node_of(self, expression: Any) -> int:
         """Node of an expression, added if it is new."""
@@ -73,14 +75,16 @@ class _Freezing:
             known = self._known[expression] = self._lower(expression)
         return known
 
-    def _add(self, node: Node[int]) -> int:
+    def _add(self, node: OperationNode[int]) -> int:
         self.nodes.append(node)
         return len(self.nodes) - 1
 
     def _lower(self, expression: Any) -> int:
         match expression:
             case sympy.Rational():
-                return self._add(Node(Op.CONST, value=Fraction(int(expression.p), expression.q)))
+                return self._add(
+                    OperationNode(Op.CONST, value=Fraction(int(expression.p), expression.q))
+                )
             case sympy.Add():
                 return self._folded(Op.ADD, map(self.node_of, expression.args))
             case sympy.Mul():
@@ -94,21 +98,23 @@ class _Freezing:
                 " allowed are numbers, elements of the inputs, +, ×, whole and half powers, sin,"
                 " cos and atan2"
             )
-        return self._add(Node(op, tuple(map(self.node_of, expression.args))))
+        return self._add(OperationNode(op, tuple(map(self.node_of, expression.args))))
 
     def _folded(self, op: Op, nodes: Iterable[int]) -> int:
         """Node of a sum or product of many, from left to right."""
         first, *others = nodes
         for other in others:
-            first = self._add(Node(op, (first, other)))
+            first = self._add(OperationNode(op, (first, other)))
         return first
 
     def _power(self, base: Any, halves: int) -> int:
         """Node of the base to so many halves."""
         if halves < 0:
             one = self.node_of(sympy.S.One)
-            return self._add(Node(Op.DIV, (one, self.node_of(base ** sympy.Rational(-halves, 2)))))
+            return self._add(
+                OperationNode(Op.DIV, (one, self.node_of(base ** sympy.Rational(-halves, 2))))
+            )
         factors = [self.node_of(base)] * (halves // 2)
         if halves % 2:
-            factors.append(self._add(Node(Op.SQRT, (self.node_of(base),))))
+            factors.append(self._add(OperationNode(Op.SQRT, (self.node_of(base),))))
         return self._folded(Op.MUL, factors)

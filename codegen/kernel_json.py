@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from kousoku.model.cache import cache_folder, write_atomically
 from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
-from kousoku.model.graph import GRAPH_OPS, Node, Op
+from kousoku.model.graph import GRAPH_OPS, Op, OperationNode
 from kousoku.model.jsontext import to_text
 from kousoku.model.kernel import Kernel, Package
 from kousoku.model.own_kind import PREFIX, is_own, kind_name
@@ -193,7 +193,7 @@ def _quantity_to_data(quantity: Quantity) -> dict[str, object]:
     }
 
 
-def _node_to_data(node: Node[int]) -> str:
+def _node_to_data(node: OperationNode[int]) -> str:
     """``=3/2`` for a number, ``p_i[0]`` for an input, ``12*40``, ``-7``, ``atan2 3 5``."""
     if node.op is Op.CONST:
         return f"={node.value}"
@@ -209,7 +209,7 @@ def _node_to_data(node: Node[int]) -> str:
 
 
 def _kernel_from_data(data: dict[str, Any]) -> Kernel:
-    nodes: list[Node[int]] = []
+    nodes: list[OperationNode[int]] = []
     for item in data["nodes"]:
         nodes.append(_node_from_data(item, len(nodes)))
     results = tuple(
@@ -235,11 +235,11 @@ def _quantity_from_data(data: dict[str, Any]) -> Quantity:
     return Quantity(data["name"], tuple(data["shape"]), data["unit"], data["meaning"])
 
 
-def _node_from_data(text: str, position: int) -> Node[int]:
+def _node_from_data(text: str, position: int) -> OperationNode[int]:
     if text.startswith("="):
-        return Node(Op.CONST, value=Fraction(text[1:]))
+        return OperationNode(Op.CONST, value=Fraction(text[1:]))
     if found := _INPUT.fullmatch(text):
-        return Node(Op.INPUT, symbol=(found[1], int(found[2])))
+        return OperationNode(Op.INPUT, symbol=(found[1], int(found[2])))
     if found := _SIGNED.fullmatch(text):
         op = next(op for op, sign in SIGNS.items() if sign == found[2])
         args = [found[1], found[3]]
@@ -250,7 +250,7 @@ def _node_from_data(text: str, position: int) -> Node[int]:
         op = Op(word)
         if op not in GRAPH_OPS:
             raise ValueError(f"{word} is no operation of a kernel")
-    return Node(op, args=tuple(_known_id(int(arg), position) for arg in args))
+    return OperationNode(op, args=tuple(_known_id(int(arg), position) for arg in args))
 
 
 def _known_id(node: int, count: int) -> int:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from kousoku.model.kernel import Kernel
 
     #: An element of an input: the input's name and the element's place, row-major.
-    Place = tuple[str, int]
+    InputElement = tuple[str, int]
 
 MOST_ITERATIONS = 30
 
@@ -64,8 +64,8 @@ def solve_constraint(
 
 
 def _equations(
-    kernel: Kernel, output: str, numbers: Mapping[Place, Any]
-) -> tuple[list[Any], list[dict[Place, Any]]]:
+    kernel: Kernel, output: str, numbers: Mapping[InputElement, Any]
+) -> tuple[list[Any], list[dict[InputElement, Any]]]:
     """Residuals and sparse rows of their derivatives: the constraint, then p·p = 1."""
     arrays = {q.name: [numbers[q.name, k] for k in range(q.size)] for q in kernel.inputs}
     duals = evaluate_dual(kernel, arrays)[output]
@@ -78,7 +78,9 @@ def _equations(
     return values, rows
 
 
-def _least_step(values: Sequence[Any], rows: Sequence[Mapping[Place, Any]]) -> dict[Place, Any]:
+def _least_step(
+    values: Sequence[Any], rows: Sequence[Mapping[InputElement, Any]]
+) -> dict[InputElement, Any]:
     """Minimum-norm x with J x = −values: x = Jᵀ (J Jᵀ)⁻¹ (−values)."""
     count = len(rows)
     square = CONTEXT.matrix(count, count)
@@ -86,7 +88,7 @@ def _least_step(values: Sequence[Any], rows: Sequence[Mapping[Place, Any]]) -> d
         for j in range(count):
             square[i, j] = sum(x * rows[j].get(k, 0) for k, x in rows[i].items())
     multipliers = CONTEXT.lu_solve(square, CONTEXT.matrix([-value for value in values]))
-    step: dict[Place, Any] = {}
+    step: dict[InputElement, Any] = {}
     for multiplier, row in zip(multipliers, rows, strict=True):
         for place, derivative in row.items():
             step[place] = step.get(place, 0) + multiplier * derivative

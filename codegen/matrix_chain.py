@@ -14,11 +14,13 @@ if TYPE_CHECKING:
     from kousoku.model.graph import Graph
 
 Cells = tuple[tuple[int, ...], ...]
-Factors = tuple[SymbolicMatrix, ...]
-Pattern = tuple[tuple[int, ...], ...]  # of each element: 0 zero, 1 plus or minus one, 2 anything
+MatrixFactors = tuple[SymbolicMatrix, ...]
+ElementPattern = tuple[
+    tuple[int, ...], ...
+]  # of each element: 0 zero, 1 plus or minus one, 2 anything
 
 
-def flip(factors: Factors) -> tuple[int, Factors]:
+def flip(factors: MatrixFactors) -> tuple[int, MatrixFactors]:
     """Transposed product as a sign and its factors: (X ṽ)ᵀ = −ṽ Xᵀ."""
     sign, flipped = 1, []
     for factor in reversed(factors):
@@ -34,13 +36,13 @@ class Association:
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
-        self._known: dict[Factors, Cells] = {}
-        self._uses: dict[Factors, int] = {}
+        self._known: dict[MatrixFactors, Cells] = {}
+        self._uses: dict[MatrixFactors, int] = {}
 
-    def expect(self, products: Iterable[Factors]) -> None:
+    def expect(self, products: Iterable[MatrixFactors]) -> None:
         """Count in how many of the products that will come each partial product stands."""
         for factors in products:
-            parts: dict[Factors, None] = {}
+            parts: dict[MatrixFactors, None] = {}
             for start in range(len(factors)):
                 for stop in range(start + 2, len(factors) + 1):
                     parts[factors[start:stop]] = None
@@ -50,7 +52,7 @@ class Association:
                 if flipped != part:
                     self._uses[flipped] = self._uses.get(flipped, 0) + 1
 
-    def known(self, factors: Factors) -> Cells | None:
+    def known(self, factors: MatrixFactors) -> Cells | None:
         """Elements of a product that was multiplied out before, or of its transpose."""
         cells = self._known.get(factors)
         if cells is not None:
@@ -64,11 +66,11 @@ class Association:
             for row in zip(*cells, strict=True)
         )
 
-    def keep(self, factors: Factors, cells: Cells) -> None:
+    def keep(self, factors: MatrixFactors, cells: Cells) -> None:
         """Remember a product that is multiplied out."""
         self._known[factors] = cells
 
-    def best(self, factors: Factors, operands: Sequence[Cells]) -> int:
+    def best(self, factors: MatrixFactors, operands: Sequence[Cells]) -> int:
         """Place of the last multiplication in the cheapest order.
 
         A partial product costs its operations divided by the number of products that it stands in;
@@ -76,7 +78,7 @@ class Association:
         """
         n = len(factors)
         cost: dict[tuple[int, int], Fraction] = {}
-        pattern: dict[tuple[int, int], Pattern] = {}
+        pattern: dict[tuple[int, int], ElementPattern] = {}
         where: dict[tuple[int, int], int] = {}
         for k, cells in enumerate(operands):
             cost[k, k + 1], pattern[k, k + 1] = Fraction(0), self._pattern(cells)
@@ -94,7 +96,7 @@ class Association:
                 cost[start, stop] = Fraction(0) if self.known(part) else shared
         return where[0, n]
 
-    def _pattern(self, cells: Cells) -> Pattern:
+    def _pattern(self, cells: Cells) -> ElementPattern:
         def kind(cell: int) -> int:
             value = self._graph.value(cell)
             return 2 if value is None or abs(value) not in {0, 1} else int(abs(value))
@@ -102,7 +104,7 @@ class Association:
         return tuple(tuple(kind(cell) for cell in row) for row in cells)
 
 
-def _multiply(left: Pattern, right: Pattern) -> tuple[int, Pattern]:
+def _multiply(left: ElementPattern, right: ElementPattern) -> tuple[int, ElementPattern]:
     """Operations of a product, and the pattern of its result."""
     operations, rows = 0, []
     for row in left:

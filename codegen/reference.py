@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.error_unit import columns
 from kousoku.codegen.freeze_components import freeze_components
-from kousoku.codegen.known import known_errors, units_off
+from kousoku.codegen.known_errors import known_errors, units_off
 from kousoku.codegen.manifold import solve_constraint
 from kousoku.codegen.points import (
     EvaluationPoint,
@@ -33,9 +33,9 @@ from kousoku.model.jsontext import to_text
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.known import KnownError
+    from kousoku.codegen.known_errors import KnownError
     from kousoku.model.kernel import Kernel, Package
-    from kousoku.symbolic.derivation import Function, Output
+    from kousoku.symbolic.derivation import DerivedOutput, Function
 
 FORMAT = 1
 #: From how many points the way to the constraint manifold is tried.
@@ -124,7 +124,8 @@ def _known(
     if not found <= error.units:
         raise DerivationError(
             f"kernel {kernel.name}: {error.output} is {found:.4g} units off where "
-            f"{error.units:g} are known; mend what grew, or say in codegen.known why it must be"
+            f"{error.units:g} are known; mend what grew, or say in codegen.known_errors why it"
+            " must be"
         )
     return values | {"limits": {error.output: error.units}}
 
@@ -213,7 +214,7 @@ def values_at(
     return {"label": point.label, "inputs": inputs, "outputs": outputs}
 
 
-def _documented(output: Output) -> tuple[Dual, ...]:
+def _documented(output: DerivedOutput) -> tuple[Dual, ...]:
     """Documented values of an output where its formula has a pole."""
     assert output.at_pole is not None
     return (Dual(CONTEXT.mpf(output.at_pole), {}),) * output.quantity.size

@@ -38,12 +38,12 @@ if TYPE_CHECKING:
     from kousoku.runtime.saved import SavedRun
     from kousoku.saved import open_run
 
-__version__ = "0.1.0"
-
 # A checkout without links (core.symlinks=false) has text files in their place, and the folders of
 # the sub-packages beside this one.
 if _Path(__file__).with_name("model").is_file():
     __path__.append(str(_Path(__file__).parents[1]))
+
+from kousoku.model.version import __version__
 
 #: The public names, and the modules that have them: each is imported when it is asked for.
 _MODULES = {
@@ -113,5 +113,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    hidden = {"Any", "TYPE_CHECKING", "import_module"}  # completions offer the door alone
-    return sorted({*globals(), *__all__} - hidden)
+    # Completions offer the door alone, and not the sub-packages that a use of it imports.
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

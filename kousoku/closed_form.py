@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from mpmath import MPContext
 
-from kousoku.model.motion import input_values
+from kousoku.model.input_motion import input_values
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from kousoku.joint_shapes import (
     BoxShape,
     CylinderShape,
@@ -9,11 +11,13 @@ from kousoku.joint_shapes import (
     JointPicture,
     Owner,
     Solid,
-    Vector,
     X,
     Y,
     Z,
 )
+
+if TYPE_CHECKING:
+    from kousoku.model.orientation import Vector
 
 
 def _rope(low: Vector, high: Vector) -> Solid:

@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.model.mechanism import Instance, MovingBody, System
+    from kousoku.model.multibody import Instance, MovingBody, System
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
 

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from kousoku.joint_shapes import JointFreedom, JointPicture, Solid, Vector
+    from kousoku.joint_shapes import JointFreedom, JointPicture, Solid
+    from kousoku.model.orientation import Vector
 
     Array = NDArray[np.float64]
 

@@ -6,9 +6,11 @@ A joint of the table is drawn where its point is the origin. Lengths are those o
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-Vector = tuple[float, float, float]
+if TYPE_CHECKING:
+    from kousoku.model.orientation import Vector
+
 Owner = Literal["i", "j", "-"]
 
 X, Y, Z, ORIGIN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)

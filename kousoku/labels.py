@@ -11,8 +11,8 @@ from kousoku.model.own_kind import is_own, kind_name
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Row
-    from kousoku.model.mechanism import Instance, MovingBody, System
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.model.multibody import Instance, MovingBody, System
 
 #: Columns of a body: those of a point are the first three.
 COLUMNS = ("x", "y", "z", "theta_x", "theta_y", "theta_z")
@@ -27,7 +27,7 @@ def columns_of(bodies: Sequence[MovingBody]) -> tuple[str, ...]:
     )
 
 
-def rows_of(system: System, rows: Iterable[Row]) -> Iterator[str]:
+def rows_of(system: System, rows: Iterable[ConstraintEquation]) -> Iterator[str]:
     """Labels of the rows: joint or driver, kind, component."""
     own = Counter((one.joint, one.kind) for one in system.constraints)
     numbers: dict[int, int] = {}

@@ -12,8 +12,8 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from kousoku import __path__, __version__
 from kousoku.mechanism import Mechanism
+from kousoku.model import version
 from kousoku.model.cache import cache_folder, shrink, size_limit, touch, write_atomically
 from kousoku.model.errors import (
     AssemblyError,
@@ -333,8 +333,9 @@ def stamp() -> str:
 
     In a checkout the version stays while the generator changes.
     """
-    listed = [__version__]
-    for place in (Path(root) / part for root in __path__ for part in SOURCES):
+    listed = [version.__version__]
+    root = Path(version.__file__).parents[1]  # of all sub-packages, installed or not
+    for place in (root / part for part in SOURCES):
         for folder, folders, names in os.walk(place):
             folders[:] = sorted(name for name in folders if name != "__pycache__")
             for name in sorted(names):

@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 
 from kousoku.model.errors import SolveError, printable
-from kousoku.runtime.integrate.events import Told
+from kousoku.runtime.integrate.events import EventLog
 from kousoku.runtime.integrate.motion import Layout, Motion
 from kousoku.runtime.integrate.result import Named, not_generated, shown
 from kousoku.runtime.kinematics.trajectory import LINK, NODE, Trajectory
@@ -323,7 +323,7 @@ def _motion(about: KeptMotion, arrays: Mapping[str, Array]) -> Motion:
         ),
         parameters=about.parameters,
         is_complete=about.is_complete,
-        told=Told(about.counts, events),
+        told=EventLog(about.counts, events),
     )
     motion.mechanism = MovedScene(about.scene, [body.name for body in layout.bodies])
     return motion

@@ -36,37 +36,37 @@ class SymbolName:
 class Sum:
     """Terms with their signs, +1 or −1."""
 
-    terms: tuple[tuple[int, Node], ...]
+    terms: tuple[tuple[int, FormulaNode], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Product:
     """Factors in their order."""
 
-    factors: tuple[Node, ...]
+    factors: tuple[FormulaNode, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Cross:
     """The cross product of two vectors."""
 
-    left: Node
-    right: Node
+    left: FormulaNode
+    right: FormulaNode
 
 
 @dataclass(frozen=True, slots=True)
 class Division:
     """One thing over another."""
 
-    over: Node
-    under: Node
+    over: FormulaNode
+    under: FormulaNode
 
 
 @dataclass(frozen=True, slots=True)
 class Power:
     """An integer power; −1 is the inverse."""
 
-    base: Node
+    base: FormulaNode
     exponent: int
 
 
@@ -74,14 +74,14 @@ class Power:
 class Transposed:
     """The transpose."""
 
-    inner: Node
+    inner: FormulaNode
 
 
 @dataclass(frozen=True, slots=True)
 class Tilde:
     """The skew matrix of a vector: a tilde, or ``cross(…)``."""
 
-    inner: Node
+    inner: FormulaNode
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ class FunctionCall:
     """``cos``, ``sin`` or ``sqrt`` of something."""
 
     function: str
-    argument: Node
+    argument: FormulaNode
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,17 +97,17 @@ class Derivative:
     """The derivative by a number: ``(d/dα)``, ``(d/dt)``."""
 
     by: str
-    inner: Node
+    inner: FormulaNode
 
 
 @dataclass(frozen=True, slots=True)
 class Array:
     """Rows of cells in brackets: a matrix, or one of blocks."""
 
-    rows: tuple[tuple[Node, ...], ...]
+    rows: tuple[tuple[FormulaNode, ...], ...]
 
 
-Node = (
+FormulaNode = (
     Numeral
     | SymbolName
     | Sum
@@ -129,11 +129,11 @@ class Statement:
 
     Parameters
     ----------
-    sides : tuple of Node
+    sides : tuple of FormulaNode
         At least one.
     relations : tuple of str
         One fewer than sides; from ``RELATIONS``.
     """
 
-    sides: tuple[Node, ...]
+    sides: tuple[FormulaNode, ...]
     relations: tuple[str, ...]

@@ -10,8 +10,8 @@ from kousoku.ledger.formula import (
     Cross,
     Derivative,
     Division,
+    FormulaNode,
     FunctionCall,
-    Node,
     Numeral,
     Power,
     Product,
@@ -126,7 +126,7 @@ def _relation(stream: _Stream) -> str | None:
     return stream.next() if stream.peek() in RELATIONS else None
 
 
-def _sum(stream: _Stream) -> Node:
+def _sum(stream: _Stream) -> FormulaNode:
     terms = []
     sign = 1
     if stream.peek() in {"+", "-"}:
@@ -139,7 +139,7 @@ def _sum(stream: _Stream) -> Node:
     return terms[0][1] if terms == [(1, terms[0][1])] else Sum(tuple(terms))
 
 
-def _product(stream: _Stream) -> Node:
+def _product(stream: _Stream) -> FormulaNode:
     factors = [_factor(stream)]
     while stream.peek() and stream.peek() not in _ENDS | {"+", "-"}:
         if stream.peek() == "/":
@@ -156,11 +156,11 @@ def _product(stream: _Stream) -> Node:
     return _joined(factors)
 
 
-def _joined(factors: list[Node]) -> Node:
+def _joined(factors: list[FormulaNode]) -> FormulaNode:
     return factors[0] if len(factors) == 1 else Product(tuple(factors))
 
 
-def _factor(stream: _Stream) -> Node:
+def _factor(stream: _Stream) -> FormulaNode:
     node = _atom(stream)
     while True:
         match stream.peek():
@@ -181,7 +181,7 @@ def _factor(stream: _Stream) -> Node:
                 return node
 
 
-def _worded(node: Node, words: str) -> Node:
+def _worded(node: FormulaNode, words: str) -> FormulaNode:
     """Make words behind a letter part of its name; behind anything else they say where it is."""
     if isinstance(node, SymbolName):
         return replace(node, letter=node.letter + words)
@@ -190,7 +190,7 @@ def _worded(node: Node, words: str) -> Node:
     return node
 
 
-def _raised(node: Node, script: list[str]) -> Node:
+def _raised(node: FormulaNode, script: list[str]) -> FormulaNode:
     match script:
         case ["T"]:
             return Transposed(node)
@@ -201,7 +201,7 @@ def _raised(node: Node, script: list[str]) -> Node:
     raise FormulaError(f"the superscript {''.join(script)!r} of a bracket means nothing")
 
 
-def _atom(stream: _Stream) -> Node:
+def _atom(stream: _Stream) -> FormulaNode:
     token = stream.peek()
     if (by := _differential(stream)) is not None:
         return Derivative(by, _factor(stream))
@@ -236,7 +236,7 @@ def _differential(stream: _Stream) -> str | None:
     return by
 
 
-def _bracket(stream: _Stream) -> Node:
+def _bracket(stream: _Stream) -> FormulaNode:
     """Read a bracket; cells that are parted by blanks make it a row."""
     opening = stream.next()
     if opening not in _CLOSING:
@@ -251,9 +251,9 @@ def _bracket(stream: _Stream) -> Node:
     return cells[0] if len(cells) == 1 else Array((tuple(cells),))
 
 
-def _array(stream: _Stream) -> Node:
+def _array(stream: _Stream) -> FormulaNode:
     stream.expect("⟦")
-    rows: list[list[Node]] = [[]]
+    rows: list[list[FormulaNode]] = [[]]
     while True:
         rows[-1].append(_sum(stream))
         token = stream.next()
@@ -271,7 +271,7 @@ def _array(stream: _Stream) -> Node:
     return Array(tuple(tuple(row) for row in rows))
 
 
-def _fraction(stream: _Stream) -> Node:
+def _fraction(stream: _Stream) -> FormulaNode:
     stream.expect("\\frac")
     if (stream.group(), stream.group()) == (["d"], ["d", "t"]):
         if stream.peek() == "\\{":
@@ -280,14 +280,14 @@ def _fraction(stream: _Stream) -> Node:
     raise FormulaError("a fraction that is not d/dt")
 
 
-def _function(stream: _Stream) -> Node:
+def _function(stream: _Stream) -> FormulaNode:
     function = _FUNCTIONS[stream.next()]
     exponent = 1
     if stream.peek() == "^":
         stream.next()
         (digits,) = stream.group()
         exponent = int(digits)
-    factors: list[Node] = []
+    factors: list[FormulaNode] = []
     while stream.peek()[:1].isdigit():
         factors.append(Numeral(stream.next()))
     factors.append(_bracket(stream) if stream.peek() in _CLOSING else _symbol(stream))
@@ -295,7 +295,7 @@ def _function(stream: _Stream) -> Node:
     return call if exponent == 1 else Power(call, exponent)
 
 
-def _marked(mark: str, node: Node) -> Node:
+def _marked(mark: str, node: FormulaNode) -> FormulaNode:
     """Put a mark in front of a symbol's letter, under its tilde and transposition."""
     match node:
         case SymbolName():
@@ -307,7 +307,7 @@ def _marked(mark: str, node: Node) -> Node:
     raise FormulaError(f"{mark.strip()} stands before something that is no symbol")
 
 
-def _symbol(stream: _Stream) -> Node:
+def _symbol(stream: _Stream) -> FormulaNode:
     """Read a letter with its marks and scripts; arguments in parentheses are left out."""
     token = stream.next()
     if token in {"δ", "Δ"} or (token == "d" and _is_letter(stream.peek())):
@@ -315,7 +315,7 @@ def _symbol(stream: _Stream) -> Node:
     if token == "d" and stream.peek() == "^" and _is_letter(stream.peek(2)):
         stream.next()
         return _marked(f"d^{stream.next()} ", _symbol(stream))
-    node: Node = Numeral(token) if token.isdigit() else SymbolName(token)
+    node: FormulaNode = Numeral(token) if token.isdigit() else SymbolName(token)
     if token in {"\\tilde", *_MARKS, *_FACES}:
         inside = _Stream(stream.group())
         if inside.tokens == ["0"]:  # bold, of a vector or a matrix
@@ -338,7 +338,7 @@ def _is_letter(token: str) -> bool:
     return token.isalpha() or token in _FACES | {*_MARKS, "\\tilde"}
 
 
-def _scripted(stream: _Stream, node: Node) -> Node:
+def _scripted(stream: _Stream, node: FormulaNode) -> FormulaNode:
     """Give the scripts that follow to the symbol; a ``T`` at the end transposes."""
     primes, sub, sup = "", "", ""
     while stream.peek() in {"'", "^", "_"}:
@@ -357,7 +357,7 @@ def _scripted(stream: _Stream, node: Node) -> Node:
     return Transposed(node) if is_transposed else node
 
 
-def _with_scripts(node: Node, primes: str, sub: str, sup: str) -> Node:
+def _with_scripts(node: FormulaNode, primes: str, sub: str, sup: str) -> FormulaNode:
     match node:
         case SymbolName():
             return SymbolName(node.letter, node.primes + primes, node.sub + sub, node.sup + sup)

@@ -10,8 +10,8 @@ from kousoku.ledger.formula import (
     Array,
     Cross,
     Division,
+    FormulaNode,
     FunctionCall,
-    Node,
     Numeral,
     Power,
     Product,
@@ -30,7 +30,9 @@ if TYPE_CHECKING:
     from kousoku.ledger.vocabulary import Vocabulary
 
 
-def readings(node: Node, ways: Callable[[SymbolName], tuple[SymbolName, ...]]) -> Iterator[Node]:
+def readings(
+    node: FormulaNode, ways: Callable[[SymbolName], tuple[SymbolName, ...]]
+) -> Iterator[FormulaNode]:
     """Formula with its symbols read in all combinations of ways."""
     match node:
         case SymbolName():

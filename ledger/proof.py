@@ -14,8 +14,8 @@ from sympy.matrices.expressions import ZeroMatrix
 from sympy.polys.domains import QQ
 
 from kousoku.ledger.formula import Numeral, SymbolName
-from kousoku.ledger.names import Names
 from kousoku.ledger.parser import parse
+from kousoku.ledger.registry import Names
 from kousoku.ledger.tokens import differ_in_notation_only
 from kousoku.ledger.vocabulary import shape
 from kousoku.model.errors import FormulaError, LedgerError
@@ -24,7 +24,7 @@ from kousoku.symbolic.sympy_types import as_value
 if TYPE_CHECKING:
     from kousoku.ledger.entry import Check, Entry
     from kousoku.ledger.formula import Statement
-    from kousoku.ledger.names import Words
+    from kousoku.ledger.registry import Words
     from kousoku.ledger.vocabulary import Vocabulary
     from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix, Value
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from types import ModuleType
 
-    from kousoku.ledger.names import Names, Seen
+    from kousoku.ledger.registry import Evidence, Names
 
 
 def read(part: ModuleType) -> tuple[Entry, ...]:
@@ -118,7 +118,7 @@ def _form(entry: Entry, name: str) -> str:
     return forms[name]
 
 
-def _seen(function: Callable[..., Seen], arguments: Mapping[str, Any]) -> str:
+def _seen(function: Callable[..., Evidence], arguments: Mapping[str, Any]) -> str:
     """Run a proof, and return what it saw; of statements all must be true."""
     seen = function(**arguments)
     if isinstance(seen, str):

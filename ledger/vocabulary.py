@@ -19,8 +19,8 @@ from kousoku.ledger.formula import (
     Cross,
     Derivative,
     Division,
+    FormulaNode,
     FunctionCall,
-    Node,
     Numeral,
     Power,
     Product,
@@ -91,7 +91,7 @@ class Vocabulary:
         """Ring in which values are compared, or their values at one rational point."""
         return Ring(self.quantities, self.given, is_unit=self.is_unit, at=at)
 
-    def value(self, node: Node) -> Value:
+    def value(self, node: FormulaNode) -> Value:
         """Value of a formula.
 
         Raises

@@ -14,7 +14,7 @@ from kousoku.model.errors import ExpressionError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, state_names, texts_of, used_names
 from kousoku.model.graph import Op
-from kousoku.model.mechanism import LAW_NAMES
+from kousoku.model.multibody import LAW_NAMES
 from kousoku.model.quaternions import quaternion
 from kousoku.model.spatial import GROUND
 from kousoku.model.switching import may_jump

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.scene import Scene
 
-Graph = dict[str, list[tuple[str, float]]]
+Neighbours = dict[str, list[tuple[str, float]]]
 """For each node its neighbours: the node at the other end of a link, and the length."""
 
 
@@ -25,7 +25,7 @@ def check_circuits(scene: Scene) -> None:
     SceneError
         The linkage cannot be assembled in any position.
     """
-    graph: Graph = {node: [] for node in scene.nodes}
+    graph: Neighbours = {node: [] for node in scene.nodes}
     for name, link in scene.links.items():
         for node in link.nodes:
             if not scene.is_ground(name):
@@ -35,7 +35,7 @@ def check_circuits(scene: Scene) -> None:
     _check_frame(scene, graph, tolerance)
 
 
-def _check_links(scene: Scene, graph: Graph, tolerance: float) -> None:
+def _check_links(scene: Scene, graph: Neighbours, tolerance: float) -> None:
     for name, link in scene.links.items():
         first, second = link.nodes
         limit = scene.length(name) - tolerance  # the link itself is too long to be a way
@@ -49,7 +49,7 @@ def _check_links(scene: Scene, graph: Graph, tolerance: float) -> None:
                 )
 
 
-def _check_frame(scene: Scene, graph: Graph, tolerance: float) -> None:
+def _check_frame(scene: Scene, graph: Neighbours, tolerance: float) -> None:
     frame = {name: node.at for name, node in scene.nodes.items() if node.fixed}
     for first, origin in frame.items():
         reach = max(dist(origin, other) for other in frame.values())
@@ -64,7 +64,7 @@ def _check_frame(scene: Scene, graph: Graph, tolerance: float) -> None:
 
 
 def _ways(
-    scene: Scene, graph: Graph, start: str, limit: float, *, jumps: bool = True
+    scene: Scene, graph: Neighbours, start: str, limit: float, *, jumps: bool = True
 ) -> Iterator[tuple[str, float]]:
     """Nodes with their shortest way from `start`, as long as it is below `limit`.
 

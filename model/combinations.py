@@ -7,40 +7,15 @@ from typing import TYPE_CHECKING
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT
 from kousoku.model.elements.constraints import COMBINATION
-from kousoku.model.frames import joint_points
-from kousoku.model.joints import JOINTS, NAMES
-from kousoku.model.mechanism import Instance, Term
+from kousoku.model.multibody import Instance, Term
 from kousoku.model.precise import NOISE
-from kousoku.model.traced import Traced, at_scene
+from kousoku.model.traced import Traced
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.model.coordinates import CoordinateList
     from kousoku.model.precise import High
-
-
-def length_of(coordinates: CoordinateList) -> float:
-    """Length of a scene that compares radians with metres, whatever its units [m].
-
-    The largest distance, along an axis, of a point of a joint from the centre of mass of a body;
-    where there is none, that of a body from the origin.
-    """
-    scene, frames, unit = coordinates.scene, coordinates.frames, coordinates.unit
-    arms: list[float] = []
-    for joint in scene.joints.values():
-        kind = JOINTS.get(NAMES.get(joint.type, ""))
-        if kind is None or not kind.has_point:
-            continue
-        ends = frames[joint.ends[0]], frames[joint.ends[1]]
-        for end, point in zip(ends, joint_points(joint, ends), strict=True):
-            arms += end.point(point, unit) if end.index >= 0 else ()
-        if joint.length is not None:
-            arms.append(float(unit * at_scene(precise.number(joint.length))))
-    if any(arms):
-        return max(map(abs, arms))
-    places = (unit * at_scene(x) for frame in frames.values() for x in frame.position)
-    return float(max(map(abs, places))) or 1.0
 
 
 def as_written(

@@ -2,80 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT
 from kousoku.model.elements.constraints import COORDINATES, is_length
-from kousoku.model.frames import GROUND_FRAME
+from kousoku.model.frames import joint_points
 from kousoku.model.joints import JOINTS, NAMES, sort_of
-from kousoku.model.mechanism import Coordinate
-from kousoku.model.precise import ZERO
+from kousoku.model.measures import PreciseMeasure, place_measure
+from kousoku.model.multibody import RelativeCoordinate
 from kousoku.model.traced import at_scene
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.model.frames import BodyFrame
-    from kousoku.model.precise import High, Triple
+    from kousoku.model.precise import High
     from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Coordinate as Named
-    from kousoku.model.spatial import Joint
-
-
-@dataclass(frozen=True, slots=True)
-class PreciseMeasure:
-    """A scalar quantity of two bodies, in 50 digits.
-
-    Parameters
-    ----------
-    kind : str
-        The package, see :class:`kousoku.model.mechanism.Coordinate`.
-    ends : (BodyFrame, BodyFrame)
-        Bodies i and j.
-    vectors : tuple of (str, (3,))
-        Axes by the names of the package's inputs, of norm one, in the principal frames.
-    points : ((3,), (3,)) [unit of the scene], optional
-        Points in the frames of the bodies.
-    is_turned : bool
-        Whether its body i is body j of the joint that leaves it free.
-    """
-
-    kind: str
-    ends: tuple[BodyFrame, BodyFrame]
-    vectors: tuple[tuple[str, Triple], ...] = ()
-    points: tuple[Triple, Triple] | None = None
-    is_turned: bool = False
-
-    def constants(self, unit: High) -> tuple[tuple[str, tuple[float, ...]], ...]:
-        """Fixed inputs of the package, rounded; the unit of the scene is in metres."""
-        constants = [(name, precise.rounded(vector)) for name, vector in self.vectors]
-        for letter, end, point in zip("ij", self.ends, self.points or (), strict=False):
-            constants.append((f"s_{letter}_b", end.point(point, unit)))
-        return tuple(constants)
-
-    def value(self) -> High:
-        """Value at the positions as they are written, in rad or the unit of the scene."""
-        i, j = self.ends
-        fixed = {
-            name: (i if name.endswith("i_b") else j).to_ground(vector)
-            for name, vector in self.vectors
-        }
-        points = None if self.points is None else (i.place(self.points[0]), j.place(self.points[1]))
-        return COORDINATES[self.kind].value(fixed, points)
+    from kousoku.model.spatial import Coordinate, Joint
 
 
 def joint_measure(joint: Joint, sort: str, frames: Mapping[str, BodyFrame]) -> PreciseMeasure:
     """Measure that a joint leaves free: an angle or a displacement."""
     ends = frames[joint.ends[0]], frames[joint.ends[1]]
     return JOINTS[NAMES[joint.type]].measure(joint, sort, ends)
-
-
-def place_measure(frame: BodyFrame, point: Triple, along: Triple) -> PreciseMeasure:
-    """Place of a point of a body, from the origin of frame O along a direction of it."""
-    vectors = (("a_i_b", precise.unit(along)),)
-    return PreciseMeasure("n2", (GROUND_FRAME, frame), vectors, (ZERO, point))
 
 
 class CoordinateList:
@@ -99,7 +49,7 @@ class CoordinateList:
     def __init__(self, scene: Scene, frames: Mapping[str, BodyFrame], unit: High) -> None:
         self.scene, self.frames, self.unit = scene, frames, unit
         self._places: dict[str, int] = {}
-        self._records: list[Coordinate] = []
+        self._records: list[RelativeCoordinate] = []
         self._values: list[High] = []
         self._turned: set[int] = set()
         self._starts: dict[tuple[str, str], High] = {}
@@ -110,11 +60,11 @@ class CoordinateList:
                 self._named.setdefault((given.joint, sort), name)
 
     @property
-    def records(self) -> tuple[Coordinate, ...]:
+    def records(self) -> tuple[RelativeCoordinate, ...]:
         """All that were asked for, in the order of asking."""
         return tuple(self._records)
 
-    def record(self, place: int) -> Coordinate:
+    def record(self, place: int) -> RelativeCoordinate:
         """Coordinate at a place."""
         return self._records[place]
 
@@ -187,14 +137,14 @@ class CoordinateList:
         i, j = (end.index for end in measure.ends)
         constants = measure.constants(self.unit)
         self._records.append(
-            Coordinate(name, measure.kind, i, j, constants, float(at_scene(start)))
+            RelativeCoordinate(name, measure.kind, i, j, constants, float(at_scene(start)))
         )
         self._values.append(value * self.unit_of(place)[1])
         if measure.is_turned:
             self._turned.add(place)
         return place
 
-    def _measure(self, given: Named) -> PreciseMeasure:
+    def _measure(self, given: Coordinate) -> PreciseMeasure:
         if given.joint is not None:
             joint = self.scene.joints[given.joint]
             return joint_measure(joint, sort_of(joint.type, given.of), self.frames)
@@ -207,3 +157,24 @@ class CoordinateList:
         assert given.along is not None
         point = precise.triple(given.point or (0.0, 0.0, 0.0))
         return place_measure(self.frames[given.body], point, precise.triple(given.along))
+
+    def length(self) -> float:
+        """Length of the scene that compares radians with metres, whatever its units [m].
+
+        The largest distance, along an axis, of a point of a joint from the centre of mass of a
+        body; where there is none, that of a body from the origin.
+        """
+        arms: list[float] = []
+        for joint in self.scene.joints.values():
+            kind = JOINTS.get(NAMES.get(joint.type, ""))
+            if kind is None or not kind.has_point:
+                continue
+            ends = self.frames[joint.ends[0]], self.frames[joint.ends[1]]
+            for end, point in zip(ends, joint_points(joint, ends), strict=True):
+                arms += end.point(point, self.unit) if end.index >= 0 else ()
+            if joint.length is not None:
+                arms.append(float(self.unit * at_scene(precise.number(joint.length))))
+        if any(arms):
+            return max(map(abs, arms))
+        places = (self.unit * at_scene(x) for one in self.frames.values() for x in one.position)
+        return float(max(map(abs, places))) or 1.0

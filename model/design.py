@@ -19,7 +19,7 @@ NumberOrAngle = Annotated[float, msgspec.Meta(extra_json_schema={"angle": True})
 Turns = tuple[NumberOrAngle, NumberOrAngle, NumberOrAngle]
 """Three angles, or a vector of an angular velocity."""
 
-Place = tuple[Design, Design, Design]
+DesignVector = tuple[Design, Design, Design]
 """Three of them: a point, or a direction."""
 
 

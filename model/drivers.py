@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import copysign, nan, sqrt, tau
 from typing import TYPE_CHECKING
 
-from kousoku.model.motion import turns_of
+from kousoku.model.input_motion import turns_of
 from kousoku.model.spatial import Driver
 
 if TYPE_CHECKING:

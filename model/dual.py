@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from kousoku.model.kernel import Kernel
-
-High = Any  # a number of CONTEXT: mpmath is untyped
+    from kousoku.model.precise import High
 
 
 class Dual:

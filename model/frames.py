@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.precise import IDENTITY, NOISE, ZERO, High, Quadruple, Triple
 from kousoku.model.traced import Traced
 from kousoku.model.varying import Varying
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import Quaternion, Vector
+    from kousoku.model.orientation import Quaternion, Vector
     from kousoku.model.spatial import Joint
 
 

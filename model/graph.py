@@ -79,7 +79,7 @@ BINARY_OPS = frozenset(
 Arg = TypeVar("Arg")
 
 
-class Node(Generic[Arg]):
+class OperationNode(Generic[Arg]):
     """One scalar operation, of a graph or of a formula.
 
     Parameters
@@ -116,31 +116,31 @@ class Node(Generic[Arg]):
         return f"{type(self).__name__}({', '.join(f'{name}={one!r}' for name, one in fields)})"
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Node) and self._fields() == other._fields()
+        return isinstance(other, OperationNode) and self._fields() == other._fields()
 
     def __hash__(self) -> int:
         return hash(self._fields())
 
-    def with_args(self, args: tuple[Arg, ...]) -> Node[Arg]:
+    def with_args(self, args: tuple[Arg, ...]) -> OperationNode[Arg]:
         """Node of the same operation with other operands."""
-        return Node(self.op, args, self.value, self.symbol)
+        return OperationNode(self.op, args, self.value, self.symbol)
 
 
 class Graph:
     """A growing graph; nodes are named by their ids, and equal nodes have equal ids."""
 
     def __init__(self) -> None:
-        self._nodes: list[Node[int]] = []
+        self._nodes: list[OperationNode[int]] = []
         self._ids: dict[tuple[Op, tuple[int, ...]], int] = {}
         self._inputs: dict[tuple[str, int], int] = {}
         self._numbers: dict[Fraction | int | float, int] = {}
 
     @property
-    def nodes(self) -> Sequence[Node[int]]:
+    def nodes(self) -> Sequence[OperationNode[int]]:
         """The nodes in topological order."""
         return self._nodes
 
-    def _add(self, node: Node[int]) -> int:
+    def _add(self, node: OperationNode[int]) -> int:
         self._nodes.append(node)
         return len(self._nodes) - 1
 
@@ -148,21 +148,23 @@ class Graph:
         known = self._ids.get(key := (op, args))
         if known is None:
             known = self._ids[key] = len(self._nodes)
-            self._nodes.append(Node(op, args))
+            self._nodes.append(OperationNode(op, args))
         return known
 
     def const(self, value: Fraction | int | float) -> int:
         """Node of a number; a float stands for its exact binary value."""
         known = self._numbers.get(value)
         if known is None:
-            known = self._numbers[value] = self._add(Node(Op.CONST, value=Fraction(value)))
+            known = self._numbers[value] = self._add(OperationNode(Op.CONST, value=Fraction(value)))
         return known
 
     def input(self, name: str, index: int) -> int:
         """Node of element ``index`` (flat, row-major) of the input array ``name``."""
         known = self._inputs.get((name, index))
         if known is None:
-            known = self._inputs[name, index] = self._add(Node(Op.INPUT, symbol=(name, index)))
+            known = self._inputs[name, index] = self._add(
+                OperationNode(Op.INPUT, symbol=(name, index))
+            )
         return known
 
     def value(self, a: int) -> Fraction | None:

@@ -16,13 +16,13 @@ import numpy as np
 
 from kousoku.model.circuits import check_circuits
 from kousoku.model.errors import SceneError
-from kousoku.model.known import known_nodes
-from kousoku.model.motion import input_values, period, turns_of
+from kousoku.model.input_motion import input_values, period, turns_of
+from kousoku.model.prescribed import known_nodes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.known import Crank, Known
+    from kousoku.model.prescribed import Crank, Known
     from kousoku.model.scene import Scene
 
 BLOCK = 65536
@@ -211,11 +211,11 @@ def _slider_crank(scene: Scene, dyad: Dyad, crank: Crank) -> str:
     return _stops(crank, "", left, [(rod, dyad.most)], stops)
 
 
-Side = tuple[str, float]
+NamedLength = tuple[str, float]
 
 
 def _stops(
-    crank: Crank, title: str, left: list[Side], right: list[Side], stops: list[float]
+    crank: Crank, title: str, left: list[NamedLength], right: list[NamedLength], stops: list[float]
 ) -> str:
     names = " <= ".join(" + ".join(name for name, _ in side) for side in (left, right))
     numbers = " > ".join(" + ".join(f"{value:.12g}" for _, value in side) for side in (left, right))

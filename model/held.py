@@ -9,10 +9,10 @@ from kousoku.model import precise
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import DIRECTIONS, GROUND_FRAME, joint_vectors, to_vector
-from kousoku.model.mechanism import GROUND_INDEX, Instance, Term
 from kousoku.model.moved import moved_by_parameters
+from kousoku.model.multibody import GROUND_INDEX, Instance, Term
+from kousoku.model.parallel_rows import variant
 from kousoku.model.precise import ZERO
-from kousoku.model.rows import variant
 from kousoku.model.traced import at_scene
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.coordinates import CoordinateList
     from kousoku.model.frames import BodyFrame
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.precise import High
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from typing import TypeVar
 
-    from kousoku.model.graph import Node
+    from kousoku.model.graph import OperationNode
     from kousoku.model.kernel import Kernel
 
     Number = TypeVar("Number")
@@ -87,7 +87,7 @@ def node_values(
 _ADD, _SUB, _MUL, _NEG = Op.ADD, Op.SUB, Op.MUL, Op.NEG
 
 
-def _rare(node: Node[int], args: Sequence[Any], arithmetic: Arithmetic[Any]) -> Any:
+def _rare(node: OperationNode[int], args: Sequence[Any], arithmetic: Arithmetic[Any]) -> Any:
     if node.op is Op.CONST:
         return arithmetic.number(node.value or Fraction(0))
     if node.op is Op.DIV:

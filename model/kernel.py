@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.model.graph import EXACT_OPS, Node, Op
+from kousoku.model.graph import EXACT_OPS, Op, OperationNode
 
 if TYPE_CHECKING:
     from kousoku.model.quantity import Quantity
@@ -28,7 +28,7 @@ class Kernel:
         Where the equation stands, e.g. ``lecture 8.2, (8.16)``.
     inputs, outputs : tuple of Quantity
         In the order of the arguments.
-    nodes : tuple of Node
+    nodes : tuple of OperationNode
         In topological order.
     results : tuple of tuple of int
         For each output the node ids of its elements, row-major.
@@ -42,7 +42,7 @@ class Kernel:
     source: str
     inputs: tuple[Quantity, ...]
     outputs: tuple[Quantity, ...]
-    nodes: tuple[Node[int], ...]
+    nodes: tuple[OperationNode[int], ...]
     results: tuple[tuple[int, ...], ...]
     names: tuple[tuple[int, str], ...] = ()
 

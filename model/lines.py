@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-Path = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 """The keys, and the places in lists, that lead to a value."""
 
 _SPACE = re.compile(r"[ \t]*")
@@ -26,7 +26,7 @@ _TOKEN = re.compile(r""""(?:[^"\\]|\\.?)*(?:"|$)|'[^']*(?:'|$)|[A-Za-z0-9_-]+|[ 
 _OTHER = re.compile(r"[^,\]}#\n]*")
 
 
-def each_key_line(text: str) -> Iterator[tuple[Path, int]]:
+def each_key_line(text: str) -> Iterator[tuple[KeyPath, int]]:
     """Go through the keys and the elements of lists, so that a reader can stop.
 
     Parameters
@@ -46,7 +46,7 @@ def each_key_line(text: str) -> Iterator[tuple[Path, int]]:
         scanner.lines.clear()
 
 
-def twice_given(text: str) -> tuple[Path, int, int] | None:
+def twice_given(text: str) -> tuple[KeyPath, int, int] | None:
     """First key that is given twice, with both of its lines; None where none is found.
 
     Parameters
@@ -91,13 +91,13 @@ class _Scanner:
     def __init__(self, text: str) -> None:
         self.text = text
         self.place = 0
-        self.lines: dict[Path, int] = {}
-        self._counts: dict[Path, int] = {}
+        self.lines: dict[KeyPath, int] = {}
+        self._counts: dict[KeyPath, int] = {}
         self._line, self._counted = 1, 0
 
     def statements(self) -> Iterator[None]:
         """Read the document, and wait behind each header and each value."""
-        table: Path = ()
+        table: KeyPath = ()
         self.skip(_BLANK)
         while self.place < len(self.text):
             if self.takes("[["):
@@ -111,9 +111,9 @@ class _Scanner:
             yield
             self.skip(_BLANK)
 
-    def header(self, *, is_list: bool) -> Path:
+    def header(self, *, is_list: bool) -> KeyPath:
         """Read the keys of a header; a list of tables stands for its last element."""
-        path: Path = ()
+        path: KeyPath = ()
         line = self.line()
         keys = self.keys()
         for depth, key in enumerate(keys, 1):
@@ -126,7 +126,7 @@ class _Scanner:
                 self.lines.setdefault(path, line)
         return path
 
-    def assigned(self, table: Path) -> Path:
+    def assigned(self, table: KeyPath) -> KeyPath:
         """Read ``key =``; return the path to the value that follows."""
         line = self.line()
         path = table
@@ -155,9 +155,9 @@ class _Scanner:
         key: str = tomllib.loads(f"key = {raw}")["key"]
         return key
 
-    def value(self, path: Path) -> None:
+    def value(self, path: KeyPath) -> None:
         """Read a value and what is in it, without recursion: depth costs no stack."""
-        opened: list[tuple[Path, int | None]] = []
+        opened: list[tuple[KeyPath, int | None]] = []
         self.begin(path, opened)
         while opened:
             self.skip(_BLANK)
@@ -175,7 +175,7 @@ class _Scanner:
                 self.lines.setdefault((*outer, count), self.line())
                 self.begin((*outer, count), opened)
 
-    def begin(self, path: Path, opened: list[tuple[Path, int | None]]) -> None:
+    def begin(self, path: KeyPath, opened: list[tuple[KeyPath, int | None]]) -> None:
         """Read a plain value, or open a list, which counts its elements, or an inline table."""
         if self.takes("["):
             opened.append((path, 0))
@@ -213,20 +213,20 @@ class _Twice(_Scanner):
 
     def __init__(self, text: str) -> None:
         super().__init__(text)
-        self.found: tuple[Path, int, int] | None = None
-        self._given: dict[Path, int] = {}
+        self.found: tuple[KeyPath, int, int] | None = None
+        self._given: dict[KeyPath, int] = {}
 
-    def header(self, *, is_list: bool) -> Path:
+    def header(self, *, is_list: bool) -> KeyPath:
         line, path = self.line(), super().header(is_list=is_list)
         self._give(path, line)
         return path
 
-    def assigned(self, table: Path) -> Path:
+    def assigned(self, table: KeyPath) -> KeyPath:
         line, path = self.line(), super().assigned(table)
         self._give(path, line)
         return path
 
-    def _give(self, path: Path, line: int) -> None:
+    def _give(self, path: KeyPath, line: int) -> None:
         if path not in self._given:
             self._given[path] = line
         elif self.found is None:

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import msgspec
 
-from kousoku.model.design import Place
+from kousoku.model.design import DesignVector
 from kousoku.model.elements.forces import FORCES
 from kousoku.model.elements.inputs import Dependence, ElementInput
 from kousoku.model.spatial import Components, Free, Value
@@ -100,15 +100,15 @@ class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     type: str
     body: str | None = None
-    point: Place | None = None
+    point: DesignVector | None = None
     force: Value | Components | None = None
     force_b: Components | None = None
     torque: Components | None = None
     torque_b: Components | None = None
     bodies: tuple[str, str] | None = None
-    points: tuple[Place, Place] | None = None
-    at: Place | None = None
-    axes: tuple[Place, Place] | None = None
+    points: tuple[DesignVector, DesignVector] | None = None
+    at: DesignVector | None = None
+    axes: tuple[DesignVector, DesignVector] | None = None
     joint: str | None = None
     coordinate: str | None = None
     of: Free | None = None

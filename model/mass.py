@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kousoku.model.spatial import Body
 
 #: A part of a body: mass, centre, inertia tensor about the centre in the axes of the body frame.
-Part = tuple[High, Triple, Square]
+SolidPart = tuple[High, Triple, Square]
 
 SAME = CONTEXT.mpf(2) ** -53
 """Elements of a tensor below this part of its largest moment are zero: doubles do not show them."""
@@ -230,7 +230,7 @@ def _clear(a: list[list[High]], axes: list[list[High]], i: int, j: int) -> None:
     a[i][j] = a[j][i] = CONTEXT.mpf(0)
 
 
-def _parts(body: Body) -> Iterator[Part]:
+def _parts(body: Body) -> Iterator[SolidPart]:
     """Parts that a body is made of, in the order of its keys."""
     if body.mass is not None:
         mass = precise.number(body.mass)

@@ -17,13 +17,13 @@ Key = TypeVar("Key")
 
 PRIME = 2**61 - 1
 
-Column = tuple[str, int]
+NodeCoordinate = tuple[str, int]
 """A coordinate: the node, and 0 for x or 1 for y."""
 
 Residues = tuple[int, int]
 """A position modulo PRIME."""
 
-Row = dict[Column, int]
+SparseRow = dict[NodeCoordinate, int]
 """Derivatives of one constraint by coordinates, modulo PRIME; zeros left out."""
 
 
@@ -75,11 +75,11 @@ def check_mobility(scene: Scene) -> None:
 class _Basis:
     """Rows in echelon form by their pivots, each with the constraints that it is made of."""
 
-    rows: dict[Column, Row]
-    origins: dict[Column, dict[str, int]]
+    rows: dict[NodeCoordinate, SparseRow]
+    origins: dict[NodeCoordinate, dict[str, int]]
     order: dict[str, None]
 
-    def add(self, key: str, row: Row) -> tuple[str, ...] | None:
+    def add(self, key: str, row: SparseRow) -> tuple[str, ...] | None:
         """Add a row; where it depends on earlier ones, return their keys instead."""
         rest, origin = dict(row), {key: 1}
         # A row holds no pivot of an earlier one, so that this walks forward and ends.
@@ -121,7 +121,7 @@ def _residue(value: float) -> int:
     return numerator * pow(denominator, -1, PRIME) % PRIME
 
 
-def _constraints(scene: Scene, positions: dict[str, Residues]) -> Iterator[tuple[str, Row]]:
+def _constraints(scene: Scene, positions: dict[str, Residues]) -> Iterator[tuple[str, SparseRow]]:
     """Rows of moving links (length), sliders (line) and rigid connections (angle)."""
     for name, link in scene.links.items():
         if not scene.is_ground(name):
@@ -138,7 +138,7 @@ def _constraints(scene: Scene, positions: dict[str, Residues]) -> Iterator[tuple
             yield f"rigid.{name}", row
 
 
-def _inputs(scene: Scene, positions: dict[str, Residues]) -> Iterator[tuple[str, Row]]:
+def _inputs(scene: Scene, positions: dict[str, Residues]) -> Iterator[tuple[str, SparseRow]]:
     for name, given in scene.inputs.items():
         if given.slider is not None:
             slider = scene.sliders[given.slider]
@@ -149,7 +149,7 @@ def _inputs(scene: Scene, positions: dict[str, Residues]) -> Iterator[tuple[str,
             yield f"inputs.{name}", _angle_row(scene, positions, given.link)
 
 
-def _angle_row(scene: Scene, positions: dict[str, Residues], link: str) -> Row:
+def _angle_row(scene: Scene, positions: dict[str, Residues], link: str) -> SparseRow:
     """Derivative of the angle β of a link: (u × du) / (u · u)."""
     ends = scene.links[link].nodes
     x, y = _difference(positions, ends)
@@ -164,9 +164,9 @@ def _difference(positions: dict[str, Residues], ends: tuple[str, str]) -> Residu
     return x2 - x1, y2 - y1
 
 
-def _relative(scene: Scene, ends: tuple[str, str], x: int, y: int) -> Row:
+def _relative(scene: Scene, ends: tuple[str, str], x: int, y: int) -> SparseRow:
     """Row of (x, y) · (dr_2 − dr_1), fixed nodes left out."""
-    row: Row = {}
+    row: SparseRow = {}
     for node, sign in zip(ends, (-1, 1), strict=True):
         if not scene.nodes[node].fixed:
             for axis, value in enumerate((x, y)):

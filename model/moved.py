@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.elements.constraints import is_point
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.traced import Traced
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import Coordinate, Instance, System
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System
 
 
 def moved_by_parameters(system: System, one: Instance) -> bool:
@@ -21,7 +22,7 @@ def moved_by_parameters(system: System, one: Instance) -> bool:
     """
     if not system.parameters:
         return False
-    parts: list[Instance | Coordinate] = [one]
+    parts: list[Instance | RelativeCoordinate] = [one]
     parts += [system.coordinates[term.coordinate] for term in one.terms]
     return is_varying((one.offset, *(term.factor for term in one.terms))) or any(
         _moves(system, part.i if "_i_" in name else part.j, name, values)
@@ -39,6 +40,6 @@ def _moves(system: System, index: int, name: str, values: tuple[float, ...]) -> 
         return False
     w, x, y, z = map(precise.number, body.axes_b)
     seen = precise.triple(values)
-    if name.startswith("s_"):
+    if is_point(name):
         seen = precise.subtract(seen, precise.triple(body.origin_b))
     return any(isinstance(number, Traced) for number in precise.rotate_back((w, x, y, z), seen))

@@ -10,7 +10,7 @@ from typing import Literal
 
 import msgspec
 
-from kousoku.model.design import Design, Place
+from kousoku.model.design import Design, DesignVector
 
 PREFIX = "own:"
 """What the names of kernels of one's own begin with; no kind that is shipped does."""
@@ -46,7 +46,7 @@ class OwnInput(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     @property
     def type(self) -> object:
         """The type of its value in a scene."""
-        return Place if self.vector else Design
+        return DesignVector if self.vector else Design
 
     @property
     def is_direction(self) -> bool:

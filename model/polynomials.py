@@ -39,7 +39,7 @@ HIGHEST = 24
 Powers = tuple[int, ...]
 Terms = dict[Powers, Fraction]
 #: Of one variable: the factor of its n-th power at place n, the last one not zero.
-Factors = tuple[Fraction, ...]
+Coefficients = tuple[Fraction, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -292,7 +292,7 @@ def _root(terms: Terms) -> Terms | None:
     return root
 
 
-def _in_one(terms: Mapping[Powers, Fraction]) -> Factors:
+def _in_one(terms: Mapping[Powers, Fraction]) -> Coefficients:
     highest = max(terms)[0]
     return tuple(terms.get((n,), Fraction(0)) for n in range(highest + 1))
 
@@ -319,7 +319,7 @@ def _even_variables(terms: Mapping[Powers, Fraction]) -> tuple[Terms, list[tuple
 def _even_parts(terms: Mapping[Powers, Fraction]) -> tuple[Terms, list[tuple[Terms, int]]]:
     """Rest of a polynomial without even powers, and these, by Yun's algorithm."""
     p = _in_one(terms)
-    rest: Factors = (p[-1],)
+    rest: Coefficients = (p[-1],)
     parts: list[tuple[Terms, int]] = []
     common, count = _gcd(p, _slope(p)), 1
     left = _divided(p, common)[0]
@@ -337,11 +337,11 @@ def _even_parts(terms: Mapping[Powers, Fraction]) -> tuple[Terms, list[tuple[Ter
     return _of_one(rest), parts
 
 
-def _of_one(p: Factors) -> Terms:
+def _of_one(p: Coefficients) -> Terms:
     return {(n,): x for n, x in enumerate(p) if x}
 
 
-def _sturm_chain(p: Factors) -> list[Factors]:
+def _sturm_chain(p: Coefficients) -> list[Coefficients]:
     chain = [p, _slope(p)] if len(p) > 1 else [p]
     while len(chain[-1]) > 1:
         left = _divided(chain[-2], chain[-1])[1]
@@ -357,11 +357,11 @@ def _changes(values: Sequence[Fraction]) -> int:
     return sum(a * b < 0 for a, b in pairwise(values))
 
 
-def _slope(p: Factors) -> Factors:
+def _slope(p: Coefficients) -> Coefficients:
     return tuple(n * x for n, x in enumerate(p))[1:]
 
 
-def _product(a: Factors, b: Factors) -> Factors:
+def _product(a: Coefficients, b: Coefficients) -> Coefficients:
     found = [Fraction(0)] * (len(a) + len(b) - 1)
     for n, x in enumerate(a):
         for m, y in enumerate(b):
@@ -369,7 +369,7 @@ def _product(a: Factors, b: Factors) -> Factors:
     return tuple(found)
 
 
-def _divided(a: Factors, b: Factors) -> tuple[Factors, Factors]:
+def _divided(a: Coefficients, b: Coefficients) -> tuple[Coefficients, Coefficients]:
     """Quotient and remainder; an empty one is zero."""
     left, found = list(a), [Fraction(0)] * max(len(a) - len(b) + 1, 0)
     for n in reversed(range(len(found))):
@@ -381,7 +381,7 @@ def _divided(a: Factors, b: Factors) -> tuple[Factors, Factors]:
     return tuple(found), tuple(left)
 
 
-def _gcd(a: Factors, b: Factors) -> Factors:
+def _gcd(a: Coefficients, b: Coefficients) -> Coefficients:
     """Greatest common divisor, the factor of its highest power one."""
     while b:
         a, b = b, _divided(a, b)[1]

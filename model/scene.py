@@ -11,7 +11,7 @@ import msgspec
 
 from kousoku.model.design import NumberOrAngle
 from kousoku.model.loads import Force
-from kousoku.model.mechanism import CLOSURE_TOLERANCE
+from kousoku.model.multibody import CLOSURE_TOLERANCE
 from kousoku.model.own_kind import OwnKind
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
 from kousoku.model.spatial import Body, Components, Coordinate, Driver, Event, Joint

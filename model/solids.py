@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import msgspec
 
-from kousoku.model.design import Design, Place
+from kousoku.model.design import Design, DesignVector
 from kousoku.model.orientation import Orientation
 
 
@@ -30,7 +30,7 @@ class Inertia(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     xy: Design = 0.0
     yz: Design = 0.0
     zx: Design = 0.0
-    about: Place | None = None
+    about: DesignVector | None = None
 
 
 class MassPoint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -45,7 +45,7 @@ class MassPoint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     """
 
     mass: Design
-    at: Place
+    at: DesignVector
 
 
 class Box(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -64,8 +64,8 @@ class Box(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True)
     """
 
     mass: Design
-    size: Place
-    at: Place = (0.0, 0.0, 0.0)
+    size: DesignVector
+    at: DesignVector = (0.0, 0.0, 0.0)
     orientation: Orientation | None = None
 
 
@@ -81,7 +81,7 @@ class Rod(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True)
     """
 
     mass: Design
-    ends: tuple[Place, Place]
+    ends: tuple[DesignVector, DesignVector]
 
 
 class Cylinder(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -99,7 +99,7 @@ class Cylinder(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
     mass: Design
     radius: Design
-    ends: tuple[Place, Place]
+    ends: tuple[DesignVector, DesignVector]
 
 
 class Sphere(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -117,4 +117,4 @@ class Sphere(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
     mass: Design
     radius: Design
-    at: Place = (0.0, 0.0, 0.0)
+    at: DesignVector = (0.0, 0.0, 0.0)

@@ -6,14 +6,13 @@ from typing import Any, ClassVar, Literal
 
 import msgspec
 
-from kousoku.model.design import Design, NumberOrAngle, Place, Turns
+from kousoku.model.design import Design, DesignVector, NumberOrAngle, Turns
 from kousoku.model.elements.inputs import ElementInput
 from kousoku.model.joints import inputs_of, keys_of
-from kousoku.model.orientation import Orientation
+from kousoku.model.orientation import Orientation, Vector
 from kousoku.model.own_kind import OwnInput, OwnKind
 from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 
-Vector = tuple[float, float, float]
 Free = Literal["angle", "second_angle", "displacement", "second_displacement"]
 Held = Literal["x", "y", "z", "orientation", "velocity", "angular_velocity"]
 Direction = Literal["both", "rising", "falling"]
@@ -79,7 +78,7 @@ class Body(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     hold: tuple[Held, ...] = ()
     point: bool = False
     mass: Design | None = None
-    center: Place | None = None
+    center: DesignVector | None = None
     inertia: Inertia | None = None
     mass_points: tuple[MassPoint, ...] = ()
     boxes: tuple[Box, ...] = ()
@@ -163,12 +162,12 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     type: str
     bodies: tuple[str, str] | None = None
-    points: tuple[Place, Place] | None = None
-    at: Place | None = None
-    axes: tuple[Place, Place] | None = None
-    axis: Place | None = None
-    second_axis: Place | None = None
-    zero: tuple[Place, Place] | None = None
+    points: tuple[DesignVector, DesignVector] | None = None
+    at: DesignVector | None = None
+    axes: tuple[DesignVector, DesignVector] | None = None
+    axis: DesignVector | None = None
+    second_axis: DesignVector | None = None
+    zero: tuple[DesignVector, DesignVector] | None = None
     length: Design | None = None
     pitch: Design | None = None
     joints: tuple[str, str] | None = None
@@ -227,10 +226,10 @@ class Coordinate(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     joint: str | None = None
     of: Free | None = None
     bodies: tuple[str, str] | None = None
-    points: tuple[Place, Place] | None = None
+    points: tuple[DesignVector, DesignVector] | None = None
     body: str | None = None
-    point: Place | None = None
-    along: Place | None = None
+    point: DesignVector | None = None
+    along: DesignVector | None = None
     near: NumberOrAngle | None = None
     hold: bool = False
 
@@ -276,7 +275,7 @@ class Driver(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     of: Free | None = None
     value: Value | None = None
     body: str | None = None
-    point: Place | None = None
+    point: DesignVector | None = None
     path: Components | None = None
     inputs: Mapping[str, Any] | None = None
 

@@ -16,14 +16,14 @@ from kousoku.model.exponentials import without_overflow
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.graph import Op
-from kousoku.model.mechanism import LAW_NAMES
+from kousoku.model.multibody import LAW_NAMES
 from kousoku.model.polynomials import is_never_zero, root_of_even_power, square_part
 from kousoku.model.terms import ONE, Expression, add, apply, names_of, neg, ordered
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Sequence
 
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 #: Functions with a kink or a jump.
 SWITCHES = frozenset({Op.MIN, Op.MAX, Op.ABS, Op.SIGN})

@@ -13,7 +13,7 @@ import msgspec
 
 from kousoku.model import precise
 from kousoku.model.coordinates import CoordinateList
-from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
+from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS, is_point
 from kousoku.model.errors import SceneError
 from kousoku.model.formulas import used_parameters
 from kousoku.model.frames import (
@@ -28,11 +28,11 @@ from kousoku.model.frames import (
 from kousoku.model.held import held_coordinates, held_of
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.mass import mass_properties
-from kousoku.model.mechanism import Instance, MovingBody, System
+from kousoku.model.multibody import Instance, MovingBody, System
 from kousoku.model.own_kind import FRAMES, ORIGINS, input_name
+from kousoku.model.parallel_rows import variant
 from kousoku.model.precise import ZERO, High, Triple
 from kousoku.model.quaternions import quaternion
-from kousoku.model.rows import variant
 from kousoku.model.spatial import GROUND
 from kousoku.model.system_drivers import driver_instances, start_values
 from kousoku.model.system_forces import events_of, force_elements, gravity_law, gravity_of
@@ -239,7 +239,7 @@ def _instances(
         package = part.kind
         if CONSTRAINTS[package].has_variants:
             package = variant(package, constants["a_i_b"])
-        if package == "distance":
+        if CONSTRAINTS[part.kind].has_length:
             constants["length"] = (_length(name, joint, ends, points, unit),)
         yield Instance(name, package, ends[0].index, ends[1].index, tuple(constants.items()))
 
@@ -309,7 +309,7 @@ def _constants(
     """Inputs of a kernel that are fixed, in the order of its arguments."""
     for name in CONSTRAINTS[part.kind].inputs:
         k = "ij".index(name[2])
-        if name.startswith("s_"):
+        if is_point(name):
             yield name, ends[k].point(points[k], unit)
         else:
             yield name, precise.rounded(vectors[k][part.j if k else part.i])

@@ -11,7 +11,7 @@ from kousoku.model.elements.joint import ANGLES
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
 from kousoku.model.joints import sort_of
-from kousoku.model.mechanism import Instance, Term
+from kousoku.model.multibody import Instance, Term
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:

@@ -10,14 +10,15 @@ from kousoku.model.elements.forces import FORCES
 from kousoku.model.elements.kind import Lowering
 from kousoku.model.formulas import RATE, state_names, used_names
 from kousoku.model.frames import to_vector
-from kousoku.model.mechanism import SystemEvent
+from kousoku.model.multibody import SystemEvent
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.model.coordinates import CoordinateList
     from kousoku.model.frames import BodyFrame
-    from kousoku.model.mechanism import ForceElement, Vector
+    from kousoku.model.multibody import ForceElement
+    from kousoku.model.orientation import Vector
     from kousoku.model.precise import High
     from kousoku.model.scene import Scene
 

@@ -11,7 +11,7 @@ from hashlib import blake2b
 from typing import TYPE_CHECKING, TypeVar
 
 from kousoku.model.arithmetic import OPERATORS
-from kousoku.model.graph import Node, Op
+from kousoku.model.graph import Op, OperationNode
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -22,7 +22,7 @@ LARGEST_BITS = 4096
 """Bits of the largest numerator or denominator: a longer number is left as a formula."""
 
 
-class Expression(Node["Expression"]):
+class Expression(OperationNode["Expression"]):
     """A formula, of which operators make others: a number, a name, or an operation on formulas.
 
     Operands are formulas where those of a graph are ids. A graph moves signs, orders operands and

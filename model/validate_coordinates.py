@@ -13,14 +13,15 @@ from kousoku.model.errors import SceneError
 from kousoku.model.expression import ARGUMENTS
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.joints import JOINTS, NAMES, leaves_of, listed, sort_of
-from kousoku.model.mechanism import LAW_NAMES
+from kousoku.model.multibody import LAW_NAMES
 from kousoku.model.spatial import GROUND
 from kousoku.model.text import with_a
 
 if TYPE_CHECKING:
+    from kousoku.model.orientation import Vector
     from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Coordinate, Vector
+    from kousoku.model.spatial import Coordinate
 
 KEYS = {
     "joint": ("joint", "of"),

@@ -16,7 +16,7 @@ from kousoku.model.formulas import (
     values_at_start,
 )
 from kousoku.model.loads import DEPENDS_ON
-from kousoku.model.mechanism import LAW_NAMES
+from kousoku.model.multibody import LAW_NAMES
 from kousoku.model.spatial import GROUND
 from kousoku.model.text import with_a
 

@@ -9,8 +9,8 @@ from kousoku.model.angles import Angle
 from kousoku.model.decode import join, require_known
 from kousoku.model.drivers import time_of, way_of
 from kousoku.model.errors import SceneError
+from kousoku.model.input_motion import turns_of
 from kousoku.model.joints import leaves_of, listed
-from kousoku.model.motion import turns_of
 from kousoku.model.text import with_a
 
 if TYPE_CHECKING:

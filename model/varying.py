@@ -15,7 +15,7 @@ from kousoku.model.traced import Traced, at_scene, parameter, traced
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.scene import Scene
 
     T = TypeVar("T")

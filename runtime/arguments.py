@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Call:
+class CheckedArguments:
     """Arguments that a target can take as they are.
 
     Parameters
@@ -87,7 +87,7 @@ class Signature:
 
     def prepare(
         self, inputs: tuple[Any, ...], out: Sequence[Any] | None, wanted: tuple[bool, ...]
-    ) -> tuple[Call, tuple[Floats, ...]]:
+    ) -> tuple[CheckedArguments, tuple[Floats, ...]]:
         """Arguments as a target takes them, and the outputs as the caller sees them.
 
         Parameters
@@ -111,7 +111,7 @@ class Signature:
             arrays = [_apart(array, results) for array in arrays]
         n = None if batch == () else int(np.prod(batch, dtype=np.intp))
         flat = [self._flat(k, array, batch) for k, array in enumerate(arrays)]
-        call = Call(
+        call = CheckedArguments(
             n=n,
             inputs=tuple(flat),
             is_shared=tuple(
@@ -130,7 +130,7 @@ class Signature:
         out: Sequence[Any] | None,
         wanted: tuple[bool, ...],
         width: int,
-    ) -> tuple[Call, tuple[Floats, ...]]:
+    ) -> tuple[CheckedArguments, tuple[Floats, ...]]:
         """Do the same for arrays in the lanes layout, (n_blocks, *shape, width)."""
         arrays = [self._floats(k, value) for k, value in enumerate(inputs)]
         n = len(arrays[0]) if arrays and arrays[0].ndim else 0
@@ -141,7 +141,7 @@ class Signature:
                     f"{(n, *q.shape, width)}: blocks, then the shape, then {width} lanes"
                 )
         results = self._results(out, wanted, (n,), (width,))
-        call = Call(
+        call = CheckedArguments(
             n=n,
             inputs=tuple(_apart(array, results) for array in arrays),
             is_shared=(False,) * len(arrays),

@@ -54,7 +54,7 @@ class Source:
         The library's name.
     files : tuple of (str, bytes)
         Names and contents of C sources and headers. What ends in ``.c`` is compiled, what lies in a
-        folder, as ``integrate/state.h``, is there to be included.
+        folder, as ``integrate/memory.h``, is there to be included.
     flags : tuple of str
         Compile flags beside the toolchain's.
     """

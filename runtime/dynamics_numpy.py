@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics_targets import Memory
+    from kousoku.runtime.integrate.scene_solver import SceneSolver
     from kousoku.runtime.integrate.settings import Settings
-    from kousoku.runtime.integrate.solver import Solver
     from kousoku.runtime.sources import Sources
 
     Array = npt.NDArray[np.float64]
@@ -30,13 +30,13 @@ class NumpySolver:
 
     Parameters
     ----------
-    solver : Solver
+    solver : SceneSolver
         That of the imported ``solver.py``, with the integrator of its folder.
     """
 
     name = "numpy"
 
-    def __init__(self, solver: Solver, sources: Sources) -> None:
+    def __init__(self, solver: SceneSolver, sources: Sources) -> None:
         self.solver = solver
         self.sources = sources
         self.state_size = solver.scene.state_size
@@ -103,7 +103,7 @@ def load_numpy(sources: Sources, reason: Exception | None = None) -> NumpySolver
     LoadError
         The module is not the manifest's.
     """
-    solver: Solver = numpy_module(sources).SOLVER
+    solver: SceneSolver = numpy_module(sources).SOLVER
     is_slow = solver.scene.nq > SLOW
     if reason is not None:
         cost = ", which takes 100 to 200 times as long" if is_slow else ""

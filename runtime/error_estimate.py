@@ -14,7 +14,7 @@ from kousoku.runtime.integrate.settings import KINEMATICS
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from kousoku.runtime.motion import Motion
+    from kousoku.runtime.integrate.motion import Motion
     from kousoku.runtime.options import Options
 
     Array = npt.NDArray[np.float64]

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from kousoku.model.manifest import KernelManifest
-    from kousoku.runtime.arguments import Call, Floats, Signature
+    from kousoku.runtime.arguments import CheckedArguments, Floats, Signature
 
     #: Takes inputs, ``out`` and a mask of wanted outputs; returns the outputs, or None for
     #: arguments that are not exactly as the C code wants them.
@@ -26,11 +26,11 @@ class Target(Protocol):
     #: Lanes of a block in the blocked layout.
     width: int
 
-    def run(self, call: Call) -> None:
+    def run(self, call: CheckedArguments) -> None:
         """Evaluate once, or ``call.n`` times with the batch axis first."""
         ...
 
-    def run_lanes(self, call: Call) -> None:
+    def run_lanes(self, call: CheckedArguments) -> None:
         """Evaluate ``call.n`` blocks of ``width`` lanes."""
         ...
 

@@ -12,7 +12,7 @@ from kousoku.model.errors import LoadError, SolveError
 from kousoku.runtime.dynamics_targets import exported, numpy_module, on_this_machine, open_either
 from kousoku.runtime.kinematics.moving import Linkage
 from kousoku.runtime.kinematics.rows import RUN, empty_rows
-from kousoku.runtime.kinematics.solve import Solver
+from kousoku.runtime.kinematics.solve import KinematicSolver
 from kousoku.runtime.kinematics.trajectory import Trajectory
 from kousoku.runtime.notice import say_once
 from kousoku.runtime.options import ALL_OPTIONS
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.choice import Target
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.kinematics.mechanism import Array, Mechanism
-    from kousoku.runtime.kinematics.rows import Rows, Run
+    from kousoku.runtime.kinematics.rows import Rows, RunRequest
+    from kousoku.runtime.kinematics.tables import Array, LinkageTables
 
 __all__ = ["LinkageSolver", "Trajectory", "load_scene"]
 
@@ -38,7 +38,7 @@ _TYPES: dict[str, Any] = {
 }
 
 
-class CompiledLinkage(Solver):
+class CompiledLinkage(KinematicSolver):
     """The compiled solver of a linkage.
 
     Parameters
@@ -57,7 +57,7 @@ class CompiledLinkage(Solver):
         self.sources = sources
         self._segments: list[str] = sources.data["segments"]
 
-    def solve(self, mechanism: Mechanism, run: Run) -> Rows:
+    def solve(self, mechanism: LinkageTables, run: RunRequest) -> Rows:
         """Run the whole turn in one call of the compiled library."""
         rows = empty_rows(mechanism, run.rows)
         record = record_of(run, rows)
@@ -72,41 +72,41 @@ class CompiledLinkage(Solver):
         rows.reached = np.array(record.reached[:])
         return rows
 
-    def evaluate(self, mechanism: Mechanism, segment: str, slots: Array) -> None:
+    def evaluate(self, mechanism: LinkageTables, segment: str, slots: Array) -> None:
         """Run a segment on the workspace."""
         number = ctypes.c_size_t(self._segments.index(segment))
         self._function("evaluate", None)(number, slots.ctypes.data_as(ctypes.c_void_p))
 
 
-class NumpyLinkage(Solver):
+class NumpyLinkage(KinematicSolver):
     """What ``solver.py`` has, with the methods of :class:`CompiledLinkage`.
 
     Parameters
     ----------
-    solver : Solver
+    solver : KinematicSolver
         That of the imported ``solver.py``, with the analysis of its folder.
     sources : Sources
         The generated files.
     """
 
-    def __init__(self, solver: Solver, sources: Sources) -> None:
+    def __init__(self, solver: KinematicSolver, sources: Sources) -> None:
         super().__init__()
         self._solver = solver
         self.sources = sources
 
-    def mechanism(self, data: Mapping[str, Any]) -> Mechanism:
+    def mechanism(self, data: Mapping[str, Any]) -> LinkageTables:
         """What ``motion.json`` says of the mechanism."""
         return self._solver.mechanism(data)
 
-    def scene(self, data: Mapping[str, Any]) -> Run:
+    def scene(self, data: Mapping[str, Any]) -> RunRequest:
         """What it says of the run that the scene asks for."""
         return self._solver.scene(data)
 
-    def solve(self, mechanism: Mechanism, run: Run) -> Rows:
+    def solve(self, mechanism: LinkageTables, run: RunRequest) -> Rows:
         """Run the whole turn by the analysis of the folder."""
         return self._solver.solve(mechanism, run)
 
-    def evaluate(self, mechanism: Mechanism, segment: str, slots: Array) -> None:
+    def evaluate(self, mechanism: LinkageTables, segment: str, slots: Array) -> None:
         """Run a segment on the workspace."""
         mechanism.segments[segment](slots)
 
@@ -236,7 +236,7 @@ def _open_same(sources: Sources, target: Target) -> LinkageSolver:
     return open_linkage(*on_this_machine(sources, target))
 
 
-def record_of(run: Run, rows: Rows) -> Any:
+def record_of(run: RunRequest, rows: Rows) -> Any:
     """Record of ``solver.h`` that asks for a run and points at room for its rows."""
     record = _run_type(len(run.origin))()
     for field in RUN:
@@ -254,13 +254,13 @@ def record_of(run: Run, rows: Rows) -> Any:
 def _run_type(inputs: int) -> type[ctypes.Structure]:
     """Record of ``solver.h``."""
 
-    class Record(ctypes.Structure):
+    class RunRecord(ctypes.Structure):
         _fields_ = tuple(
             (one.name, _TYPES[one.type] * inputs if one.is_by_input else _type_of(one.type))
             for one in RUN
         )
 
-    return Record
+    return RunRecord
 
 
 def _type_of(declared: str) -> Any:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.runtime.kinematics.rows import METHODS, OF_NODES
-from kousoku.runtime.kinematics.status import Status
+from kousoku.runtime.kinematics.status import AnalysisStatus
 from kousoku.runtime.linkage import LinkageSolver, open_linkage
 from kousoku.runtime.reference import Expected
 from kousoku.runtime.report import Row, worst_rows
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.arguments import Floats
     from kousoku.runtime.choice import Target
-    from kousoku.runtime.kinematics.rows import Run
+    from kousoku.runtime.kinematics.rows import RunRequest
     from kousoku.runtime.solver_verify import Data
 
 #: Largest difference, relative to the largest length, velocity or acceleration: far above the
@@ -126,7 +126,9 @@ def _motion_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iter
         yield from _problems(f"{where}, at other rates", solver, other, rows, wanted)
 
 
-def _at_other_rates(run: Run, exact: dict[str, Floats]) -> tuple[Run, dict[str, Floats]]:
+def _at_other_rates(
+    run: RunRequest, exact: dict[str, Floats]
+) -> tuple[RunRequest, dict[str, Floats]]:
     """Run whose time goes by otherwise, and what it must give.
 
     With t(τ), dt/dτ = s and d²t/dτ² = c, a velocity v becomes s v, an acceleration a becomes
@@ -147,13 +149,17 @@ def _at_other_rates(run: Run, exact: dict[str, Floats]) -> tuple[Run, dict[str, 
 
 
 def _problems(
-    where: str, solver: LinkageSolver, run: Run, rows: Sequence[int], exact: dict[str, Floats]
+    where: str,
+    solver: LinkageSolver,
+    run: RunRequest,
+    rows: Sequence[int],
+    exact: dict[str, Floats],
 ) -> Iterator[str]:
     """Differences of a run from the rows that are known."""
     mechanism, got = solver.mechanism, solver.rows(run)
     good = [k for k, row in enumerate(rows) if row < got.done]
     if len(good) < len(rows):
-        yield f"{where}: stops after {got.done} rows: {Status(got.status).message}"
+        yield f"{where}: stops after {got.done} rows: {AnalysisStatus(got.status).message}"
     if not good:
         return
     inputs = np.array([run.counted_inputs(run.first + rows[k]) for k in good])

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.integrate.methods import Method
+    from kousoku.runtime.integrate.methods import RungeKuttaMethod
 
     Array = npt.NDArray[np.float64]
     Tree = tuple["Tree", ...]
@@ -148,7 +148,7 @@ def _in_c(name: str, text: str) -> dict[str, list[float]]:
     return found
 
 
-def _in_python(method: Method) -> dict[str, list[float]]:
+def _in_python(method: RungeKuttaMethod) -> dict[str, list[float]]:
     """Tables of a method in Python, by name."""
     found = {"c": [*method.c], "error": [*method.errors[0]]}
     found |= {f"error_{k + 1}": [*row] for k, row in enumerate(method.errors) if k}
@@ -156,7 +156,7 @@ def _in_python(method: Method) -> dict[str, list[float]]:
     return found | {name: [x for row in rows for x in row] for name, rows in tables.items()}
 
 
-def wrong_conditions(method: Method) -> Iterator[str]:
+def wrong_conditions(method: RungeKuttaMethod) -> Iterator[str]:
     """Order conditions that the end of a step, its nodes and its estimates do not meet."""
     weights = _Weights(method.a)
     for k, row in enumerate(method.a):
@@ -182,7 +182,7 @@ def wrong_conditions(method: Method) -> Iterator[str]:
             break
 
 
-def wrong_inside(method: Method, dense: ModuleType) -> Iterator[str]:
+def wrong_inside(method: RungeKuttaMethod, dense: ModuleType) -> Iterator[str]:
     """Places where the polynomial inside of a step has not the order that it should have."""
     weights, order = _Weights(method.a), INSIDE[method.name]
     for x in PLACES:
@@ -202,7 +202,7 @@ def wrong_inside(method: Method, dense: ModuleType) -> Iterator[str]:
                     return
 
 
-def _sizes(method: Method) -> list[float]:
+def _sizes(method: RungeKuttaMethod) -> list[float]:
     """Sizes of the parts of the polynomial's weights, stage by stage."""
     found = [1.0] * method.all
     for row in (method.a[method.stages], *method.dense):
@@ -211,7 +211,7 @@ def _sizes(method: Method) -> list[float]:
     return found
 
 
-def _at(method: Method, dense: ModuleType, x: float) -> list[float]:
+def _at(method: RungeKuttaMethod, dense: ModuleType, x: float) -> list[float]:
     """Weights b(x): what each derivative adds at the part x of a step of length one."""
     found = []
     for k in range(method.all):
@@ -235,7 +235,7 @@ def _at(method: Method, dense: ModuleType, x: float) -> list[float]:
 
 
 def shown_order_problems(
-    solver: DynamicsSolver, methods: Sequence[Method], values: Mapping[str, float]
+    solver: DynamicsSolver, methods: Sequence[RungeKuttaMethod], values: Mapping[str, float]
 ) -> Iterator[str]:
     """Methods whose steps, halved and halved again, show a lower order than they have.
 
@@ -246,7 +246,7 @@ def shown_order_problems(
     ----------
     solver : DynamicsSolver
         A scene whose equations are smooth.
-    methods : sequence of Method
+    methods : sequence of RungeKuttaMethod
         Of its folder.
     values : mapping of str to float
         Parameters.

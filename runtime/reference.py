@@ -127,7 +127,7 @@ def read_references(
     manifest : Manifest
         What it promises.
     files : mapping of str to bytes
-        What its files hold, as :func:`kousoku.runtime.library.read_files` gives it.
+        What its files hold, as :func:`kousoku.runtime.sources.read_files` gives it.
 
     Raises
     ------

@@ -15,7 +15,7 @@ from kousoku.runtime.design import not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
 from kousoku.runtime.given import require_callable
-from kousoku.runtime.integrate.events import Told, add_row, bends, infinite, without_value
+from kousoku.runtime.integrate.events import EventLog, add_row, bends, infinite, without_value
 from kousoku.runtime.integrate.given import (
     require_numbers,
     require_room,
@@ -473,7 +473,7 @@ class Run:
             ledger=lambda: ledger_of(solver, state, options, seconds, error),
             parameters=dict(options.parameters),
             is_complete=is_complete,
-            told=lambda: Told(
+            told=lambda: EventLog(
                 tuple(map(int, solver.state["counts"].view(state))), self._events(events)
             ),
         )
@@ -481,7 +481,7 @@ class Run:
         return motion
 
     def _events(self, told: Sequence[Array]) -> Array:
-        """Rows of events, as of :class:`Told`."""
+        """Rows of events, as of :class:`EventLog`."""
         return np.array(told).reshape(-1, 1 + self.solver.target.row_size)
 
     def save(self) -> SavedRun:

@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     #: What ``reference.json.gz`` holds; None where the folder was generated without.
     Data = Mapping[str, Any] | None
 
-Solver = TypeVar("Solver")
+Loaded = TypeVar("Loaded")
 
 NAMES: dict[str, str] = {"c": "C", "numpy": "NumPy"}
 
 
-class SolverCheck(ABC, Generic[Solver]):
+class SolverCheck(ABC, Generic[Loaded]):
     """The check of a folder that was made from a scene.
 
     Parameters
@@ -45,7 +45,7 @@ class SolverCheck(ABC, Generic[Solver]):
         self.sources = sources
 
     @abstractmethod
-    def load(self, target: Target) -> Solver:
+    def load(self, target: Target) -> Loaded:
         """Solver by a target."""
 
     @abstractmethod
@@ -53,11 +53,11 @@ class SolverCheck(ABC, Generic[Solver]):
         """Look at all that reference values must have; what is missing raises."""
 
     @abstractmethod
-    def rows(self, solver: Solver, data: Mapping[str, Any]) -> Iterable[Row]:
+    def rows(self, solver: Loaded, data: Mapping[str, Any]) -> Iterable[Row]:
         """Worst error of each output."""
 
     @abstractmethod
-    def problems(self, solvers: Sequence[Solver], data: Data) -> Iterator[str]:
+    def problems(self, solvers: Sequence[Loaded], data: Data) -> Iterator[str]:
         """Problems besides: with motions, tables, and one target beside the other."""
 
     def notes(self, data: Mapping[str, Any]) -> Iterator[str]:
@@ -108,7 +108,7 @@ class SolverCheck(ABC, Generic[Solver]):
             raise VerifyError(f"{path} cannot be read: {error!r}") from None
         return data
 
-    def _solvers(self, target: Target, problems: list[str], notes: list[str]) -> Iterator[Solver]:
+    def _solvers(self, target: Target, problems: list[str], notes: list[str]) -> Iterator[Loaded]:
         """Solver by each target; what cannot be had is a problem or a note."""
         targets: tuple[Target, ...] = ("c", "numpy")
         for wanted in targets:

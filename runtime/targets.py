@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kousoku.model.manifest import KernelManifest, Manifest
-    from kousoku.runtime.arguments import Call, Floats
+    from kousoku.runtime.arguments import CheckedArguments, Floats
 
 #: Lanes of a block where no processor decides it.
 NUMPY_WIDTH = 8
@@ -52,11 +52,11 @@ class NumpyTarget:
         results: tuple[Floats, ...] = self._function(*inputs, outputs=names)
         return results
 
-    def run(self, call: Call) -> None:
+    def run(self, call: CheckedArguments) -> None:
         """Evaluate once, or a batch."""
         self._function(*call.inputs, out=call.out)
 
-    def run_lanes(self, call: Call) -> None:
+    def run_lanes(self, call: CheckedArguments) -> None:
         """Evaluate blocks: unpacked, as one batch, and packed again."""
         inputs = [from_lanes(array) for array in call.inputs]
         shapes = [None if a is None else (call.n, *a.shape[1:-1], self.width) for a in call.out]
@@ -99,7 +99,7 @@ class CTarget:
         )
         self.width = width
 
-    def run(self, call: Call) -> None:
+    def run(self, call: CheckedArguments) -> None:
         """Evaluate once, or a batch."""
         inputs, outputs = _pointers(call.inputs), _pointers(call.out)
         if call.n is None:
@@ -109,7 +109,7 @@ class CTarget:
         strides = (ctypes.c_size_t * len(self._sizes))(*steps)
         self._batch(ctypes.c_size_t(call.n), inputs, strides, outputs)
 
-    def run_lanes(self, call: Call) -> None:
+    def run_lanes(self, call: CheckedArguments) -> None:
         """Evaluate blocks of ``width`` lanes."""
         n = ctypes.c_size_t(call.n or 0)
         self._lanes(n, _pointers(call.inputs), _pointers(call.out))

@@ -10,7 +10,7 @@ from sympy.matrices.expressions import MatrixSymbol
 
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import Flow, half_turn
-from kousoku.symbolic.matrices import Orientation, elements, symbol, vector
+from kousoku.symbolic.matrices import OrientationMatrix, elements, symbol, vector
 from kousoku.symbolic.variation import Variation
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ MOTION = (*_motion_of_body("i"), *_motion_of_body("j"))
 #: Matrix-level symbols and component-level symbols of every input, by name.
 SYMBOLS: dict[str, Any] = {q.name: symbol(q) for q in (*CONFIGURATION, *MOTION)}
 COMPONENTS: dict[str, tuple[Any, ...]] = {q.name: elements(q) for q in (*CONFIGURATION, *MOTION)}
-A = {body: Orientation(SYMBOLS[f"p_{body}"]) for body in BODIES}
+A = {body: OrientationMatrix(SYMBOLS[f"p_{body}"]) for body in BODIES}
 
 
 @dataclass(frozen=True, slots=True)

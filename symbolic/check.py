@@ -15,7 +15,7 @@ from kousoku.symbolic.matrices import elements
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.symbolic.derivation import Derivation, Function, Output
+    from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
     from kousoku.symbolic.forms import Constraint
 
 
@@ -108,7 +108,7 @@ def _check_each(what: str, where: str, names: Sequence[str]) -> None:
             raise DerivationError(f"{where}: name of {what}: {problem}")
 
 
-def _check_size(where: str, output: Output) -> None:
+def _check_size(where: str, output: DerivedOutput) -> None:
     quantity, x = output.quantity, output.expression
     matrix = int(x.shape[0] * x.shape[1]) if getattr(x, "is_Matrix", False) else 1
     if not matrix == len(output.components) == quantity.size:
@@ -118,7 +118,7 @@ def _check_size(where: str, output: Output) -> None:
         )
 
 
-def _check_symbols(where: str, function: Function, output: Output) -> None:
+def _check_symbols(where: str, function: Function, output: DerivedOutput) -> None:
     declared = ", ".join(quantity.name for quantity in function.inputs)
     shapes = {q.name: (*q.shape, 1)[:2] if q.shape else () for q in function.inputs}
     for x in sorted(output.expression.atoms(Symbol, MatrixSymbol), key=str):

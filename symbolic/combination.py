@@ -13,7 +13,7 @@ from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.quantity import Quantity
-from kousoku.symbolic.derivation import Derivation, Function, Output, Step
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, Step
 from kousoku.symbolic.matrices import (
     NamedMatrix,
     add,
@@ -125,8 +125,8 @@ def _steps() -> tuple[Step, ...]:
     )
 
 
-def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> Output:
-    return Output(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
+def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> DerivedOutput:
+    return DerivedOutput(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
 
 
 def _numbers(*quantities: Quantity) -> list[Any]:

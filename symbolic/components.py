@@ -47,12 +47,12 @@ def rotate_back(p: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
 
 
 def dot(u: Sequence[Scalar], v: Sequence[Scalar]) -> Scalar:
-    """Sum of products of the elements, uᵀv."""
+    """Sum of products of the elements, uᵀv, of two columns in one frame."""
     return sum((a * b for a, b in zip(u, v, strict=True)), S.Zero)
 
 
 def cross(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
-    """Elements of u × v."""
+    """Elements (3,) of u × v, of two vectors (3,) in one frame."""
     return [
         u[1] * v[2] - u[2] * v[1],
         u[2] * v[0] - u[0] * v[2],
@@ -71,13 +71,29 @@ def plus(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
 
 
 def compose(p: Sequence[Scalar], q: Sequence[Scalar]) -> list[Scalar]:
-    """Elements (4,) of the quaternion product p∘q, scalar first: the turn q, then p."""
+    """Elements of the quaternion product p∘q: the turn q, then p.
+
+    It is (p0 q0 − p·q, p0 q + q0 p + p × q), with the vector parts p and q.
+
+    Parameters
+    ----------
+    p, q : (4,) [-]
+        Quaternions, scalar first, of any norm; the vector part of q is in the frame that p turns.
+    """
     vector = plus(plus([p[0] * c for c in q[1:]], [q[0] * c for c in p[1:]]), cross(p[1:], q[1:]))
     return [p[0] * q[0] - dot(p[1:], q[1:]), *vector]
 
 
 def half_turn(p: Sequence[Scalar], theta: Sequence[Scalar]) -> list[Scalar]:
-    """Elements (4,) of ½ p∘(0, θ): how p changes with a rotation θ [rad] in the body frame."""
+    """Elements of ½ p∘(0, θ′): how p changes with a rotation; lecture 7.1, (5.16).
+
+    Parameters
+    ----------
+    p : (4,) [-]
+        Euler parameters, scalar first, of any norm.
+    theta : (3,) [rad]
+        A small rotation in the body frame; of an angular velocity ω′ [rad/s] it is ṗ [1/s].
+    """
     return [Rational(1, 2) * c for c in compose(p, [S.Zero, *theta])]
 
 

@@ -12,7 +12,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.bodies import CONFIGURATION, MOTION, motion_flow, unit_flows
 from kousoku.symbolic.check import check_constraint, check_functions
-from kousoku.symbolic.derivation import Derivation, Function, Output
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
 from kousoku.symbolic.forms import Constraint, Forms, collect, steps, with_abbreviations
 from kousoku.symbolic.matrices import elements, mul, symbol, transpose
 
@@ -54,8 +54,8 @@ def _output(
     x: SymbolicMatrix,
     scalars: Sequence[Any],
     through: tuple[SymbolicMatrix, ...] = (),
-) -> Output:
-    return Output(quantity, x, ImmutableDenseMatrix(len(scalars), 1, list(scalars)), through)
+) -> DerivedOutput:
+    return DerivedOutput(quantity, x, ImmutableDenseMatrix(len(scalars), 1, list(scalars)), through)
 
 
 def _functions(c: Constraint, forms: Forms) -> tuple[Function, ...]:
@@ -151,7 +151,7 @@ def _function(
     name: str,
     title: str,
     formula: str,
-    outputs: tuple[Output, ...],
+    outputs: tuple[DerivedOutput, ...],
     *extra: Quantity,
 ) -> Function:
     held = set().union(*(_held(output.expression) for output in outputs))

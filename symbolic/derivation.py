@@ -49,7 +49,7 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Output:
+class DerivedOutput:
     """A derived quantity, on both levels.
 
     Parameters
@@ -92,7 +92,7 @@ class Function:
         As in :class:`kousoku.model.kernel.Kernel`.
     inputs : tuple of Quantity
         In the order of the arguments.
-    outputs : tuple of Output
+    outputs : tuple of DerivedOutput
         In the order of the arguments.
     """
 
@@ -101,7 +101,7 @@ class Function:
     formula: str
     source: str
     inputs: tuple[Quantity, ...]
-    outputs: tuple[Output, ...]
+    outputs: tuple[DerivedOutput, ...]
 
     def __repr__(self) -> str:
         inputs = ", ".join(quantity.name for quantity in self.inputs)
@@ -155,7 +155,7 @@ class Derivation:
         return {q.name: q for function in self.functions for q in function.inputs}
 
     @property
-    def outputs(self) -> Mapping[str, Output]:
+    def outputs(self) -> Mapping[str, DerivedOutput]:
         """Everything that is emitted, by name, on both levels."""
         return {o.quantity.name: o for function in self.functions for o in function.outputs}
 

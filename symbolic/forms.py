@@ -112,7 +112,7 @@ class Constraint:
     closed : ClosedForm, optional
         Of a value that is no polynomial: the forms of its derivatives that are emitted.
     at_pole : mapping of str to float
-        By output, as :attr:`kousoku.symbolic.derivation.Output.at_pole`.
+        By output, as :attr:`kousoku.symbolic.derivation.DerivedOutput.at_pole`.
     """
 
     name: str

@@ -19,7 +19,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import dot
-from kousoku.symbolic.derivation import Derivation, Function, Output
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
 from kousoku.symbolic.link_element import (
     BETA_RATE,
     L0,
@@ -125,8 +125,10 @@ def _rate() -> Function:
     )
 
 
-def _output(quantity: Quantity, expression: SymbolicMatrix, scalars: Sequence[Any]) -> Output:
-    return Output(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
+def _output(
+    quantity: Quantity, expression: SymbolicMatrix, scalars: Sequence[Any]
+) -> DerivedOutput:
+    return DerivedOutput(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
 
 
 def _stretch() -> Any:

@@ -18,12 +18,12 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 from kousoku.model.errors import DerivationError
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import Flow, cross, dot, half_turn, rotate, rotate_back
-from kousoku.symbolic.derivation import Derivation, Function, Output, Step
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, Step
 from kousoku.symbolic.mass_steps import balance_steps, motion_steps, reduction_steps
 from kousoku.symbolic.matrices import (
     NamedMatrix,
     NamedScalar,
-    Orientation,
+    OrientationMatrix,
     add,
     elements,
     mul,
@@ -48,7 +48,7 @@ FORCE = Quantity("F", (3,), "N", "total force, frame O")
 TORQUE_B = Quantity("N_b", (3,), "N m", "total torque about the origin, body frame")
 MATRIX = Quantity("M", (6, 6), "kg, kg m, kg m^2", "mass matrix; rows force, torque")
 RIGHT = Quantity("h", (6,), "N, N m", "right-hand side of M (a, dω′/dt) = h")
-A = Orientation(symbol(P))
+A = OrientationMatrix(symbol(P))
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,8 +105,8 @@ def newton_euler(body: BodyTerms) -> tuple[SymbolicMatrix, SymbolicMatrix]:
     return matrix, right
 
 
-def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> Output:
-    return Output(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
+def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> DerivedOutput:
+    return DerivedOutput(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
 
 
 def _spin_flow() -> Flow:

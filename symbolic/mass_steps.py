@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol, ZeroMatrix
 
 from kousoku.symbolic.derivation import Step
-from kousoku.symbolic.matrices import Orientation, add, mul, neg, skew, symbol, transpose
+from kousoku.symbolic.matrices import OrientationMatrix, add, mul, neg, skew, symbol, transpose
 from kousoku.symbolic.variation import Variation, coefficient, without
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def balance_steps(
     masses: Sequence[Scalar],
     places: Sequence[SymbolicMatrix],
     body: BodyTerms,
-    orientation: Orientation,
+    orientation: OrientationMatrix,
     omega_b: Quantity,
 ) -> tuple[Step, ...]:
     """Steps from one point to the sums over all points."""
@@ -44,7 +44,9 @@ def balance_steps(
     )
 
 
-def motion_steps(body: BodyTerms, orientation: Orientation, omega_b: Quantity) -> tuple[Step, ...]:
+def motion_steps(
+    body: BodyTerms, orientation: OrientationMatrix, omega_b: Quantity
+) -> tuple[Step, ...]:
     """Steps of a body given by mass, centre and inertia."""
     omega, omega_dot = symbol(omega_b), MatrixSymbol("omega_b_dot", 3, 1)
     rate = Variation({R: V, V: ACCELERATION, omega: omega_dot}, {orientation.p: omega})

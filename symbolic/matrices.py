@@ -6,7 +6,7 @@
 node                                  meaning
 ====================================  ===========================================================
 ``MatrixSymbol``                      an input array: (n, 1) for a vector, (m, n) for a matrix
-``Orientation(p)``                    A(p), the homogeneous quadratic form of the Euler parameters
+``OrientationMatrix(p)``              A(p), the homogeneous quadratic form of the Euler parameters
 ``Skew(v)``                           the skew operator: ``Skew(v) w`` is the cross product v × w
 ``Transpose``, ``MatMul``, ``MatAdd`` as in SymPy; a product may carry scalar factors
 ``Identity``, ``ZeroMatrix``          constants
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from kousoku.symbolic.sympy_types import Letter, Scalar, SymbolicMatrix
 
 
-class Orientation(MatrixExpr):
+class OrientationMatrix(MatrixExpr):
     """Matrix A(p) = (e0² − e·e) I + 2 e eᵀ + 2 e0 ẽ, body components to frame O.
 
     The Euler parameters ``p`` (4, 1), scalar first, may have any norm: A Aᵀ = (p·p)² I.

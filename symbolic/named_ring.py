@@ -32,7 +32,7 @@ class NamedRing(Ring):
     ----------
     quantities, given
         As of :class:`Ring`.
-    names : Collection of NamedMatrix, NamedScalar or Orientation
+    names : Collection of NamedMatrix, NamedScalar or OrientationMatrix
         What stands for itself; a mapping to the values of the elements in ``plain``.
     plain : Ring, optional
         The ring of the quantities alone. With it, a sum whose value is that of a name, or a

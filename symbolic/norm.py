@@ -11,7 +11,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import dot
-from kousoku.symbolic.derivation import Derivation, Function, Output, Step
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, Step
 from kousoku.symbolic.matrices import add, elements, mul, neg, symbol, transpose
 from kousoku.symbolic.variation import Variation, coefficient, without
 
@@ -67,8 +67,8 @@ def _row() -> list[Any]:
     return [sympy.diff(_scalar(), e) for e in elements(P)]
 
 
-def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> Output:
-    return Output(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
+def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> DerivedOutput:
+    return DerivedOutput(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
 
 
 def _constraint() -> Function:

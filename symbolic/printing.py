@@ -28,7 +28,7 @@ from kousoku.symbolic.matrices import (
     Dot,
     NamedMatrix,
     NamedScalar,
-    Orientation,
+    OrientationMatrix,
     Skew,
     coefficient_and_factors,
     description,
@@ -52,7 +52,7 @@ class _Printer:
         match x:
             case MatrixSymbol() | NamedMatrix():
                 return style.name(str(x.name), bold=True), 2
-            case Orientation():
+            case OrientationMatrix():
                 return style.orientation(str(x.p.name)), 2
             case Transpose():
                 return style.transpose(at_least(self.piece(x.arg), 2)), 2

@@ -19,7 +19,7 @@ from kousoku.symbolic.matrices import (
     Divisor,
     NamedMatrix,
     NamedScalar,
-    Orientation,
+    OrientationMatrix,
     elements,
     quadratic_form,
 )
@@ -29,7 +29,7 @@ from kousoku.symbolic.ring import Ring
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.symbolic.derivation import Derivation, Function, Output
+    from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
 
 
 def prove(function: Function) -> int:
@@ -70,7 +70,7 @@ def prove(function: Function) -> int:
     return sum(output.quantity.size for output in function.outputs)
 
 
-def _compare(function: Function, output: Output, carrier: Ring, expression: Any) -> None:
+def _compare(function: Function, output: DerivedOutput, carrier: Ring, expression: Any) -> None:
     cells = carrier.cells(expression)
     for k, (cell, component) in enumerate(zip(cells, output.components, strict=True)):
         if not carrier.is_equal(cell, carrier.scalar(component)):
@@ -174,9 +174,9 @@ def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:
     if not _is_same(Ring(quantities, given, is_unit=is_unit, at=point), left, right):
         return False
     sorts_of_names = (
-        (NamedMatrix, Divisor, Orientation),
-        (NamedMatrix, NamedScalar, Orientation),
-        (NamedMatrix, Orientation),
+        (NamedMatrix, Divisor, OrientationMatrix),
+        (NamedMatrix, NamedScalar, OrientationMatrix),
+        (NamedMatrix, OrientationMatrix),
         (NamedScalar,),
     )
     if any(one == other for one, other in forms):

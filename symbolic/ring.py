@@ -32,7 +32,7 @@ from kousoku.symbolic.matrices import (
     Dot,
     NamedMatrix,
     NamedScalar,
-    Orientation,
+    OrientationMatrix,
     Skew,
     coefficient_and_factors,
     elements,
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.quantity import Quantity
 
-Rows = list[list[Fraction]]
+FractionRows = list[list[Fraction]]
 
 #: Generators kept ready for square roots, sines, cosines and angles.
 SPARE = 16
@@ -92,7 +92,7 @@ class Ring:
         self._cancelled: Sequence[Norm] | None = self._norms
         self._quantities = {q.name: q for q in quantities}
         self._given = dict(matrices or {})
-        self._memo: dict[Any, Rows] = {}
+        self._memo: dict[Any, FractionRows] = {}
 
     # -- numbers -------------------------------------------------------------------------------
 
@@ -194,20 +194,20 @@ class Ring:
 
     # -- matrices ------------------------------------------------------------------------------
 
-    def matrix(self, x: Any) -> Rows:
+    def matrix(self, x: Any) -> FractionRows:
         """Elements of a matrix-level expression."""
         known = self._memo.get(x)
         if known is None:
             known = self._memo[x] = self._matrix(x)
         return known
 
-    def _matrix(self, x: Any) -> Rows:
+    def _matrix(self, x: Any) -> FractionRows:
         match x:
             case MatrixSymbol():
                 return self._array(x)
             case NamedMatrix():
                 return self.matrix(x.value)
-            case Orientation():
+            case OrientationMatrix():
                 return self._orientation([e for (e,) in self.matrix(x.p)])
             case Skew():
                 (a,), (b,), (c,) = self.matrix(x.v)
@@ -236,7 +236,7 @@ class Ring:
                 return self._blocks(x)
         raise DerivationError(f"proof: no rule for {type(x).__name__} in {x}")
 
-    def _blocks(self, x: Any) -> Rows:
+    def _blocks(self, x: Any) -> FractionRows:
         rows, columns = x.blockshape
         blocks = [[self.matrix(x.blocks[i, j]) for j in range(columns)] for i in range(rows)]
         return [
@@ -245,7 +245,7 @@ class Ring:
             for k in range(len(row[0]))
         ]
 
-    def _orientation(self, p: list[Fraction]) -> Rows:
+    def _orientation(self, p: list[Fraction]) -> FractionRows:
         form = quadratic_form(p)
         if not self._is_unit:
             return form
@@ -261,7 +261,7 @@ class Ring:
             return [self.scalar(x)]
         return [cell for row in self.matrix(x) for cell in row]
 
-    def _array(self, x: Any) -> Rows:
+    def _array(self, x: Any) -> FractionRows:
         rows, columns = (int(n) for n in x.shape)
         if x.name in self._given:
             flat = [self.scalar(value) for value in self._given[x.name]]
@@ -271,7 +271,7 @@ class Ring:
             raise DerivationError(f"proof: {x.name} is not among the inputs")
         return [flat[i * columns : (i + 1) * columns] for i in range(rows)]
 
-    def _scaled_product(self, x: Any) -> Rows:
+    def _scaled_product(self, x: Any) -> FractionRows:
         scalar, factors = coefficient_and_factors(x)
         matrices = [self.matrix(factor) for factor in factors]
         while len(matrices) > 1:  # start at the narrow end
@@ -323,11 +323,11 @@ def _sum(terms: list[Fraction]) -> Fraction:
     return total
 
 
-def _transposed(rows: Rows) -> Rows:
+def _transposed(rows: FractionRows) -> FractionRows:
     return [list(column) for column in zip(*rows, strict=True)]
 
 
-def _product(left: Rows, right: Rows, norms: Sequence[Norm] | None) -> Rows:
+def _product(left: FractionRows, right: FractionRows, norms: Sequence[Norm] | None) -> FractionRows:
     columns = _transposed(right)
     return [
         [

@@ -11,11 +11,11 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import Flow, compose, dot, half_turn, plus, rotate
-from kousoku.symbolic.derivation import Derivation, Function, Output, Step
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, Step
 from kousoku.symbolic.matrices import (
     Dot,
     NamedMatrix,
-    Orientation,
+    OrientationMatrix,
     add,
     elements,
     mul,
@@ -41,7 +41,7 @@ DR = Quantity("dr", (3,), "m", "virtual displacement of the origin, frame O")
 DTHETA_B = Quantity("dtheta_b", (3,), "rad", "virtual rotation, body frame")
 OMEGA_B = Quantity("omega_b", (3,), "rad/s", "angular velocity, body frame")
 
-A = Orientation(symbol(P))
+A = OrientationMatrix(symbol(P))
 DELTA = Variation({symbol(R): symbol(DR)}, {symbol(P): symbol(DTHETA_B)})
 RATE = Variation({}, {symbol(P): symbol(OMEGA_B)})
 #: The scalar and the vector part of the Euler parameters.
@@ -74,8 +74,10 @@ def derive(package: str) -> Derivation:
     )
 
 
-def _output(quantity: Quantity, expression: SymbolicMatrix, scalars: Sequence[Any]) -> Output:
-    return Output(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
+def _output(
+    quantity: Quantity, expression: SymbolicMatrix, scalars: Sequence[Any]
+) -> DerivedOutput:
+    return DerivedOutput(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
 
 
 def _conjugate(p: Sequence[Any]) -> list[Any]:

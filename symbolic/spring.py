@@ -30,7 +30,7 @@ from kousoku.symbolic.bodies import (
     unit_flows,
 )
 from kousoku.symbolic.components import dot
-from kousoku.symbolic.derivation import Derivation, Function, Output, Step
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, Step
 from kousoku.symbolic.joints import parts_of_motion, point_offset, relative_motion
 from kousoku.symbolic.matrices import (
     Divisor,
@@ -154,9 +154,9 @@ def _output(
     expression: Any,
     scalars: Sequence[Any],
     through: tuple[SymbolicMatrix, ...] = (),
-) -> Output:
+) -> DerivedOutput:
     column = ImmutableDenseMatrix(len(scalars), 1, list(scalars))
-    return Output(quantity, expression, column, through)
+    return DerivedOutput(quantity, expression, column, through)
 
 
 def _component_length() -> Any:
@@ -164,11 +164,11 @@ def _component_length() -> Any:
     return sympy.sqrt(dot(offset, offset))
 
 
-def _number(quantity: Quantity, expression: Any, component: Any) -> Output:
+def _number(quantity: Quantity, expression: Any, component: Any) -> DerivedOutput:
     return _output(quantity, mul(expression, Identity(1)), [component])
 
 
-def _zero_at_pole(output: Output) -> Output:
+def _zero_at_pole(output: DerivedOutput) -> DerivedOutput:
     """Output that is zero where the points coincide."""
     return replace(output, at_pole=0.0)
 

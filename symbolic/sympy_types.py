@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 
-class Expression(Protocol):
+class SymbolicExpression(Protocol):
     """A tree of SymPy's nodes, which can be compared and hashed."""
 
     @property
@@ -46,7 +46,7 @@ class Expression(Protocol):
         """The same with other nodes in the place of some."""
 
 
-class Scalar(Expression, Protocol):
+class Scalar(SymbolicExpression, Protocol):
     """A number: a SymPy expression."""
 
     is_Add: bool
@@ -78,7 +78,7 @@ class Scalar(Expression, Protocol):
         """Whether it is printed with a minus sign in front."""
 
 
-class SymbolicMatrix(Expression, Protocol):
+class SymbolicMatrix(SymbolicExpression, Protocol):
     """A matrix expression or an explicit matrix; a vector is one of shape (n, 1)."""
 
     @property

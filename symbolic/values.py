@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.model.quantity import Quantity
-    from kousoku.symbolic.derivation import Derivation, Output
+    from kousoku.symbolic.derivation import Derivation, DerivedOutput
 
 #: Digits to which a root, a sine or an angle is computed before it is rounded to a double.
 DIGITS = 40
@@ -49,14 +49,16 @@ def values_at(
     return found
 
 
-def _wanted(derivation: Derivation, given: set[str], names: Sequence[str] | None) -> list[Output]:
+def _wanted(
+    derivation: Derivation, given: set[str], names: Sequence[str] | None
+) -> list[DerivedOutput]:
     """Outputs that are asked for, or all that the given inputs are enough for."""
     where = f"{derivation.name}.at"
     if isinstance(names, str):
         names = (names,)
     for name in names or ():
         _require("output", name, derivation, derivation.outputs)
-    wanted: list[Output] = []
+    wanted: list[DerivedOutput] = []
     used: set[str] = set()
     lacking: dict[str, tuple[dict[str, None], list[str]]] = {}
     for function in derivation.functions:

@@ -28,7 +28,7 @@ from kousoku.symbolic.matrices import (
     Dot,
     NamedMatrix,
     NamedScalar,
-    Orientation,
+    OrientationMatrix,
     Skew,
     add,
     coefficient_and_factors,
@@ -71,7 +71,7 @@ class Variation:
                 return add(*(self(term) for term in x.args))
             case MatMul():
                 return self._of_product(x)
-            case Orientation():
+            case OrientationMatrix():
                 return self._of_orientation(x)
             case Skew():
                 return skew(self(x.v))
@@ -92,7 +92,7 @@ class Variation:
                 return as_matrix(ZeroMatrix(*x.shape))
         raise DerivationError(f"variation: no rule for {type(x).__name__} in {x}")
 
-    def _of_orientation(self, x: Orientation) -> SymbolicMatrix:
+    def _of_orientation(self, x: OrientationMatrix) -> SymbolicMatrix:
         change = self.rotations.get(x.p)
         if change is None:
             return as_matrix(ZeroMatrix(3, 3))
@@ -267,7 +267,11 @@ def orthogonality(x: SymbolicMatrix) -> SymbolicMatrix | None:
     scalar, factors = coefficient_and_factors(x)
     for k in range(len(factors) - 1):
         left, right = factors[k : k + 2]
-        if isinstance(left, Transpose) and left.arg == right and isinstance(right, Orientation):
+        if (
+            isinstance(left, Transpose)
+            and left.arg == right
+            and isinstance(right, OrientationMatrix)
+        ):
             square = Dot(right.p, right.p) ** 2
             rest = (*factors[:k], *factors[k + 2 :]) or (Identity(3),)
             return mul(scalar * square, *rest)

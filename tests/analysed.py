@@ -13,13 +13,13 @@ from kousoku.codegen.dynamics.analyse import (
     with_joint_coordinates,
 )
 from kousoku.codegen.dynamics.redundancy.freedom import DependentSet
-from kousoku.codegen.dynamics.simplification.planar import plane_of
+from kousoku.codegen.dynamics.simplification.planarity import plane_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Row
-    from kousoku.model.mechanism import System
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.model.multibody import System
 
 
 def all_rows(system: System, *, may_be_planar: bool = True) -> Analysed:
@@ -32,7 +32,9 @@ def independent(system: System, *, may_be_planar: bool = True) -> Analysed:
     return ranked(system, plane_of(system) if may_be_planar else None)
 
 
-def without(found: Analysed, rows: Iterable[Row], joints: Sequence[str] | None = None) -> Analysed:
+def without(
+    found: Analysed, rows: Iterable[ConstraintEquation], joints: Sequence[str] | None = None
+) -> Analysed:
     """System without some rows; forces of joints, all unless named, are not unique."""
     names = dict.fromkeys(row.joint for row in found.outline.rows) if joints is None else joints
     one = DependentSet(tuple(names), 0, 0, is_everywhere=True)

@@ -18,7 +18,7 @@ from kousoku.model.system import system_of
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.multibody import MovingBody, System
     from kousoku.model.scene import Scene
     from kousoku.runtime.integrate.motion import Motion
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kousoku.joint_shapes import JointFreedom
-    from kousoku.model.mechanism import Coordinate, Instance, System
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "docs" / "joints.md").read_text(encoding="utf-8")
@@ -79,7 +79,7 @@ def rows_of(joint: str) -> NDArray[np.float64]:
     return np.concatenate(rows)
 
 
-def evaluated(instance: Instance | Coordinate) -> tuple[Any, Any]:
+def evaluated(instance: Instance | RelativeCoordinate) -> tuple[Any, Any]:
     """Value and Jacobian of an instance or a coordinate, both bodies at the origin."""
     state = {"r_i": np.zeros(3), "p_i": np.eye(4)[0], "r_j": np.zeros(3), "p_j": np.eye(4)[0]}
     module = importlib.import_module(f"kousoku.generated.kinds.{instance.kind}")

@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from kousoku.model.version import __version__
+
 ROOT = Path(__file__).parents[1]
 FOLDERS = ("codegen", "generated", "ledger", "model", "runtime", "symbolic")
 
@@ -16,6 +18,13 @@ def setuptools_table() -> dict[str, Any]:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     table: dict[str, Any] = project["tool"]["setuptools"]
     return table
+
+
+def test_the_version_is_the_same_wherever_it_stands() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    assert project["project"]["version"] == __version__
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8").splitlines()
+    assert f"version: {__version__}" in citation
 
 
 def package_of(folder: Path) -> str:

@@ -5,9 +5,11 @@ They print what stands there; ``…`` is what differs from machine to machine. L
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -239,3 +241,39 @@ def test_the_steps_of_ci_are_targets_of_the_makefile_and_tasks() -> None:
     assert {"quick", "test", "release-test", "stress"} <= {*steps} <= {*tasks}
     assert {"demo", "notebook"} <= {*tasks}
     assert sorted(targets) == sorted(tasks)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a group of processes gets Ctrl-C")
+def test_a_command_that_is_cut_puts_things_in_order_before_its_task_ends() -> None:
+    """Ctrl-C reaches both: a task that ended at once would end what it began, too."""
+    command = (
+        "import signal, sys, time\n"
+        "def order(signum, frame):\n"
+        "    time.sleep(1)\n"
+        "    print('in order', flush=True)\n"
+        "    sys.exit(7)\n"
+        "signal.signal(signal.SIGINT, order)\n"
+        "print('ready', flush=True)\n"
+        "time.sleep(60)\n"
+    )
+    script = (
+        "import sys, tasks\n"
+        "tasks.PYTHON = sys.executable\n"
+        f"sys.exit(tasks.run(('-c', {command!r}), []))\n"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", script],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    for line in process.stdout:
+        if line == "ready\n":
+            break
+    os.killpg(process.pid, signal.SIGINT)
+    said = process.communicate(timeout=30)[0]
+    assert said == "in order\n"
+    assert process.returncode == 7

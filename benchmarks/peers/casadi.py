@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from benchmarks.peers.equations import Equations
+    from benchmarks.peers.equations import StateEquations
 
     Array = npt.NDArray[np.float64]
 
@@ -21,7 +21,7 @@ MOST_STEPS = 10_000_000
 
 
 def cvodes(
-    equations: Equations, tolerance: float, times: Array
+    equations: StateEquations, tolerance: float, times: Array
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
     """Functions that run to the last time, and that give the states at all times."""
     ca = required("casadi")
@@ -32,7 +32,7 @@ def cvodes(
 
 
 def idas(
-    equations: Equations, tolerance: float, times: Array
+    equations: StateEquations, tolerance: float, times: Array
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
     """The same by IDAS, which gets v̇ and the multipliers as algebraic variables.
 
@@ -58,7 +58,7 @@ def idas(
 def _both(
     plugin: str,
     dae: dict[str, Any],
-    equations: Equations,
+    equations: StateEquations,
     more: dict[str, Array],
     tolerance: float,
     times: Array,

@@ -30,7 +30,7 @@ LONG_SOURCE = 4_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)  # told apart by identity, so that code is kept
-class Equations:
+class StateEquations:
     """ẋ = f(x), or with multipliers ẋ = (q̇, v̇) from the system of index 1.
 
     Parameters
@@ -105,7 +105,7 @@ def index_1(
     q_dot: Any = None,
     energy: Any = None,
     held: Sequence[slice] = (),
-) -> Equations:
+) -> StateEquations:
     """M v̇ + Gᵀλ = forces and G v̇ = γ of constraints g(q) = 0; q̇ is v unless given.
 
     ``held`` are the rows of each joint whose reaction is judged, by how large its force is.
@@ -118,7 +118,7 @@ def index_1(
     gamma = -ca.jtimes(ca.jtimes(constraints, q, q_dot), q, q_dot)
     rows = constraints.numel()
     matrix = ca.vertcat(ca.horzcat(mass, jacobian.T), ca.horzcat(jacobian, ca.SX(rows, rows)))
-    made = Equations(
+    made = StateEquations(
         ca.vertcat(q, v),
         np.asarray(start, dtype=np.float64),
         observed,
@@ -144,7 +144,7 @@ def lagrange(
     observed: Any,
     constraints: Any = None,
     forces: Any = 0,
-) -> Equations:
+) -> StateEquations:
     """Lagrange's equations of T(q, v) and V(q), of index 1 where there are constraints."""
     ca = required("casadi")
     momentum = ca.gradient(kinetic, v)
@@ -162,7 +162,7 @@ def lagrange(
             observed=observed,
             energy=energy,
         )
-    return Equations(
+    return StateEquations(
         ca.vertcat(q, v),
         np.asarray(start, dtype=np.float64),
         observed,
@@ -182,12 +182,12 @@ def one_freedom(
     potential: Any,
     observed: Any,
     torque: Any = 0,
-) -> Equations:
+) -> StateEquations:
     """M(θ) θ̈ = τ − V′ − M′ θ̇²/2: reduced by hand to one coordinate."""
     ca = required("casadi")
     slope = ca.jtimes(mass, angle, 1)
     change = (torque - ca.jtimes(potential, angle, 1) - slope * rate * rate / 2) / mass
-    return Equations(
+    return StateEquations(
         ca.vertcat(angle, rate),
         np.asarray(start, dtype=np.float64),
         observed,
@@ -214,7 +214,7 @@ def compiled(function: Any) -> Any:
 
 @lru_cache(maxsize=8)
 def caller(
-    equations: Equations, what: Literal["rate", "jacobian"] = "rate"
+    equations: StateEquations, what: Literal["rate", "jacobian"] = "rate"
 ) -> Callable[[float, Array], Array]:
     """f(t, x) or its Jacobian over arrays, compiled, through CasADi's buffers."""
     ca = required("casadi")

@@ -41,7 +41,7 @@ def is_planar(tree: Tree) -> bool:
     return all(link.joint in ("z", "slide x", "slide y") for link in tree.links)
 
 
-class System:
+class ExudynModel:
     """A model and the sensors of its observed points.
 
     Parameters
@@ -268,7 +268,7 @@ def runs(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         has_cross = not all(link.mass for link in tree.links)
-        system = System(tree, is_tree=line in EXPLICIT or has_cross)
+        system = ExudynModel(tree, is_tree=line in EXPLICIT or has_cross)
     solver = getattr(system.exudyn.DynamicSolverType, SOLVERS[line])
     end = float(times[-1])
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from benchmarks.peers.equations import Equations
+    from benchmarks.peers.equations import StateEquations
 
     Array = npt.NDArray[np.float64]
 
@@ -57,7 +57,7 @@ def translated(expression: Any, x: Any) -> tuple[list[Any], list[Any]]:
     return variables, results
 
 
-def integrator(equations: Equations, tolerance: float, *, compact: bool = False) -> Any:
+def integrator(equations: StateEquations, tolerance: float, *, compact: bool = False) -> Any:
     """Heyoka's adaptive integrator; compact code compiles faster and runs slower."""
     hy = required("heyoka")
     variables, rates = translated(equations.explicit, equations.x)
@@ -67,7 +67,7 @@ def integrator(equations: Equations, tolerance: float, *, compact: bool = False)
 
 
 def runs(
-    equations: Equations, tolerance: float, times: Array, *, compact: bool = False
+    equations: StateEquations, tolerance: float, times: Array, *, compact: bool = False
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
     """Functions that run to the last time, and that give the states at all times."""
     hy = required("heyoka")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from benchmarks.problems.tree import Link, Point, Tree
+    from benchmarks.problems.tree import Point, Tree, TreeLink
 
     Array = npt.NDArray[np.float64]
 
@@ -79,7 +79,7 @@ def _words(numbers: Any) -> str:
     return " ".join(repr(float(x)) for x in numbers)
 
 
-def _joint(link: Link) -> str:
+def _joint(link: TreeLink) -> str:
     kind = "slide" if link.is_slide else "hinge"
     return f'<joint type="{kind}" axis="{_words(np.eye(3)[link.axis])}"/>'
 

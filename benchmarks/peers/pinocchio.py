@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from benchmarks.problems.tree import Link, Tree
+    from benchmarks.problems.tree import Tree, TreeLink
 
     Array = npt.NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def model_of(tree: Tree) -> tuple[Any, list[int]]:
     return model, joints
 
 
-def _joint(pin: Any, link: Link) -> Any:
+def _joint(pin: Any, link: TreeLink) -> Any:
     letter = "P" if link.is_slide else "R"
     return getattr(pin, f"JointModel{letter}{'XYZ'[link.axis]}")()
 

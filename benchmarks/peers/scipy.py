@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from benchmarks.peers.equations import Equations
+    from benchmarks.peers.equations import StateEquations
 
     Array = npt.NDArray[np.float64]
 
@@ -46,7 +46,7 @@ def solved(
 
 
 def runs(
-    equations: Equations, tolerance: float, times: Array, method: str = "DOP853"
+    equations: StateEquations, tolerance: float, times: Array, method: str = "DOP853"
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
     """Both for equations; implicit methods get the exact Jacobian, as its manual advises."""
     more = {"jac": caller(equations, "jacobian")} if method in IMPLICIT else {}

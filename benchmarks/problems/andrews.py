@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers.equations import Equations, one_freedom
+from benchmarks.peers.equations import StateEquations, one_freedom
 from benchmarks.problems.forms import flat
-from benchmarks.problems.problem import SCENES, Problem, reaction_norms
+from benchmarks.problems.problem import SCENES, BenchmarkProblem, reaction_norms
 from benchmarks.problems.tools import equation_lines, tree_lines
-from benchmarks.problems.tree import GROUND, Link, Loop, Spring, Tree, equations
+from benchmarks.problems.tree import GROUND, LoopClosure, Spring, Tree, TreeLink, equations
 
 if TYPE_CHECKING:
     from benchmarks.kit import Case, Size
@@ -33,8 +33,8 @@ BETA = -0.06171389001427645
 JOINTS = ("O", "F", "B", "A", "G", "A_lower", "H", "E", "E_upper", "E_lower")
 
 
-def _link(parent: int, at: Any, mass: float, center: Any, inertia: float) -> Link:
-    return Link("z", parent, at, mass, (*center, 0.0), (inertia, inertia, inertia))
+def _link(parent: int, at: Any, mass: float, center: Any, inertia: float) -> TreeLink:
+    return TreeLink("z", parent, at, mass, (*center, 0.0), (inertia, inertia, inertia))
 
 
 TREE = Tree(
@@ -61,7 +61,7 @@ TREE = Tree(
     observed=((0, (RR, 0.0, 0.0)), (3, (ZT, 0.0, 0.0)), (5, (0.0, -U, 0.0))),
     axes="xy",
     loops=tuple(
-        Loop((2, (0.0, -SS, 0.0)), end, "xy")
+        LoopClosure((2, (0.0, -SS, 0.0)), end, "xy")
         for end in ((1, (-D, 0.0, 0.0)), (4, (0.0, -E, 0.0)), (6, (ZF, 0.0, 0.0)))
     ),
     springs=(Spring((GROUND, C), (2, SPRUNG), STIFFNESS, FREE_LENGTH),),
@@ -69,7 +69,7 @@ TREE = Tree(
 )
 
 
-def by_crank() -> Equations:
+def by_crank() -> StateEquations:
     """Equation of the crank's angle: all other points are where circles meet."""
     ca = required("casadi")
     angle, rate = ca.SX.sym("angle"), ca.SX.sym("rate")
@@ -121,17 +121,17 @@ def by_crank() -> Equations:
     )
 
 
-def with_loops() -> Equations:
+def with_loops() -> StateEquations:
     """Equations in joint coordinates, whose loops meet at E."""
     return equations(TREE)
 
 
-def of_all_bodies() -> Equations:
+def of_all_bodies() -> StateEquations:
     """Equations of all bodies."""
     return flat(TREE)
 
 
-def peers(problem: Problem, size: Size) -> list[Case]:
+def peers(problem: BenchmarkProblem, size: Size) -> list[Case]:
     """Cases of all peers."""
     cases = equation_lines(
         problem, size, "index 1", "equations", with_loops, has_multipliers=True, is_long=True
@@ -148,7 +148,7 @@ def observe(result: Any) -> Any:
     )
 
 
-PROBLEM = Problem(
+PROBLEM = BenchmarkProblem(
     name="andrews",
     title="Andrews' squeezer, 0.03 s",
     scene=lambda: SCENES / "andrews_squeezer.toml",

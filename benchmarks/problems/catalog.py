@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 from benchmarks.problems import andrews, closed, driven, n_four_bar, pendulum, top, trees
 
 if TYPE_CHECKING:
-    from benchmarks.problems.problem import Problem
+    from benchmarks.problems.problem import BenchmarkProblem
 
-PROBLEMS: dict[str, Problem] = {
+PROBLEMS: dict[str, BenchmarkProblem] = {
     one.name: one
     for one in (
         pendulum.PROBLEM,

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers.equations import Equations, one_freedom
+from benchmarks.peers.equations import StateEquations, one_freedom
 from benchmarks.problems.forms import inertia_of, observed_of
-from benchmarks.problems.problem import SCENES, Problem
+from benchmarks.problems.problem import SCENES, BenchmarkProblem
 from benchmarks.problems.tools import equation_lines, tree_lines
-from benchmarks.problems.tree import GROUND, Link, Loop, Tree, equations, frames, symbols
+from benchmarks.problems.tree import GROUND, LoopClosure, Tree, TreeLink, equations, frames, symbols
 from kousoku.model.builder import SceneBuilder
 
 if TYPE_CHECKING:
@@ -44,16 +44,16 @@ def slider_crank() -> Tree:
     turn_rate = (place * u_dot[1] + y * u_dot[0]) * ROD / flat**2
     return Tree(
         links=(
-            Link("x", GROUND, BEARING, CRANK_MASS, (0.0, 0.0, 0.0), (CRANK_MOMENT,) * 3),
-            Link("slide x", GROUND, (0.0,) * 3, SLIDER_MASS, (0.0,) * 3, (1e-3,) * 3),
-            Link("z", 1, (0.0,) * 3, 0.0, (0.0,) * 3, (0.0,) * 3),
-            Link("y", 2, (0.0,) * 3, ROD_MASS, (-ROD / 2, 0.0, 0.0), _rod()),
+            TreeLink("x", GROUND, BEARING, CRANK_MASS, (0.0, 0.0, 0.0), (CRANK_MOMENT,) * 3),
+            TreeLink("slide x", GROUND, (0.0,) * 3, SLIDER_MASS, (0.0,) * 3, (1e-3,) * 3),
+            TreeLink("z", 1, (0.0,) * 3, 0.0, (0.0,) * 3, (0.0,) * 3),
+            TreeLink("y", 2, (0.0,) * 3, ROD_MASS, (-ROD / 2, 0.0, 0.0), _rod()),
         ),
         q=(0.0, place, turned, lifted),
         v=(RATE, along, turn_rate, 0.0),
         gravity=(0.0, 0.0, -WEIGHT),
         observed=((0, (0.0, 0.0, CRANK)), (1, (0.0, 0.0, 0.0))),
-        loops=(Loop((0, (0.0, 0.0, CRANK)), (3, (-ROD, 0.0, 0.0))),),
+        loops=(LoopClosure((0, (0.0, 0.0, CRANK)), (3, (-ROD, 0.0, 0.0))),),
     )
 
 
@@ -93,7 +93,7 @@ def scene_of_slider_crank() -> Scene:
     return builder.build()
 
 
-def by_crank() -> Equations:
+def by_crank() -> StateEquations:
     """Equation of the crank's angle."""
     ca = required("casadi")
     angle, rate = ca.SX.sym("angle"), ca.SX.sym("rate")
@@ -130,10 +130,10 @@ _ALONG, _ACROSS = 0.05**2 / 2, (3 * 0.05**2 + 1) / 12
 def _of_bricard(*, rows: str) -> Tree:
     """Tree from the hinge a on, whose end meets the hinge f."""
 
-    def link(joint: Any, parent: int, at: Any, along: int, side: int) -> Link:
+    def link(joint: Any, parent: int, at: Any, along: int, side: int) -> TreeLink:
         c, m = [0.0] * 3, [_ACROSS] * 3
         c[along], m[along] = side / 2, _ALONG
-        return Link(joint, parent, at, 1.0, (c[0], c[1], c[2]), (m[0], m[1], m[2]))
+        return TreeLink(joint, parent, at, 1.0, (c[0], c[1], c[2]), (m[0], m[1], m[2]))
 
     end = (0.0, 0.0, -1.0)
     return Tree(
@@ -149,8 +149,8 @@ def _of_bricard(*, rows: str) -> Tree:
         gravity=(0.0, -WEIGHT, 0.0),
         observed=((1, (0.0, 0.0, 0.0)), (2, (0.0, 0.0, 0.0)), (3, (0.0, 0.0, 0.0))),
         loops=(
-            Loop((4, end), (GROUND, (0.0, 0.0, 0.0))),
-            Loop((4, (0.0, 1.0, -1.0)), (GROUND, (0.0, 1.0, 0.0)), rows),
+            LoopClosure((4, end), (GROUND, (0.0, 0.0, 0.0))),
+            LoopClosure((4, (0.0, 1.0, -1.0)), (GROUND, (0.0, 1.0, 0.0)), rows),
         ),
     )
 
@@ -158,7 +158,7 @@ def _of_bricard(*, rows: str) -> Tree:
 BRICARD = _of_bricard(rows="x")
 
 
-def by_curve() -> Equations:
+def by_curve() -> StateEquations:
     """Equation along the curve of the two angles that all six hinges have in turn.
 
     With α of the hinges a, c, e and β of b, d, f, from the start in a cube, it closes where
@@ -180,7 +180,7 @@ def by_curve() -> Equations:
         return ca.jtimes(value, both, along)
 
     change = -(slope(height) + slope(mass) * speed * speed / 2) / mass
-    return Equations(
+    return StateEquations(
         ca.vertcat(both, speed),
         np.zeros(3),
         seen(q),
@@ -190,7 +190,7 @@ def by_curve() -> Equations:
 
 
 def peers_of(
-    tree: Tree, reduced: Callable[[], Equations], problem: Problem, size: Size
+    tree: Tree, reduced: Callable[[], StateEquations], problem: BenchmarkProblem, size: Size
 ) -> list[Case]:
     """Cases of all peers."""
     make = partial(equations, tree)
@@ -204,7 +204,7 @@ def peers_of(
 
 
 PROBLEMS = (
-    Problem(
+    BenchmarkProblem(
         name="slider_crank",
         title="Spatial slider-crank, 5 s",
         scene=scene_of_slider_crank,
@@ -214,7 +214,7 @@ PROBLEMS = (
         forms=(by_crank, partial(equations, slider_crank())),
         peers=partial(peers_of, slider_crank(), by_crank),
     ),
-    Problem(
+    BenchmarkProblem(
         name="bricard",
         title="Bricard's linkage of uniform rods, 9 s",
         scene=lambda: SCENES / "bricard.toml",

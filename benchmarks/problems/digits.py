@@ -21,15 +21,15 @@ from benchmarks.problems.problem import FOLDER, TIMES
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from benchmarks.peers.equations import Equations
-    from benchmarks.problems.problem import Problem
+    from benchmarks.peers.equations import StateEquations
+    from benchmarks.problems.problem import BenchmarkProblem
 
     Array = npt.NDArray[np.float64]
 
 TOLERANCE = 1e-26
 
 
-def integrated(equations: Equations, times: Array) -> tuple[Array, Array, Array]:
+def integrated(equations: StateEquations, times: Array) -> tuple[Array, Array, Array]:
     """Positions, energies and reactions at times; states come from quadruple precision."""
     hy = required("heyoka")
     variables, rates = translated(equations.explicit, equations.x)
@@ -47,7 +47,7 @@ def integrated(equations: Equations, times: Array) -> tuple[Array, Array, Array]
     return equations.judge()(rows[1:].astype(np.float64))
 
 
-def write(problem: Problem) -> None:
+def write(problem: BenchmarkProblem) -> None:
     """Write the digits of a problem.
 
     Raises

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers.equations import Equations, index_1
+from benchmarks.peers.equations import StateEquations, index_1
 from benchmarks.problems.forms import observed_of
-from benchmarks.problems.problem import Problem, reaction_norms
+from benchmarks.problems.problem import BenchmarkProblem, reaction_norms
 from benchmarks.problems.tools import equation_lines
-from benchmarks.problems.tree import GROUND, Link, Tree
+from benchmarks.problems.tree import GROUND, Tree, TreeLink
 from kousoku.model.builder import SceneBuilder
 
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ SHAKE, OFTEN, START = 0.1, 20.0, 1.0
 INERTIA = 1 / 12
 ROD = Tree(
     links=(
-        Link("slide y", GROUND, (0.0,) * 3, 0.5, (0.0,) * 3, (1e-3,) * 3),
-        Link("z", 0, (0.0,) * 3, 1.0, (0.0, -0.5, 0.0), (INERTIA, 1e-3, INERTIA)),
+        TreeLink("slide y", GROUND, (0.0,) * 3, 0.5, (0.0,) * 3, (1e-3,) * 3),
+        TreeLink("z", 0, (0.0,) * 3, 1.0, (0.0, -0.5, 0.0), (INERTIA, 1e-3, INERTIA)),
     ),
     q=(0.0, START),
     v=(SHAKE * OFTEN, 0.0),
@@ -67,13 +67,13 @@ def scene() -> Scene:
     return builder.build()
 
 
-def by_angle() -> Equations:
+def by_angle() -> StateEquations:
     """Equation of the angle, with time as a state."""
     ca = required("casadi")
     angle, rate, time = (ca.SX.sym(name) for name in ("angle", "rate", "time"))
     height = SHAKE * ca.sin(OFTEN * time)
     felt = WEIGHT - SHAKE * OFTEN**2 * ca.sin(OFTEN * time)
-    return Equations(
+    return StateEquations(
         ca.vertcat(angle, rate, time),
         np.array([START, 0.0, 0.0]),
         ca.vertcat(ca.sin(angle), height - ca.cos(angle)),
@@ -81,7 +81,7 @@ def by_angle() -> Equations:
     )
 
 
-def with_pivot() -> Equations:
+def with_pivot() -> StateEquations:
     """Equations of the rod in the plane, whose end multipliers lead along the pivot."""
     ca = required("casadi")
     q, v = ca.SX.sym("q", 4), ca.SX.sym("v", 3)
@@ -102,7 +102,7 @@ def with_pivot() -> Equations:
     )
 
 
-def peers(problem: Problem, size: Size) -> list[Case]:
+def peers(problem: BenchmarkProblem, size: Size) -> list[Case]:
     """Cases of all peers."""
     return [
         *equation_lines(problem, size, "index 1", "equations", with_pivot, has_multipliers=True),
@@ -110,7 +110,7 @@ def peers(problem: Problem, size: Size) -> list[Case]:
     ]
 
 
-PROBLEM = Problem(
+PROBLEM = BenchmarkProblem(
     name="driven_pendulum",
     title="Rod on a driven pivot, 3 s",
     scene=scene,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers.equations import Equations, index_1
+from benchmarks.peers.equations import StateEquations, index_1
 from benchmarks.problems.tree import (
     GROUND,
     Kinematics,
@@ -18,8 +18,8 @@ from benchmarks.problems.tree import (
     rotation,
     slopes,
 )
+from benchmarks.rotations import rotated
 from kousoku.model.builder import SceneBuilder
-from kousoku.runtime.motion import rotated
 
 if TYPE_CHECKING:
     from benchmarks.problems.tree import Point, Vector
@@ -107,7 +107,7 @@ def observed_of(tree: Tree, names: list[str] | None = None) -> Any:
     return of
 
 
-def flat(tree: Tree) -> Equations:
+def flat(tree: Tree) -> StateEquations:
     """Equations of all bodies of a plane mechanism: x, y and the angle of each centre.
 
     Every joint holds its bodies by multipliers; the whole is of index 1.
@@ -187,7 +187,7 @@ def _turned(tree: Tree, k: int, *, rate: bool = False) -> float:
     return total
 
 
-def recursive(tree: Tree) -> Equations:
+def recursive(tree: Tree) -> StateEquations:
     """Featherstone's articulated-body algorithm of a mechanism without loops.
 
     Motions are (turning, shifting at the joint), forces (moment about it, force), in each link.
@@ -244,7 +244,7 @@ def recursive(tree: Tree) -> Equations:
         joint[axis] = change
         moved.append(motion + joint)
         changes.append(change)
-    return Equations(
+    return StateEquations(
         ca.vertcat(q, v),
         tree.start,
         made.observed(),

@@ -14,14 +14,14 @@ import numpy as np
 
 from benchmarks.problems.catalog import PROBLEMS
 from benchmarks.problems.problem import GROWTH, TIMES, kousoku_call, loaded
-from kousoku.runtime.motion import Motion
+from kousoku.runtime.integrate.motion import Motion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     import numpy.typing as npt
 
-    from benchmarks.problems.problem import Problem
+    from benchmarks.problems.problem import BenchmarkProblem
     from kousoku.mechanism import Mechanism
 
     Array = npt.NDArray[np.float64]
@@ -36,7 +36,7 @@ EVERY, DIRECTIONS = 5, 9
 MOVED = ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
 
 
-def growth(problem: Problem) -> float:
+def growth(problem: BenchmarkProblem) -> float:
     """Largest later distance of positions, in lengths of the problem, over the first.
 
     The first one is what assembly leaves of a move: a motion of few bodies and the same one of many

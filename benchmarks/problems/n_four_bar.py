@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers.equations import Equations, one_freedom
-from benchmarks.problems.problem import Problem
+from benchmarks.peers.equations import StateEquations, one_freedom
+from benchmarks.problems.problem import BenchmarkProblem
 from benchmarks.problems.tools import equation_lines, tree_lines
-from benchmarks.problems.tree import GROUND, Link, Loop, Tree
+from benchmarks.problems.tree import GROUND, LoopClosure, Tree, TreeLink
 from kousoku.model.families import n_four_bar
 
 if TYPE_CHECKING:
@@ -35,18 +35,18 @@ PUBLISHED = {
 def tree_of(count: int) -> Tree:
     """Tree of cranks, each with its coupler, whose ends meet the next crank."""
     moments = (1e-3, INERTIA, INERTIA)
-    links: list[Link] = []
+    links: list[TreeLink] = []
     loops, rates, angles = [], [], []
     for k in range(count + 1):
         crank = len(links)
         at = (float(k), 0.0, 0.0)
-        links.append(Link("z", GROUND, at, 1.0, (0.5, 0.0, 0.0), moments))
+        links.append(TreeLink("z", GROUND, at, 1.0, (0.5, 0.0, 0.0), moments))
         angles.append(math.pi / 2)
         rates.append(-1.0)
         if k:
-            loops.append(Loop((crank - 1, (1.0, 0.0, 0.0)), (crank, (1.0, 0.0, 0.0)), "xy"))
+            loops.append(LoopClosure((crank - 1, (1.0, 0.0, 0.0)), (crank, (1.0, 0.0, 0.0)), "xy"))
         if k < count:
-            links.append(Link("z", crank, (1.0, 0.0, 0.0), 1.0, (0.5, 0.0, 0.0), moments))
+            links.append(TreeLink("z", crank, (1.0, 0.0, 0.0), 1.0, (0.5, 0.0, 0.0), moments))
             angles.append(-math.pi / 2)
             rates.append(1.0)
     return Tree(
@@ -65,7 +65,7 @@ def seen(count: int) -> tuple[int, int, int]:
     return 0, count // 2, count
 
 
-def by_crank(count: int) -> Equations:
+def by_crank(count: int) -> StateEquations:
     """Equation of the angle of the cranks from the vertical."""
     ca = required("casadi")
     angle, rate = ca.SX.sym("angle"), ca.SX.sym("rate")
@@ -91,7 +91,7 @@ def observe(count: int, result: Any) -> Any:
     return np.hstack([*ends, last + along])
 
 
-def peers(count: int, problem: Problem, size: Size) -> list[Case]:
+def peers(count: int, problem: BenchmarkProblem, size: Size) -> list[Case]:
     """Cases of all peers."""
     cases = equation_lines(problem, size, "reduced", "reduced", partial(by_crank, count))
     tree = tree_of(count)
@@ -105,10 +105,10 @@ def peers(count: int, problem: Problem, size: Size) -> list[Case]:
 MIDDLE = 40
 
 
-def problem_of(count: int) -> Problem:
+def problem_of(count: int) -> BenchmarkProblem:
     """Problem with so many four-bars."""
     published = {10.0: PUBLISHED[count]} if count in PUBLISHED else {}
-    return Problem(
+    return BenchmarkProblem(
         name=f"n_four_bar_{count}",
         title=f"N-four-bar A02, N = {count}, 10 s",
         scene=partial(n_four_bar, count),

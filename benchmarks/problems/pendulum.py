@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers.equations import Equations, index_1, one_freedom
-from benchmarks.problems.problem import SCENES, Problem
+from benchmarks.peers.equations import StateEquations, index_1, one_freedom
+from benchmarks.problems.problem import SCENES, BenchmarkProblem
 from benchmarks.problems.tools import equation_lines, tree_lines
-from benchmarks.problems.tree import GROUND, Link, Tree
+from benchmarks.problems.tree import GROUND, Tree, TreeLink
 
 if TYPE_CHECKING:
     from benchmarks.kit import Case, Size
@@ -30,7 +30,7 @@ PUBLISHED = {
 
 
 ROD = Tree(
-    links=(Link("z", GROUND, (0.0,) * 3, 1.0, (0.75, 0.0, 0.0), (0.001, 0.1875, 0.1875)),),
+    links=(TreeLink("z", GROUND, (0.0,) * 3, 1.0, (0.75, 0.0, 0.0), (0.001, 0.1875, 0.1875)),),
     q=(np.pi,),
     v=(0.0,),
     gravity=(0.0, -WEIGHT, 0.0),
@@ -39,7 +39,7 @@ ROD = Tree(
 )
 
 
-def reduced() -> Equations:
+def reduced() -> StateEquations:
     """Equation of the angle from the downward vertical."""
     ca = required("casadi")
     angle, rate = ca.SX.sym("angle"), ca.SX.sym("rate")
@@ -54,7 +54,7 @@ def reduced() -> Equations:
     )
 
 
-def with_multiplier() -> Equations:
+def with_multiplier() -> StateEquations:
     """Equations of the mass in x and y, held by its distance."""
     ca = required("casadi")
     q, v = ca.SX.sym("q", 2), ca.SX.sym("v", 2)
@@ -70,7 +70,7 @@ def with_multiplier() -> Equations:
     )
 
 
-def peers(problem: Problem, size: Size) -> list[Case]:
+def peers(problem: BenchmarkProblem, size: Size) -> list[Case]:
     """Cases of all peers; those that take scenes get the rod."""
     return [
         *equation_lines(
@@ -81,7 +81,7 @@ def peers(problem: Problem, size: Size) -> list[Case]:
     ]
 
 
-PROBLEM = Problem(
+PROBLEM = BenchmarkProblem(
     name="pendulum",
     title="Pendulum A01, 10 s",
     scene=lambda: SCENES / "pendulum.toml",

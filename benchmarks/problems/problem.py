@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from benchmarks.kit import Size
-    from benchmarks.peers.equations import Equations
+    from benchmarks.peers.equations import StateEquations
     from kousoku.mechanism import Mechanism
     from kousoku.model.scene import Output
 
@@ -30,7 +30,7 @@ FOLDER = Path(__file__).with_name("digits")
 SCENES = Path(__file__).parents[2] / "scenes"
 #: Of kousoku, and of peers with tolerances.
 FULL = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12)
-QUICK = (1e-4, 1e-7, 1e-10)
+QUICK = (1e-4, 1e-7, 1e-12)
 #: What a tolerance of 1e-12 has to give, where errors grow no more than so many times; how much
 #: motions magnify them, from ``python -m benchmarks.problems.growth``.
 PROMISED, USUAL_GROWTH = 1e-10, 100.0
@@ -98,7 +98,7 @@ class Digits:
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class BenchmarkProblem:
     """One motion, posed to all tools.
 
     Parameters
@@ -139,8 +139,8 @@ class Problem:
     observe: Callable[[Any], Array]
     length: float
     end: float
-    forms: tuple[Callable[[], Equations], ...]
-    peers: Callable[[Problem, Size], list[Case]]
+    forms: tuple[Callable[[], StateEquations], ...]
+    peers: Callable[[BenchmarkProblem, Size], list[Case]]
     published: Mapping[float, tuple[float, ...]] = field(default_factory=dict)
     agreed: float = 1e-12
     reactions: Callable[[Any], Array] | None = None
@@ -174,7 +174,7 @@ def tolerances(size: Size) -> Sequence[float]:
     return FULL if size.is_full else QUICK
 
 
-def kousoku_cases(problem: Problem, size: Size) -> list[Case]:
+def kousoku_cases(problem: BenchmarkProblem, size: Size) -> list[Case]:
     """Kousoku's lines: every method and the default, a table of rows, and the C alone."""
     has_all = size.is_full and not problem.is_large
     method = problem.methods[-1] if has_all else None
@@ -198,13 +198,15 @@ def kousoku_cases(problem: Problem, size: Size) -> list[Case]:
     ]
 
 
-def loaded(problem: Problem) -> Mechanism:
+def loaded(problem: BenchmarkProblem) -> Mechanism:
     """Mechanism, with reactions where they are judged."""
     outputs: list[Output] = ["reactions"] if problem.reactions else []
     return ks.load(problem.scene(), outputs=outputs, target="c")
 
 
-def kousoku_call(problem: Problem, method: str | None, tolerance: float, what: str) -> Call:
+def kousoku_call(
+    problem: BenchmarkProblem, method: str | None, tolerance: float, what: str
+) -> Call:
     """Run of kousoku: to the end by the door, with a table of rows, or the C alone."""
     mechanism, digits = loaded(problem), problem.digits()
     end = float(digits.times[-1])
@@ -244,11 +246,11 @@ def finished(run: Any) -> None:
 
 
 def equation_cases(
-    problem: Problem,
+    problem: BenchmarkProblem,
     form: str,
     kind: Kind,
-    make: Callable[[], Equations],
-    tools: Sequence[tuple[str, str, Callable[[Equations, float, Array], Runs]]],
+    make: Callable[[], StateEquations],
+    tools: Sequence[tuple[str, str, Callable[[StateEquations, float, Array], Runs]]],
     settings: Sequence[float],
 ) -> list[Case]:
     """Cases of equations that are given, for tools by name, line and what runs them."""
@@ -266,15 +268,15 @@ def equation_cases(
 
 
 @lru_cache(maxsize=4)
-def written(make: Callable[[], Equations]) -> Equations:
+def written(make: Callable[[], StateEquations]) -> StateEquations:
     """Equations, written and compiled once for all tolerances of a tool."""
     return make()
 
 
 def equation_call(
-    problem: Problem,
-    make: Callable[[], Equations],
-    run: Callable[[Equations, float, Array], Runs],
+    problem: BenchmarkProblem,
+    make: Callable[[], StateEquations],
+    run: Callable[[StateEquations, float, Array], Runs],
     tolerance: float,
 ) -> Call:
     """Run of a tool on equations."""

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from benchmarks.kit import Size
-    from benchmarks.peers.equations import Equations
-    from benchmarks.problems.problem import Problem, Runs
+    from benchmarks.peers.equations import StateEquations
+    from benchmarks.problems.problem import BenchmarkProblem, Runs
     from benchmarks.problems.tree import Tree
 
     Array = npt.NDArray[np.float64]
@@ -34,11 +34,11 @@ MUJOCO = ("RK4", "implicit")
 
 
 def equation_lines(
-    problem: Problem,
+    problem: BenchmarkProblem,
     size: Size,
     form: str,
     kind: Kind,
-    make: Callable[[], Equations],
+    make: Callable[[], StateEquations],
     *,
     is_stiff: bool = False,
     is_long: bool = False,
@@ -51,7 +51,7 @@ def equation_lines(
     that takes half a minute, too, heyoka gets fewer tolerances.
     """
     taylor = [("heyoka", "Taylor", partial(heyoka.runs, compact=is_long))]
-    steppers: list[tuple[str, str, Callable[[Equations, float, Array], Runs]]]
+    steppers: list[tuple[str, str, Callable[[StateEquations, float, Array], Runs]]]
     steppers = [("SciPy", "DOP853", scipy.runs)]
     if is_stiff:
         steppers = [
@@ -71,7 +71,7 @@ def equation_lines(
 
 
 def tree_lines(
-    problem: Problem,
+    problem: BenchmarkProblem,
     size: Size,
     tree: Tree,
     *,
@@ -123,7 +123,7 @@ def _pinocchio(tree: Tree, tolerance: float, times: Array, *, is_redundant: bool
 
 
 def stepped(
-    problem: Problem,
+    problem: BenchmarkProblem,
     tool: str,
     line: str,
     counts: Sequence[int],
@@ -142,7 +142,7 @@ def stepped(
     ]
 
 
-def called(problem: Problem, make: Callable[[Array], Runs]) -> Call:
+def called(problem: BenchmarkProblem, make: Callable[[Array], Runs]) -> Call:
     """Run of a tool that gives the positions that are judged."""
     digits = problem.digits()
     run, positions = make(digits.times)

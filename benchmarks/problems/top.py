@@ -13,8 +13,8 @@ import numpy as np
 
 from benchmarks.kit import Case, required
 from benchmarks.peers import spinning
-from benchmarks.peers.equations import Equations, index_1
-from benchmarks.problems.problem import SCENES, Problem, reaction_norms
+from benchmarks.peers.equations import StateEquations, index_1
+from benchmarks.problems.problem import SCENES, BenchmarkProblem, reaction_norms
 from benchmarks.problems.tools import (
     FEW_STEPS,
     STEPPERS,
@@ -23,7 +23,7 @@ from benchmarks.problems.tools import (
     equation_lines,
     stepped,
 )
-from kousoku.runtime.motion import rotated
+from benchmarks.rotations import rotated
 
 if TYPE_CHECKING:
     from benchmarks.kit import Size
@@ -87,7 +87,7 @@ def turning(p: Any, w: Any) -> Any:
     return ca.vertcat(scalar, p[0] * w + ca.cross(p[1:], w)) / 2
 
 
-def by_euler(top: Top) -> Equations:
+def by_euler(top: Top) -> StateEquations:
     """Euler's equations about the fixed point, with Euler parameters."""
     ca = required("casadi")
     p, w = ca.SX.sym("p", 4), ca.SX.sym("w", 3)
@@ -96,7 +96,7 @@ def by_euler(top: Top) -> Equations:
     weight = ca.mtimes(a.T, ca.SX([0, 0, -top.mass * WEIGHT]))
     torque = ca.cross(center, weight) - ca.cross(w, moments * w)
     height = ca.mtimes(a, center)[2]
-    return Equations(
+    return StateEquations(
         ca.vertcat(p, w),
         np.array([1.0, 0, 0, 0, *top.omega]),
         ca.vertcat(*(a[:, k] for k in range(3))),
@@ -105,7 +105,7 @@ def by_euler(top: Top) -> Equations:
     )
 
 
-def of_the_body(top: Top) -> Equations:
+def of_the_body(top: Top) -> StateEquations:
     """Equations of the body, whose fixed point multipliers hold: three rows."""
     ca = required("casadi")
     q, v = ca.SX.sym("q", 7), ca.SX.sym("v", 6)
@@ -134,7 +134,7 @@ def observe(body: str, result: Any) -> Any:
     return np.hstack([rotated(p, np.tile(axis, (len(p), 1))) for axis in SEEN])
 
 
-def peers(top: Top, problem: Problem, size: Size) -> list[Case]:
+def peers(top: Top, problem: BenchmarkProblem, size: Size) -> list[Case]:
     """Cases of all peers."""
     cases = equation_lines(problem, size, "reduced", "reduced", partial(by_euler, top))
     if top.is_held:
@@ -162,10 +162,10 @@ def peers(top: Top, problem: Problem, size: Size) -> list[Case]:
 
 def problem_of(
     name: str, title: str, scene: str, body: str, top: Top, end: float, **more: Any
-) -> Problem:
+) -> BenchmarkProblem:
     """Problem of a top."""
     forms = [partial(by_euler, top), *([partial(of_the_body, top)] if top.is_held else [])]
-    return Problem(
+    return BenchmarkProblem(
         name=name,
         title=title,
         scene=lambda: SCENES / f"{scene}.toml",

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers.equations import Equations, lagrange
+from benchmarks.peers.equations import StateEquations, lagrange
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     Array = npt.NDArray[np.float64]
 
 Vector = tuple[float, float, float]
-Joint = Literal["x", "y", "z", "slide x", "slide y", "slide z"]
+JointType = Literal["x", "y", "z", "slide x", "slide y", "slide z"]
 #: The ground as a link.
 GROUND = -1
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class TreeLink:
     """A rigid body on the link before it.
 
     Parameters
@@ -45,7 +45,7 @@ class Link:
         Its moments about the centre of mass, about the axes of its frame.
     """
 
-    joint: Joint
+    joint: JointType
     parent: int
     at: Vector
     mass: float
@@ -68,7 +68,7 @@ Point = tuple[int, Vector]
 
 
 @dataclass(frozen=True, slots=True)
-class Loop:
+class LoopClosure:
     """Two points that stay together, in some directions of frame O."""
 
     a: Point
@@ -93,7 +93,7 @@ class Tree:
 
     Parameters
     ----------
-    links : tuple of Link
+    links : tuple of TreeLink
         Parents before children.
     q, v : tuple of float
         Where it starts.
@@ -109,13 +109,13 @@ class Tree:
         Constant torques or forces of joints, by link.
     """
 
-    links: tuple[Link, ...]
+    links: tuple[TreeLink, ...]
     q: tuple[float, ...]
     v: tuple[float, ...]
     gravity: Vector
     observed: tuple[Point, ...]
     axes: str = "xyz"
-    loops: tuple[Loop, ...] = ()
+    loops: tuple[LoopClosure, ...] = ()
     springs: tuple[Spring, ...] = ()
     torques: dict[int, float] = field(default_factory=dict)
 
@@ -242,7 +242,7 @@ def is_damped(tree: Tree) -> bool:
     return any(spring.damping for spring in tree.springs)
 
 
-def equations(tree: Tree) -> Equations:
+def equations(tree: Tree) -> StateEquations:
     """Lagrange's equations in joint coordinates, of index 1 where there are loops."""
     made = symbols(tree)
     torques = sum(torque * made.q[k] for k, torque in tree.torques.items())

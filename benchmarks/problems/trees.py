@@ -7,9 +7,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from benchmarks.problems.forms import flat, observed_of, recursive, scene_of
-from benchmarks.problems.problem import Problem, reaction_norms
+from benchmarks.problems.problem import BenchmarkProblem, reaction_norms
 from benchmarks.problems.tools import FEW_TAYLOR, TAYLOR, equation_lines, tree_lines
-from benchmarks.problems.tree import GROUND, Link, Spring, Tree, equations
+from benchmarks.problems.tree import GROUND, Spring, Tree, TreeLink, equations
 from kousoku.model.families import chain
 
 if TYPE_CHECKING:
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 #: A rod of 1.5 mm and 1 mg; its point at 1 mm moves as A01 does, but for the scale.
 SMALL = Tree(
     links=(
-        Link("z", GROUND, (0.0, 0.0, 0.0), 1e-6, (7.5e-4, 0.0, 0.0), (1e-15, 1.875e-13, 1.875e-13)),
+        TreeLink(
+            "z", GROUND, (0.0, 0.0, 0.0), 1e-6, (7.5e-4, 0.0, 0.0), (1e-15, 1.875e-13, 1.875e-13)
+        ),
     ),
     q=(math.pi,),
     v=(0.0,),
@@ -32,10 +34,10 @@ SMALL = Tree(
 #: balance: the shaft turns freely, and the stiff springs follow.
 GOVERNOR = Tree(
     links=(
-        Link("y", GROUND, (0.0, 0.0, 0.0), 20.0, (0.0, 1.0, 0.0), (6.0, 0.4, 6.0)),
-        Link("z", 0, (0.05, 2.0, 0.0), 5.5, (0.9, 0.0, 0.0), (0.05, 0.1, 0.1)),
-        Link("z", 0, (-0.05, 2.0, 0.0), 5.5, (-0.9, 0.0, 0.0), (0.05, 0.1, 0.1)),
-        Link("slide y", 0, (0.0, 1.2, 0.0), 2.0, (0.0, 0.0, 0.0), (0.02, 0.02, 0.02)),
+        TreeLink("y", GROUND, (0.0, 0.0, 0.0), 20.0, (0.0, 1.0, 0.0), (6.0, 0.4, 6.0)),
+        TreeLink("z", 0, (0.05, 2.0, 0.0), 5.5, (0.9, 0.0, 0.0), (0.05, 0.1, 0.1)),
+        TreeLink("z", 0, (-0.05, 2.0, 0.0), 5.5, (-0.9, 0.0, 0.0), (0.05, 0.1, 0.1)),
+        TreeLink("slide y", 0, (0.0, 1.2, 0.0), 2.0, (0.0, 0.0, 0.0), (0.02, 0.02, 0.02)),
     ),
     q=(0.0, -math.pi / 3, math.pi / 3, 0.0),
     v=(6.0, 0.0, 0.0, 0.0),
@@ -57,7 +59,9 @@ LAGRANGE, INLINED = 10, 2
 def chain_of(count: int) -> Tree:
     """Chain of bars on hinges about y, z, y, …, at rest along x."""
     links = [
-        Link("z" if k % 2 else "y", k - 1, (float(k > 0), 0.0, 0.0), 1.0, (0.5, 0.0, 0.0), MOMENTS)
+        TreeLink(
+            "z" if k % 2 else "y", k - 1, (float(k > 0), 0.0, 0.0), 1.0, (0.5, 0.0, 0.0), MOMENTS
+        )
         for k in range(count)
     ]
     middle, last = count // 2, count - 1
@@ -71,7 +75,12 @@ def chain_of(count: int) -> Tree:
 
 
 def peers(
-    tree: Tree, problem: Problem, size: Size, *, is_stiff: bool = False, is_long: bool = False
+    tree: Tree,
+    problem: BenchmarkProblem,
+    size: Size,
+    *,
+    is_stiff: bool = False,
+    is_long: bool = False,
 ) -> list[Case]:
     """Cases of all peers: joint coordinates are what a person reduced it to."""
     make = partial(recursive, tree)
@@ -91,11 +100,11 @@ def peers(
     return [*cases, *tree_lines(problem, size, tree, is_stiff=is_stiff)]
 
 
-def problem_of_chain(count: int) -> Problem:
+def problem_of_chain(count: int) -> BenchmarkProblem:
     """Problem of a chain."""
     tree = chain_of(count)
     names = [f"bar_{k}" for k in range(count)]
-    return Problem(
+    return BenchmarkProblem(
         name=f"chain_{count}",
         title=f"Chain of {count} bars, {CHAINS[count]:g} s",
         scene=partial(chain, count),
@@ -111,7 +120,7 @@ def problem_of_chain(count: int) -> Problem:
 
 
 PROBLEMS = (
-    Problem(
+    BenchmarkProblem(
         name="small_pendulum",
         title="Pendulum of 1 mm, 0.3 s",
         scene=partial(scene_of, "small_pendulum", SMALL),
@@ -123,7 +132,7 @@ PROBLEMS = (
         peers=partial(peers, SMALL),
     ),
     *(problem_of_chain(count) for count in CHAINS),
-    Problem(
+    BenchmarkProblem(
         name="governor",
         title="Stiff governor, 5 s",
         scene=partial(scene_of, "governor", GOVERNOR),

@@ -5,7 +5,8 @@
 :mod:`~kousoku.codegen.dynamics.analyse` decides what is solved, ``composition`` records it, and
 :mod:`~kousoku.codegen.dynamics.choose` takes of two programs one, where only composing them tells.
 
-Where what is, the lowest first; a folder imports those before it only:
+Where what is, the lowest first; a folder imports those before it only,
+but ``elements``, which names in types who calls it:
 
 ``recording``
     What operations are recorded on: kernels, tasks and one workspace; a program run and counted.

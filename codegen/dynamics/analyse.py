@@ -3,7 +3,7 @@
 Each takes a system and tells what it found; what one changes the next one sees:
 
 1. bodies that fixed joints hold together become one, ``simplification/lump.py``;
-2. the plane in which all bodies stay, if there is one, ``simplification/planar.py``;
+2. the plane in which all bodies stay, if there is one, ``simplification/planarity.py``;
 3. masses where drivers move what has none, ``simplification/placeholder_masses.py``;
 4. rows and columns that are not structurally zero, ``simplification/outline.py``;
 5. rows that depend on others, and degrees of freedom, ``redundancy/freedom.py``;
@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.operations.shapes import (
+from kousoku.codegen.dynamics.operations.body_coordinates import (
     require_few_joints,
     require_masses,
     thickened,
@@ -42,17 +42,17 @@ from kousoku.codegen.dynamics.simplification.joint_coordinates import velocity_t
 from kousoku.codegen.dynamics.simplification.lump import lump
 from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.codegen.dynamics.simplification.placeholder_masses import with_placeholder_masses
-from kousoku.codegen.dynamics.simplification.planar import plane_of
+from kousoku.codegen.dynamics.simplification.planarity import plane_of
 from kousoku.model.errors import SceneError
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Kept, Row
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Kept
     from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
     from kousoku.codegen.dynamics.simplification.outline import Outline
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 #: How many velocities a joint may leave to a body: none where drivers lead it, and any number.
 PRESCRIBED, ANY = 0, 6
@@ -92,20 +92,20 @@ class Analysed:
     thin: tuple[str, ...] = ()
 
     @property
-    def solved(self) -> list[Row]:
+    def solved(self) -> list[ConstraintEquation]:
         """Rows that have multipliers."""
         others = {*self.satisfied, *self.left_out}
         rows = self.outline.rows
         return [row for row in rows if row not in others] if others else list(rows)
 
     @property
-    def satisfied(self) -> list[Row]:
+    def satisfied(self) -> list[ConstraintEquation]:
         """Rows that hold by themselves: those of joints that bodies are put onto."""
         places = {place for one in self.transformations.values() for place in one.instances}
         return [row for row in self.outline.rows if row.instance in places]
 
     @property
-    def left_out(self) -> list[Row]:
+    def left_out(self) -> list[ConstraintEquation]:
         """Rows that depend on others."""
         dropped = set(self.freedom.dropped)
         return [row for row in self.outline.rows if row in dropped] if dropped else []
@@ -166,7 +166,7 @@ def with_all_rows(system: System, plane: Plane | None) -> Analysed:
     system : System
         A scene.
     plane : Plane, optional
-        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it;
+        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planarity.plane_of` finds it;
         None for equations in space.
 
     Raises
@@ -225,7 +225,7 @@ def in_xy_plane(found: Analysed) -> Analysed:
     if not (shift := shift_of(found.outline.plane)):
         return found
 
-    def seen(rows: Sequence[Row]) -> tuple[Row, ...]:
+    def seen(rows: Sequence[ConstraintEquation]) -> tuple[ConstraintEquation, ...]:
         return permuted_rows(rows, found.system, shift)
 
     outline, freedom = found.outline, found.freedom

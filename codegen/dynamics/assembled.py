@@ -13,7 +13,7 @@ from kousoku.model.system import system_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.scene import Scene
 
 

@@ -7,12 +7,12 @@ computed.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.analyse import ANY, ranked, with_joint_coordinates
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.operations.shapes import thickened
+from kousoku.codegen.dynamics.operations.body_coordinates import thickened
 from kousoku.codegen.dynamics.recording.counts import counts
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
@@ -35,8 +35,28 @@ OFTEN = frozenset({"geometry", "position", "move", "velocity", "acceleration"})
 DEPENDENT = 1e-12
 
 
-def program_of(analysed: Analysed, wanted: Sequence[str]) -> Program:
-    """Program of an analysed system.
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Program of a scene, and that beside which it was chosen.
+
+    Parameters
+    ----------
+    analysed : Analysed
+        What both are composed from: the scene as it was found, or thickened to find what leads
+        out of its plane.
+    whole : Program
+        The program without joint coordinates.
+    program : Program
+        The one that costs less.
+    """
+
+    analysed: Analysed
+    whole: Program
+    program: Program
+
+
+def choice_of(analysed: Analysed, wanted: Sequence[str]) -> Choice:
+    """Program of an analysed system, chosen.
 
     Parameters
     ----------
@@ -46,10 +66,11 @@ def program_of(analysed: Analysed, wanted: Sequence[str]) -> Program:
         What is computed.
     """
     if "reactions" in wanted:
-        chosen, program = with_reactions(analysed, wanted)
+        chosen, whole = with_reactions(analysed, wanted)
     else:
-        chosen, program = analysed, compose(analysed, wanted)
-    return replace(cheaper(chosen, wanted, program), is_weighed=not analysed.missing)
+        chosen, whole = analysed, compose(analysed, wanted)
+    whole = replace(whole, is_weighed=not analysed.missing)
+    return Choice(chosen, whole, cheaper(chosen, wanted, whole))
 
 
 def cheaper(
@@ -82,6 +103,7 @@ def cheaper(
         return program
     return replace(
         other,
+        is_weighed=program.is_weighed,
         not_unique=program.not_unique,
         undetermined=program.undetermined,
         unique_in_plane=program.unique_in_plane,

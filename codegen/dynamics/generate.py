@@ -4,8 +4,14 @@
     SI units, principal frames, instances of kinds; at a start that joints and drivers allow.
 ``analyse``: System → Analysed
     Fewer bodies, the plane, masses, rows and ranks: all that is decided beforehand.
-``program_of``: Analysed → Program
+``given_start``: Scene, System → bodies as written
+    Where the start depends on parameters.
+``require_driven``: Analysed
+    Refused in words where what is wanted depends on masses that are missing.
+``choice_of``: Analysed → Choice
     Composed; of two programs that solve it the better one.
+``solver_references``: Program, System → text
+    States with results in 50 digits, if wanted.
 ``inline``: Program → Program
     Small ones in one function a segment.
 ``emit_dynamics``: Program → {file: text}
@@ -21,7 +27,7 @@ from kousoku.codegen.dynamics.analyse import analyse, require_driven
 from kousoku.codegen.dynamics.assembled import assemble_scene
 from kousoku.codegen.dynamics.assembly.changes import changes_of_assembly
 from kousoku.codegen.dynamics.checking.reference import solver_references
-from kousoku.codegen.dynamics.choose import program_of
+from kousoku.codegen.dynamics.choose import choice_of
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
@@ -36,7 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.scene import Scene
 
 
@@ -125,7 +131,7 @@ def compose_scene(scene: Scene, wanted: Sequence[str]) -> Composed:
         given = given_start(scene, start.given, analysed.system)
         analysed = replace(analysed, system=replace(analysed.system, given=given))
     require_driven(analysed, wanted)
-    program = program_of(analysed, (*LEDGER, *wanted))
+    program = choice_of(analysed, (*LEDGER, *wanted)).program
     changes = changes_of_assembly(start.given, start.placed)
     notes = (
         *notes_of(changes, start.given.unit, scene.unit),

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 #: The places of x1 y1 β1 x2 y2 β2 that each of ε1, ε2, ε3 depends on, (5)–(7).
 DEPENDS = ((0, 1, 3, 4), (0, 1, 2, 3, 4), (0, 1, 3, 4, 5))
 
-Row = tuple[int, int]
+Equation = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class DiagonalBlock:
     """Unknowns that are found together.
 
     Parameters
@@ -39,10 +39,10 @@ class Block:
     """
 
     unknowns: tuple[int, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[Equation, ...]
 
 
-def triangular_blocks(assembly: Assembly) -> tuple[Block, ...]:
+def triangular_blocks(assembly: Assembly) -> tuple[DiagonalBlock, ...]:
     """Blocks of an assembly, each after those that it depends on.
 
     Raises
@@ -70,11 +70,11 @@ def triangular_blocks(assembly: Assembly) -> tuple[Block, ...]:
 
 
 def live_blocks(
-    assembly: Assembly, blocks: Sequence[Block], wanted: Sequence[int]
-) -> tuple[Block, ...]:
+    assembly: Assembly, blocks: Sequence[DiagonalBlock], wanted: Sequence[int]
+) -> tuple[DiagonalBlock, ...]:
     """Blocks that the wanted coordinates depend on, in the same order."""
     needed = set(wanted)
-    kept: list[Block] = []
+    kept: list[DiagonalBlock] = []
     for block in reversed(blocks):
         if needed.isdisjoint(block.unknowns):
             continue
@@ -91,12 +91,12 @@ def _unknowns(assembly: Assembly, element: LinkElement, row: int) -> tuple[int, 
     return tuple(c for c in found if assembly.coordinates[c].role is Role.UNKNOWN)
 
 
-def _match(unknowns_of: Mapping[Row, tuple[int, ...]]) -> dict[int, Row]:
+def _match(unknowns_of: Mapping[Equation, tuple[int, ...]]) -> dict[int, Equation]:
     """Equation of each matched unknown; as many are matched as can be."""
-    row_of: dict[int, Row] = {}
-    unknown_of: dict[Row, int] = {}
+    row_of: dict[int, Equation] = {}
+    unknown_of: dict[Equation, int] = {}
     for start in unknowns_of:
-        reached_from: dict[int, Row] = {}
+        reached_from: dict[int, Equation] = {}
         queue = deque([start])
         while queue:
             row = queue.popleft()
@@ -114,9 +114,9 @@ def _match(unknowns_of: Mapping[Row, tuple[int, ...]]) -> dict[int, Row]:
 
 
 def _exchange(
-    row_of: dict[int, Row],
-    unknown_of: dict[Row, int],
-    reached_from: Mapping[int, Row],
+    row_of: dict[int, Equation],
+    unknown_of: dict[Equation, int],
+    reached_from: Mapping[int, Equation],
     free: int,
 ) -> None:
     """Match a free unknown: exchange matched and unmatched pairs along the path that led to it."""
@@ -129,13 +129,13 @@ def _exchange(
 
 
 def _components(
-    unknowns_of: Mapping[Row, tuple[int, ...]], row_of: Mapping[int, Row]
-) -> tuple[Block, ...]:
+    unknowns_of: Mapping[Equation, tuple[int, ...]], row_of: Mapping[int, Equation]
+) -> tuple[DiagonalBlock, ...]:
     """Strongly connected components (Tarjan 1972), dependencies first."""
     index: dict[int, int] = {}
     low: dict[int, int] = {}
     stack: dict[int, None] = {}
-    blocks: list[Block] = []
+    blocks: list[DiagonalBlock] = []
     for root in sorted(row_of):
         if root in index:
             continue
@@ -160,20 +160,22 @@ def _components(
     return tuple(blocks)
 
 
-def _pop_component(stack: dict[int, None], root: int, row_of: Mapping[int, Row]) -> Block:
+def _pop_component(
+    stack: dict[int, None], root: int, row_of: Mapping[int, Equation]
+) -> DiagonalBlock:
     members = [stack.popitem()[0]]
     while members[-1] != root:
         members.append(stack.popitem()[0])
     rows = sorted(row_of[unknown] for unknown in members)
-    return Block(tuple(sorted(members)), tuple(rows))
+    return DiagonalBlock(tuple(sorted(members)), tuple(rows))
 
 
 def _not_determined(
     assembly: Assembly,
-    unknowns_of: Mapping[Row, tuple[int, ...]],
-    row_of: Mapping[int, Row],
+    unknowns_of: Mapping[Equation, tuple[int, ...]],
+    row_of: Mapping[int, Equation],
     free: Sequence[int],
-    extra: Sequence[Row],
+    extra: Sequence[Equation],
 ) -> str:
     """Say which nodes can still move and which links hold what is held already."""
     parts = []
@@ -197,7 +199,9 @@ def _not_determined(
 
 
 def _underdetermined(
-    unknowns_of: Mapping[Row, tuple[int, ...]], row_of: Mapping[int, Row], free: Sequence[int]
+    unknowns_of: Mapping[Equation, tuple[int, ...]],
+    row_of: Mapping[int, Equation],
+    free: Sequence[int],
 ) -> list[int]:
     """Unknowns of the under-determined part, reached from those left over."""
     unknown_of = {row: unknown for unknown, row in row_of.items()}
@@ -213,7 +217,9 @@ def _underdetermined(
 
 
 def _overdetermined(
-    unknowns_of: Mapping[Row, tuple[int, ...]], row_of: Mapping[int, Row], extra: Sequence[Row]
+    unknowns_of: Mapping[Equation, tuple[int, ...]],
+    row_of: Mapping[int, Equation],
+    extra: Sequence[Equation],
 ) -> list[int]:
     """Elements of the over-determined part, reached from the equations left over."""
     seen = dict.fromkeys(extra)

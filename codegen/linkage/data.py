@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.linkage.solution import span_of
-from kousoku.model.motion import turns_of
+from kousoku.model.input_motion import turns_of
 from kousoku.runtime.kinematics.rows import METHODS
 
 if TYPE_CHECKING:
@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.linkage.assemble import Affine, LinkElement
-    from kousoku.codegen.linkage.blocks import Block
-    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.codegen.linkage.blocks import DiagonalBlock
+    from kousoku.codegen.linkage.layout import WorkspaceLayout
 
 FORMAT = 1
 
 
-def linkage_data(program: Program, layout: Layout) -> dict[str, Any]:
-    """Data of ``motion.json``: fields of ``kinematics.Mechanism``, and of its ``Run``."""
+def linkage_data(program: Program, layout: WorkspaceLayout) -> dict[str, Any]:
+    """Data of ``motion.json``: fields of ``LinkageTables``, and of its ``RunRequest``."""
     assembly = layout.assembly
     scene, coordinates = assembly.scene, assembly.coordinates
     return {
@@ -56,7 +56,7 @@ def linkage_data(program: Program, layout: Layout) -> dict[str, Any]:
     }
 
 
-def _run(layout: Layout) -> dict[str, Any]:
+def _run(layout: WorkspaceLayout) -> dict[str, Any]:
     """Run that the scene asks for, as data."""
     scene = layout.assembly.scene
     inputs = [*scene.inputs.values()]
@@ -75,7 +75,7 @@ def _run(layout: Layout) -> dict[str, Any]:
     }
 
 
-def _curves(layout: Layout, block: Block) -> list[dict[str, Any]]:
+def _curves(layout: WorkspaceLayout, block: DiagonalBlock) -> list[dict[str, Any]]:
     """Curves that bend the equations of a block.
 
     ε1 alone is |d| = l. With ε2 or ε3 it is one of two rows of d = l (cos β, sin β), turned by a
@@ -94,7 +94,7 @@ def _curves(layout: Layout, block: Block) -> list[dict[str, Any]]:
 
 
 def _curve(
-    layout: Layout,
+    layout: WorkspaceLayout,
     row: int,
     element: LinkElement,
     *,

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.codegen.linkage.layout import WorkspaceLayout
 
 TEMPLATES = {
     "solver.c": "linkage/solver.c.jinja",
@@ -45,14 +45,16 @@ LIBRARY = "kinematics"
 SHARED = tuple(f"integrate/{name}.py" for name in ("__init__", "given", "result", "tasks"))
 
 
-def emit_linkage(program: Program, layout: Layout, more: Mapping[str, str]) -> dict[str, str]:
+def emit_linkage(
+    program: Program, layout: WorkspaceLayout, more: Mapping[str, str]
+) -> dict[str, str]:
     """Folder of a linkage's solver.
 
     Parameters
     ----------
     program : Program
         The segments of the blocks and of the outputs.
-    layout : Layout
+    layout : WorkspaceLayout
         What they were composed of.
     more : mapping of str to str
         Further files, such as reference values.

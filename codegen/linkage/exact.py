@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.codegen.linkage.assemble import Affine, LinkElement
-    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.codegen.linkage.layout import WorkspaceLayout
     from kousoku.model.arithmetic import Arithmetic
 
     #: For ``alpha``, ``x``, ``alpha_dot`` … their elements.
@@ -32,7 +32,7 @@ class Exact:
 
     Parameters
     ----------
-    layout : Layout
+    layout : WorkspaceLayout
         The linkage.
     arithmetic : Arithmetic
         The numbers that ``motion`` holds.
@@ -44,7 +44,7 @@ class Exact:
 
     def __init__(
         self,
-        layout: Layout,
+        layout: WorkspaceLayout,
         arithmetic: Arithmetic[Any],
         motion: Motion,
         constant: Callable[[object, Fraction], Any],

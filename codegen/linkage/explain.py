@@ -13,7 +13,7 @@ from kousoku.runtime.integrate.result import listed
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.codegen.linkage.layout import WorkspaceLayout
     from kousoku.model.scene import Scene
 
 
@@ -91,7 +91,7 @@ def explain_linkage(scene: Scene) -> LinkageExplanation:
     )
 
 
-def _left_out(layout: Layout) -> Iterator[str]:
+def _left_out(layout: WorkspaceLayout) -> Iterator[str]:
     """Finding about unknowns that no block finds: rotations, as all nodes are wanted."""
     names = [layout.assembly.coordinates[c].name for c in layout.left_out]
     if names:

@@ -2,9 +2,9 @@
 
 ``assemble``: Scene → Assembly
     Coordinates, links between them, known and unknown parts.
-``layout_of``: Assembly → Layout
+``layout_of``: Assembly → WorkspaceLayout
     Equations in block-triangular order, only what is wanted; where everything stands.
-``program_of``: Layout → Program
+``program_of``: WorkspaceLayout → Program
     The frozen link element, block by block: constants bound, in functions of the workspace.
 ``emit_linkage``: Program → {file: text}
     The folder.
@@ -21,7 +21,7 @@ from kousoku.codegen.linkage.assemble import assemble
 from kousoku.codegen.linkage.blocks import live_blocks, triangular_blocks
 from kousoku.codegen.linkage.emit import emit_linkage
 from kousoku.codegen.linkage.kernels import block_kernels
-from kousoku.codegen.linkage.layout import Layout
+from kousoku.codegen.linkage.layout import WorkspaceLayout
 from kousoku.codegen.linkage.link import rows_of
 from kousoku.codegen.linkage.outputs import angle_kernel, node_kernel
 from kousoku.codegen.linkage.reference import reference_values
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Scene
 
 
-def layout_of(assembly: Assembly) -> Layout:
+def layout_of(assembly: Assembly) -> WorkspaceLayout:
     """Equations of an assembly block by block, and the places of all numbers.
 
     Parameters
@@ -49,10 +49,10 @@ def layout_of(assembly: Assembly) -> Layout:
     """
     wanted = [term.coordinate for _, x, y in assembly.nodes for term in (x, y)]
     blocks = live_blocks(assembly, triangular_blocks(assembly), wanted)
-    return Layout(assembly, blocks, rows_of(load_frozen("link")))
+    return WorkspaceLayout(assembly, blocks, rows_of(load_frozen("link")))
 
 
-def program_of(layout: Layout) -> Program:
+def program_of(layout: WorkspaceLayout) -> Program:
     """Program that moves a linkage: three segments for each block, then the outputs."""
     numbers = range(len(layout.blocks))
     kernels = [kernel for number in numbers for kernel in block_kernels(layout, number)]
@@ -73,7 +73,7 @@ def program_of(layout: Layout) -> Program:
     )
 
 
-def _segment(layout: Layout, number: int, kernel: Kernel) -> Segment:
+def _segment(layout: WorkspaceLayout, number: int, kernel: Kernel) -> Segment:
     """Segment that a kernel of the whole workspace is."""
     slots = tuple(layout.regions[quantity.name].base for quantity in kernel.outputs)
     contents = (*wrap(kernel.title, 92), kernel.source)

@@ -18,17 +18,17 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.linkage.assemble import Affine, LinkElement
-    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.codegen.linkage.layout import WorkspaceLayout
 
 PAPER = "Yamada and Tatsumi 1981"
 
 
-def block_kernels(layout: Layout, number: int) -> tuple[Kernel, Kernel, Kernel]:
+def block_kernels(layout: WorkspaceLayout, number: int) -> tuple[Kernel, Kernel, Kernel]:
     """Kernels of one block: its residual and matrix, and its right-hand sides.
 
     Parameters
     ----------
-    layout : Layout
+    layout : WorkspaceLayout
         The linkage.
     number : int
         The block, counted from 0; the names of its kernels count from 1.
@@ -57,7 +57,7 @@ def _places(element: LinkElement, row: int, slopes: Sequence[int]) -> list[tuple
 class _Composer:
     """One kernel of one block while it grows."""
 
-    def __init__(self, layout: Layout, number: int) -> None:
+    def __init__(self, layout: WorkspaceLayout, number: int) -> None:
         self.layout = layout
         self.number = number
         self.block = layout.blocks[number]

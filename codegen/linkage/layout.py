@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.codegen.linkage.assemble import Affine, Assembly
-    from kousoku.codegen.linkage.blocks import Block
+    from kousoku.codegen.linkage.blocks import DiagonalBlock
     from kousoku.codegen.linkage.link import LinkRow
     from kousoku.model.graph import Graph
 
@@ -49,14 +49,14 @@ REGIONS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class WorkspaceLayout:
     """The order of everything.
 
     Parameters
     ----------
     assembly : Assembly
         What is solved.
-    blocks : tuple of Block
+    blocks : tuple of DiagonalBlock
         In the order of solving.
     link : tuple of LinkRow
         ε1, ε2, ε3 of the link element.
@@ -69,7 +69,7 @@ class Layout:
     """
 
     assembly: Assembly
-    blocks: tuple[Block, ...]
+    blocks: tuple[DiagonalBlock, ...]
     link: tuple[LinkRow, LinkRow, LinkRow]
     unknowns: tuple[int, ...] = field(init=False)
     everywhere: Mapping[int, tuple[str, int]] = field(init=False)

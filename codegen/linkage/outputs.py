@@ -10,7 +10,7 @@ from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
-    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.codegen.linkage.layout import WorkspaceLayout
 
 #: Name, power of the second in the unit, and meaning of each order of derivative.
 MOTIONS = (
@@ -20,7 +20,7 @@ MOTIONS = (
 )
 
 
-def node_kernel(layout: Layout) -> Kernel:
+def node_kernel(layout: WorkspaceLayout) -> Kernel:
     """Kernel of the motion of all nodes: position, velocity, acceleration, (24), (25).
 
     Each output is (nodes, 2), in frame O, in the order of the scene.
@@ -48,7 +48,7 @@ def node_kernel(layout: Layout) -> Kernel:
     )
 
 
-def angle_kernel(layout: Layout) -> Kernel:
+def angle_kernel(layout: WorkspaceLayout) -> Kernel:
     """Kernel of the angles β of all links, their first and second derivatives.
 
     Each output is (links,), counter-clockwise from +x, from the first node of the link to the
@@ -79,7 +79,7 @@ def angle_kernel(layout: Layout) -> Kernel:
     )
 
 
-def _angle(layout: Layout, g: Graph, link: str) -> tuple[int, int, int]:
+def _angle(layout: WorkspaceLayout, g: Graph, link: str) -> tuple[int, int, int]:
     """Angle β, β̇ = d × v / l² and β̈ = (d × a − 2 (d · v) β̇) / l² of a link."""
     places = {name: (x, y) for name, x, y in layout.assembly.nodes}
     first, second = (places[node] for node in layout.assembly.scene.links[link].nodes)

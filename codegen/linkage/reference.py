@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.codegen.linkage.layout import Layout
-    from kousoku.codegen.linkage.solution import Place
+    from kousoku.codegen.linkage.layout import WorkspaceLayout
+    from kousoku.codegen.linkage.solution import LinkagePosition
 
     #: For each input of the kernels its doubles.
     Numbers = dict[str, tuple[float, ...]]
@@ -35,7 +35,7 @@ BESIDE = ((2.0**-33, "near"), (0.25, "away from"))
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class ReferencePoint:
     """Where segments are evaluated.
 
     Parameters
@@ -56,7 +56,9 @@ class Point:
     nan: tuple[str, int] | None = None
 
 
-def reference_values(program: Program, layout: Layout, found: Sequence[Place]) -> str:
+def reference_values(
+    program: Program, layout: WorkspaceLayout, found: Sequence[LinkagePosition]
+) -> str:
     """Text of the reference values.
 
     Values come from :class:`kousoku.codegen.linkage.exact.Exact` in 50 digits. Constants of the
@@ -72,30 +74,32 @@ def reference_values(program: Program, layout: Layout, found: Sequence[Place]) -
     )
 
 
-def _points(layout: Layout, found: Sequence[Place]) -> list[Point]:
+def _points(layout: WorkspaceLayout, found: Sequence[LinkagePosition]) -> list[ReferencePoint]:
     """Points, the last ones each with a number that is NaN."""
     points = [
-        Point(
+        ReferencePoint(
             f"{place.part} of the way",
             {name: tuple(map(float, values)) for name, values in place.motion.items()},
         )
         for place in found
     ]
     if not found:
-        points.append(Point("the positions of the scene", _given(layout)))
+        points.append(ReferencePoint("the positions of the scene", _given(layout)))
     for index, point in enumerate(list(points)):
         size, where = BESIDE[index % len(BESIDE)]
-        points.append(Point(f"{where} {point.label}", _scattered(point.numbers, size, index)))
+        points.append(
+            ReferencePoint(f"{where} {point.label}", _scattered(point.numbers, size, index))
+        )
     # Away from symmetric positions, where a derivative may happen to vanish.
     numbers = _scattered(points[0].numbers, BESIDE[-1][0], len(points))
     first = 0
     for number, block in enumerate(layout.blocks):
-        points.append(Point(f"x[{first}] is nan", numbers, number, ("x", first)))
+        points.append(ReferencePoint(f"x[{first}] is nan", numbers, number, ("x", first)))
         first += len(block.unknowns)
     return points
 
 
-def _given(layout: Layout) -> Numbers:
+def _given(layout: WorkspaceLayout) -> Numbers:
     coordinates = layout.assembly.coordinates
     numbers = {
         "alpha": tuple(float(coordinates[c].start) for c in layout.assembly.inputs),
@@ -122,7 +126,7 @@ def _scattered(numbers: Numbers, size: float, seed: int) -> Numbers:
     return moved
 
 
-def _row(program: Program, layout: Layout, point: Point) -> dict[str, object]:
+def _row(program: Program, layout: WorkspaceLayout, point: ReferencePoint) -> dict[str, object]:
     """Point with the references of its segments."""
     high = {n: [CONTEXT.mpf(x) for x in xs] for n, xs in point.numbers.items()}
     duals = {n: [variable(x, (n, k)) for k, x in enumerate(xs)] for n, xs in high.items()}

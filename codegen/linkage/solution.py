@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from kousoku.codegen.linkage.exact import Exact
 from kousoku.codegen.linkage.layout import OF_NODES
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.directions import HALF_TURN
-from kousoku.model.motion import turns_of
+from kousoku.model.input_motion import turns_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.codegen.linkage.layout import WorkspaceLayout
     from kousoku.model.planar import Input
-
-High = Any  # a number of CONTEXT: mpmath is untyped
+    from kousoku.model.precise import High
 
 #: Steps over the way of the inputs.
 STEPS = 10
@@ -30,7 +29,7 @@ MOST_CORRECTIONS = 60
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class LinkagePosition:
     """A position of the linkage with its motion.
 
     Parameters
@@ -52,10 +51,10 @@ def span_of(given: Input) -> Fraction:
     return 2 * HALF_TURN * Fraction(turns_of(given) or 0)
 
 
-def places(layout: Layout) -> list[Place]:
+def places(layout: WorkspaceLayout) -> list[LinkagePosition]:
     """Linkage at every step of its way, up to a dead centre; empty if it never fits."""
     start = [HIGH.number(layout.assembly.coordinates[u].start) for u in layout.unknowns]
-    found: list[Place] = []
+    found: list[LinkagePosition] = []
     try:
         here = _placed(layout, Fraction(0), start)
         first_sides = _sides(layout, here)
@@ -63,7 +62,7 @@ def places(layout: Layout) -> list[Place]:
             part = Fraction(len(found), STEPS)
             for order, name in ((1, "x_dot"), (2, "x_ddot")):
                 here[name] = _derivatives(layout, here, order)
-            found.append(Place(part, here))
+            found.append(LinkagePosition(part, here))
             if part == 1:
                 break
             here = _advanced(layout, here, part, part + Fraction(1, STEPS), HALVINGS)
@@ -72,7 +71,7 @@ def places(layout: Layout) -> list[Place]:
     return found
 
 
-def solution(layout: Layout, found: Sequence[Place]) -> dict[str, object]:
+def solution(layout: WorkspaceLayout, found: Sequence[LinkagePosition]) -> dict[str, object]:
     """Solution that the solver of the scene must give, as data.
 
     Motions of the nodes at some of :data:`STEPS` divisions, rounded to doubles. Where a block has
@@ -87,7 +86,7 @@ def solution(layout: Layout, found: Sequence[Place]) -> dict[str, object]:
     }
 
 
-def _inputs(layout: Layout, part: Fraction) -> tuple[list[High], list[High], list[High]]:
+def _inputs(layout: WorkspaceLayout, part: Fraction) -> tuple[list[High], list[High], list[High]]:
     given = tuple(layout.assembly.scene.inputs.values())
     return (
         [HIGH.number(Fraction(item.start) + part * span_of(item)) for item in given],
@@ -96,7 +95,7 @@ def _inputs(layout: Layout, part: Fraction) -> tuple[list[High], list[High], lis
     )
 
 
-def _exact(layout: Layout, motion: dict[str, list[High]]) -> Exact:
+def _exact(layout: WorkspaceLayout, motion: dict[str, list[High]]) -> Exact:
     return Exact(layout, HIGH, motion, lambda _, value: HIGH.number(value))
 
 
@@ -106,7 +105,7 @@ def _solve(block: dict[str, list[High]], right: Sequence[High]) -> list[High]:
     return list(CONTEXT.lu_solve(matrix, CONTEXT.matrix(list(right))))
 
 
-def _positions(layout: Layout, motion: dict[str, list[High]]) -> list[High]:
+def _positions(layout: WorkspaceLayout, motion: dict[str, list[High]]) -> list[High]:
     """Positions x by damped Newton, block by block.
 
     Raises
@@ -144,7 +143,7 @@ def _positions(layout: Layout, motion: dict[str, list[High]]) -> list[High]:
     return motion["x"]
 
 
-def _placed(layout: Layout, part: Fraction, near: list[High]) -> dict[str, list[High]]:
+def _placed(layout: WorkspaceLayout, part: Fraction, near: list[High]) -> dict[str, list[High]]:
     """Motion at a part of the way, its position the one that Newton finds from near."""
     alpha, alpha_dot, alpha_ddot = _inputs(layout, part)
     motion = {"alpha": alpha, "x": near, "alpha_dot": alpha_dot, "alpha_ddot": alpha_ddot}
@@ -152,7 +151,11 @@ def _placed(layout: Layout, part: Fraction, near: list[High]) -> dict[str, list[
 
 
 def _advanced(
-    layout: Layout, motion: dict[str, list[High]], part: Fraction, end: Fraction, halvings: int
+    layout: WorkspaceLayout,
+    motion: dict[str, list[High]],
+    part: Fraction,
+    end: Fraction,
+    halvings: int,
 ) -> dict[str, list[High]]:
     """Motion at ``end``, in steps so short that none reaches over a dead centre.
 
@@ -175,7 +178,9 @@ def _advanced(
     return _advanced(layout, half, middle, end, halvings - 1)
 
 
-def _is_near(layout: Layout, x: list[High], predicted: list[High], found: list[High]) -> bool:
+def _is_near(
+    layout: WorkspaceLayout, x: list[High], predicted: list[High], found: list[High]
+) -> bool:
     """Whether the correction is small beside the motion: else another branch may be near."""
     scales = [HIGH.number(layout.assembly.coordinates[u].scale) for u in layout.unknowns]
     pairs = list(zip(scales, x, predicted, found, strict=True))
@@ -185,7 +190,7 @@ def _is_near(layout: Layout, x: list[High], predicted: list[High], found: list[H
     return bool(missed <= max(moved / 4, DONE * length))
 
 
-def _sides(layout: Layout, motion: dict[str, list[High]]) -> list[bool]:
+def _sides(layout: WorkspaceLayout, motion: dict[str, list[High]]) -> list[bool]:
     """Side of a dead centre on which each block is."""
     exact = _exact(layout, motion)
     sides = []
@@ -196,7 +201,7 @@ def _sides(layout: Layout, motion: dict[str, list[High]]) -> list[bool]:
     return sides
 
 
-def _derivatives(layout: Layout, motion: dict[str, list[High]], order: int) -> list[High]:
+def _derivatives(layout: WorkspaceLayout, motion: dict[str, list[High]], order: int) -> list[High]:
     name = ("x", "x_dot", "x_ddot")[order]
     motion = {**motion, name: [CONTEXT.zero] * len(motion["x"])}
     first = 0
@@ -209,7 +214,9 @@ def _derivatives(layout: Layout, motion: dict[str, list[High]], order: int) -> l
     return motion[name]
 
 
-def _predicted(layout: Layout, motion: dict[str, list[High]], step: Fraction) -> list[High]:
+def _predicted(
+    layout: WorkspaceLayout, motion: dict[str, list[High]], step: Fraction
+) -> list[High]:
     """Coordinates x about a step on, given as a part of the way, (26)."""
     spans = [step * span_of(item) for item in layout.assembly.scene.inputs.values()]
     along = {**motion, "alpha_dot": [HIGH.number(span) for span in spans]}

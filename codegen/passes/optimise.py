@@ -9,13 +9,13 @@ from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.codegen.passes.trace import run_passes
 
 if TYPE_CHECKING:
-    from kousoku.codegen.passes.trace import Trace
+    from kousoku.codegen.passes.trace import PassTrace
     from kousoku.model.kernel import Kernel
 
 #: In the order in which they run. None uses that Euler parameters have norm one.
 PASSES = (drop_dead, factor)
 
 
-def optimise(kernel: Kernel) -> tuple[Kernel, Trace]:
+def optimise(kernel: Kernel) -> tuple[Kernel, PassTrace]:
     """Kernel that computes the same with less, and the trace of how."""
     return run_passes(kernel, PASSES)

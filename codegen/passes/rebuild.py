@@ -10,11 +10,11 @@ from kousoku.model.graph import Graph, Op
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kousoku.model.graph import Node
+    from kousoku.model.graph import OperationNode
     from kousoku.model.kernel import Kernel
 
 
-def live_ids(nodes: Sequence[Node[int]], wanted: Iterable[int]) -> list[int]:
+def live_ids(nodes: Sequence[OperationNode[int]], wanted: Iterable[int]) -> list[int]:
     """Ids, in topological order, of all that ``wanted`` needs."""
     is_live = [False] * len(nodes)
     for node in wanted:
@@ -26,7 +26,7 @@ def live_ids(nodes: Sequence[Node[int]], wanted: Iterable[int]) -> list[int]:
     return [node for node, live in enumerate(is_live) if live]
 
 
-def copy_node(graph: Graph, node: Node[int], new_ids: Mapping[int, int]) -> int:
+def copy_node(graph: Graph, node: OperationNode[int], new_ids: Mapping[int, int]) -> int:
     """Rebuild one node in ``graph``; its operands were rebuilt before."""
     if node.op is Op.CONST:
         assert node.value is not None
@@ -106,7 +106,7 @@ def with_outputs(kernel: Kernel, names: Sequence[str]) -> Kernel:
 
 def _carry_names(
     kernel: Kernel,
-    nodes: Sequence[Node[int]],
+    nodes: Sequence[OperationNode[int]],
     new_ids: Mapping[int, int],
     compact: Mapping[int, int],
 ) -> tuple[tuple[int, str], ...]:

@@ -15,7 +15,7 @@ BYTES_OF_A_DOUBLE = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Record:
+class PassRecord:
     """One pass over one kernel.
 
     Parameters
@@ -39,12 +39,12 @@ class Record:
     seconds: float
 
 
-Trace = tuple[Record, ...]
+PassTrace = tuple[PassRecord, ...]
 
 
 def run_passes(
     kernel: Kernel, passes: Sequence[Callable[[Kernel], Kernel]]
-) -> tuple[Kernel, Trace]:
+) -> tuple[Kernel, PassTrace]:
     """Apply passes one after the other, and record what each did."""
     records = []
     for one in passes:
@@ -52,7 +52,7 @@ def run_passes(
         better = one(kernel)
         seconds = time.perf_counter() - start
         records.append(
-            Record(
+            PassRecord(
                 kernel=kernel.name,
                 name=one.__name__,
                 operations_before=kernel.operations.total(),

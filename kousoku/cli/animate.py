@@ -8,8 +8,8 @@ import typer
 from kousoku.cli.completing import files
 from kousoku.cli.console import TargetChoice
 from kousoku.cli.moving import (
-    Initial,
-    Kinds,
+    InitialOption,
+    KindsOption,
     Set,
     Stop,
     Wish,
@@ -55,8 +55,8 @@ def animate(
         typer.Option(help="A joint, node or body whose path is drawn, once for each."),
     ] = None,
     given: Set = None,
-    initial: Initial = None,
-    kind: Kinds = None,
+    initial: InitialOption = None,
+    kind: KindsOption = None,
     target: Annotated[TargetChoice, typer.Option(help="What computes.")] = TargetChoice.AUTO,
 ) -> None:
     """Show a mechanism that moves: one page that needs nothing beside itself.

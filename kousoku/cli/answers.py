@@ -11,7 +11,7 @@ import msgspec
 
 from kousoku.cli.console import FORMAT
 
-Number = float | Literal["inf", "-inf", "nan"]
+JsonNumber = float | Literal["inf", "-inf", "nan"]
 
 
 class Shelf(TypedDict):
@@ -136,8 +136,8 @@ class ClosedRow(TypedDict):
 
     row: DroppedRow
     is_length: bool
-    pivot: Number
-    missed: Number
+    pivot: JsonNumber
+    missed: JsonNumber
 
 
 class FreedomAnswer(TypedDict):
@@ -148,7 +148,7 @@ class FreedomAnswer(TypedDict):
     rank: int
     dependent: list[DependentRows]
     dropped: list[DroppedRow]
-    worst: Number
+    worst: JsonNumber
     positions: int
     unknown: list[str]
     drivers: int
@@ -272,58 +272,58 @@ class ListedSection(TypedDict):
 class MovedByAssembly(TypedDict):
     """What assembly changed of a body; velocities where the scene gives one."""
 
-    moved: Number
-    turned: Number
-    velocity: Number
-    angular_velocity: Number
+    moved: JsonNumber
+    turned: JsonNumber
+    velocity: JsonNumber
+    angular_velocity: JsonNumber
 
 
 class ViolationAnswer(TypedDict):
     """What is left of a joint's constraints: positions, velocities [1/s], accelerations [1/s²]."""
 
-    metres: list[Number]
-    radians: list[Number]
+    metres: list[JsonNumber]
+    radians: list[JsonNumber]
 
 
 class MomentumAnswer(TypedDict):
     """Largest change of a momentum that nothing should change [kg m/s, kg m²/s]."""
 
     bodies: list[str]
-    linear: Number | None
-    angular: Number | None
+    linear: JsonNumber | None
+    angular: JsonNumber | None
     about: str
 
 
 class ErrorEstimateAnswer(TypedDict):
     """How far the rows of a second run by another method are away."""
 
-    length: Number
-    angle: Number
+    length: JsonNumber
+    angle: JsonNumber
     unit: str
     method: str
-    unknown_from: Number | None
+    unknown_from: JsonNumber | None
 
 
 class TrustAnswer(TypedDict):
     """How far a run can be trusted, and what speaks against it."""
 
     is_trusted: bool
-    energy_error: Number | None
-    energy_moved: Number | None
-    work_error: Number | None
-    constraints: Number | None
-    missed: Number
-    closure_tolerance: Number
-    drift: Number | None
-    row_drift: Number | None
-    pivot_ratio: Number | None
+    energy_error: JsonNumber | None
+    energy_moved: JsonNumber | None
+    work_error: JsonNumber | None
+    constraints: JsonNumber | None
+    missed: JsonNumber
+    closure_tolerance: JsonNumber
+    drift: JsonNumber | None
+    row_drift: JsonNumber | None
+    pivot_ratio: JsonNumber | None
     unresolved: int
-    stillness: Number | None
-    below_tolerance: dict[str, Number]
-    branch_point_time: Number | None
-    meeting_time: Number | None
+    stillness: JsonNumber | None
+    below_tolerance: dict[str, JsonNumber]
+    branch_point_time: JsonNumber | None
+    meeting_time: JsonNumber | None
     error: ErrorEstimateAnswer | None
-    limit: Number
+    limit: JsonNumber
     problems: list[str]
 
 
@@ -331,39 +331,39 @@ class RunLedgerAnswer(TypedDict):
     """What a run cost, and how far it can be trusted; in metres, joules, seconds."""
 
     method: str
-    tolerance: Number
-    fixed_step: Number | None
-    parameters: dict[str, Number]
+    tolerance: JsonNumber
+    fixed_step: JsonNumber | None
+    parameters: dict[str, JsonNumber]
     steps: int
     rejected: int
     derivatives: int
     factorisations: int
     corrections: int
-    drift: Number
+    drift: JsonNumber
     avoided: int
-    growth: Number
-    growth_time: Number
+    growth: JsonNumber
+    growth_time: JsonNumber
     passed: int
-    passed_time: Number | None
+    passed_time: JsonNumber | None
     unresolved: int
-    unresolved_time: Number | None
+    unresolved_time: JsonNumber | None
     branch_points: int
-    branch_point_time: Number | None
+    branch_point_time: JsonNumber | None
     meetings: int
-    meeting_time: Number | None
+    meeting_time: JsonNumber | None
     fallbacks: int
-    fallback_time: Number | None
+    fallback_time: JsonNumber | None
     refinements: int
-    energy: Number | None
-    energy_error: Number | None
-    works: dict[str, Number]
+    energy: JsonNumber | None
+    energy_error: JsonNumber | None
+    works: dict[str, JsonNumber]
     momenta: list[MomentumAnswer]
     violations: dict[str, ViolationAnswer]
-    missed: dict[str, list[Number]]
+    missed: dict[str, list[JsonNumber]]
     released: list[str]
     moved: dict[str, MovedByAssembly]
     events: dict[str, int]
-    seconds: dict[str, Number]
+    seconds: dict[str, JsonNumber]
 
 
 class EventAnswer(TypedDict):
@@ -371,7 +371,7 @@ class EventAnswer(TypedDict):
 
     action: Literal["record", "count", "stop"]
     count: int
-    times: list[Number]
+    times: list[JsonNumber]
 
 
 class MovedBodies(TypedDict):
@@ -387,12 +387,12 @@ class MovedBodies(TypedDict):
     events: dict[str, EventAnswer]
     not_unique: list[str]
     undetermined: dict[str, list[str]]
-    reaction_length: Number
+    reaction_length: JsonNumber
     notes: list[str]
     trust: TrustAnswer
     ledger: RunLedgerAnswer
-    seconds: dict[str, Number]
-    errors: dict[str, Number] | None
+    seconds: dict[str, JsonNumber]
+    errors: dict[str, JsonNumber] | None
     plots: list[str]
 
 
@@ -415,11 +415,11 @@ class MovedLinkage(TypedDict):
     divisions: int
     rows: int
     iterations: IterationsAnswer
-    residual_max: Number
-    condition_max: Number
-    turn_gaps: dict[str, Number]
-    seconds: dict[str, Number]
-    errors: dict[str, Number] | None
+    residual_max: JsonNumber
+    condition_max: JsonNumber
+    turn_gaps: dict[str, JsonNumber]
+    seconds: dict[str, JsonNumber]
+    errors: dict[str, JsonNumber] | None
     plots: list[str]
 
 
@@ -429,14 +429,14 @@ class VerifiedRow(TypedDict):
     kernel: str
     output: str
     way: str
-    worst: Number
+    worst: JsonNumber
     element: list[int]
     point: int
     label: str
     inputs: dict[str, str]
-    got: Number
-    wanted: Number
-    limit: Number
+    got: JsonNumber
+    wanted: JsonNumber
+    limit: JsonNumber
     ok: bool
 
 
@@ -446,7 +446,7 @@ class VerifiedPackage(TypedDict):
     package: str
     folder: str
     ok: bool
-    limit: Number
+    limit: JsonNumber
     rows: list[VerifiedRow]
     problems: list[str]
     notes: list[str]
@@ -457,7 +457,7 @@ class Verify(TypedDict):
 
     format: int
     ok: bool
-    limit: Number
+    limit: JsonNumber
     packages: list[VerifiedPackage]
 
 

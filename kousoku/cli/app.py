@@ -10,7 +10,6 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from kousoku import __version__
 from kousoku.cli.animate import animate
 from kousoku.cli.cache import cache
 from kousoku.cli.check import check
@@ -27,6 +26,7 @@ from kousoku.cli.solve import solve
 from kousoku.cli.verify import verify
 from kousoku.cli.wording import as_typed, refused
 from kousoku.model.errors import KousokuError
+from kousoku.model.version import __version__
 
 
 def _discard() -> None:

@@ -8,7 +8,7 @@ import typer
 
 from kousoku.cli.completing import files
 from kousoku.cli.console import BAD_INPUT, AsJson, print_json
-from kousoku.cli.moving import Kinds
+from kousoku.cli.moving import KindsOption
 from kousoku.model.errors import AssemblyError, Problem, SceneError
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def check(
         ),
     ],
     *,
-    kind: Kinds = None,
+    kind: KindsOption = None,
     as_json: AsJson = False,
 ) -> None:
     """Check scenes: keys, names, formulas, whether joints close, and what drivers may prescribe.

@@ -3,12 +3,12 @@
 import typer
 
 from kousoku.cli.console import AsJson, print_json
-from kousoku.cli.moving import Kinds, SceneFile
+from kousoku.cli.moving import KindsOption, SceneFile
 
 
 def explain(
     scene_file: SceneFile,
-    kind: Kinds = None,
+    kind: KindsOption = None,
     as_json: AsJson = False,
 ) -> None:
     """Say what a solver of a scene leaves out, what that saves, and what it solves.

@@ -18,7 +18,7 @@ from kousoku.cli.console import (
     print_json,
     progress,
 )
-from kousoku.cli.moving import Kinds
+from kousoku.cli.moving import KindsOption
 from kousoku.model.errors import EmitError, KousokuError
 from kousoku.model.text import counted
 
@@ -71,7 +71,7 @@ def generate(
         Emitted, typer.Option(help="With --out: leave out the sources of the other target.")
     ] = Emitted.ALL,
     *,
-    kind: Kinds = None,
+    kind: KindsOption = None,
     as_json: AsJson = False,
 ) -> None:
     """Derive, freeze, optimise and emit packages of NumPy and C.

@@ -50,7 +50,7 @@ Set = Annotated[
         help="A parameter of the scene, for each; formulas too, as 2*pi/3 or 30deg.",
     ),
 ]
-Initial = Annotated[
+InitialOption = Annotated[
     list[str] | None,
     typer.Option(
         "--initial",
@@ -70,7 +70,7 @@ Columns = Annotated[
     list[str] | None,
     typer.Option("--column", metavar="NAME", help="What to print and to draw, for each."),
 ]
-Kinds = Annotated[
+KindsOption = Annotated[
     list[Path] | None,
     typer.Option(
         "--kind",

@@ -8,8 +8,8 @@ import typer
 from kousoku.cli.console import AsJson, TargetChoice
 from kousoku.cli.moving import (
     Columns,
-    Initial,
-    Kinds,
+    InitialOption,
+    KindsOption,
     Of,
     OfLinkages,
     Out,
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 #: How the motion is found.
-Method = Literal["dopri5", "dop853", "kinematics", OfLinkages]
+MethodName = Literal["dopri5", "dop853", "kinematics", OfLinkages]
 
 
 class OutputChoice(StrEnum):
@@ -55,7 +55,7 @@ def simulate(
         float | None, typer.Option(help="Local error of a step, relative; 1e-9 when left out.")
     ] = None,
     method: Annotated[
-        Method | None,
+        MethodName | None,
         typer.Option(
             help="Of order 5 or 8, by the tolerance when left out; kinematics where drivers"
             " determine the motion; newton or paper for linkages of nodes."
@@ -83,8 +83,8 @@ def simulate(
         ),
     ] = False,
     given: Set = None,
-    initial: Initial = None,
-    kind: Kinds = None,
+    initial: InitialOption = None,
+    kind: KindsOption = None,
     output: Annotated[
         list[OutputChoice] | None,
         typer.Option(help="What to compute, once for each; what the scene says when left out."),

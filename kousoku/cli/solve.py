@@ -7,7 +7,7 @@ import typer
 from kousoku.cli.console import AsJson, TargetChoice
 from kousoku.cli.moving import (
     Columns,
-    Kinds,
+    KindsOption,
     Of,
     OfLinkages,
     Out,
@@ -42,7 +42,7 @@ def solve(
         typer.Option(min=0, help="Of linkages: the turn that begins as the scene says; 0."),
     ] = None,
     given: Set = None,
-    kind: Kinds = None,
+    kind: KindsOption = None,
     column: Columns = None,
     of: Of = None,
     out: Out = None,

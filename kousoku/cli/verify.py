@@ -20,7 +20,7 @@ from kousoku.cli.console import (
     print_table,
     progress,
 )
-from kousoku.cli.moving import Kinds
+from kousoku.cli.moving import KindsOption
 from kousoku.model.errors import LoadError
 from kousoku.model.text import counted
 
@@ -43,7 +43,7 @@ def verify(
         TargetChoice,
         typer.Option(help="What to check: all that this machine can run, or one target."),
     ] = TargetChoice.AUTO,
-    kind: Kinds = None,
+    kind: KindsOption = None,
     as_json: AsJson = False,
 ) -> None:
     """Check that emitted code computes what was derived, within 4 units of rounding."""

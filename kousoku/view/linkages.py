@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kousoku.model.scene import Scene
-    from kousoku.view.picture import Picture
 
     Array = NDArray[np.float64]
 
@@ -38,25 +37,10 @@ OUT = np.array([0.0, 0.0, 1.0])
 UP = np.array([0.0, 1.0, 0.0])
 
 
-def linkage_at_rest(scene: Scene) -> Picture:
-    """Picture of a linkage at the positions of its nodes as they are written."""
-    from kousoku.view.picture import Picture
-
+def linkage_at_rest(scene: Scene) -> tuple[Shapes, Array, Array]:
+    """Shapes, positions and Euler parameters of a linkage whose nodes are as they are written."""
     nodes = {name: np.array([node.at], dtype=np.float64) for name, node in scene.nodes.items()}
-    shapes, position, turn = _linkage(scene, nodes)
-    return Picture(
-        name=scene.name,
-        title=scene.title or scene.name,
-        unit=scene.unit,
-        shapes=shapes,
-        time=np.zeros(1),
-        position=position,
-        turn=turn,
-        force={},
-        paths=(),
-        normal=OUT,
-        speed=1.0,
-    )
+    return _linkage(scene, nodes)
 
 
 def linkage_motion(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kousoku.view.linkages import OUT, linkage_at_rest, linkage_motion
 from kousoku.view.shapes import rotation, spatial_shapes, with_values, written_poses
 
 if TYPE_CHECKING:
@@ -123,9 +124,20 @@ class Picture:
 def picture_at_rest(scene: Scene, parameters: Mapping[str, float | str] | None = None) -> Picture:
     """Picture of a scene at the positions as they are written."""
     if not scene.is_spatial:
-        from kousoku.view.linkages import linkage_at_rest
-
-        return linkage_at_rest(scene)
+        shapes, position, turn = linkage_at_rest(scene)
+        return Picture(
+            name=scene.name,
+            title=scene.title or scene.name,
+            unit=scene.unit,
+            shapes=shapes,
+            time=np.zeros(1),
+            position=position,
+            turn=turn,
+            force={},
+            paths=(),
+            normal=OUT,
+            speed=1.0,
+        )
     scene = with_values(scene, parameters)
     position, turn = written_poses(scene)
     shapes = spatial_shapes(scene, (position, turn))
@@ -163,8 +175,6 @@ def picture_of(
     if len(result) == 0:
         raise SolveError(f"{scene.name}: the run has no row: there is nothing to show")
     if not scene.is_spatial:
-        from kousoku.view.linkages import linkage_motion
-
         shapes, time, position, turn, rates = linkage_motion(result, scene)
         table: dict[str, Array] = {}
     else:

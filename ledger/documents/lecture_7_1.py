@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 from sympy.matrices.expressions import Identity, MatrixSymbol, ZeroMatrix
 
 from kousoku.ledger import entries, find
-from kousoku.ledger.names import Names
 from kousoku.ledger.parser import parse
 from kousoku.ledger.proof import GENERAL, difference, equality, value_of
+from kousoku.ledger.registry import Names
 from kousoku.ledger.turning import along, flat, orientation, spatial, turned
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import LedgerError
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.components import Flow, cross, half_turn, plus
-from kousoku.symbolic.matrices import Orientation, elements, symbol
+from kousoku.symbolic.matrices import OrientationMatrix, elements, symbol
 
 if TYPE_CHECKING:
     from kousoku.ledger.proof import Side
@@ -39,7 +39,7 @@ def words() -> Vocabulary:
     """Vocabulary of the lecture; δA, δs, δr and δθ are differentiated, not stated."""
     delta, rate = along((R, DR), (P, DTHETA_B)), along((P, OMEGA_B))
     arm = turned(P, elements(S_B))
-    a = Orientation(symbol(P))
+    a = OrientationMatrix(symbol(P))
     given: dict[str, list[Any]] = {
         "r_P": plus(elements(R), arm),
         "δA": [delta(x) for x in flat(orientation(P))],

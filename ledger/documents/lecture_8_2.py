@@ -16,12 +16,12 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.ledger.documents import lecture_8_2_words
 from kousoku.ledger.documents.lecture_8_2_words import offset, primed, together, words
-from kousoku.ledger.names import Names
 from kousoku.ledger.parser import parse
 from kousoku.ledger.priming import ways_that_agree
 from kousoku.ledger.proof import equality, value_of
+from kousoku.ledger.registry import Names
 from kousoku.model.errors import LedgerError
-from kousoku.model.rows import ROWS, variant
+from kousoku.model.parallel_rows import ROWS, variant
 from kousoku.symbolic import derive
 from kousoku.symbolic.bodies import COLUMNS, COMPONENTS, SYMBOLS, A, unit_flows
 from kousoku.symbolic.components import cross, dot, plus, rotate, rotate_back, subtract
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.ledger.proof import Side
-    from kousoku.symbolic.derivation import Output
+    from kousoku.symbolic.derivation import DerivedOutput
     from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix, Value
 
 NAMES = Names(lecture_8_2_words.NAMES)
@@ -72,7 +72,7 @@ def offset_in_code(formula: str | Side) -> str:
 
 
 @cache
-def outputs(package: str) -> dict[str, Output]:
+def outputs(package: str) -> dict[str, DerivedOutput]:
     """Outputs that the code derives of a constraint: ``C`` and ``C_q``, on both levels."""
     return {o.quantity.name: o for o in derive(package).functions[0].outputs}
 

@@ -15,14 +15,14 @@ from sympy.matrices.expressions import Identity, MatrixSymbol, ZeroMatrix
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.ledger.formula import SymbolName
-from kousoku.ledger.names import Names
 from kousoku.ledger.proof import GENERAL
+from kousoku.ledger.registry import Names
 from kousoku.ledger.turning import along, flat, orientation, spatial, turned
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.bodies import BODIES, CONFIGURATION, SYMBOLS, A
 from kousoku.symbolic.components import cross, dot, plus, subtract
-from kousoku.symbolic.matrices import Orientation, elements, mul, symbol, transpose
+from kousoku.symbolic.matrices import OrientationMatrix, elements, mul, symbol, transpose
 from kousoku.symbolic.sympy_types import Value, as_value
 
 if TYPE_CHECKING:
@@ -164,7 +164,7 @@ def frames() -> Vocabulary:
     for x, e in unit.items():
         meanings[f"vec e_{x}^(O)"] = ImmutableDenseMatrix(3, 1, e)
     for body in BODIES:
-        at_point = Orientation(symbol(TURNED[body]))
+        at_point = OrientationMatrix(symbol(TURNED[body]))
         meanings[f"e^({body})"] = transpose(A[body])
         meanings[f"b^({body})"] = transpose(mul(A[body], at_point))
         for x, e in unit.items():

@@ -16,8 +16,8 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.ledger import find
 from kousoku.ledger.documents import link_mechanisms
-from kousoku.ledger.names import Names
 from kousoku.ledger.proof import equality, value_of
+from kousoku.ledger.registry import Names
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import LedgerError
 from kousoku.model.quantity import Quantity

@@ -24,10 +24,10 @@ from kousoku.ledger.documents import link_mechanisms, link_method
 from kousoku.ledger.documents.link_element import column
 from kousoku.ledger.documents.link_iteration import DIVISIONS, MP, RESIDUAL, run
 from kousoku.ledger.documents.link_mechanisms import LEVER_CRANK, PISTON_CRANK, ExampleMechanism
-from kousoku.ledger.formula import Array, Node, Numeral, Product, SymbolName
-from kousoku.ledger.names import Names
+from kousoku.ledger.formula import Array, FormulaNode, Numeral, Product, SymbolName
 from kousoku.ledger.parser import parse
 from kousoku.ledger.proof import equality, value_of
+from kousoku.ledger.registry import Names
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import FormulaError, LedgerError
 from kousoku.model.quantity import Quantity
@@ -63,7 +63,7 @@ class ExampleVocabulary(Vocabulary):
 
     mechanism: ExampleMechanism = PISTON_CRANK
 
-    def value(self, node: Node) -> Value:
+    def value(self, node: FormulaNode) -> Value:
         """Left side of the system, all products carried out, or what its zeros stand for."""
         match node:
             case Product() if all(isinstance(factor, Array) for factor in node.factors):
@@ -79,11 +79,11 @@ class ExampleVocabulary(Vocabulary):
                 return as_value(matrix * column([Symbol(name) for name in self.mechanism.names]))
         return Vocabulary.value(self, node)
 
-    def matrix(self, rows: Sequence[Sequence[Node]]) -> ImmutableDenseMatrix:
+    def matrix(self, rows: Sequence[Sequence[FormulaNode]]) -> ImmutableDenseMatrix:
         """Cells as a matrix."""
         return ImmutableDenseMatrix([[self.value(cell) for cell in row] for row in rows])
 
-    def _displacement(self, cell: Node) -> Scalar:
+    def _displacement(self, cell: FormulaNode) -> Scalar:
         name, value = displacement(cell)
         if name not in self.mechanism.names:
             raise FormulaError(f"the mechanism has no displacement {name}")
@@ -93,7 +93,7 @@ class ExampleVocabulary(Vocabulary):
         return as_scalar(Symbol(name))
 
 
-def displacement(cell: Node) -> tuple[str, str]:
+def displacement(cell: FormulaNode) -> tuple[str, str]:
     """Name of a displacement and its value, empty where it is not known."""
     match cell:
         case SymbolName():
@@ -105,7 +105,7 @@ def displacement(cell: Node) -> tuple[str, str]:
     raise FormulaError("a displacement is a symbol, with a value in parentheses where it is known")
 
 
-def parts(node: Node) -> tuple[list[tuple[Node, ...]], list[Node]]:
+def parts(node: FormulaNode) -> tuple[list[tuple[FormulaNode, ...]], list[FormulaNode]]:
     """Rows of the matrix, its parts joined side by side, and the displacements."""
     if not isinstance(node, Product):
         raise FormulaError("a system is a matrix times its displacements")

@@ -27,7 +27,7 @@ MP.dps = 30
 DIVISIONS = 60
 RESIDUAL = "1e-13"
 
-Vector = list[Real]
+RealVector = list[Real]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class CrankTurn:
 
     corrections: tuple[int, ...]
     residual: float
-    states: tuple[tuple[Vector, Vector, Vector], ...]
+    states: tuple[tuple[RealVector, RealVector, RealVector], ...]
 
     @property
     def range(self) -> tuple[int, int]:
@@ -80,11 +80,11 @@ def run(name: str, *, renews: bool = False) -> CrankTurn:
 
 def _step(
     mechanism: ExampleMechanism,
-    state: tuple[Vector, Vector, Vector],
-    inverse: Sequence[Vector],
+    state: tuple[RealVector, RealVector, RealVector],
+    inverse: Sequence[RealVector],
     *,
     renews: bool,
-) -> tuple[Vector, int, Real]:
+) -> tuple[RealVector, int, Real]:
     """Go on by one division; return the position, how many corrections, and the residual."""
     x, first, second = state
     first = list(first)
@@ -104,8 +104,8 @@ def _step(
 
 
 def _transfer(
-    mechanism: ExampleMechanism, x: Vector, inverse: Sequence[Vector]
-) -> tuple[Vector, Vector]:
+    mechanism: ExampleMechanism, x: RealVector, inverse: Sequence[RealVector]
+) -> tuple[RealVector, RealVector]:
     """Transfer functions x′ and x″ by (22) and (23)."""
     crank = mechanism.names.index("ψ_11")
     first = [MP.mpf(0)] * len(x)
@@ -117,8 +117,8 @@ def _transfer(
 
 
 def _second(
-    mechanism: ExampleMechanism, x: Vector, first: Vector, inverse: Sequence[Vector]
-) -> Vector:
+    mechanism: ExampleMechanism, x: RealVector, first: RealVector, inverse: Sequence[RealVector]
+) -> RealVector:
     second = [MP.mpf(0)] * len(x)
     changes = _times(inverse, _changes(mechanism, x, first))
     for k, value in zip(mechanism.unknown, changes, strict=True):
@@ -126,11 +126,11 @@ def _second(
     return second
 
 
-def _times(matrix: Sequence[Vector], vector: Sequence[Real]) -> Vector:
+def _times(matrix: Sequence[RealVector], vector: Sequence[Real]) -> RealVector:
     return [MP.fsum(a * b for a, b in zip(row, vector, strict=True) if a) for row in matrix]
 
 
-def _inverse(mechanism: ExampleMechanism, x: Vector) -> list[Vector]:
+def _inverse(mechanism: ExampleMechanism, x: RealVector) -> list[RealVector]:
     """Inverse of the columns of the unknowns; most of them is zero, and is passed by."""
     size = len(mechanism.unknown)
     rows = [
@@ -154,7 +154,9 @@ def _inverse(mechanism: ExampleMechanism, x: Vector) -> list[Vector]:
 # -- the link element ----------------------------------------------------------------------------
 
 
-def _along(mechanism: ExampleMechanism, link: int, x: Vector) -> tuple[Vector, Real, Real, Real]:
+def _along(
+    mechanism: ExampleMechanism, link: int, x: RealVector
+) -> tuple[RealVector, Real, Real, Real]:
     """Coordinates x1 y1 β1 x2 y2 β2 of a link, the cosine and sine of its angle, and its length."""
     ends = [x[k] for k in mechanism.ends(link)]
     dx, dy = ends[3] - ends[0], ends[4] - ends[1]
@@ -162,7 +164,7 @@ def _along(mechanism: ExampleMechanism, link: int, x: Vector) -> tuple[Vector, R
     return ends, dx / length, dy / length, length
 
 
-def _deformations(mechanism: ExampleMechanism, x: Vector) -> Vector:
+def _deformations(mechanism: ExampleMechanism, x: RealVector) -> RealVector:
     """Deformations (5) to (7) of all links, angles within half a turn."""
     result = []
     for link, design in enumerate(mechanism.lengths, 1):
@@ -174,10 +176,10 @@ def _deformations(mechanism: ExampleMechanism, x: Vector) -> Vector:
     return result
 
 
-def _matrix(mechanism: ExampleMechanism, x: Vector) -> list[Vector]:
+def _matrix(mechanism: ExampleMechanism, x: RealVector) -> list[RealVector]:
     """Matrix (15) of all links, assembled."""
 
-    def element(link: int) -> list[Vector]:
+    def element(link: int) -> list[RealVector]:
         _, c, s, _ = _along(mechanism, link, x)
         l0 = MP.mpf(mechanism.lengths[link - 1])
         return [[-c, -s, 0, c, s, 0], [-s, c, l0, s, -c, 0], [s, -c, 0, -s, c, -l0]]
@@ -185,7 +187,7 @@ def _matrix(mechanism: ExampleMechanism, x: Vector) -> list[Vector]:
     return mechanism.assembled(element)
 
 
-def _changes(mechanism: ExampleMechanism, x: Vector, slope: Vector) -> Vector:
+def _changes(mechanism: ExampleMechanism, x: RealVector, slope: RealVector) -> RealVector:
     """Product D′ x′ of all links: D turns with the link, and its lower rows are over its length."""
     result = []
     for link, design in enumerate(mechanism.lengths, 1):
@@ -201,7 +203,7 @@ def _changes(mechanism: ExampleMechanism, x: Vector, slope: Vector) -> Vector:
 # -- where it starts -----------------------------------------------------------------------------
 
 
-def _start(mechanism: ExampleMechanism) -> Vector:
+def _start(mechanism: ExampleMechanism) -> RealVector:
     """Position with the crank along the x axis."""
     lengths = [MP.mpf(length) for length in mechanism.lengths]
     nodes = [(MP.mpf(0), MP.mpf(0)), (lengths[0], MP.mpf(0))]

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
-from kousoku.ledger.names import Names
 from kousoku.ledger.proof import GENERAL
+from kousoku.ledger.registry import Names
 from kousoku.model.errors import LedgerError
 from kousoku.symbolic.sympy_types import as_scalar
 

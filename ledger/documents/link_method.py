@@ -18,8 +18,8 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 from kousoku.ledger import find
 from kousoku.ledger.documents.link_element import U, code, column
 from kousoku.ledger.documents.link_mechanisms import PISTON_CRANK
-from kousoku.ledger.names import Names
 from kousoku.ledger.proof import GENERAL, equality, value_of
+from kousoku.ledger.registry import Names
 from kousoku.ledger.vocabulary import Vocabulary, explicit
 from kousoku.model.errors import LedgerError
 from kousoku.model.quantity import Quantity

@@ -17,8 +17,8 @@ from sympy import S
 from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol, Transpose, ZeroMatrix
 
 from kousoku.ledger import find
-from kousoku.ledger.names import Names
 from kousoku.ledger.proof import GENERAL, difference, different, equality, value_of
+from kousoku.ledger.registry import Names
 from kousoku.ledger.turning import along, flat, orientation, turned
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import LedgerError
@@ -26,19 +26,19 @@ from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.components import Flow, cross, dot, plus, subtract
 from kousoku.symbolic.mass import FORCE, I_A_B, MASS, OMEGA_B, R_AG_B, TORQUE_B, P
-from kousoku.symbolic.matrices import Orientation, Skew, elements, mul, neg, symbol
+from kousoku.symbolic.matrices import OrientationMatrix, Skew, elements, mul, neg, symbol
 from kousoku.symbolic.sympy_types import Scalar, as_value
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from kousoku.ledger.names import Words
     from kousoku.ledger.proof import Side
+    from kousoku.ledger.registry import Words
     from kousoku.symbolic.sympy_types import SymbolicMatrix, Value
 
 NAMES = Names(GENERAL)
 
-Vector = list[Scalar]
+ScalarVector = list[Scalar]
 
 R = Quantity("r", (3,), "m", "position of frame A's origin, frame O")
 V = Quantity("v", (3,), "m/s", "its velocity, frame O")
@@ -84,7 +84,7 @@ def centred() -> Vocabulary:
 def body() -> Vocabulary:
     """Vocabulary of any rigid body, given by mass, centre and inertia."""
     meanings = {
-        "C_OA": Orientation(symbol(P)),
+        "C_OA": OrientationMatrix(symbol(P)),
         "E": Identity(3),
         "ω_A^A": symbol(OMEGA_B),
         "M_A": symbol(MASS),
@@ -155,18 +155,20 @@ def _about_z(known: Vocabulary) -> Vocabulary:
     return turning.knowing({"ω_A^A": MatrixSymbol("spin", 3, 1)})
 
 
-def _rows() -> list[Vector]:
+def _rows() -> list[ScalarVector]:
     cells = elements(S_B)
     return [list(cells[k : k + 3]) for k in (0, 3, 6)]
 
 
-def rate() -> Callable[[Sequence[Any]], Vector]:
+def rate() -> Callable[[Sequence[Any]], ScalarVector]:
     """Time derivative of the components of a vector, along the motion of frame A."""
     flow = along((R, V), (V, V_DOT), (P, OMEGA_B), (OMEGA_B, OMEGA_DOT))
     return lambda vector: [flow(x) for x in vector]
 
 
-def carried(labels: str, places: Sequence[Vector], quantities: tuple[Quantity, ...]) -> Vocabulary:
+def carried(
+    labels: str, places: Sequence[ScalarVector], quantities: tuple[Quantity, ...]
+) -> Vocabulary:
     """Vocabulary of three points that frame A carries.
 
     Parameters
@@ -181,8 +183,8 @@ def carried(labels: str, places: Sequence[Vector], quantities: tuple[Quantity, .
     change = rate()
     arms = [turned(P, place) for place in places]
     internal = _internal(arms)
-    vectors: dict[str, Vector] = {}
-    external: list[Vector] = []
+    vectors: dict[str, ScalarVector] = {}
+    external: list[ScalarVector] = []
     for i, (label, place, arm) in enumerate(zip(labels, places, arms, strict=True)):
         position = plus(elements(R), arm)
         velocity = change(position)
@@ -202,9 +204,9 @@ def carried(labels: str, places: Sequence[Vector], quantities: tuple[Quantity, .
     return Vocabulary(quantities, {**meanings, **_common()}, given)
 
 
-def _internal(arms: Sequence[Vector]) -> dict[tuple[int, int], Vector]:
+def _internal(arms: Sequence[ScalarVector]) -> dict[tuple[int, int], ScalarVector]:
     """Force on each point from each other: along the line between them, opposite."""
-    forces: dict[tuple[int, int], Vector] = {}
+    forces: dict[tuple[int, int], ScalarVector] = {}
     for strength, (i, j) in zip(elements(K), combinations(range(3), 2), strict=True):
         forces[i, j] = scaled(strength, subtract(arms[i], arms[j]))
         forces[j, i] = scaled(strength, subtract(arms[j], arms[i]))
@@ -212,8 +214,8 @@ def _internal(arms: Sequence[Vector]) -> dict[tuple[int, int], Vector]:
 
 
 def _sums(
-    places: Sequence[Vector], arms: Sequence[Vector], external: Sequence[Vector]
-) -> dict[str, Vector]:
+    places: Sequence[ScalarVector], arms: Sequence[ScalarVector], external: Sequence[ScalarVector]
+) -> dict[str, ScalarVector]:
     """Centre, its motion, and the resultants of the external forces."""
     masses, change = elements(M), rate()
     total = sum(masses, S.Zero)
@@ -232,7 +234,7 @@ def _sums(
     }
 
 
-def _matrices(places: Sequence[Vector]) -> dict[str, Vector]:
+def _matrices(places: Sequence[ScalarVector]) -> dict[str, ScalarVector]:
     """Matrices dC/dt, and the inertia Σ m (s·s E − s sᵀ), row-major."""
     inertia = [
         sum(
@@ -251,7 +253,7 @@ def _matrices(places: Sequence[Vector]) -> dict[str, Vector]:
 def _common() -> dict[str, Scalar | SymbolicMatrix]:
     """Meanings that are not of single points."""
     return {
-        "C_OA": Orientation(symbol(P)),
+        "C_OA": OrientationMatrix(symbol(P)),
         "d/dt C_OA": MatrixSymbol("d/dt C_OA", 3, 3),
         "E": Identity(3),
         "r_OA^O": symbol(R),
@@ -264,12 +266,12 @@ def _common() -> dict[str, Scalar | SymbolicMatrix]:
     }
 
 
-def added(vectors: Sequence[Vector]) -> Vector:
+def added(vectors: Sequence[ScalarVector]) -> ScalarVector:
     """Sum of vectors."""
     return reduce(plus, vectors)
 
 
-def scaled(number: Any, vector: Sequence[Any]) -> Vector:
+def scaled(number: Any, vector: Sequence[Any]) -> ScalarVector:
     """Number times a vector."""
     return [number * x for x in vector]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.decode import require_known
 from kousoku.model.elements.kind import ForceKind, require_one, scalars
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import ForceElement
+from kousoku.model.multibody import ForceElement
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

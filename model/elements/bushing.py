@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kousoku.model.elements.kind import Lowering
     from kousoku.model.frames import BodyFrame
     from kousoku.model.loads import Force
-    from kousoku.model.mechanism import ForceElement
+    from kousoku.model.multibody import ForceElement
     from kousoku.model.precise import Triple
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Value
@@ -66,7 +66,7 @@ class Bushing(ForceKind):
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
         """Springs along three directions of body i, and about them by sines of the turns."""
-        from kousoku.model.coordinates import PreciseMeasure
+        from kousoku.model.measures import PreciseMeasure
 
         assert force.bodies is not None
         i, j = (given.frames[body] for body in force.bodies)

@@ -10,7 +10,7 @@ from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
     from kousoku.model.coordinates import CoordinateList
-    from kousoku.model.mechanism import Instance
+    from kousoku.model.multibody import Instance
     from kousoku.model.spatial import Joint
 
 FOLDED = 1e-3
@@ -25,9 +25,9 @@ class ConstantVelocity(JointKind):
         """Combination x_i·y_j − y_i·x_j, where x, y and the shaft are the frame of each body."""
         from kousoku.model import precise
         from kousoku.model.combinations import combination
-        from kousoku.model.coordinates import PreciseMeasure
         from kousoku.model.digits import CONTEXT
         from kousoku.model.frames import joint_vectors
+        from kousoku.model.measures import PreciseMeasure
 
         ends = coordinates.frames[joint.ends[0]], coordinates.frames[joint.ends[1]]
         i, j = joint_vectors(ends, joint)

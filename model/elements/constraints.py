@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.model.rows import ROWS
+from kousoku.model.parallel_rows import ROWS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,6 +21,16 @@ COMBINATION = "linear_combination"
 """The kind of an instance that combines coordinates."""
 
 AXES_I, AXES_J = ("a_i_b", "b_i_b"), ("a_j_b",)
+
+
+def is_point(name: str) -> bool:
+    """Whether an input of a kernel is a point of a body, ``s_i_b`` or ``s_j_b``."""
+    return name.startswith("s_")
+
+
+def is_axis(name: str) -> bool:
+    """Whether an input of a kernel is an axis of a body, such as ``a_i_b``."""
+    return name.startswith(("a_", "b_"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,12 +47,15 @@ class ConstraintKind:
         Vectors and points that are fixed in the bodies, in the order of the kernel's arguments.
     has_variants : bool
         Whether there are three packages, by the axis of body i whose rows are kept: ``p1_z``.
+    has_length : bool
+        Whether its kernels take a ``length`` after these inputs.
     """
 
     rows: int
     unit: str
     inputs: tuple[str, ...]
     has_variants: bool = False
+    has_length: bool = False
 
     def turns(self, body: int) -> bool:
         """Whether it needs the orientation of body i (0) or j (1), which a point lacks."""
@@ -126,7 +139,7 @@ _DISPLACEMENT = DisplacementKind(1, "m", ("a_i_b", *_ENDS))
 
 CONSTRAINTS: dict[str, ConstraintKind] = {
     "point": ConstraintKind(3, "m", _ENDS),
-    "distance": ConstraintKind(1, "m", _ENDS),
+    "distance": ConstraintKind(1, "m", _ENDS, has_length=True),
     "n1": _COSINE,
     "n2": _DISPLACEMENT,
     "p1": ConstraintKind(2, "rad", ("a_i_b", "a_j_b"), has_variants=True),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.model.elements.along import is_length
 from kousoku.model.elements.kind import scalars
-from kousoku.model.mechanism import ForceElement
+from kousoku.model.multibody import ForceElement
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.coordinates import CoordinateList
     from kousoku.model.elements.inputs import ElementInput
-    from kousoku.model.mechanism import Instance
+    from kousoku.model.multibody import Instance
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Joint
 

@@ -37,8 +37,8 @@ class DrivenPoint(DriverKind):
     ) -> Iterator[tuple[int, Value]]:
         """Places along the axes of frame O, each with its law."""
         from kousoku.model import precise
-        from kousoku.model.coordinates import place_measure
         from kousoku.model.frames import DIRECTIONS
+        from kousoku.model.measures import place_measure
 
         assert driver.body is not None
         assert driver.path is not None

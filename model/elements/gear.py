@@ -9,7 +9,7 @@ from kousoku.model.elements.joint import ANGLE
 
 if TYPE_CHECKING:
     from kousoku.model.coordinates import CoordinateList
-    from kousoku.model.mechanism import Instance
+    from kousoku.model.multibody import Instance
     from kousoku.model.spatial import Joint
 
 

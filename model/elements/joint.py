@@ -14,10 +14,11 @@ from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.model.coordinates import CoordinateList, PreciseMeasure
+    from kousoku.model.coordinates import CoordinateList
     from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.frames import BodyFrame
-    from kousoku.model.mechanism import Instance
+    from kousoku.model.measures import PreciseMeasure
+    from kousoku.model.multibody import Instance
     from kousoku.model.spatial import Joint
 
 ANGLE, SECOND_ANGLE = "angle", "second_angle"
@@ -125,8 +126,8 @@ class JointKind:
         the point of i along the axis of i; in a plane it is along the zero direction of i, and the
         second one along axis × zero direction.
         """
-        from kousoku.model.coordinates import PreciseMeasure
         from kousoku.model.frames import joint_points, joint_vectors
+        from kousoku.model.measures import PreciseMeasure
 
         i, j = joint_vectors(ends, joint)
         if sort == ANGLE:

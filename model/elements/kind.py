@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.frames import BodyFrame
     from kousoku.model.loads import Force
-    from kousoku.model.mechanism import ForceElement
+    from kousoku.model.multibody import ForceElement
     from kousoku.model.precise import High
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Value

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.model.coordinates import CoordinateList
-    from kousoku.model.mechanism import Instance
+    from kousoku.model.multibody import Instance
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Joint
 
@@ -58,7 +58,7 @@ class LinearCoupling(Coupling):
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
         """Combination Σ factor · coordinate, of angles in rad, else in the unit of the scene."""
         from kousoku.model import precise
-        from kousoku.model.combinations import as_written, length_of
+        from kousoku.model.combinations import as_written
         from kousoku.model.traced import at_scene
 
         assert joint.coordinates is not None
@@ -71,7 +71,7 @@ class LinearCoupling(Coupling):
             factors = [f * coordinates.unit if of == "rad" else f for f, of in pairs]
         sizes = [float(at_scene(factor)) for factor in factors]
         if "m" in units and "rad" in units:
-            length = length_of(coordinates)
+            length = coordinates.length()
             sizes = [f / length if of == "rad" else f for f, of in zip(sizes, units, strict=True)]
         scale = _scale_of(sizes)
         terms = [(place, scale * f) for place, f in zip(places, factors, strict=True)]

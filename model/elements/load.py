@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from kousoku.model.decode import require_known
 from kousoku.model.elements.kind import ForceKind, require_only_point
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import GROUND_INDEX, ForceElement
+from kousoku.model.multibody import GROUND_INDEX, ForceElement
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kousoku.model.elements.kind import Constants, Formulas, Lowering
     from kousoku.model.frames import BodyFrame
     from kousoku.model.loads import Force
-    from kousoku.model.mechanism import Vector
+    from kousoku.model.orientation import Vector
     from kousoku.model.precise import High, Triple
     from kousoku.model.scene import Scene
 

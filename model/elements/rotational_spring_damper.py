@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.elements.kind import Lowering
     from kousoku.model.loads import Force
-    from kousoku.model.mechanism import ForceElement
+    from kousoku.model.multibody import ForceElement
     from kousoku.model.scene import Scene
 
 

@@ -11,7 +11,7 @@ from kousoku.model.text import with_a
 
 if TYPE_CHECKING:
     from kousoku.model.coordinates import CoordinateList
-    from kousoku.model.mechanism import Instance
+    from kousoku.model.multibody import Instance
     from kousoku.model.spatial import Joint
 
 

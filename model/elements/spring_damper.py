@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.elements.kind import ForceKind, require_only_point, scalars
 from kousoku.model.elements.spring import check_law, unused_free
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import ForceElement
+from kousoku.model.multibody import ForceElement
 from kousoku.model.spatial import GROUND
 
 if TYPE_CHECKING:

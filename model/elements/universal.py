@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from kousoku.model.elements.joint import ANGLE, JointKind
 
 if TYPE_CHECKING:
-    from kousoku.model.coordinates import PreciseMeasure
     from kousoku.model.frames import BodyFrame
+    from kousoku.model.measures import PreciseMeasure
     from kousoku.model.spatial import Joint
 
 
@@ -24,9 +24,9 @@ class Universal(JointKind):
         of body j about its own arm: against it the arm of i turns the other way.
         """
         from kousoku.model import precise
-        from kousoku.model.coordinates import PreciseMeasure
         from kousoku.model.digits import CONTEXT
         from kousoku.model.frames import joint_vectors
+        from kousoku.model.measures import PreciseMeasure
         from kousoku.model.precise import NOISE
 
         i, j = joint_vectors(ends, joint)

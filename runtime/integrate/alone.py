@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .events import Told, add_row, bends, infinite, without_value
+from .events import EventLog, add_row, bends, infinite, without_value
 from .given import require_options, require_steps, times_of, values_of
 from .given_start import given_start
 from .initial_given import initial_of, parameters_of
 from .methods import METHODS
 from .motion import Layout, Motion
 from .result import StoppedError, unknown
-from .scene import state_of
+from .scene_tables import state_of
 from .settings import KINEMATICS, MESSAGES, MOST_STEPS, OPTIONS, Settings, Status, method_for
 from .state import fields
 from .trust import CheckedRows, trust_of
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from .initial import Evaluate
     from .initial_given import Initial
-    from .solver import Solver
+    from .scene_solver import SceneSolver
 
     Array: TypeAlias = npt.NDArray[np.float64]
 
@@ -36,13 +36,13 @@ class Alone:
 
     Parameters
     ----------
-    solver : Solver
+    solver : SceneSolver
         That of the folder.
     data : mapping
         What its ``motion.json`` holds.
     """
 
-    def __init__(self, solver: Solver, data: Mapping[str, Any]) -> None:
+    def __init__(self, solver: SceneSolver, data: Mapping[str, Any]) -> None:
         self.solver = solver
         self.data = data
         self.layout = Layout.from_data(data)
@@ -227,7 +227,7 @@ class Run:
             parameters=self._parameters,
             is_complete=is_complete,
             trust=trust,
-            told=Told(tuple(map(int, counts)), events),
+            told=EventLog(tuple(map(int, counts)), events),
         )
 
     def _require(self, status: int, *, may_lack_values: bool = False) -> None:

@@ -17,12 +17,12 @@ from .arithmetic import larger, smaller
 from .pivot_monitor import branch_ratio
 from .projection import correct_position, project_position, ratio_at
 from .row_switch import FALL_BACK, forget_trials
-from .scene import WAY
+from .scene_tables import WAY
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .scene import Work
+    from .scene_tables import Work
     from .state import State
 
     Array = npt.NDArray[np.float64]

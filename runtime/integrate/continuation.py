@@ -18,7 +18,7 @@ from .state import SINGLE
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .scene import Work, Workspace
+    from .scene_tables import Work, Workspace
     from .state import State
 
     Array = npt.NDArray[np.float64]

@@ -23,8 +23,8 @@ from .settings import ACTIONS, Status
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .methods import Method
-    from .scene import Work, Workspace
+    from .methods import RungeKuttaMethod
+    from .scene_tables import Work, Workspace
     from .settings import Settings
     from .state import State
 
@@ -60,7 +60,8 @@ LARGER_THERE = 1.5
 ROUNDINGS = 64.0
 #: A step in which what was near to zero gets on a side within this part of it ends there.
 SOON = 0.1
-#: What rates are known to of a length in a step, in units of the tolerance.
+#: What rates are known to of a length in the longest step so far, in units of the tolerance: in a
+#: short one rates of what does move are no better known, and no worse.
 SLOW = 1e-4
 #: Where it is infinite a part of a force is so much larger that much nearer to the place: 1/x is
 #: FURTHER times as large. From one distance to the next that factor changes by no more than this.
@@ -106,7 +107,7 @@ def note_unresolved(time: float, state: State) -> None:
 
 
 @dataclass(slots=True)
-class Node:
+class TimeNode:
     """What is seen at a time of a step.
 
     Parameters
@@ -135,7 +136,7 @@ class Look:
         Of the run.
     cut : float [s]
         Where it was cut.
-    m, start, h : Method, float [s], float [s]
+    m, start, h : RungeKuttaMethod, float [s], float [s]
         How it was made.
     least_part : float
         At which part of it at least it may be cut.
@@ -170,7 +171,7 @@ class Look:
     state: State
     work: Work
     cut: float
-    m: Method = field(init=False)
+    m: RungeKuttaMethod = field(init=False)
     start: float = 0.0
     h: float = 0.0
     least_part: float = 0.0
@@ -192,17 +193,17 @@ class Look:
     pole_time: float = 0.0
 
 
-def side_at(node: Node) -> Array:
+def side_at(node: TimeNode) -> Array:
     """Side of zero of each function, 1 or -1, 0 where that is not known."""
     return np.where(node.least > 0.0, 1.0, np.where(node.most < 0.0, -1.0, 0.0))
 
 
-def middle(node: Node) -> Array:
+def middle(node: TimeNode) -> Array:
     """Middle of each function's bounds."""
     return np.multiply(0.5, node.least + node.most)
 
 
-def half_width(node: Node) -> Array:
+def half_width(node: TimeNode) -> Array:
     """Half of the distance between each function's bounds."""
     return np.multiply(0.5, node.most - node.least)
 
@@ -221,7 +222,7 @@ def read_at(time: float, look: Look) -> Array:
     return read_of(time, look.work.scratch, look.work.w)
 
 
-def look_at(time: float, look: Look, *, are_rates_exact: bool = True) -> Node:
+def look_at(time: float, look: Look, *, are_rates_exact: bool = True) -> TimeNode:
     """Node at a time of the motion.
 
     Of what passes by there its polynomial tells where it is, however far off that may be, and of a
@@ -264,19 +265,19 @@ def change_at(time: float, look: Look) -> Array:
     return known
 
 
-def look_closely(noise: Array, time: float, look: Look) -> Node:
+def look_closely(noise: Array, time: float, look: Look) -> TimeNode:
     """Node at a time, where values are known to a noise."""
     return see_at(read_at(time, look), noise, time, look.work.w)
 
 
-def see_at(read: Array, noise: Array, time: float, w: Workspace) -> Node:
+def see_at(read: Array, noise: Array, time: float, w: Workspace) -> TimeNode:
     """Node at a time where formulas read this, known to a noise."""
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = time
     own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - noise, read + noise, 0.0
     w.run("crossing")
     least, most = w.seen.reshape(-1, 4).T[:2].copy()
-    return Node(time, read, least, most)
+    return TimeNode(time, read, least, most)
 
 
 def stage_beyond(seen: float, look: Look) -> float:
@@ -300,7 +301,7 @@ def stage_beyond(seen: float, look: Look) -> float:
 
 
 def look_into(
-    s: Settings, m: Method, h: float, y: Array, f: Array, look: Look, *, has_stages: bool
+    s: Settings, m: RungeKuttaMethod, h: float, y: Array, f: Array, look: Look, *, has_stages: bool
 ) -> None:
     """Make the polynomial of a step from the state to y, where the derivative is f."""
     state, sizes = look.state, look.work.scene.measure_sizes
@@ -320,10 +321,11 @@ def look_into(
     look.error, look.grain = s.tolerance * speeds, SMALLEST * speeds
     look.noise = np.empty_like(most)
     look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
-    look.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
+    fast = most[:, 1] + SLOW * sizes / larger(state.stride, h)
+    look.noise[:, 1] = s.tolerance * fast
     look.rounding = np.empty_like(most)
     look.rounding[:, 0] = SMALLEST * (sizes + most[:, 0])
-    look.rounding[:, 1] = SMALLEST * (most[:, 1] + SLOW * sizes / h)
+    look.rounding[:, 1] = SMALLEST * fast
     look.grain = smallest(look.grain, look.rounding[:, 1])
 
 
@@ -339,7 +341,7 @@ def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
     return np.copysign(largest(np.zeros_like(off), np.abs(off) - rounding) / h, off)
 
 
-def bound_seen(a: Node, b: Node, look: Look) -> Array:
+def bound_seen(a: TimeNode, b: TimeNode, look: Look) -> Array:
     """Least and most value, slowest and fastest rate of the functions between two nodes."""
     w, h = look.work.w, b.time - a.time
     (x, v), (y, u) = a.read.T, b.read.T
@@ -371,7 +373,7 @@ def reach_between(
     found[:, 0], found[:, 1] = np.where(is_open, down, least), np.where(is_open, up, most)
 
 
-def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
+def is_told(sides: Array, a: TimeNode, b: TimeNode, bounds: Array) -> Flags:
     """Whether functions cross between two nodes as often as their sides tell."""
     n, is_down = len(sides), sides < 0.0
     low, high, slowest, fastest = bounds[:, :n]
@@ -390,7 +392,7 @@ def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
     return told
 
 
-def has_value(node: Node) -> Flags:
+def has_value(node: TimeNode) -> Flags:
     """Whether each function has a value at a node."""
     found: Flags = ~(np.isnan(node.least) | np.isnan(node.most))
     return found
@@ -418,7 +420,7 @@ def lacks_value(k: int, time: float, look: Look) -> bool:
     return not has_value(look_closely(exact, time + onward, look))[k]
 
 
-def valued_end(a: Node, b: Node, look: Look) -> float:
+def valued_end(a: TimeNode, b: TimeNode, look: Look) -> float:
     """Last time between two nodes at which all events have a value.
 
     Those count that have none at the second node; the first that has none behind that time is
@@ -453,7 +455,7 @@ def noise_of(k: int, look: Look) -> Array:
     return look.rounding if is_exact else look.noise
 
 
-def time_of(k: int, a: Node, b: Node, look: Look) -> float:
+def time_of(k: int, a: TimeNode, b: TimeNode, look: Look) -> float:
     """First time between two nodes at which a function that crosses does.
 
     Those of events are zero there, the others beyond it, so that what follows is all on the other
@@ -478,7 +480,7 @@ def time_of(k: int, a: Node, b: Node, look: Look) -> float:
     return last
 
 
-def first_time(a: Node, b: Node, look: Look) -> float:
+def first_time(a: TimeNode, b: TimeNode, look: Look) -> float:
     """Time at which the first function crosses; only those that do so there are left.
 
     What is behind the end of the run does not count, however near it is.
@@ -495,7 +497,18 @@ def first_time(a: Node, b: Node, look: Look) -> float:
     return first
 
 
-def first_left(a: Node, b: Node, look: Look) -> float:
+def is_short_of(k: int, a: TimeNode, look: Look) -> bool:
+    """Whether a step begins where a function that has crossed is on the side that it left.
+
+    A step ends there where errors let it. Formulas are then those of that side, and the errors of a
+    method can be blind to its first stage.
+    """
+    if a.time != look.start:
+        return False
+    return bool(side_at(look_closely(look.rounding, a.time, look))[k] != look.state.sides[k])
+
+
+def first_left(a: TimeNode, b: TimeNode, look: Look) -> float:
     """First time at which a function but for events is on a side that was near to zero so far.
 
     Formulas at zero, where jumps are, tell nothing of what follows; those that are near to it on
@@ -503,7 +516,9 @@ def first_left(a: Node, b: Node, look: Look) -> float:
     """
     first, sides, now, before = math.inf, look.state.sides, side_at(b), middle(a)
     for k in range(len(look.work.scene.events), len(sides) - look.work.scene.n_poles):
-        if sides[k] == 0.0 and now[k] != 0.0 and not now[k] * before[k] > 0.0:
+        if now[k] == 0.0 or now[k] * before[k] > 0.0:
+            continue
+        if sides[k] == 0.0 or (sides[k] == now[k] and is_short_of(k, a, look)):
             first = smaller(first, time_of(k, a, b, look))
     return first
 
@@ -520,14 +535,14 @@ def rate_sides(read: Array, time: float, look: Look) -> Array:
     return found
 
 
-def note_left(a: Node, look: Look) -> None:
+def note_left(a: TimeNode, look: Look) -> None:
     """Note on which side functions are where a step starts: of rates some left it in the noise."""
     sides = look.state.sides
     by_rates = rate_sides(a.read, a.time, look)[: len(sides)]
     sides[:] = np.where(by_rates == -sides, by_rates, sides)
 
 
-def are_crossed(sides: Array, b: Node, look: Look) -> Flags:
+def are_crossed(sides: Array, b: TimeNode, look: Look) -> Flags:
     """Whether functions that were on sides are beyond zero at a node.
 
     Where a step was cut for one it is there as far as rates are known.
@@ -599,7 +614,7 @@ def seen_end(end: float, look: Look) -> float:
     return a.time if nearest < a.time < end else end
 
 
-def find_pole(passes: Flags, a: Node, b: Node, look: Look) -> None:
+def find_pole(passes: Flags, a: TimeNode, b: TimeNode, look: Look) -> None:
     """Find the first pole of a force between two nodes, but behind nothing else that crosses there.
 
     Functions pass zero there, where forces may be infinite.
@@ -616,7 +631,7 @@ def find_pole(passes: Flags, a: Node, b: Node, look: Look) -> None:
             look.pole = 1 + k - len(passes) + look.work.scene.n_poles
 
 
-def see_beside(way: float, time: float, read: Array, noise: Array, look: Look) -> Node:
+def see_beside(way: float, time: float, read: Array, noise: Array, look: Look) -> TimeNode:
     """Node that far from a time where formulas read this, and go on evenly."""
     there = read.copy()
     there[:, 0] += way * read[:, 1]

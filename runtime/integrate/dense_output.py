@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .methods import Method
-    from .scene import Scene, Work
+    from .methods import RungeKuttaMethod
+    from .scene_tables import SceneTables, Work
     from .state import State
 
     Array = npt.NDArray[np.float64]
@@ -49,13 +49,13 @@ def hermite_cubic(h: float, y: Array, f_before: Array, f: Array, state: State) -
     state.dense[2] = 2.0 * change - h * (f_before + f)
 
 
-def add_dense_rows(m: Method, h: float, state: State, work: Work) -> None:
+def add_dense_rows(m: RungeKuttaMethod, h: float, state: State, work: Work) -> None:
     """Make what the stages of a step add to that."""
     for n, row in enumerate(m.dense):
         combine(m.all, row, None, h, work.k, state.dense[3 + n])
 
 
-def has_led_works(m: Method, scene: Scene) -> bool:
+def has_led_works(m: RungeKuttaMethod, scene: SceneTables) -> bool:
     """Whether works at times inside of a step are summed from powers at its stages."""
     return scene.is_driven and scene.works > 0 and m.order == 5
 
@@ -70,21 +70,21 @@ def add_led_rows(state: State, work: Work) -> None:
             state.dense[3 + n, done] += h * x * work.k[k, done]
 
 
-def add_led_works(x: float, scene: Scene, state: State, y: Array) -> None:
+def add_led_works(x: float, scene: SceneTables, state: State, y: Array) -> None:
     """Add what the last two of these rows do at the part x of the step."""
     done, rest = slice(scene.nq - scene.works, scene.nq), 1.0 - x
     factor = x * (x * rest) * (x * rest)
     y[done] += factor * (state.dense[4, done] + rest * state.dense[5, done])
 
 
-def prepare_dense(m: Method, work: Work, state: State) -> None:
+def prepare_dense(m: RungeKuttaMethod, work: Work, state: State) -> None:
     """Make the interpolating polynomial of the last step, all stages of which are there."""
     h = state.time - state.time_before
     hermite_cubic(h, state.y, work.k[0], work.k[m.stages], state)
     add_dense_rows(m, h, state, work)
 
 
-def interpolate(m: Method, x: float, state: State, y: Array) -> None:
+def interpolate(m: RungeKuttaMethod, x: float, state: State, y: Array) -> None:
     """Set y to the interpolating polynomial at the part x of the step."""
     y[:] = 0.0
     for n in reversed(range(3 + len(m.dense))):
@@ -93,7 +93,7 @@ def interpolate(m: Method, x: float, state: State, y: Array) -> None:
     y += state.y_before
 
 
-def differentiate(m: Method, x: float, h: float, state: State) -> Array:
+def differentiate(m: RungeKuttaMethod, x: float, h: float, state: State) -> Array:
     """Derivative of the interpolating polynomial of a step of length h."""
     y, rate = np.zeros_like(state.y), np.zeros_like(state.y)
     for n in reversed(range(3 + len(m.dense))):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     Array = npt.NDArray[np.float64]
 
 
-class Told(NamedTuple):
+class EventLog(NamedTuple):
     """What a run tells of its events.
 
     Parameters
@@ -96,7 +96,7 @@ def add_row(rows: list[Array], event: float, row: Array) -> None:
     Parameters
     ----------
     rows : list of (1 + row_size,) array
-        As of :class:`Told`.
+        As of :class:`EventLog`.
     event : float
         Its number in the state of the run.
     row : (row_size,) array
@@ -108,7 +108,7 @@ def add_row(rows: list[Array], event: float, row: Array) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class EventOccurrences:
     """An event of a run.
 
     Parameters

@@ -293,11 +293,11 @@ static double sum_works(const Settings *settings, double end, double weak, int h
 typedef struct {
     double error, balance, moved;
     int is_told;
-} Told;
+} WorkEstimate;
 
 /* sums the works of a step better unless it leaps, and tells what its energy says of them */
-static void tell_works(
-    const Settings *settings, double end, double weak, size_t n, State *s, Work *work, Told *told)
+static void tell_works(const Settings *settings, double end, double weak, size_t n, State *s,
+    Work *work, WorkEstimate *told)
 {
     const double *y = position_at(1, work).y;
     if (n > 1) told->error = sum_works(settings, end, weak, n == 4, s, work, &told->is_told);
@@ -392,7 +392,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         const double weak = WEAK * (is_deep ? DEEPER : 1.0);
         const int good = reach(end, ways, n, weak, s, work, &drift, &rough);
         const double ratio = pivot_ratio(work, s);
-        Told told = { 0.0, 0.0, 0.0, 0 };
+        WorkEstimate told = { 0.0, 0.0, 0.0, 0 };
         if (good && tells_works) tell_works(settings, end, weak, n, s, work, &told);
         const double error = part > 1.0 ? 0.0 : told.error; /* leaps sum no works well */
         const double factor = following(error, rough, good, told.is_told);

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .scene import Work
+    from .scene_tables import Work
     from .settings import Settings
     from .state import State
 
@@ -109,7 +109,7 @@ class Position(NamedTuple):
     f: Array
 
 
-class Told(NamedTuple):
+class WorkEstimate(NamedTuple):
     """What is known of the works of a step.
 
     Parameters
@@ -384,7 +384,7 @@ def tell_works(
     state: State,
     work: Work,
     parts: Sequence[tuple[float, int]],
-) -> Told:
+) -> WorkEstimate:
     """Sum the works of a step better unless it leaps, and tell what its energy says of them."""
     scene, last = work.scene, position_at(1, work)
     error, is_told = 0.0, False
@@ -393,10 +393,10 @@ def tell_works(
     elif scene.works > 0:
         work.w.run("energy")
     if scene.works == 0:
-        return Told(error, is_told)
+        return WorkEstimate(error, is_told)
     error = larger(unbalanced(s, end - state.time, state, work), error)
     moved = energy_moved(last.y, work, state) if s.checks else 0.0
-    return Told(error, is_told, energy_balance(last.y, work, state), moved)
+    return WorkEstimate(error, is_told, energy_balance(last.y, work, state), moved)
 
 
 def accept_position(end: float, asked: float, state: State, work: Work) -> None:
@@ -479,7 +479,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         drift, rough = reach(end, parts, weak, state, work)
         is_good, ratio = drift >= 0.0, pivot_ratio(work, state)
         tells = is_good and tells_works
-        told = tell_works(s, end, weak, state, work, parts) if tells else Told()
+        told = tell_works(s, end, weak, state, work, parts) if tells else WorkEstimate()
         error = told.error if part <= 1.0 else 0.0  # leaps sum no works well
         factor = following(error, rough, is_good=is_good, is_told=told.is_told)
         is_avoided = part < FURTHEST and not is_deep and ratio < WEAK * state.largest_pivot_ratio

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
-from .events import Event, Told
+from .events import EventLog, EventOccurrences
 from .given_start import GivenStart
 from .result import Column, Coordinates, Named, Result, key_of, listed, missing, not_generated
 
@@ -273,7 +273,7 @@ class Motion(Result):
         Whether all times are there.
     trust : Trust, optional
         The verdict where there is no ledger, which has it.
-    told : Told, optional
+    told : EventLog, optional
         What is told of events.
 
     Attributes
@@ -347,13 +347,13 @@ class Motion(Result):
         return self.rows[:, 0]
 
     @property
-    def told(self) -> Told:
+    def told(self) -> EventLog:
         """How often each event came to pass, and the rows of those that are recorded."""
         if self._told is None:
-            self._told = Told((), np.empty((0, 1 + self.rows.shape[1])))
+            self._told = EventLog((), np.empty((0, 1 + self.rows.shape[1])))
         if callable(self._told):
             self._told = self._told()
-        found: Told = self._told
+        found: EventLog = self._told
         return found
 
     @property
@@ -372,7 +372,7 @@ class Motion(Result):
         return Named(self._parameters, f"{self.name}: no parameter")
 
     @property
-    def events(self) -> Mapping[str, Event]:
+    def events(self) -> Mapping[str, EventOccurrences]:
         """The events of the scene: how often each was, when, and the states there."""
         found = {}
         for k, (name, action) in enumerate(self.layout.events):
@@ -385,7 +385,7 @@ class Motion(Result):
                 parameters=self._parameters,
             )
             count = self.told.counts[k] if self.told.counts else 0
-            found[name] = Event(name, action, count, states)
+            found[name] = EventOccurrences(name, action, count, states)
         return Named(found, f"{self.name}: no event", f"{self.name}: it has no events")
 
     @property

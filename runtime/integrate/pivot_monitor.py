@@ -10,7 +10,7 @@ import numpy as np
 from .arithmetic import larger, smaller
 
 if TYPE_CHECKING:
-    from .scene import Work
+    from .scene_tables import Work
     from .state import State
 
 #: A pivot ratio this much smaller than the largest so far: rows are nearly dependent.

@@ -14,7 +14,7 @@ from .row_switch import accelerate_all_rows, drive, find_geometry, refine_all_ro
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .scene import Scene, Work
+    from .scene_tables import SceneTables, Work
     from .state import State
 
     Array = npt.NDArray[np.float64]
@@ -254,7 +254,7 @@ def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
     u += part * (w.dv / factor)
 
 
-def displacement_of(scene: Scene, q: Array, dq: Array, u: Array) -> None:
+def displacement_of(scene: SceneTables, q: Array, dq: Array, u: Array) -> None:
     """Write the displacements that belong to a small change of q."""
     u[scene.shifts[:, 1]] = dq[scene.shifts[:, 0]]
     for place, turn, count in scene.turns.tolist():

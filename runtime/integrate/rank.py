@@ -21,7 +21,7 @@ from .tasks import numbers
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .scene import Scene, Work
+    from .scene_tables import SceneTables, Work
     from .state import State
 
     Array = npt.NDArray[np.float64]
@@ -39,11 +39,11 @@ class Rank:
 
     Parameters
     ----------
-    scene : Scene
+    scene : SceneTables
         What they belong to.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: SceneTables) -> None:
         self.places, self.are_left_out = scene.rank_rows.T
         count = len(self.places)
         self.rows = np.zeros((count, scene.nv))  # C_q, then a basis of the rows that were taken

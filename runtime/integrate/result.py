@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from ..momenta import Momentum
     from ..run_ledger import Violation
-    from .events import Event
+    from .events import EventOccurrences
     from .given_start import Moved
     from .trust import Trust
 
@@ -268,7 +268,7 @@ class Result:
         is_complete: bool
 
         @property
-        def events(self) -> Mapping[str, Event]:
+        def events(self) -> Mapping[str, EventOccurrences]:
             """Of bodies: how often each event of the scene was, when, and the states there."""
 
         @property

@@ -20,7 +20,7 @@ from .pivot_monitor import pivot_ratio
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .scene import RowMemory, Work
+    from .scene_tables import RowMemory, Work
     from .state import State
 
     Array = npt.NDArray[np.float64]

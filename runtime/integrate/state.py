@@ -167,6 +167,8 @@ class State:
     pivot_ratio = Number("-", "the pivot ratio of the last accelerations")
     position_ratio = Number("-", "what tells branches at the last position that was kept")
     usual_ratio = Number("-", "the largest of these")
+    root_before = Number("-", "root of what tells branches at a stage before that position")
+    stage_before = Number("s", "how long before; 0: none")
     least_inverse_pivot = Number("", "of all steps; 0 before the first")
     limit = Number("s", "no step goes beyond: where formulas of time switch, or the end")
     behind = Number("s", "behind that switch; as limit where there is none")

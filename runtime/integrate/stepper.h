@@ -49,6 +49,9 @@
 #define MANY_STAGES 12
 #define LONGEST_OF_MANY 1.5
 #define LEVEL 0.999
+/* where the line through two roots leads to less than this part of the next one, the root may have
+ * changed its sign in between */
+#define TURNED 0.2
 /* a step after one that tells how long it may be is this part of that */
 #define NEARLY 0.98
 /* a step is not made shorter than this to find its branch */
@@ -64,6 +67,9 @@
 #define FIRST 0.01
 #define FIRST_OF_SPAN 1e-6
 
+/* whether stages tell where roots of what tells branches change their sign */
+enum { TURNS_TOLD = HAS_REFINEMENT && !IS_DRIVEN };
+
 /* a step of length h that is tried */
 typedef struct {
     double h, end;                  /* its length, and where it ends [s] */
@@ -72,9 +78,12 @@ typedef struct {
     double least_ratio, most_ratio; /* of the pivot ratios of its stages */
     double inner_ratio, inner;      /* that of one inside, and at which part of the step it is */
     double dip_ratio, dip;          /* the same of the smallest inside */
-    double last_ratio;              /* that of the end */
-    double end_ratio, top_ratio;    /* what tells branches there, and the largest of all stages */
-    int branch;                     /* whether it may end on another branch: see branches.h */
+    /* parts of the step in order, one before it among them, and roots of what tells branches */
+    double parts[ROOM(TURNS_TOLD * (STAGES + 2))], roots[ROOM(TURNS_TOLD * (STAGES + 2))];
+    size_t count;
+    double last_ratio;           /* that of the end */
+    double end_ratio, top_ratio; /* what tells branches there, and the largest of all stages */
+    int branch;                  /* whether it may end on another branch: see branches.h */
     double longest;        /* how long it may be to tell that, where it is longer, else 0 [s] */
     int is_last;           /* whether it ends where the step does at most */
     int is_good, is_whole; /* whether stages lead to its end; whether it can be kept */
@@ -236,6 +245,21 @@ static double norm_error(const Method *m, double h, const State *s, Work *work)
     return most;
 }
 
+/* notes the root of what tells branches at a part of a step, in order */
+static void note_root(double part, double root, Trial *trial)
+{
+    size_t n = trial->count;
+    while (n > 0 && trial->parts[n - 1] >= part) n -= 1;
+    if (n == trial->count || trial->parts[n] != part) {
+        for (size_t k = trial->count++; k != n; --k) {
+            trial->parts[k] = trial->parts[k - 1];
+            trial->roots[k] = trial->roots[k - 1];
+        }
+    }
+    trial->parts[n] = part;
+    trial->roots[n] = root;
+}
+
 /* looks at the pivot ratios of a stage at a part of a step */
 static void look_at_ratios(double part, Trial *trial, const Work *work, const State *s)
 {
@@ -245,6 +269,7 @@ static void look_at_ratios(double part, Trial *trial, const Work *work, const St
     trial->end_ratio = IS_DRIVEN ? branch_ratio(work, s) : trial->last_ratio;
     if (!HAS_REFINEMENT) return;
     trial->top_ratio = larger(trial->top_ratio, trial->end_ratio);
+    if (TURNS_TOLD) note_root(part, sqrt(trial->end_ratio), trial);
     if (trial->inner == 0.0 && part >= INSIDE) {
         trial->inner_ratio = trial->end_ratio;
         trial->inner = part;
@@ -259,6 +284,9 @@ static void look_at_ratios(double part, Trial *trial, const Work *work, const St
 static int make_stages(const Method *m, double tolerance, Trial *trial, Work *work, State *s)
 {
     int good = 1;
+    if (TURNS_TOLD) note_root(0.0, sqrt(s->position_ratio), trial);
+    if (TURNS_TOLD && s->stage_before > 0.0)
+        note_root(-s->stage_before / trial->h, s->root_before, trial);
     for (size_t n = 1; good && n <= m->stages; ++n) {
         const int is_inner = n < m->stages;
         good = stage(m, n, trial->h, is_inner ? INNER * tolerance : 0.0, work->y,
@@ -313,6 +341,29 @@ static double dipping_part(double first, double last, const Trial *trial)
                                          : x * first / (first + dip);
 }
 
+/* at which part of a step roots of what tells branches seem to change their sign, and how steeply:
+ * they go with the distance from a place where branches meet, so that lines through two of them
+ * tell the next; the slope is 0 where none changes its sign */
+static double turning_place(const Trial *trial, double *slope)
+{
+    const double *x = trial->parts, *r = trial->roots;
+    double part = 0.0, least = HUGE_VAL;
+    *slope = 0.0;
+    for (size_t k = 0; k + 1 < trial->count; ++k) {
+        const double width = x[k + 1] - x[k], both = r[k] + r[k + 1];
+        double ahead = HUGE_VAL, back = HUGE_VAL;
+        if (!(x[k + 1] > 0.0) || !(both < least)) continue;
+        if (k > 0) ahead = r[k] + width * (r[k] - r[k - 1]) / (x[k] - x[k - 1]);
+        if (k + 2 < trial->count)
+            back = r[k + 1] - width * (r[k + 2] - r[k + 1]) / (x[k + 2] - x[k + 1]);
+        if (!(ahead < TURNED * r[k + 1]) && !(back < TURNED * r[k])) continue;
+        part = x[k] + width * meeting_part(r[k], r[k + 1]);
+        *slope = both / width;
+        least = both;
+    }
+    return part;
+}
+
 /* how far a step may lead so that ratios of its stages tell of places where branches meet; it is
  * infinite where any way is short enough */
 static double longest_way(const Attempts *tried, const Trial *trial, const State *s)
@@ -341,14 +392,18 @@ static int branch_of(const Attempts *tried, Trial *trial, Work *work, State *s)
     const double first = s->position_ratio, last = trial->end_ratio, most = usual_ratio(s);
     if (!is_short(longest_way(tried, trial, s), trial, s, work)) return LEAPS;
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
-    const int is_sinking = is_dip || sinks(SINKS, trial, s);
+    double slope = 0.0, part = TURNS_TOLD ? turning_place(trial, &slope) : 0.0;
+    const int is_sinking = is_dip || slope > 0.0 || sinks(SINKS, trial, s);
     if (!is_sinking && !(smaller(first, last) < BESIDE_IT * most)) return STAYS;
     const double far = FAR * sqrt(larger(first, last) / most);
     if (!is_sinking && !(way_of(trial->h, s->y, work->y) > far)) return STAYS;
     if (!tried->is_fixed && !is_short(LONGEST, trial, s, work)) return LEAPS;
     const double before = sqrt(first), after = sqrt(last), *f = work->k[tried->m->stages];
-    const double part = is_dip ? dipping_part(before, after, trial) : meeting_part(before, after);
-    return follow_branch(trial->h, work->y, f, part, before + after, work, s);
+    if (!(slope > 0.0)) {
+        part = is_dip ? dipping_part(before, after, trial) : meeting_part(before, after);
+        slope = before + after;
+    }
+    return follow_branch(trial->h, work->y, f, part, slope, work, s);
 }
 
 /* keeps a step, and says how long the next one is: a proportional and integral controller */
@@ -371,6 +426,10 @@ static void accept(const Attempts *tried, const Trial *trial, Work *work, State 
     s->time = trial->end;
     s->steps += 1;
     note_branch(s->time, trial->branch, s);
+    if (TURNS_TOLD) {
+        s->stage_before = h * (1.0 - trial->parts[trial->count - 2]);
+        s->root_before = trial->roots[trial->count - 2];
+    }
     s->position_ratio = trial->end_ratio;
     s->usual_ratio = larger(s->usual_ratio, trial->end_ratio);
     note_motion(h, work->y, s);

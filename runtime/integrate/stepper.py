@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -52,8 +52,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .methods import Method
-    from .scene import Scene, Work
+    from .methods import RungeKuttaMethod
+    from .scene_tables import SceneTables, Work
     from .settings import Settings
     from .state import State
 
@@ -107,6 +107,9 @@ LONGEST_OF_ALL = 1.2
 MANY_STAGES = 12
 LONGEST_OF_MANY = 1.5
 LEVEL = 0.999
+#: Where the line through two roots leads to less than this part of the next one, the root may have
+#: changed its sign in between.
+TURNED = 0.2
 #: A step after one that tells how long it may be is this part of that.
 NEARLY = 0.98
 #: A step is not made shorter than this to find its branch.
@@ -145,6 +148,9 @@ class Trial:
         The same of a stage inside, and at which part of the step it is; 0 where there is none yet.
     dip_ratio, dip : float
         The same of the smallest inside.
+    parts, roots : list of float
+        Parts of the step in order, that of a stage before it among them, and roots of what tells
+        branches there.
     branch : int
         Whether it may end on another branch, see ``branches.py``.
     longest : float [s]
@@ -170,6 +176,8 @@ class Trial:
     inner: float = 0.0
     dip_ratio: float = math.inf
     dip: float = 0.0
+    parts: list[float] = field(default_factory=list)
+    roots: list[float] = field(default_factory=list)
     branch: int = STAYS
     longest: float = 0.0
     is_good: bool = False
@@ -183,7 +191,7 @@ class Attempts:
 
     Parameters
     ----------
-    m, s : Method, Settings
+    m, s : RungeKuttaMethod, Settings
         How it is made.
     look : Look
         What is seen in the last one.
@@ -204,7 +212,7 @@ class Attempts:
         ``GOOD``, or why there is no step.
     """
 
-    m: Method
+    m: RungeKuttaMethod
     s: Settings
     look: Look
     asked: float
@@ -269,7 +277,7 @@ def note_extent(end: Array, work: Work, state: State) -> None:
     state.highest[:] = np.where(found > state.highest, found, state.highest)
 
 
-def usual_energy(rate: float, scene: Scene) -> float:
+def usual_energy(rate: float, scene: SceneTables) -> float:
     """Energy of all bodies where they move at such a rate."""
     return scene.mass * (scene.length * rate) * (scene.length * rate) / 2.0
 
@@ -295,7 +303,12 @@ def energy_moved(q: Array, work: Work, state: State) -> float:
 
 
 def estimate(
-    m: Method, row: Sequence[float], trial: Trial, state: State, work: Work, tolerance: float
+    m: RungeKuttaMethod,
+    row: Sequence[float],
+    trial: Trial,
+    state: State,
+    work: Work,
+    tolerance: float,
 ) -> float:
     """Root mean square of one estimate of the error, in units of the tolerance."""
     scene, now, end, error = work.scene, state.y, work.y, work.scratch
@@ -328,7 +341,13 @@ def tells_drift(trial: Trial, state: State, work: Work) -> bool:
 
 
 def local_error(
-    m: Method, trial: Trial, state: State, work: Work, tolerance: float, *, is_locked: bool = False
+    m: RungeKuttaMethod,
+    trial: Trial,
+    state: State,
+    work: Work,
+    tolerance: float,
+    *,
+    is_locked: bool = False,
 ) -> float:
     """Error of a step, in units of the tolerance; locked from a switch to the next."""
     e = estimate(m, m.errors[0], trial, state, work, tolerance)
@@ -340,7 +359,7 @@ def local_error(
 
 
 def stage(
-    m: Method,
+    m: RungeKuttaMethod,
     n: int,
     h: float,
     enough: float,
@@ -358,7 +377,7 @@ def stage(
     return project(state.time + m.c[n] * h, enough, y, low, work.k[n], work, state)
 
 
-def norm_error(m: Method, h: float, state: State, work: Work) -> float:
+def norm_error(m: RungeKuttaMethod, h: float, state: State, work: Work) -> float:
     """Distance of Euler parameters from norm one after a step, before they are brought back.
 
     Where steps are fixed no other error tells that bodies turn too far in one.
@@ -374,6 +393,18 @@ def norm_error(m: Method, h: float, state: State, work: Work) -> float:
     return most
 
 
+def note_root(part: float, root: float, trial: Trial) -> None:
+    """Note the root of what tells branches at a part of a step, in order."""
+    n = len(trial.parts)
+    while n > 0 and trial.parts[n - 1] >= part:
+        n -= 1
+    if n < len(trial.parts) and trial.parts[n] == part:
+        trial.roots[n] = root
+        return
+    trial.parts.insert(n, part)
+    trial.roots.insert(n, root)
+
+
 def look_at_ratios(part: float, trial: Trial, work: Work, state: State) -> None:
     """Look at the pivot ratios of a stage at a part of a step."""
     trial.last_ratio = last_ratio(work, state)
@@ -384,14 +415,22 @@ def look_at_ratios(part: float, trial: Trial, work: Work, state: State) -> None:
     if not work.scene.has_refinement:
         return
     trial.top_ratio = larger(trial.top_ratio, trial.end_ratio)
+    if not is_driven:
+        note_root(part, math.sqrt(trial.end_ratio), trial)
     if trial.inner == 0.0 and part >= INSIDE:
         trial.inner_ratio, trial.inner = trial.end_ratio, part
     if part < 1.0 and trial.end_ratio < trial.dip_ratio:
         trial.dip_ratio, trial.dip = trial.end_ratio, part
 
 
-def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: State) -> None:
+def make_stages(
+    m: RungeKuttaMethod, tolerance: float, trial: Trial, work: Work, state: State
+) -> None:
     """Make the stages from which the end of the step is made, as far as they are possible."""
+    if work.scene.has_refinement and not work.scene.is_driven:
+        note_root(0.0, math.sqrt(state.position_ratio), trial)
+        if state.stage_before > 0.0:
+            note_root(-state.stage_before / trial.h, state.root_before, trial)
     for n in range(1, m.stages + 1):
         low = None if n < m.stages else work.low
         enough = INNER * tolerance if low is None else 0.0
@@ -403,7 +442,7 @@ def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: St
             return
 
 
-def make_dense_stages(m: Method, trial: Trial, work: Work, state: State) -> bool:
+def make_dense_stages(m: RungeKuttaMethod, trial: Trial, work: Work, state: State) -> bool:
     """Make the stages that only the interpolating polynomial wants; return whether they are."""
     for n in range(m.stages + 1, m.all):
         if stage(m, n, trial.h, 0.0, work.scratch, None, work, state) < 0.0:
@@ -445,6 +484,28 @@ def dipping_part(first: float, last: float, trial: Trial) -> float:
     return x * first / (first + dip)
 
 
+def turning_place(trial: Trial) -> tuple[float, float]:
+    """Return at which part of a step roots seem to change their sign, and how steeply they do.
+
+    They go with the distance from a place where branches meet, so that lines through two of them
+    tell the next. The slope is 0 where none changes its sign.
+    """
+    x, r = trial.parts, trial.roots
+    part, slope, least = 0.0, 0.0, math.inf
+    for k in range(len(x) - 1):
+        width, both = x[k + 1] - x[k], r[k] + r[k + 1]
+        if not x[k + 1] > 0.0 or not both < least:
+            continue
+        ahead, back = math.inf, math.inf
+        if k > 0:
+            ahead = r[k] + width * (r[k] - r[k - 1]) / (x[k] - x[k - 1])
+        if k + 2 < len(x):
+            back = r[k + 1] - width * (r[k + 2] - r[k + 1]) / (x[k + 2] - x[k + 1])
+        if ahead < TURNED * r[k + 1] or back < TURNED * r[k]:
+            part, slope, least = x[k] + width * meeting_part(r[k], r[k + 1]), both / width, both
+    return part, slope
+
+
 def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
     """Longest way of a step on which ratios tell of other branches; infinite without a limit."""
     is_loose = work.scene.is_driven or tried.s.tolerance > LOOSE
@@ -475,7 +536,8 @@ def branch_of(tried: Attempts, trial: Trial, work: Work, state: State) -> int:
     if not is_short(longest_way(tried, trial, work, state), trial, state, work):
         return LEAPS
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
-    is_sinking = is_dip or sinks(SINKS, trial, state, work)
+    part, slope = turning_place(trial)
+    is_sinking = is_dip or slope > 0.0 or sinks(SINKS, trial, state, work)
     if not is_sinking and not smaller(first, last) < BESIDE_IT * most:
         return STAYS
     far = 0.0 if is_sinking else FAR * math.sqrt(larger(first, last) / most)
@@ -484,8 +546,10 @@ def branch_of(tried: Attempts, trial: Trial, work: Work, state: State) -> int:
     if not tried.is_fixed and not is_short(LONGEST, trial, state, work):
         return LEAPS
     before, after, f = math.sqrt(first), math.sqrt(last), work.k[tried.m.stages]
-    part = dipping_part(before, after, trial) if is_dip else meeting_part(before, after)
-    return follow_branch(trial.h, work.y, f, part, before + after, work, state)
+    if not slope > 0.0:
+        part = dipping_part(before, after, trial) if is_dip else meeting_part(before, after)
+        slope = before + after
+    return follow_branch(trial.h, work.y, f, part, slope, work, state)
 
 
 def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
@@ -509,6 +573,8 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     state.time = trial.end
     state.steps += 1
     note_branch(state.time, trial.branch, state)
+    if trial.parts:
+        state.stage_before, state.root_before = h * (1.0 - trial.parts[-2]), trial.roots[-2]
     state.position_ratio = trial.end_ratio
     state.usual_ratio = larger(state.usual_ratio, trial.end_ratio)
     note_motion(h, work.y, state, work)
@@ -683,7 +749,7 @@ def is_at_event(tried: Attempts, trial: Trial, state: State) -> bool:
     return False
 
 
-def length_by_error(m: Method, trial: Trial) -> float:
+def length_by_error(m: RungeKuttaMethod, trial: Trial) -> float:
     """Length of a step that meets the tolerance, where a trial does not, or its branch."""
     factor = 0.2
     if trial.longest > 0.0:
@@ -740,7 +806,9 @@ def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         state.switched = state.time
 
 
-def step(m: Method, s: Settings, asked: float, end: float, state: State, work: Work) -> Status:
+def step(
+    m: RungeKuttaMethod, s: Settings, asked: float, end: float, state: State, work: Work
+) -> Status:
     """Make one step; return Status.GOOD, or why there is none.
 
     It goes to the end at most, unless rows are nearly dependent there. The error decides how long
@@ -765,7 +833,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             return tried.status
 
 
-def first_step(m: Method, s: Settings, end: float, state: State, work: Work) -> Status:
+def first_step(m: RungeKuttaMethod, s: Settings, end: float, state: State, work: Work) -> Status:
     """Choose a first step for which an Euler step changes the derivative little."""
     f, y, nq, size_of = work.k[0], work.k[1], work.scene.nq, work.w.size_of
     forget_trials(work)

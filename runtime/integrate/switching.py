@@ -32,7 +32,7 @@ from .settings import BENT, NO_TIME, Status
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .scene import Work, Workspace
+    from .scene_tables import Work, Workspace
     from .state import State
 
     Array = npt.NDArray[np.float64]

@@ -96,7 +96,7 @@ OF_ARRAYS = Functions(
 )
 
 
-class Kernel(NamedTuple):
+class TaskKernel(NamedTuple):
     """A kernel, and where its values are.
 
     Parameters
@@ -116,7 +116,7 @@ class Kernel(NamedTuple):
     writes: Slots
 
     @classmethod
-    def read(cls, function: Function, runs: int, reads: str, writes: str) -> Kernel:
+    def read(cls, function: Function, runs: int, reads: str, writes: str) -> TaskKernel:
         """Kernel whose places are tables in text."""
         return cls(function, runs, places(reads, 2), places(writes, 2))
 
@@ -140,12 +140,12 @@ class InTurn(NamedTuple):
 Segment = list[Together | InTurn]
 
 
-def segment_of(kernels: Sequence[Kernel], text: str) -> Segment:
+def segment_of(kernels: Sequence[TaskKernel], text: str) -> Segment:
     """Tasks of a segment.
 
     Parameters
     ----------
-    kernels : sequence of Kernel
+    kernels : sequence of TaskKernel
         Those of the scene.
     text : str
         A table: the number of a kernel, how many tasks of it follow, and the first slot of each
@@ -153,7 +153,7 @@ def segment_of(kernels: Sequence[Kernel], text: str) -> Segment:
     """
     table = places(text, 1)[:, 0]
     found: Segment = []
-    few: list[tuple[Kernel, list[int], list[int]]] = []
+    few: list[tuple[TaskKernel, list[int], list[int]]] = []
     at = 0
     while at < len(table):
         kernel, count = kernels[table[at]], int(table[at + 1])
@@ -172,7 +172,7 @@ def segment_of(kernels: Sequence[Kernel], text: str) -> Segment:
     return [*found, *_in_turn(few)]
 
 
-def _in_turn(tasks: list[tuple[Kernel, list[int], list[int]]]) -> list[InTurn]:
+def _in_turn(tasks: list[tuple[TaskKernel, list[int], list[int]]]) -> list[InTurn]:
     """Tasks in turn: what they read that none wrote before is gathered, the others find theirs."""
     if not tasks:
         return []

@@ -58,7 +58,7 @@ class CheckedRows(NamedTuple):
     reduced: Sequence[tuple[str, str]]
 
 
-class Verdict(NamedTuple):
+class RunVerdict(NamedTuple):
     """What speaks against a run, bits of :class:`Doubt`, and its limits; ``solver.h`` has units."""
 
     doubts: int
@@ -224,7 +224,7 @@ def judge(
     *,
     is_weighed: bool,
     is_driven: bool,
-) -> Verdict:
+) -> RunVerdict:
     """Doubts and numbers of the verdict on a run; :func:`trust_of` says what is what."""
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
     units = [unit for part in rows for _, unit in part]
@@ -257,7 +257,7 @@ def judge(
         doubts |= beyond(single["row_drift"], off, Doubt.ROW_DRIFT)
     doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
     doubts |= beyond(single["unresolved"], 0.0, Doubt.NARROW)
-    return Verdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
+    return RunVerdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
 
 
 def trust_of(

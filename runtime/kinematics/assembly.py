@@ -6,15 +6,15 @@ import math
 from typing import TYPE_CHECKING
 
 from .newton import largest
-from .status import SETTLED, SINGULAR, SMALLEST_STEP, Status, StopError
+from .status import SETTLED, SINGULAR, SMALLEST_STEP, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
-    from .equations import Coordinates
-    from .mechanism import Array
+    from .equations import LinkageCoordinates
     from .newton import Newton
+    from .tables import Array
 
 
-def assemble(newton: Newton, position: Coordinates) -> float:
+def assemble(newton: Newton, position: LinkageCoordinates) -> float:
     """Find the first position by damped Newton, block after block, in ``position.x``.
 
     Returns
@@ -45,14 +45,16 @@ def _assemble_block(newton: Newton, number: int) -> float:
     try:
         _, residual = newton.solve_block(number)
     except StopError as stop:
-        if stop.status != Status.DEAD_CENTRE:
+        if stop.status != AnalysisStatus.DEAD_CENTRE:
             raise
         near = size <= SETTLED * newton.length
-        raise StopError(Status.ON_DEAD_CENTRE if near else Status.NOT_ASSEMBLED) from None
+        raise StopError(
+            AnalysisStatus.ON_DEAD_CENTRE if near else AnalysisStatus.NOT_ASSEMBLED
+        ) from None
     _, pivot = block.evaluate()
     newton.orientation[number] = pivot
     if abs(given) > 0.01 and given * pivot < 0:
-        raise StopError(Status.OTHER_SIDE)
+        raise StopError(AnalysisStatus.OTHER_SIDE)
     return residual
 
 
@@ -73,9 +75,9 @@ def _approach(newton: Newton, number: int) -> tuple[float, float]:
         if residual <= SETTLED * newton.length:
             break
         if not math.isfinite(residual):
-            raise StopError(Status.NOT_FINITE)
+            raise StopError(AnalysisStatus.NOT_FINITE)
         if not abs(pivot) > SINGULAR:
-            raise StopError(Status.NOT_ASSEMBLED if k else Status.ON_DEAD_CENTRE)
+            raise StopError(AnalysisStatus.NOT_ASSEMBLED if k else AnalysisStatus.ON_DEAD_CENTRE)
         _damped_step(newton, number, epsilon)
         epsilon, pivot = block.evaluate()
         residual = largest(epsilon)
@@ -92,4 +94,4 @@ def _damped_step(newton: Newton, number: int, epsilon: Array) -> None:
         if largest(block.residuals()) <= (1 - 0.25 * part) * residual:
             return
         part *= 0.5
-    raise StopError(Status.NOT_ASSEMBLED)
+    raise StopError(AnalysisStatus.NOT_ASSEMBLED)

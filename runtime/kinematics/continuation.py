@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .certificate import Certifier, Way
-from .equations import Coordinates
+from .certificate import Certifier, CubicTube
+from .equations import LinkageCoordinates
 from .newton import Convergence, Newton, largest
-from .status import MOST_TILT, MOST_TRIES, SETTLED, SMALLEST_STEP, Status, StopError
+from .status import MOST_TILT, MOST_TRIES, SETTLED, SMALLEST_STEP, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
-    from .mechanism import Array, Mechanism
-    from .rows import Run
+    from .rows import RunRequest
+    from .tables import Array, LinkageTables
 
 
 class Continuation:
@@ -22,14 +22,14 @@ class Continuation:
 
     Parameters
     ----------
-    mechanism : Mechanism
+    mechanism : LinkageTables
         The tables and segments.
-    run : Run
+    run : RunRequest
         Inputs, method and limits.
 
     Attributes
     ----------
-    position : Coordinates
+    position : LinkageCoordinates
         Where it is.
     division : int
         The division, or the row, that its inputs are next to.
@@ -41,7 +41,7 @@ class Continuation:
         The next step to try, in divisions or in time, where a row is not nearer.
     """
 
-    def __init__(self, mechanism: Mechanism, run: Run) -> None:
+    def __init__(self, mechanism: LinkageTables, run: RunRequest) -> None:
         self.run = run
         self.newton = Newton(mechanism, run)
         # Whole turns lead to the same inputs: the first position may be that of any.
@@ -49,7 +49,7 @@ class Continuation:
         self.time = 0.0
         alpha, self.rate = run.laws_at(0.0)
         x = np.array([unknown.start for unknown in mechanism.unknowns])
-        self.position = Coordinates(alpha, x)
+        self.position = LinkageCoordinates(alpha, x)
         self.x1, self.x2 = np.zeros_like(x), np.zeros_like(x)
         self.step = math.inf
         self._certifiers = [Certifier(mechanism, block) for block in mechanism.blocks]
@@ -119,14 +119,16 @@ class Continuation:
             trial = predicted.copy()
             try:
                 if not part <= 1.0:
-                    raise StopError(Status.TOO_FAR)
+                    raise StopError(AnalysisStatus.TOO_FAR)
                 found = self._correct(alpha, trial)
                 way = self._way(step, pace, pace_dot, trial - predicted)
                 tilt = self._tilt(way, max(residual, found.residual))
             except StopError as stop:
                 self.step = 0.5 * step
                 if 0.5 * part < SMALLEST_STEP or tries > MOST_TRIES:
-                    raise StopError(Status.TOO_FAR if tries > MOST_TRIES else stop.status) from None
+                    raise StopError(
+                        AnalysisStatus.TOO_FAR if tries > MOST_TRIES else stop.status
+                    ) from None
                 continue
             left -= step
             self.step = max(self.step, 2 * step) if 2 * tilt <= MOST_TILT else step
@@ -149,18 +151,18 @@ class Continuation:
     def _accept(self, alpha: Array, trial: Array) -> None:
         """Be at a corrected position, angles next to zero."""
         turns = np.where(self._is_angle, np.rint(trial / math.tau), 0.0)
-        self.position = Coordinates(alpha, trial - math.tau * turns)
+        self.position = LinkageCoordinates(alpha, trial - math.tau * turns)
 
     def _derivatives(self, alpha_dot: Array, alpha_ddot: Array) -> tuple[Array, Array]:
         return self.newton.equations.differentiate(self.position, alpha_dot, alpha_ddot)
 
-    def _way(self, step: float, pace: Array, pace_dot: Array, correction: Array) -> Way:
+    def _way(self, step: float, pace: Array, pace_dot: Array, correction: Array) -> CubicTube:
         """Cubics of a step, (26) and what was corrected."""
         first, second = np.concatenate((pace, self.x1)), np.concatenate((pace_dot, self.x2))
         third = np.concatenate((np.zeros_like(pace), correction))
-        return Way(step * first, 0.5 * step * step * second, third, np.zeros_like(third))
+        return CubicTube(step * first, 0.5 * step * step * second, third, np.zeros_like(third))
 
-    def _tilt(self, way: Way, residual: float) -> float:
+    def _tilt(self, way: CubicTube, residual: float) -> float:
         """Turn of the Jacobians along a step, the most of all blocks.
 
         Raises
@@ -173,7 +175,7 @@ class Continuation:
             self.newton.at = number
             tilt = one.tilt(self.newton.blocks[number], way, residual)
             if not tilt <= MOST_TILT:
-                raise StopError(Status.DEAD_CENTRE)
+                raise StopError(AnalysisStatus.DEAD_CENTRE)
             most = max(most, tilt)
         return most
 

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..integrate.tasks import Kernel, run_tasks, segment_of
+from ..integrate.tasks import TaskKernel, run_tasks, segment_of
 from .lu import LU
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from ..integrate.tasks import Function
-    from .mechanism import Array, Mechanism, Segment
+    from .tables import Array, LinkageTables, Segment
 
 
 def segments_of(
@@ -25,17 +25,17 @@ def segments_of(
     Parameters
     ----------
     kernels : sequence of (callable, int, str, str)
-        What tasks call, as :meth:`integrate.tasks.Kernel.read` takes it.
+        What tasks call, as :meth:`integrate.tasks.TaskKernel.read` takes it.
     tasks : mapping of str to str
         The table of each segment, as :func:`integrate.tasks.segment_of` reads it.
     """
-    read = [Kernel.read(*kernel) for kernel in kernels]
+    read = [TaskKernel.read(*kernel) for kernel in kernels]
     return {
         name: partial(run_tasks, segment=segment_of(read, text)) for name, text in tasks.items()
     }
 
 
-class Coordinates(NamedTuple):
+class LinkageCoordinates(NamedTuple):
     """All coordinates of a mechanism, or their first or second derivatives.
 
     Parameters
@@ -55,11 +55,11 @@ class Equations:
 
     Parameters
     ----------
-    mechanism : Mechanism
+    mechanism : LinkageTables
         The tables and segments.
     """
 
-    def __init__(self, mechanism: Mechanism) -> None:
+    def __init__(self, mechanism: LinkageTables) -> None:
         self.mechanism = mechanism
         self.slots = np.zeros(mechanism.work_size)
         self.blocks = tuple(BlockEquations(self, k) for k in range(len(mechanism.blocks)))
@@ -69,7 +69,7 @@ class Equations:
         base, size = self.mechanism.regions[name]
         return self.slots[base : base + size]
 
-    def place(self, coordinates: Coordinates, suffix: str = "") -> None:
+    def place(self, coordinates: LinkageCoordinates, suffix: str = "") -> None:
         """Put a position, or with ``_dot`` or ``_ddot`` its derivatives, where segments look."""
         self.region(f"alpha{suffix}")[:] = coordinates.alpha
         self.region(f"x{suffix}")[:] = coordinates.x
@@ -79,7 +79,7 @@ class Equations:
         self.mechanism.segments[segment](self.slots)
 
     def differentiate(
-        self, position: Coordinates, alpha_dot: Array, alpha_ddot: Array
+        self, position: LinkageCoordinates, alpha_dot: Array, alpha_ddot: Array
     ) -> tuple[Array, Array]:
         """Derivatives of x along given ones of the inputs, with the factors at hand.
 
@@ -90,8 +90,8 @@ class Equations:
         """
         none = np.zeros_like(position.x)
         self.place(position)
-        self.place(Coordinates(alpha_dot, none), "_dot")
-        self.place(Coordinates(alpha_ddot, none), "_ddot")
+        self.place(LinkageCoordinates(alpha_dot, none), "_dot")
+        self.place(LinkageCoordinates(alpha_ddot, none), "_ddot")
         x_dot, x_ddot = self.region("x_dot"), self.region("x_ddot")
         for block in self.blocks:
             x_dot[block.part] = block.solve(block.velocity_side())

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from .mechanism import Array
+    from .tables import Array
 
 
 class LU:

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .status import Status
+from .status import AnalysisStatus
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     import numpy.typing as npt
 
-    from .mechanism import Array, Mechanism
+    from .tables import Array, LinkageTables
 
 #: Full Newton, and the iteration of the paper; a run holds the index.
 METHODS = ("newton", "paper")
@@ -24,7 +24,7 @@ OF_NODES = ("position", "velocity", "acceleration")
 OF_LINKS = ("angle", "angle_dot", "angle_ddot")
 
 
-class Field(NamedTuple):
+class RecordField(NamedTuple):
     """A field of the record ``run`` of ``solver.h``.
 
     Parameters
@@ -57,43 +57,48 @@ class Field(NamedTuple):
 
 
 #: The record ``run``, which the header states and the compiled solver is called with: what is
-#: asked, the fields of :class:`Run`; then where it goes, and what happened, those of :class:`Rows`.
+#: asked, the fields of :class:`RunRequest`; then where it goes, and what happened, those of
+#: :class:`Rows`.
 RUN = (
-    Field("int", "method", "0 full Newton, 1 the iteration of the paper"),
-    Field("int", "max_iterations", "in one step"),
-    Field("double", "limit", "largest residual", is_length=True),
-    Field("long long", "divisions", "of the way of the inputs, or of their turns"),
-    Field("long long", "start", "the walk begins where the turn of this division does"),
-    Field("long long", "first", "division of the first row"),
-    Field("size_t", "rows", "how many are wanted"),
-    Field("double", "origin", "inputs at division 0", is_by_input=True),
-    Field("double", "span", "what is added over all divisions", is_by_input=True),
-    Field("long long", "turns", "whole turns over all divisions, or 0", is_by_input=True),
-    Field("double", "rate", "time derivatives of the inputs, at t = 0", is_by_input=True),
-    Field("double", "rate_dot", "second ones, constant", is_by_input=True),
-    Field("const double *", "times", "(rows) [s], ascending from 0; NULL for divisions"),
-    Field("double *", "alpha", "(rows, inputs), counting on over the turns"),
-    Field("double *", "position", "(rows, nodes, 2); as all results NULL where it is not wanted"),
-    Field("double *", "velocity", "(rows, nodes, 2)"),
-    Field("double *", "acceleration", "(rows, nodes, 2)"),
-    Field("double *", "angle", "(rows, links)"),
-    Field("double *", "angle_dot", "(rows, links)"),
-    Field("double *", "angle_ddot", "(rows, links)"),
-    Field("int *", "iterations", "(rows) corrections in the step that led here"),
-    Field("double *", "residual", "(rows)", is_length=True),
-    Field(
+    RecordField("int", "method", "0 full Newton, 1 the iteration of the paper"),
+    RecordField("int", "max_iterations", "in one step"),
+    RecordField("double", "limit", "largest residual", is_length=True),
+    RecordField("long long", "divisions", "of the way of the inputs, or of their turns"),
+    RecordField("long long", "start", "the walk begins where the turn of this division does"),
+    RecordField("long long", "first", "division of the first row"),
+    RecordField("size_t", "rows", "how many are wanted"),
+    RecordField("double", "origin", "inputs at division 0", is_by_input=True),
+    RecordField("double", "span", "what is added over all divisions", is_by_input=True),
+    RecordField("long long", "turns", "whole turns over all divisions, or 0", is_by_input=True),
+    RecordField("double", "rate", "time derivatives of the inputs, at t = 0", is_by_input=True),
+    RecordField("double", "rate_dot", "second ones, constant", is_by_input=True),
+    RecordField("const double *", "times", "(rows) [s], ascending from 0; NULL for divisions"),
+    RecordField("double *", "alpha", "(rows, inputs), counting on over the turns"),
+    RecordField(
+        "double *", "position", "(rows, nodes, 2); as all results NULL where it is not wanted"
+    ),
+    RecordField("double *", "velocity", "(rows, nodes, 2)"),
+    RecordField("double *", "acceleration", "(rows, nodes, 2)"),
+    RecordField("double *", "angle", "(rows, links)"),
+    RecordField("double *", "angle_dot", "(rows, links)"),
+    RecordField("double *", "angle_ddot", "(rows, links)"),
+    RecordField("int *", "iterations", "(rows) corrections in the step that led here"),
+    RecordField("double *", "residual", "(rows)", is_length=True),
+    RecordField(
         "double *",
         "condition",
         "(rows) most that residuals of 1 move nodes: large near a dead centre",
     ),
-    Field("size_t", "done", "good rows; after a failure the next one is where it stopped"),
-    Field("size_t", "block", "the block that failed"),
-    Field("double", "reached", "inputs at the last good position, counting on", is_by_input=True),
+    RecordField("size_t", "done", "good rows; after a failure the next one is where it stopped"),
+    RecordField("size_t", "block", "the block that failed"),
+    RecordField(
+        "double", "reached", "inputs at the last good position, counting on", is_by_input=True
+    ),
 )
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class RunRequest:
     """What is asked. The inputs of a division are those of ``solver.h``.
 
     Parameters
@@ -202,7 +207,7 @@ class Run:
 
 
 def request(
-    scene: Run,
+    scene: RunRequest,
     *,
     method: str | None = None,
     divisions: int | None = None,
@@ -210,12 +215,12 @@ def request(
     first_turn: int = 0,
     from_turn: int | None = None,
     limit: float | None = None,
-) -> Run:
+) -> RunRequest:
     """Run over whole turns of the inputs, or once over the way that they go.
 
     Parameters
     ----------
-    scene : Run
+    scene : RunRequest
         What the scene asks for, where nothing else is said.
     method : {"newton", "paper"}, optional
         Full Newton, or the iteration of the paper.
@@ -280,7 +285,7 @@ class Rows:
     done, block : int
         Good rows, and the block that failed.
     status : int
-        Why it ended, a :class:`Status`.
+        Why it ended, a :class:`AnalysisStatus`.
     """
 
     alpha: Array
@@ -296,10 +301,10 @@ class Rows:
     reached: Array
     done: int = 0
     block: int = 0
-    status: int = Status.GOOD
+    status: int = AnalysisStatus.GOOD
 
 
-def empty_rows(mechanism: Mechanism, count: int) -> Rows:
+def empty_rows(mechanism: LinkageTables, count: int) -> Rows:
     """Room for as many rows."""
     nodes = (count, len(mechanism.nodes), 2)
     links = (count, len(mechanism.links) if mechanism.wants_angles else 0)

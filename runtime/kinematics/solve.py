@@ -13,20 +13,20 @@ import numpy as np
 
 from .assembly import assemble
 from .continuation import Continuation
-from .equations import Coordinates, segments_of
-from .mechanism import Mechanism
-from .rows import OF_LINKS, OF_NODES, Rows, Run, empty_rows
-from .status import Status, StopError
+from .equations import LinkageCoordinates, segments_of
+from .rows import OF_LINKS, OF_NODES, Rows, RunRequest, empty_rows
+from .status import AnalysisStatus, StopError
+from .tables import LinkageTables
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from typing import Any
 
     from ..integrate.tasks import Function
-    from .mechanism import Array
+    from .tables import Array
 
 
-class Solver:
+class KinematicSolver:
     """What a folder computes with: its segments, and the analysis beside them.
 
     Parameters
@@ -45,32 +45,32 @@ class Solver:
     ) -> None:
         self.segments = segments_of(kernels, tasks or {})
 
-    def mechanism(self, data: Mapping[str, Any]) -> Mechanism:
+    def mechanism(self, data: Mapping[str, Any]) -> LinkageTables:
         """Mechanism from ``motion.json``."""
-        return Mechanism.from_data(data, self.segments)
+        return LinkageTables.from_data(data, self.segments)
 
-    def scene(self, data: Mapping[str, Any]) -> Run:
+    def scene(self, data: Mapping[str, Any]) -> RunRequest:
         """Run that the scene asks for, from ``motion.json``."""
-        return Run(**data["run"])
+        return RunRequest(**data["run"])
 
-    def solve(self, mechanism: Mechanism, run: Run) -> Rows:
+    def solve(self, mechanism: LinkageTables, run: RunRequest) -> Rows:
         """Rows that are asked for, as far as the mechanism moves."""
         return solve(mechanism, run)
 
 
-def solve(mechanism: Mechanism, run: Run) -> Rows:
+def solve(mechanism: LinkageTables, run: RunRequest) -> Rows:
     """Rows that are asked for, as far as the mechanism moves.
 
     Parameters
     ----------
-    mechanism : Mechanism
+    mechanism : LinkageTables
         The tables and segments.
-    run : Run
+    run : RunRequest
         What is asked.
     """
     rows = empty_rows(mechanism, max(run.rows, 0))
     if not run.is_possible:
-        rows.status = Status.BAD_ARGUMENT
+        rows.status = AnalysisStatus.BAD_ARGUMENT
         return rows
     with np.errstate(all="ignore"):
         _Analysis(mechanism, run, rows).make()
@@ -80,7 +80,7 @@ def solve(mechanism: Mechanism, run: Run) -> Rows:
 class _Analysis:
     """A continuation whose positions are written into rows."""
 
-    def __init__(self, mechanism: Mechanism, run: Run, rows: Rows) -> None:
+    def __init__(self, mechanism: LinkageTables, run: RunRequest, rows: Rows) -> None:
         self.wants_angles = mechanism.wants_angles
         self.run = run
         self.rows = rows
@@ -94,7 +94,7 @@ class _Analysis:
         except StopError as stop:
             rows.status = stop.status
         rows.reached = way.counted_inputs
-        if rows.status != Status.GOOD and rows.done < self.run.rows:
+        if rows.status != AnalysisStatus.GOOD and rows.done < self.run.rows:
             none = np.zeros_like(way.position.x)
             self._write(0, none, none)
             rows.alpha[rows.done] = rows.reached
@@ -128,8 +128,8 @@ class _Analysis:
         run, rows, row, way = self.run, self.rows, self.rows.done, self.way
         equations = way.newton.equations
         equations.place(way.position)
-        equations.place(Coordinates(way.rate, x_dot), "_dot")
-        equations.place(Coordinates(np.asarray(run.rate_dot), x_ddot), "_ddot")
+        equations.place(LinkageCoordinates(way.rate, x_dot), "_dot")
+        equations.place(LinkageCoordinates(np.asarray(run.rate_dot), x_ddot), "_ddot")
         equations.run("nodes")
         if self.wants_angles:
             equations.run("angles")

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ..integrate.result import Ledger
-    from .mechanism import Array, Mechanism
-    from .rows import Rows, Run
+    from .rows import Rows, RunRequest
+    from .tables import Array, LinkageTables
 
 #: Of a turn that leads back, the most that nodes may be off, relative to the largest length.
 CLOSED = 1e-6
@@ -282,7 +282,7 @@ class Trajectory(Result):
 
 
 def trajectory_of(
-    mechanism: Mechanism, run: Run, rows: Rows, *, name: str, target: str
+    mechanism: LinkageTables, run: RunRequest, rows: Rows, *, name: str, target: str
 ) -> Trajectory:
     """Trajectory of the good rows."""
     n, wanted = rows.done, ("positions", *mechanism.outputs)
@@ -320,7 +320,7 @@ def trajectory_of(
     )
 
 
-def _times(run: Run, count: int) -> Array | None:
+def _times(run: RunRequest, count: int) -> Array | None:
     """Times at which the inputs have their values, if all change evenly and take as long."""
     ways = [
         math.tau * turns if turns else way for turns, way in zip(run.turns, run.span, strict=True)

@@ -14,7 +14,7 @@ from kousoku.runtime.dynamics import DynamicsSolver
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.runtime.motion import Motion
+    from kousoku.runtime.integrate.motion import Motion
     from kousoku.runtime.toolchain import Toolchain
 
     Run = Callable[..., tuple[int, str, str]]

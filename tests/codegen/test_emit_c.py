@@ -153,7 +153,10 @@ def blank(kernel: Kernel, n: int, wanted: Wanted | None = None) -> list[Any]:
 
 
 def run_single(
-    library: ctypes.CDLL, kernel: Kernel, inputs: Sequence[Array], outputs: Sequence[Array | None]
+    library: ctypes.CDLL,
+    kernel: Kernel,
+    inputs: Sequence[Array],
+    outputs: Sequence[Array | None],
 ) -> None:
     """Evaluate row after row."""
     call = getattr(library, f"kousoku_mix_{kernel.name}_call")

@@ -16,11 +16,11 @@ from kousoku.model.errors import FreezeError
 from kousoku.model.graph import Op
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import KINDS, derive
-from kousoku.symbolic.derivation import Function, Output
+from kousoku.symbolic.derivation import DerivedOutput, Function
 from kousoku.symbolic.fractions import Fraction
 from kousoku.symbolic.matrices import (
     NamedMatrix,
-    Orientation,
+    OrientationMatrix,
     elements,
     mul,
     skew,
@@ -46,7 +46,9 @@ def _derived() -> Any:
 
 
 def function_of(expression: Any, shape: tuple[int, ...], *inputs: Quantity) -> Function:
-    output = Output(Quantity("x", shape, "-", ""), expression, ImmutableDenseMatrix(0, 1, []))
+    output = DerivedOutput(
+        Quantity("x", shape, "-", ""), expression, ImmutableDenseMatrix(0, 1, [])
+    )
     return Function("trial", "", "", "", inputs, (output,))
 
 
@@ -139,9 +141,9 @@ def test_structural_zeros_are_constants(derived: Any) -> None:
 
 
 def test_products_shared_by_transposition_are_multiplied_out_once() -> None:
-    a, s, into = vector("a_b"), vector("s_b"), transpose(Orientation(vector("p", 4)))
+    a, s, into = vector("a_b"), vector("s_b"), transpose(OrientationMatrix(vector("p", 4)))
     one = function_of(mul(skew(a), into, s), (3,), A_B, P, S_B)
-    both = Output(
+    both = DerivedOutput(
         Quantity("y", (1, 3), "-", ""),
         mul(transpose(s), transpose(into), skew(a)),
         ImmutableDenseMatrix(0, 1, []),

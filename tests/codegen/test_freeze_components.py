@@ -12,7 +12,7 @@ from kousoku.model.dual import evaluate_dual
 from kousoku.model.errors import FreezeError
 from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
-from kousoku.symbolic.derivation import Function, Output
+from kousoku.symbolic.derivation import DerivedOutput, Function
 from kousoku.symbolic.matrices import elements
 
 X = Quantity("x", (2,), "m", "")
@@ -23,7 +23,7 @@ PLACES = {x0: ("x", 0), x1: ("x", 1), y: ("y", 0)}
 
 def frozen(*components: sympy.Expr) -> Kernel:
     quantity = Quantity("f", (len(components),), "-", "")
-    output = Output(quantity, sympy.S.Zero, sympy.ImmutableDenseMatrix(components))
+    output = DerivedOutput(quantity, sympy.S.Zero, sympy.ImmutableDenseMatrix(components))
     return freeze_components(Function("f", "", "", "", (X, Y), (output,)))
 
 

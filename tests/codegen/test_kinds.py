@@ -10,7 +10,7 @@ import pytest
 
 from kousoku.codegen.generate import package_names
 from kousoku.codegen.kernel_json import load_frozen
-from kousoku.codegen.known import known_errors
+from kousoku.codegen.known_errors import known_errors
 from kousoku.model.compressed import content
 from kousoku.model.interpret import ARRAY, evaluate
 from kousoku.model.kernel import Kernel

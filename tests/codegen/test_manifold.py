@@ -11,7 +11,7 @@ from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.dual import evaluate_dual
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
-from kousoku.symbolic.derivation import Function, Output
+from kousoku.symbolic.derivation import DerivedOutput, Function
 from kousoku.symbolic.matrices import elements
 
 
@@ -30,6 +30,6 @@ def test_newton_gives_up_where_the_constraint_repeats_the_norm() -> None:
     p = Quantity("p", (4,), "-", "")
     norm = Quantity("C", (1,), "-", "")
     components = sympy.ImmutableDenseMatrix([sum(e**2 for e in elements(p)) - 1])
-    output = Output(norm, sympy.S.Zero, components)
+    output = DerivedOutput(norm, sympy.S.Zero, components)
     frozen = freeze_components(Function("constraint", "", "", "", (p,), (output,)))
     assert solve_constraint(frozen, "C", {"p": (1.0, 2.0, 3.0, 4.0)}) is None

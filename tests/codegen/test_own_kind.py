@@ -26,7 +26,7 @@ from kousoku.symbolic import derive
 from kousoku.symbolic.bodies import COMPONENTS, SYMBOLS, A
 from kousoku.symbolic.components import dot, rotate, subtract
 from kousoku.symbolic.constraint import Constraint, derive_constraint
-from kousoku.symbolic.derivation import Derivation, Function, Output
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
 from kousoku.symbolic.matrices import add, elements, mul, neg, symbol, transpose
 
 ROOT = Path(__file__).parents[2]
@@ -52,7 +52,9 @@ def hand_made(*inputs: Quantity, output: str = "f", component: Any = None) -> De
     """Function f = the first input, as a package of one kernel."""
     x = component if component is not None else elements(inputs[0])[0]
     outputs = (
-        Output(Quantity(output, (), "m", "that"), symbol(inputs[0]), ImmutableDenseMatrix([x])),
+        DerivedOutput(
+            Quantity(output, (), "m", "that"), symbol(inputs[0]), ImmutableDenseMatrix([x])
+        ),
     )
     function = Function("kernel", "title", "f = x", "this test", tuple(inputs), outputs)
     return Derivation("own", "own", "title", "this test", (), (function,))

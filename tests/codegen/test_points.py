@@ -12,7 +12,7 @@ from kousoku.model.dual import evaluate_dual
 from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
-from kousoku.symbolic.derivation import Function, Output
+from kousoku.symbolic.derivation import DerivedOutput, Function
 from kousoku.symbolic.matrices import elements
 
 
@@ -98,7 +98,9 @@ def test_body_j_comes_close_to_body_i_but_its_directions_keep_apart() -> None:
     inputs = (*axis, *place, Quantity("p_i", (4,), "-", ""), Quantity("p_j", (4,), "-", ""), jaw)
     names = [(a.name, b.name) for a, b in ((inputs[0], inputs[1]), (inputs[2], inputs[3]))]
     x = [elements(q)[0] for q in inputs]
-    output = Output(Quantity("f", (), "m", ""), S.Zero, ImmutableDenseMatrix([sum(x, S.Zero)]))
+    output = DerivedOutput(
+        Quantity("f", (), "m", ""), S.Zero, ImmutableDenseMatrix([sum(x, S.Zero)])
+    )
     components = freeze_components(Function("f", "", "", "", inputs, (output,)))
     (point,) = (
         p for p in finite_points(components, Sha256Random("s"), 0) if p.label == "nearly coincident"

@@ -10,7 +10,7 @@ import pytest
 import sympy
 
 from kousoku.codegen.freeze import freeze
-from kousoku.codegen.known import known_errors
+from kousoku.codegen.known_errors import known_errors
 from kousoku.codegen.reference import references
 from kousoku.model.arithmetic import EXACT
 from kousoku.model.errors import DerivationError
@@ -19,7 +19,7 @@ from kousoku.model.interpret import evaluate
 from kousoku.model.kernel import Kernel, Package
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
-from kousoku.symbolic.derivation import Derivation, Function, Output
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
 from kousoku.symbolic.matrices import elements
 
 
@@ -94,8 +94,10 @@ def difference() -> tuple[Package, Function]:
         "",
         inputs,
         (
-            Output(outputs[0], sympy.S.Zero, sympy.ImmutableDenseMatrix([(sa - sb) * sc, 0])),
-            Output(outputs[1], sympy.S.Zero, sympy.ImmutableDenseMatrix([sb])),
+            DerivedOutput(
+                outputs[0], sympy.S.Zero, sympy.ImmutableDenseMatrix([(sa - sb) * sc, 0])
+            ),
+            DerivedOutput(outputs[1], sympy.S.Zero, sympy.ImmutableDenseMatrix([sb])),
         ),
     )
     return Package(
@@ -142,6 +144,6 @@ def test_an_error_that_is_known_may_not_grow(
 ) -> None:
     (known,) = known_errors("n1", "rates")
     better = {("n1", "rates"): (replace(known, units=known.units - 1),)}
-    monkeypatch.setattr("kousoku.codegen.known.KNOWN", better)
+    monkeypatch.setattr("kousoku.codegen.known_errors.KNOWN", better)
     with pytest.raises(DerivationError, match=r"gamma is 117\.6 units off where 116\.63 are known"):
         references(package, n1.functions)

@@ -31,7 +31,7 @@ from kousoku.model.quantity import Quantity
 from kousoku.model.read import scene_from_toml
 from kousoku.own_kinds import own_kinds
 from kousoku.runtime.dynamics import DynamicsSolver
-from kousoku.symbolic.derivation import Derivation, Function, Output
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
 from kousoku.symbolic.matrices import elements, symbol
 
 if TYPE_CHECKING:
@@ -292,7 +292,9 @@ def test_an_angle_that_is_none_cannot_be_assembled(slant: Derivation) -> None:
 
 def test_what_is_no_constraint_of_two_bodies_is_refused(slant: Derivation, tmp_path: Path) -> None:
     x = Quantity("x", (), "m", "a length")
-    y = Output(Quantity("y", (), "m", "that"), symbol(x), ImmutableDenseMatrix([elements(x)[0]]))
+    y = DerivedOutput(
+        Quantity("y", (), "m", "that"), symbol(x), ImmutableDenseMatrix([elements(x)[0]])
+    )
     function = Function("kernel", "title", "y = x", "this test", (x,), (y,))
     length = Derivation("own", "own", "title", "this test", (), (function,))
     apart = ks.derive("revolute", C=BODY_J.r - BODY_I.r)

@@ -12,7 +12,7 @@ from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
     from kousoku.model.coordinates import CoordinateList
-    from kousoku.model.mechanism import Instance
+    from kousoku.model.multibody import Instance
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Joint
 

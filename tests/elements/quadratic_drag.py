@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 from kousoku.model.decode import require_known
-from kousoku.model.design import Place
+from kousoku.model.design import DesignVector
 from kousoku.model.elements.inputs import ElementInput
 from kousoku.model.elements.kind import ForceKind, require_one, scalars
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import GROUND_INDEX, ForceElement
+from kousoku.model.multibody import GROUND_INDEX, ForceElement
 from kousoku.model.spatial import Value
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ class QuadraticDrag(ForceKind):
     title = "drag by the square of the velocity of a point"
     keys = ("body",)
     inputs: ClassVar = {
-        "centre": ElementInput(Place | None, "where it acts, in the body frame"),
+        "centre": ElementInput(DesignVector | None, "where it acts, in the body frame"),
         "coefficient": ElementInput(
             Value, "c of F = -c |v| v [kg/unit of the scene]", "parameters"
         ),

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.recording.matrix import Matrix
-    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.real import Real
 
 
@@ -51,7 +51,7 @@ class DragFacets(ForceFacets[Drag]):
 
     is_carried = True
 
-    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """Record M⁻¹f of body j, and F·v_P."""
         j, constants = tasks.body(self.force.j), tasks.constants(self.force)
         blocks = (j.p, j.orientation, j.v_r, j.omega_b, j.inverse_mass, *constants)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.motion import Motion
+    from kousoku.runtime.integrate.motion import Motion
 
 Tree = dict[str, Any]
 G = 9.80665

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.integrate.motion import Motion
     from kousoku.runtime.linkage import LinkageSolver
-    from kousoku.runtime.motion import Motion
 
     Array = npt.NDArray[np.float64]
     Mover = Callable[..., DynamicsSolver]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kousoku.model.scene import Scene
-    from kousoku.runtime.motion import Motion
+    from kousoku.runtime.integrate.motion import Motion
 
 SCENES = Path(__file__).parents[2] / "scenes"
 TURN = (1, 0.3, 0.2, -0.5)

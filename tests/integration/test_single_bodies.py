@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.read import read_scene
-from kousoku.runtime.motion import rotated
+from kousoku.runtime.integrate.body_tables import rotated
 
 from .conftest import SCENES
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.motion import Motion
+    from kousoku.runtime.integrate.motion import Motion
 
 PENDULUM = ([-0.8923814855285858, -1.78987577342278], [-1.999683868883533, -0.03555874754523177])
 """Horizontal displacement and height at 1 s and 5 s of the motion that several cases share."""
@@ -127,7 +127,7 @@ def as_adams_prints(motion: Motion, row: int, case: str) -> dict[str, Any]:
     return {
         "Pos": motion.position["body"][row],
         "Vel": motion.velocity["body"][row],
-        "Avel": rotated(p[None], motion.angular_velocity["body"][[row]])[0],
+        "Avel": rotated(p, motion.angular_velocity["body"][row]),
         "Quat": p,
         "Rforce": -force,
         "Rtorque": -torque,
@@ -137,9 +137,9 @@ def as_adams_prints(motion: Motion, row: int, case: str) -> dict[str, Any]:
 def turned_point(motion: Motion, row: int) -> Any:
     """Place of the body if it had turned only, about the joint at (1, 2, 3)."""
     arm = motion.position["body"][0] - np.array([1, 2, 3])
-    back = motion.orientation["body"][[0]] * [1, -1, -1, -1]
-    own = rotated(back, arm[None])
-    return np.array([1, 2, 3]) + rotated(motion.orientation["body"][[row]], own)[0]
+    back = motion.orientation["body"][0] * [1, -1, -1, -1]
+    own = rotated(back, arm)
+    return np.array([1, 2, 3]) + rotated(motion.orientation["body"][row], own)
 
 
 @cases

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.read import scene_from_dict
-from kousoku.runtime.motion import rotated
+from kousoku.runtime.integrate.body_tables import rotated
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -135,7 +135,7 @@ def test_a_body_on_a_spring_moves_as_adams_prints_it(
         found = {
             "Pos": (motion.position["body"][row], 5e-5),
             "Vel": (motion.velocity["body"][row], 5e-4),
-            "Avel": (rotated(p, turning)[0], 5e-4),
+            "Avel": (rotated(p.T, turning.T)[:, 0], 5e-4),
         }
         for key, (own, limit) in found.items():
             np.testing.assert_allclose(own, sample[key], rtol=0, atol=limit, err_msg=key)

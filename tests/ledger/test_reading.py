@@ -8,9 +8,9 @@ import pytest
 
 from kousoku.ledger.documents import lecture_7_1
 from kousoku.ledger.entry import LECTURE_7_1
-from kousoku.ledger.names import Names
 from kousoku.ledger.proof import GENERAL, prove
 from kousoku.ledger.reading import entry_of, read
+from kousoku.ledger.registry import Names
 from kousoku.model.errors import LedgerError
 
 if TYPE_CHECKING:

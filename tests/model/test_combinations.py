@@ -16,7 +16,7 @@ from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import Instance, System
+    from kousoku.model.multibody import Instance, System
 
 Tree = dict[str, Any]
 ZERO, X, Z = [0, 0, 0], [1, 0, 0], [0, 0, 1]

@@ -15,10 +15,9 @@ from kousoku.model.elements.joint import SECOND_ANGLE
 from kousoku.model.errors import SceneError
 from kousoku.model.held import without_held
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX, Coordinate, System
+from kousoku.model.multibody import GROUND_INDEX, RelativeCoordinate, System
 from kousoku.model.read import read_scene, scene_from_dict
-from kousoku.model.spatial import Coordinate as Named
-from kousoku.model.spatial import Driver
+from kousoku.model.spatial import Coordinate, Driver
 from kousoku.model.system import system_of
 from kousoku.model.validate import check
 
@@ -26,7 +25,7 @@ Tree = dict[str, Any]
 ZERO = [0, 0, 0]
 
 
-def value(system: System, coordinate: Coordinate) -> float:
+def value(system: System, coordinate: RelativeCoordinate) -> float:
     """Value of a coordinate at the start, as the shipped kernel gives it."""
     kernel = next(k for k in load_frozen(coordinate.kind).kernels if k.name == "constraint")
     inputs: dict[str, tuple[float, ...]] = dict(coordinate.constants)
@@ -234,7 +233,11 @@ def test_what_a_coordinate_needs_is_reported_once() -> None:
 @pytest.mark.parametrize("table", ["parameters", "coordinates", "drivers"])
 def test_a_linkage_has_no_tables_of_bodies(table: str) -> None:
     lever = read_scene(Path(__file__).parents[2] / "scenes" / "lever_crank.toml")
-    given = {"parameters": {"k": 1.0}, "coordinates": {"c": Named()}, "drivers": {"d": Driver()}}
+    given = {
+        "parameters": {"k": 1.0},
+        "coordinates": {"c": Coordinate()},
+        "drivers": {"d": Driver()},
+    }
     with pytest.raises(SceneError, match=f"{table}: belong to bodies"):
         check(msgspec.structs.replace(lever, **{table: given[table]}))
 

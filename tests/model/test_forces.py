@@ -8,7 +8,7 @@ import pytest
 
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.read import scene_from_dict, scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.model.write import to_toml

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kousoku.model.lines import Path as Keys
+from kousoku.model.lines import KeyPath as Keys
 from kousoku.model.lines import deep_key_line, each_key_line
 
 ROOT = Path(__file__).parents[2]

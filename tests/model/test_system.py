@@ -17,7 +17,7 @@ from kousoku.model.expression import parse_expression
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.interpret import evaluate
 from kousoku.model.joints import JOINTS, NAMES
-from kousoku.model.mechanism import GROUND_INDEX, Coordinate, Instance, System, Term
+from kousoku.model.multibody import GROUND_INDEX, Instance, RelativeCoordinate, System, Term
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of
 from kousoku.model.values import value_of
@@ -46,12 +46,12 @@ def violation(system: System, instance: Instance) -> tuple[float, ...]:
     return evaluated(system, instance)
 
 
-def value(system: System, coordinate: Coordinate) -> float:
+def value(system: System, coordinate: RelativeCoordinate) -> float:
     """Value of a coordinate at the start; an angle as its kernel gives it."""
     return evaluated(system, coordinate)[0]
 
 
-def evaluated(system: System, instance: Instance | Coordinate) -> tuple[float, ...]:
+def evaluated(system: System, instance: Instance | RelativeCoordinate) -> tuple[float, ...]:
     """Values of the kernel of an instance or coordinate at the start."""
     kernel = next(k for k in load_frozen(instance.kind).kernels if k.name == "constraint")
     inputs: dict[str, tuple[float, ...]] = dict(instance.constants)
@@ -121,7 +121,7 @@ def test_a_joint_is_composed_as_the_table_says(kind: str) -> None:
         == len(violations(system))
     )
     kept = [instance for instance in system.constraints if instance.kind != COMBINATION]
-    found: list[Instance | Coordinate] = [*kept, *system.coordinates]
+    found: list[Instance | RelativeCoordinate] = [*kept, *system.coordinates]
     for instance in found:
         kernel = next(k for k in load_frozen(instance.kind).kernels if k.name == "constraint")
         moving = {"r_i", "p_i", "r_j", "p_j"}

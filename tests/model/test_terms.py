@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.model.expression import parse_expression
-from kousoku.model.graph import Graph, Node, Op
+from kousoku.model.graph import Graph, Op, OperationNode
 from kousoku.model.terms import Expression, add, evaluated, number, symbol
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def test_a_formula_is_made_of_the_nodes_of_graphs() -> None:
     x = graph.input("x", 0)
     node = graph.nodes[graph.div(graph.sin(x), graph.const(3))]
     formula = parse_expression("sin(x)/3", ("x",))
-    assert isinstance(formula, Node) and formula.op is node.op
+    assert isinstance(formula, OperationNode) and formula.op is node.op
     inner = [graph.nodes[arg] for arg in node.args]
     assert [part.op for part in formula.args] == [part.op for part in inner]
     assert formula.args[1].value == inner[1].value == 3

@@ -2,14 +2,16 @@
 
 import shutil
 import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import pytest
 
 from benchmarks import __main__ as command
-from benchmarks import commits
+from benchmarks import commit_side, commits
 from benchmarks.commit_side import code_size
 from benchmarks.commits import Comparison, Count, Time, compare, page_of
 from benchmarks.kit import Record, Size
@@ -126,6 +128,69 @@ def test_what_a_tree_refuses_is_told_and_is_no_success(scripted: type[Scripted])
     assert page.endswith("nothing can be compared\n")
 
 
+def test_a_comparison_that_is_cut_leaves_no_tree_behind() -> None:
+    """Cut twice: the second time while it puts the repository in order."""
+    script = (
+        "import os, signal\n"
+        "from benchmarks import commits\n"
+        "git = commits.git\n"
+        "def cut(*words):\n"
+        "    if words[:2] == ('worktree', 'remove'):\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        "    return git(*words)\n"
+        "commits.git = cut\n"
+        "try:\n"
+        "    with commits.checked_out('HEAD') as tree:\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        "except KeyboardInterrupt:\n"
+        "    print(tree, tree.exists())\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    tree, exists = done.stdout.split()
+    assert exists == "False"
+    assert tree not in commits.git("worktree", "list")
+
+
+def test_a_run_that_a_tree_refuses_is_told_and_the_rest_is_compared(
+    scripted: type[Scripted], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answered = scripted.ask
+
+    def refusing(self: Scripted, **command: Any) -> dict[str, Any]:
+        if command["do"] == "time" and self.side == "base" and "pendulum" in command["what"]:
+            return {"cannot": "TypeError: no such option"}
+        return answered(self, **command)
+
+    monkeypatch.setattr(scripted, "ask", refusing)
+    found = compare({"base": ROOT, "head": ROOT}, Size(), ["pendulum", "bricard"])
+    assert found.left_out == {"pendulum: C alone": "base: TypeError: no such option"}
+    assert [one.what for one in found.times] == [
+        *("families/chain_10: from empty caches", "bricard: C alone")
+    ]
+
+
+def test_a_commit_that_is_not_there_ends_with_another_status_than_a_worse_one(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(command, "BUILD", tmp_path)
+    for commit in ("no-such-commit", "--help"):
+        monkeypatch.setenv("BASE", commit)
+        assert command.main([]) == command.REFUSED
+        assert f"bad revision '{commit}'" in capsys.readouterr().err
+
+
+def test_an_old_commit_without_texts_has_the_counts_that_it_has(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path))
+    side = object.__new__(commit_side.LoadedTree)
+    assert side._sizes("a", SimpleNamespace()) == {}
+    texts = {"solver.c": "abc", "solver.h": "d", "manifest.json": "{}"}
+    assert side._sizes("a", SimpleNamespace(files=texts)) == {"bytes in C": 4.0}
+
+
 def test_every_scene_of_the_quick_run_is_committed() -> None:
     known = commits.scenes(Size(is_full=True))
     assert set(commits.QUICK_SCENES) <= set(known) and commits.COLD in known
@@ -134,7 +199,7 @@ def test_every_scene_of_the_quick_run_is_committed() -> None:
 
 
 def test_a_commit_that_is_not_there_is_one_line() -> None:
-    with pytest.raises(SystemExit, match="git log: fatal"):
+    with pytest.raises(commits.CommitError, match="git log: fatal"):
         commits.git("log", "-1", "no-such-commit", "--")
 
 

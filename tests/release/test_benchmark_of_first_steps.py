@@ -90,9 +90,9 @@ def test_a_late_chain_is_not_looked_for_in_the_cache(
 ) -> None:
     asked: list[str] = []
 
-    def ask(how: str, *_: object) -> first_step.Answer:
+    def ask(how: str, *_: object) -> first_step.ProcessAnswer:
         asked.append(how)
-        return first_step.Answer({}, {}, TOO_LONG)
+        return first_step.ProcessAnswer({}, {}, TOO_LONG)
 
     monkeypatch.setattr(first_step, "ask", ask)
     records = first_step.run(first_step.name_of(3), Size(), Workers("none", Size()))

@@ -100,7 +100,7 @@ def test_a_target_is_met_up_to_its_limit(ours: float, is_met: bool) -> None:
 
 def test_words_tell_where_kernels_win_and_lose() -> None:
     records = records_of([kernels.batch_name(n) for n in (1000, 4000)], 0.5)
-    told = "takes of the time of others: batch: 0.5 of heyoka (cfunc)"
+    told = "takes of the time of others\n- batch: 0.5 of heyoka (cfunc)"
     assert told in kernels.words(records)
     records[0].fastest = 2e-6
     assert "0.5 of heyoka (cfunc)" in kernels.words(records[4:])

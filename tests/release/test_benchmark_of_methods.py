@@ -35,8 +35,15 @@ def test_the_ratio_is_that_of_evaluations_to_the_same_error() -> None:
 
 
 def test_a_choice_that_costs_more_misses_its_target() -> None:
-    missed = [one for one in targets(made((5.0, 5.5))) if not one.is_met]
+    every = contests(Size(is_full=True))
+    costly = [record for contest in every for record in made((5.0, 5.5), contest)]
+    missed = [one for one in targets(costly) if not one.is_met]
     assert missed and all(one.value is not None and one.value > WORSE for one in missed)
+
+
+def test_few_problems_do_not_judge_the_choice() -> None:
+    few = contests(Size())
+    assert not targets([record for contest in few for record in made((5.0, 5.5), contest)])
 
 
 @pytest.mark.usefixtures("compiler")

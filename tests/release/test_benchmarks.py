@@ -24,7 +24,7 @@ from benchmarks.kit import (
     required,
     rounds_of,
 )
-from benchmarks.plots import Axis, Line, work_precision
+from benchmarks.plots import LogAxis, ToolLine, work_precision
 from benchmarks.race import TOO_LONG, Workers
 from tests.release import bench_question
 
@@ -97,6 +97,15 @@ def test_a_missing_peer_is_named_with_what_to_install_and_the_rest_runs(workers:
         required("no_such_peer.part")
 
 
+def test_a_folder_that_a_removed_peer_leaves_is_no_peer(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "removed_peer" / "plugins").mkdir(parents=True)
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(MissingError, match=r"removed_peer \(.*\); pip install"):
+        required("removed_peer")
+
+
 def test_what_the_time_is_over_for_is_left_out_and_says_so(workers: Workers) -> None:
     assert {record.note for record in raced("quick", workers, seconds=-1.0)} == {
         "not run: the time of the contest was over"
@@ -135,6 +144,192 @@ def test_only_the_contests_that_are_named_run(asked: list[str], tmp_path: Path) 
     assert asked == ["missing"]
 
 
+def test_a_word_that_is_in_no_contest_is_refused_before_anything_is_written(
+    asked: list[str],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    monkeypatch.setattr(command, "BUILD", tmp_path)
+    monkeypatch.setenv("ONLY", "pendulum,no_such_word")
+    with pytest.raises(SystemExit) as stopped:
+        command.main([])
+    assert stopped.value.code == 2
+    said = capsys.readouterr().err
+    assert "the quick run has no contest or question with 'no_such_word'" in said
+    assert "andrews" in said
+    assert not asked and not list(tmp_path.iterdir())
+
+
+def test_a_word_may_be_in_the_name_of_a_question_or_of_a_contest(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("ONLY", "kernel, ANDREWS")
+    given = command.arguments_of([])
+    wanted = command.wanted_of(given.known, given.only, Size())
+    assert ("solvers", "andrews") in wanted and ("kernels", "limits") in wanted
+    assert not any(contest == "pendulum" for _, contest in wanted)
+
+
+@pytest.mark.parametrize("name", ["FULL", "CHECK"])
+def test_a_switch_may_be_turned_off(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    for word, is_on in (("0", False), ("no", False), ("", False), ("1", True), ("yes", True)):
+        monkeypatch.setenv(name, word)
+        assert getattr(command.arguments_of([]), name.lower()) is is_on
+    monkeypatch.setenv(name, "perhaps")
+    with pytest.raises(SystemExit) as stopped:
+        command.arguments_of([])
+    assert stopped.value.code == 2
+
+
+@pytest.mark.parametrize("place", ["1", "folder.md", "file/page.md", "/proc/page.md"])
+def test_a_page_that_cannot_be_written_is_refused_before_anything_is_measured(
+    place: str,
+    asked: list[str],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "folder.md").mkdir()
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    monkeypatch.setattr(command, "BUILD", tmp_path / "build")
+    monkeypatch.setenv("PAGE", str(tmp_path / place))
+    with pytest.raises(SystemExit) as stopped:
+        command.main([])
+    assert stopped.value.code == 2 and "PAGE" in capsys.readouterr().err
+    assert not asked
+
+
+def test_a_page_may_go_into_a_folder_that_is_not_there(tmp_path: Path) -> None:
+    assert command.page_at(str(tmp_path / "a" / "b.md")) == tmp_path / "a" / "b.md"
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("line", [b"{}", b"[1]", b"null", b"7", b"\xff\xfe", b'{"question": 1}'])
+def test_a_line_that_is_no_contest_is_measured_anew(
+    line: bytes, asked: list[str], tmp_path: Path
+) -> None:
+    journal = tmp_path / "bench.jsonl"
+    journal.write_bytes(line + b"\n")
+    chosen = {"bench_question": bench_question.QUESTION}
+    found = command.ask(chosen, [], Size(), journal)
+    assert asked == ["quick"] and len(found["bench_question"].records) == 1
+
+
+@pytest.mark.parametrize(
+    ("tool", "note", "is_again"),
+    [
+        ("kousoku", "fails: OSError: no space left", True),
+        ("SymForce", "missing: headers of Eigen are missing; apt-get install libeigen3-dev", True),
+        ("no_such_peer", "missing: no_such_peer (none); pip install 'kousoku[bench]'", False),
+        ("Exudyn", "fails: SolverError: it diverges", False),
+        ("kousoku", TOO_LONG, False),
+    ],
+)
+def test_what_may_end_otherwise_is_asked_again(
+    tool: str,
+    note: str,
+    is_again: bool,
+    asked: list[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    def run(name: str, question: Question, contest: str, *_: object) -> list[Record]:
+        asked.append(contest)
+        return [Record(contest, tool, "a line", "1", note=note)]
+
+    monkeypatch.setattr(command, "run", run)
+    chosen = {"bench_question": bench_question.QUESTION}
+    for _ in range(2):
+        command.ask(chosen, [], Size(), tmp_path / "journal")
+    assert asked == ["quick"] * (1 + is_again)
+
+
+def test_times_that_a_journal_has_keep_their_date_and_are_told(
+    asked: list[str],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    monkeypatch.setattr(command, "BUILD", tmp_path)
+    monkeypatch.setattr(command, "journal_of", lambda _: tmp_path / "journal")
+    monkeypatch.setattr(command, "questions", lambda: {"bench_question": bench_question.QUESTION})
+    monkeypatch.setattr(command, "today", lambda: "2026-11-20")
+    assert command.main([]) == 0
+    assert "was measured" not in capsys.readouterr().err
+    monkeypatch.setattr(command, "today", lambda: "2026-11-26")
+    assert command.main(["--full"]) == 0
+    said = capsys.readouterr()
+    assert "1 of 2 contests was measured before, 2026-11-20" in said.err
+    assert str(tmp_path / "journal") in said.err
+    assert "Measured 2026-11-20 to 2026-11-26, full run" in said.out
+    assert json.loads((tmp_path / "results.json").read_text())["date"] == "2026-11-20 to 2026-11-26"
+
+
+def test_a_second_run_at_the_same_time_is_refused(
+    asked: list[str],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    monkeypatch.setattr(command, "BUILD", tmp_path)
+    monkeypatch.setattr(command, "journal_of", lambda _: tmp_path / "journal")
+    monkeypatch.setattr(command, "questions", lambda: {"bench_question": bench_question.QUESTION})
+    with command.alone():
+        assert command.main([]) == 2
+    assert "another run" in capsys.readouterr().err and not asked
+    assert command.main([]) == 0
+
+
+def test_a_run_that_is_cut_by_hand_says_in_a_line_that_it_goes_on(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def run(*_: object) -> list[Record]:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "BUILD", tmp_path)
+    monkeypatch.setattr(command, "journal_of", lambda _: tmp_path / "journal")
+    monkeypatch.setattr(command, "questions", lambda: {"bench_question": bench_question.QUESTION})
+    monkeypatch.setattr(command, "run", run)
+    assert command.main([]) == 130
+    assert "goes on" in capsys.readouterr().err
+
+
+def test_a_disk_that_is_full_is_one_line(
+    asked: list[str],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    def full(path: Path, data: bytes) -> None:
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr(command, "BUILD", tmp_path)
+    monkeypatch.setattr(command, "journal_of", lambda _: tmp_path / "journal")
+    monkeypatch.setattr(command, "questions", lambda: {"bench_question": bench_question.QUESTION})
+    monkeypatch.setattr(command, "write_atomically", full)
+    assert command.main([]) == 2
+    said = capsys.readouterr().err
+    assert "No space left on device" in said and "results.json" in said
+
+
+@pytest.mark.parametrize("is_full", [False, True])
+@pytest.mark.parametrize("name", [*command.questions()])
+def test_contests_that_fail_as_a_whole_leave_a_page_and_miss_its_targets(
+    name: str, is_full: bool, tmp_path: Path
+) -> None:
+    size, question = Size(is_full), command.questions()[name]
+    records = [
+        Record(contest, "kousoku", "all", "", note="fails: CompilerError: none")
+        for contest in question.contests(size)
+    ]
+    answers, chosen = {name: command.Answer(records)}, {name: question}
+    page = command.page_of(chosen, answers, size, Figures(tmp_path, "plots"), {})
+    missed = [one for one in command.targets_of(chosen, answers) if not one.is_met]
+    assert {one.contest for one in missed} >= set(question.contests(size))
+    assert "fails: CompilerError: none" in page
+
+
 def test_the_journal_is_another_one_for_another_size() -> None:
     assert command.journal_of(Size()) == command.journal_of(Size())
     assert command.journal_of(Size()) != command.journal_of(Size(is_full=True))
@@ -157,10 +352,14 @@ def test_the_page_says_in_words_where_it_wins(tmp_path: Path) -> None:
     chosen = {"solvers": solvers.QUESTION}
     figures = Figures(tmp_path / "plots", "plots")
     page = command.page_of(chosen, answers, Size(), figures, {"processor": "a machine"})
-    paragraph = page.split("\n\n")[1]
-    assert "all bodies on Pendulum A01, 10 s (4 times), and slower on no problem" in paragraph
-    assert "takes 2 to 2 times as long" in paragraph
-    assert "Nothing else that gets all bodies reaches it on Pendulum A01" in paragraph
+    beside = "beside the best tool that gets all bodies, kousoku"
+    by_hand = "times as long as with equations that a person reduced by hand first."
+    assert page.split("\n\n")[1:3] == [
+        f"To an error of 1e-06, {beside}\n- is faster on Pendulum A01, 10 s (4 times);\n"
+        f"- takes 2 to 2 {by_hand}",
+        f"To an error of 1e-10, {beside}\n- is the only one of these to reach it on Pendulum A01,"
+        f" 10 s;\n- takes 4 to 4 {by_hand}",
+    ]
     assert "processor: a machine." in page and "Left out: casadi (none); get it." in page
     assert TOO_LONG in page
     assert "![Time against error: Pendulum A01, 10 s](plots/solvers_pendulum.svg)" in page
@@ -210,15 +409,15 @@ def test_an_unknown_question_is_refused(capsys: pytest.CaptureFixture[str]) -> N
 
 
 def test_an_axis_is_logarithmic_and_may_fall() -> None:
-    axis = Axis.of([1e-3, 2e1], 0.0, 500.0)
+    axis = LogAxis.of([1e-3, 2e1], 0.0, 500.0)
     assert (axis.at(1e-3), axis.at(1e2)) == pytest.approx((0, 500))
     assert axis.at(1e-2) == pytest.approx(100)
-    falling = Axis.of([1e-3, 2e1], 0.0, 500.0, falls=True)
+    falling = LogAxis.of([1e-3, 2e1], 0.0, 500.0, falls=True)
     assert falling.at(1e2) == pytest.approx(0) and falling.at(1e-3) == pytest.approx(500)
 
 
 def test_lines_of_a_plot_differ_without_colour_and_labels_do_not_cover_each_other() -> None:
-    lines = [Line(f"tool {k}", [(1e-3, 1.0), (1e-6, 2.0 + k / 100)]) for k in range(6)]
+    lines = [ToolLine(f"tool {k}", [(1e-3, 1.0), (1e-6, 2.0 + k / 100)]) for k in range(6)]
     svg = work_precision("A plot", "error", lines)
     root = ElementTree.fromstring(svg)
     named = [

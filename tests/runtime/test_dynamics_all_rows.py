@@ -34,7 +34,7 @@ from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate import row_switch
-from kousoku.runtime.integrate.scene import Work
+from kousoku.runtime.integrate.scene_tables import Work
 from kousoku.runtime.integrate.settings import Status
 from tests.analysed import all_rows, independent, without
 from tests.random_scenes import random_scene
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.scene import Scene
 
     Array = NDArray[np.float64]
@@ -241,7 +241,7 @@ def test_all_rows_are_not_tried_again_where_they_did_not_help(
     """Where the cranks lie along the ground all rows are as weak as those that are kept."""
     solver = load_dynamics(bodies_folder(scene_of(), ()), target="numpy")
     target: Any = solver.target
-    integrate = sys.modules[type(target.solver).__module__.removesuffix(".solver")]
+    integrate = sys.modules[type(target.solver).__module__.removesuffix(".scene_solver")]
     module = import_module(".row_switch", integrate.__name__)
     users = [
         import_module(f".{name}", integrate.__name__) for name in ("stepper", "rows", "kinematics")

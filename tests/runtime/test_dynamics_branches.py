@@ -60,6 +60,41 @@ def test_no_step_leaps_onto_the_branch_that_comes_near(
     assert motion.ledger.branch_points == 0
 
 
+@pytest.mark.parametrize(
+    ("gap", "method", "tolerance", "end"),
+    [
+        (4.340235696184842e-09, "dop853", 5.056795787588038e-4, 1.8904569742489217),
+        (1.299987729570446e-09, "dopri5", 9.316186824494735e-4, 0.9677333649813499),
+        (1.4368991900073658e-09, "dop853", 6.911550037302846e-4, 1.9883912725866348),
+    ],
+    ids=["by the end of a step", "by the start of one", "by the start where roots level off"],
+)
+def test_no_long_step_leaps_at_an_end_of_it(
+    load: Load, gap: float, method: Any, tolerance: float, end: float
+) -> None:
+    """No stage is near the place, and roots of pivot ratios at the ends are large or level."""
+    motion = load(turned_by_a_torque(gap)).simulate(
+        end, samples=21, tolerance=tolerance, method=method
+    )
+    assert off_branch(motion, gap) < 1e-9
+
+
+@pytest.mark.usefixtures("compiler")
+@pytest.mark.parametrize("gap", [1.3e-9, 4.4e-9, 2.7e-8])
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_no_motion_at_loose_tolerances_is_wrong_and_trusted(
+    bodies_folder: Callable[..., Path], gap: float, method: Any
+) -> None:
+    solver = load_dynamics(bodies_folder(turned_by_a_torque(gap), ()), target="c")
+    motions = [
+        solver.simulate(2.0, samples=21, tolerance=float(tolerance), method=method)
+        for tolerance in np.geomspace(2e-4, 1e-3, 200)
+    ]
+    wrong = [motion for motion in motions if off_branch(motion, gap) > 1e-6]
+    assert not any(motion.ledger.trust.is_trusted for motion in wrong)
+    assert sum(motion.ledger.trust.is_trusted for motion in motions) > 50
+
+
 @pytest.mark.parametrize("method", ["dopri5", "dop853"])
 def test_branches_that_no_step_tells_apart_are_told(load: Load, method: Any) -> None:
     """They are 3e-6 of a length from each other where they are nearest."""

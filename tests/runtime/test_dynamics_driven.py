@@ -16,9 +16,9 @@ from kousoku.model.families import n_four_bar
 from kousoku.model.read import scene_from_toml
 from kousoku.model.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.result import shortly
 from kousoku.runtime.integrate.settings import Status
-from kousoku.runtime.motion import Motion
 
 if TYPE_CHECKING:
     from collections.abc import Callable

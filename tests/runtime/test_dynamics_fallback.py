@@ -27,7 +27,7 @@ from tests.analysed import all_rows, without
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.runtime.dynamics import DynamicsSolver
 
 OUTPUTS = ("accelerations", "reactions", "energies")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from kousoku.runtime.motion import Motion
+    from kousoku.runtime.integrate.motion import Motion
 
     Move = Callable[..., Motion]
 

@@ -25,7 +25,7 @@ from kousoku.model.read import scene_from_dict, scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.model.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.motion import Motion
+from kousoku.runtime.integrate.motion import Motion
 from tests.analysed import independent
 from tests.stress import extremes
 

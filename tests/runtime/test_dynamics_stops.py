@@ -13,7 +13,7 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.motion import Motion
+from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.run_stop import joints_at_stop
 
 if TYPE_CHECKING:

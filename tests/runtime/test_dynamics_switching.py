@@ -452,6 +452,26 @@ def test_dry_friction_is_met_where_rounding_hides_how_positions_bend(
     assert run.ledger.steps < 1500
 
 
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-9])
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_steps_behind_a_jump_do_not_begin_before_it(
+    solver_of: Callable[..., Any], method: str, tolerance: float
+) -> None:
+    solver = solver_of(CART.replace("LAW", "-stiffness - friction*sign(x_dot)"))
+    random_ = random.Random(1)
+    for _ in range(40):
+        friction = 10.0 ** random_.uniform(-1.0, 0.7)
+        push = friction * (1.0 + 10.0 ** random_.uniform(-1.0, 1.0))
+        rest = 10.0 / (push + friction)  # it turns round there
+        end = rest * random_.uniform(1.5, 3.0)
+        given = {"stiffness": push, "friction": friction}
+        run = solver.simulate(end, method=method, tolerance=tolerance, parameters=given)
+        speed = (friction - push) * (end - rest)
+        close = 100.0 * tolerance  # ten tolerances of the speed
+        assert run.velocity["cart"][-1, 0] == pytest.approx(speed, rel=0.0, abs=close), given
+        assert run.ledger.trust.is_trusted
+
+
 @pytest.mark.parametrize("method", ["dopri5", "dop853"])
 def test_fixed_steps_do_not_pass_over_narrow_forces_without_a_word(
     solver_of: Callable[..., Any], method: str

@@ -10,7 +10,7 @@ import pytest
 import kousoku
 
 if TYPE_CHECKING:
-    from kousoku.runtime.motion import Motion
+    from kousoku.runtime.integrate.motion import Motion
 
 #: Times, lengths and masses are multiplied by these.
 UNITS = [(3600.0, 1.0, 1.0), (1e-3, 1.0, 1e-6), (1.0, 1e-3, 1.0), (1000.0, 60.0, 1e3)]

@@ -379,7 +379,7 @@ COEFFICIENTS = {
 }
 
 
-def changed(method: methods.Method, old: float, new: float) -> methods.Method:
+def changed(method: methods.RungeKuttaMethod, old: float, new: float) -> methods.RungeKuttaMethod:
     """Method with one number in place of another."""
 
     def with_new(table: Any) -> Any:
@@ -428,7 +428,7 @@ def test_there_are_as_many_trees_as_conditions() -> None:
 
 
 @pytest.mark.parametrize("method", methods.METHODS, ids=lambda one: one.name)
-def test_each_coefficient_matters(method: methods.Method) -> None:
+def test_each_coefficient_matters(method: methods.RungeKuttaMethod) -> None:
     assert not [*wrong_conditions(method), *wrong_inside(method, dense_output)]
     numbers = [method.c, *method.a, *method.errors, *method.dense]
     for number in islice({x for row in numbers for x in row if x not in {0.0, 1.0}}, 0, None, 9):

@@ -103,7 +103,7 @@ def test_the_last_state_alone_makes_no_tables(
         rows.append(len(q))
         return body_tables(bodies, q, *more)
 
-    monkeypatch.setattr("kousoku.runtime.run.Told", None)
+    monkeypatch.setattr("kousoku.runtime.run.EventLog", None)
     monkeypatch.setattr("kousoku.runtime.run.ledger_of", None)
     monkeypatch.setattr(motions, "body_tables", counted)
     monkeypatch.setattr(tables_of_bodies, "body_tables", counted)

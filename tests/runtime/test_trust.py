@@ -14,7 +14,7 @@ from kousoku.runtime.integrate.result import shortly
 
 if TYPE_CHECKING:
     from kousoku.mechanism import Mechanism
-    from kousoku.runtime.motion import Motion
+    from kousoku.runtime.integrate.motion import Motion
 
 SCENES = Path(__file__).parents[2] / "scenes"
 CART: dict[str, Any] = {

@@ -22,7 +22,7 @@ from kousoku.model.system import system_of
 from kousoku.model.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.settings import Doubt, Settings, Status
-from kousoku.runtime.integrate.trust import CheckedRows, Verdict, judge
+from kousoku.runtime.integrate.trust import CheckedRows, RunVerdict, judge
 from tests.analysed import all_rows, without
 from tests.runtime.test_dynamics_branches import turned_by_a_torque
 from tests.runtime.test_dynamics_closed import CRANKS
@@ -56,16 +56,16 @@ def record(of: Any) -> Any:
     return type(of.__name__, (ctypes.Structure,), {"_fields_": declared})
 
 
-def in_c(solver: DynamicsSolver, settings: Settings, state: Any) -> tuple[int, Verdict]:
+def in_c(solver: DynamicsSolver, settings: Settings, state: Any) -> tuple[int, RunVerdict]:
     """Code that C returns, and its verdict."""
     target: Any = solver.target
-    verdict = record(Verdict)()
+    verdict = record(RunVerdict)()
     given = ctypes.byref(record(Settings)(*settings)), state.ctypes, ctypes.byref(verdict)
     code = target._function("trust")(given[0], given[1].data_as(ctypes.c_void_p), given[2])
-    return code, Verdict(*(getattr(verdict, name) for name in Verdict._fields))
+    return code, RunVerdict(*(getattr(verdict, name) for name in RunVerdict._fields))
 
 
-def in_python(solver: DynamicsSolver, settings: Settings, state: Any) -> Verdict:
+def in_python(solver: DynamicsSolver, settings: Settings, state: Any) -> RunVerdict:
     return judge(
         {name: field.view(state) for name, field in solver.state.items()},
         CheckedRows(solver.rows, solver.left_out, solver.reduced),

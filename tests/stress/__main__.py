@@ -30,7 +30,7 @@ from kousoku.model.errors import CompilerError
 from kousoku.runtime.toolchain import find_toolchain
 from tests import stress
 from tests.stress import smaller
-from tests.stress.journal import digest_of, done_in, page_in
+from tests.stress.journal import digest_of, done_in, is_on, page_in
 from tests.stress.kit import BUILD, ROOT, Finding, Outcome, Question, Size
 from tests.stress.workers import Answered, StoppedError, processor, run_case, run_cases
 
@@ -209,7 +209,11 @@ def arguments_of(words: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m tests.stress", description=__doc__)
     only = [name for name in given.get("ONLY", "").split(",") if name]
     parser.add_argument("questions", nargs="*", default=only or [*known], metavar="QUESTION")
-    parser.add_argument("--full", action="store_true", default=bool(given.get("FULL")))
+    try:
+        is_full = is_on("FULL")
+    except ValueError as error:
+        parser.error(str(error))
+    parser.add_argument("--full", action="store_true", default=is_full)
     parser.add_argument("--seed", type=int, default=int(given.get("SEED") or 1))
     parser.add_argument("--count", type=int, default=int(given["N"]) if given.get("N") else None)
     parser.add_argument("--page", type=Path, default=given.get("PAGE") or None)

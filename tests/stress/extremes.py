@@ -15,7 +15,7 @@ import numpy as np
 
 import kousoku as ks
 from kousoku.codegen.dynamics import analyse
-from kousoku.codegen.dynamics.simplification import bodies
+from kousoku.codegen.dynamics.simplification import body_blocks
 from kousoku.model.digits import CONTEXT
 from kousoku.model.write import toml_of
 from tests.stress.kit import Fault, Outcome, Question, Size
@@ -303,12 +303,12 @@ def unrefined() -> AbstractContextManager[object]:
 
 def single_masses() -> AbstractContextManager[object]:
     """Invert masses with the seven digits of single precision."""
-    real = bodies.inverse_masses
+    real = body_blocks.inverse_masses
 
     def rounded(*args: Any) -> list[Any]:
         return [CONTEXT.mpf(float(np.float32(float(x)))) for x in real(*args)]
 
-    return patch.object(bodies, "inverse_masses", rounded)
+    return patch.object(body_blocks, "inverse_masses", rounded)
 
 
 QUESTION = Question(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
 ROOT = Path(__file__).parents[2]
+#: What the environment may say of a switch.
+ON, OFF = {"1", "yes", "true", "on"}, {"", "0", "no", "false", "off"}
 
 
 def digest_of(run: object, folders: Iterable[str], counts: Callable[[Path], bool]) -> str:
@@ -26,13 +29,29 @@ def digest_of(run: object, folders: Iterable[str], counts: Callable[[Path], bool
     return digest.hexdigest()[:16]
 
 
+def is_on(name: str) -> bool:
+    """Whether the environment turns a switch on, as ``make bench FULL=1`` does.
+
+    Raises
+    ------
+    ValueError
+        It is neither on nor off.
+    """
+    word = os.environ.get(name, "").strip().lower()
+    if word in ON or word in OFF:
+        return word in ON
+    raise ValueError(f"{name} is {word!r}, and neither 1 nor 0")
+
+
 def done_in(journal: Path) -> Iterator[dict[str, Any]]:
-    """Records of a journal; a line that was cut is left out."""
-    for line in journal.read_text(encoding="utf-8").splitlines() if journal.exists() else ():
+    """Records of a journal; a line that was cut, or is none of a journal, is left out."""
+    for line in journal.read_bytes().splitlines() if journal.exists() else ():
         try:
-            yield json.loads(line)
+            done = json.loads(line)
         except ValueError:
             continue
+        if isinstance(done, dict):
+            yield done
 
 
 def page_in(folder: Path) -> jinja2.Template:

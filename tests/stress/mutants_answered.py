@@ -54,6 +54,12 @@ ANSWERS = {
         "'1' -> '(2 * 1)' in '#define ": "true as well",
         "'1' -> '(2 * 1)' in 'static const unsigned char is_length": "true as well",
         "'1' -> '(2 * 1)' in 'static const unsigned char row_is_length": "true as well",
+        "'-' -> '+' in 'const double t0 = q[2] - 0.5 * (q[3] * dq[2]);'": (
+            "no row is solved for in this scene, and what moves it back is zero"
+        ),
+        "'0.5' -> '(2 * 0.5)' in 'const double t0 = q[2] - 0.5 * (q[3] * dq[2]);'": (
+            "no row is solved for in this scene, and what moves it back is zero"
+        ),
     },
     "runtime/integrate/lacking.h": {
         "'0' -> '1' in '#define N_NARROW 0'": (
@@ -68,13 +74,24 @@ ANSWERS = {
             "a number is replaced by an equal one"
         ),
     },
-    "runtime/integrate/solver.py": {
+    "runtime/integrate/scene_solver.py": {
         "'<=' -> '<' in 'if status != Status.GOOD or asked <= s.time:'": (
             "a row at a switch is written by the polynomial of the step behind it: the same numbers"
         ),
     },
     "runtime/integrate/crossing.py": {
         "'>' -> '>=' in 'while last - first > SMALLEST": "one more halving at most",
+    },
+    "runtime/integrate/switching.py": {
+        "'<' -> '<=' in 'last = first + h if h < end - first else end'": (
+            "an interval that is all that is left ends beside its end by rounding, and one more"
+            " follows"
+        ),
+    },
+    "runtime/integrate/initial.py": {
+        "'0.3' -> '(2 * 0.3)' in 'CLOSE, LONGEST =": (
+            "longer steps are tried on the way to given coordinates; those that fail are shortened"
+        ),
     },
     "runtime/kinematics/newton.h": {
         "'>=' -> '>' in 'if (k >= run->max_iterations || (k > 2 && step": (

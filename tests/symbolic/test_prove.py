@@ -23,7 +23,7 @@ from kousoku.symbolic.ring import Ring
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kousoku.symbolic.derivation import Derivation, Function, Output
+    from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
 
 PACKAGES = [package for kind in KINDS.values() for package in kind.packages]
 #: One of each sort of formulas is proved with all other tests, and every kind for a release.
@@ -51,7 +51,7 @@ def test_every_line_follows_from_those_before(
     assert count >= 2
 
 
-def negated(output: Output) -> Output:
+def negated(output: DerivedOutput) -> DerivedOutput:
     """Output with the sign of its first element that is not zero turned."""
     values = list(output.components)
     place = next(k for k, value in enumerate(values) if value != 0)

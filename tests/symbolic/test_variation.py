@@ -13,7 +13,7 @@ from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
     NamedMatrix,
-    Orientation,
+    OrientationMatrix,
     add,
     mul,
     neg,
@@ -112,5 +112,5 @@ def test_builders_keep_the_written_order_and_collect_equal_terms() -> None:
     assert add(b, a, b).args == (mul(2, b), a)
     assert add(b, neg(b)) == ZeroMatrix(3, 1)
     assert mul(Rational(1, 2), mul(2, Identity(3), b)) == b
-    assert transpose(mul(Orientation(vector("p", 4)), skew(a), b)).shape == (1, 3)
+    assert transpose(mul(OrientationMatrix(vector("p", 4)), skew(a), b)).shape == (1, 3)
     assert transpose(transpose(MatrixSymbol("X", 2, 3))) == MatrixSymbol("X", 2, 3)

@@ -31,7 +31,7 @@ from kousoku.model.varying import fixed_system
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
-    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.multibody import MovingBody, System
     from kousoku.model.precise import High, Quadruple, Triple
 
 MOST_ROWS = 6000

@@ -11,7 +11,7 @@ from kousoku.model.varying import fixed_system
 from kousoku.runtime.integrate.given_start import Change, Moved, known
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.multibody import MovingBody, System
     from kousoku.model.precise import Quadruple, Triple
 
 #: A speed below this part of the scene's is rounding.

@@ -25,7 +25,7 @@ from kousoku.model.quantity import Quantity
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import Instance
+    from kousoku.model.multibody import Instance
     from kousoku.model.precise import High
 
 #: Of one formula: itself and its derivatives by the time.

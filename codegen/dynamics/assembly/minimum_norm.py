@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.jacobian import Array, PreciseJacobian
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
+    from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
     from kousoku.model.precise import High
 
 DEPENDENT = 1e-11
@@ -87,7 +87,7 @@ def _size(system: System) -> float:
     """Largest distance of a joint from a centre of mass, or between two points."""
     lengths: list[tuple[float, ...]] = []
     terms = dict.fromkeys(term.coordinate for one in system.constraints for term in one.terms)
-    sources: list[Instance | Coordinate] = [*system.constraints]
+    sources: list[Instance | RelativeCoordinate] = [*system.constraints]
     for source in (*sources, *(system.coordinates[k] for k in terms)):
         bodies = {"i": source.i, "j": source.j}
         lengths += [values for end, values in lengths_of(source) if bodies.get(end, 0) >= 0]

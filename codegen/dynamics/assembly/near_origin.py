@@ -13,9 +13,10 @@ from kousoku.codegen.dynamics.operations.characteristic_length import is_ground_
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.mechanism import Coordinate, Instance, System, Vector
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System
+    from kousoku.model.orientation import Vector
 
-    Source = TypeVar("Source", Instance, Coordinate)
+    Source = TypeVar("Source", Instance, RelativeCoordinate)
 
 NEAR = 1024.0
 """So many sizes of a system from the origin it stays where it is: that costs three digits."""
@@ -35,7 +36,7 @@ def brought_near(system: System, size: float) -> tuple[System, Vector]:
         The size of it.
     """
     grid = 2.0 ** math.ceil(math.log2(NEAR * size))
-    sources: tuple[Instance | Coordinate, ...] = (
+    sources: tuple[Instance | RelativeCoordinate, ...] = (
         *system.constraints,
         *system.held,
         *system.coordinates,
@@ -62,7 +63,7 @@ def brought_near(system: System, size: float) -> tuple[System, Vector]:
     return near, by
 
 
-def _ground_points(source: Instance | Coordinate) -> Iterator[tuple[float, ...]]:
+def _ground_points(source: Instance | RelativeCoordinate) -> Iterator[tuple[float, ...]]:
     yield from (x for name, x in source.constants if is_ground_point(source, name))
 
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.jacobian import Array
     from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.precise import High
 
 CLOSED = 1e-12

@@ -13,7 +13,7 @@ from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.mechanism import Coordinate, MovingBody
+    from kousoku.model.multibody import MovingBody, RelativeCoordinate
 
 
 _ONE, _NONE = precise.number(1.0), precise.number(0.0)
@@ -39,7 +39,9 @@ class Pose:
     near: tuple[High, ...] = ()
 
     @classmethod
-    def of(cls, bodies: Sequence[MovingBody], coordinates: Sequence[Coordinate] = ()) -> Pose:
+    def of(
+        cls, bodies: Sequence[MovingBody], coordinates: Sequence[RelativeCoordinate] = ()
+    ) -> Pose:
         """Positions at the start."""
         r = [precise.triple(body.r) for body in bodies]
         p = [normalised(body.p) for body in bodies]

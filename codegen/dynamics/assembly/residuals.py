@@ -21,9 +21,8 @@ from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
 from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import ARRAY, evaluate
-from kousoku.model.mechanism import Coordinate
+from kousoku.model.multibody import RelativeCoordinate
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
     from kousoku.codegen.dynamics.assembly.pose import Pose
     from kousoku.model.kernel import Kernel
-    from kousoku.model.mechanism import Instance, MovingBody, System
+    from kousoku.model.multibody import Instance, MovingBody, System
     from kousoku.model.precise import High
 
 
@@ -44,7 +43,7 @@ class _Piece:
 
     Parameters
     ----------
-    source : Instance or Coordinate
+    source : Instance or RelativeCoordinate
         Kind, bodies and constants.
     first : int
         Its first row.
@@ -54,7 +53,7 @@ class _Piece:
         Its place among the coordinates, −1 of an instance.
     """
 
-    source: Instance | Coordinate
+    source: Instance | RelativeCoordinate
     first: int
     factor: float = 1.0
     coordinate: int = -1
@@ -69,7 +68,7 @@ class Residuals:
         In the order of their rows.
     bodies : sequence of MovingBody
         All bodies of the system.
-    coordinates : sequence of Coordinate
+    coordinates : sequence of RelativeCoordinate
         What the terms of combinations mean.
     parameters : sequence of (str, float)
         Names that formulas may use, and their values.
@@ -82,7 +81,7 @@ class Residuals:
         self,
         constraints: Sequence[Instance],
         bodies: Sequence[MovingBody],
-        coordinates: Sequence[Coordinate] = (),
+        coordinates: Sequence[RelativeCoordinate] = (),
         parameters: Sequence[tuple[str, float]] = (),
         *,
         left_out: Collection[tuple[int, int]] = (),
@@ -123,7 +122,7 @@ class Residuals:
 
     def _listed(self) -> Iterator[_Piece]:
         for instance, first in zip(self.constraints, self.first, strict=False):
-            if instance.kind != COMBINATION:
+            if not instance.is_combination:
                 yield _Piece(instance, first)
             for term in instance.terms:
                 source = self.coordinates[term.coordinate]
@@ -138,7 +137,7 @@ class Residuals:
         #: ν at t = 0 in 50 digits, row by row.
         self.nu = [zero] * self.rows
         for instance, first in zip(self.constraints, self.first, strict=False):
-            if instance.kind == COMBINATION:
+            if instance.is_combination:
                 law = law_at_start(instance, parameters)
                 self._offsets[first] = precise.number(instance.offset) - law.value
                 self.sizes[first] = abs(instance.offset) + abs(float(law.value))
@@ -184,7 +183,7 @@ class Residuals:
         turn = 2 * CONTEXT.pi
         return value + turn * CONTEXT.nint((near[coordinate] - value) / turn)
 
-    def _column(self, source: Instance | Coordinate, column: int) -> int:
+    def _column(self, source: Instance | RelativeCoordinate, column: int) -> int:
         """Column of the system for one of an instance, −1 where there is none."""
         body = source.i if column < COLUMNS else source.j
         own = column % COLUMNS
@@ -276,7 +275,7 @@ class Residuals:
         return _Stack(
             kernel=frozen(sources[0].kind, "constraint"),
             residual=_residual_of(sources[0].kind),
-            is_angle=isinstance(sources[0], Coordinate) and sources[0].counts_turns,
+            is_angle=isinstance(sources[0], RelativeCoordinate) and sources[0].counts_turns,
             constants={name: np.array([own[name] for own in constants]).T for name in constants[0]},
             bodies={end: np.array([getattr(source, end) for source in sources]) for end in "ij"},
             first=np.array([piece.first for piece in pieces]),
@@ -341,7 +340,7 @@ def _residual_of(kind: str) -> Kernel:
 
 
 def _size(instance: Instance) -> int:
-    if instance.kind == COMBINATION:
+    if instance.is_combination:
         return 1
     return frozen(instance.kind, "constraint").outputs[0].size
 
@@ -359,7 +358,7 @@ def _by_kind(pieces: Sequence[_Piece]) -> list[list[_Piece]]:
     return list(groups.values())
 
 
-def _inputs(source: Instance | Coordinate, pose: Pose) -> dict[str, Sequence[High]]:
+def _inputs(source: Instance | RelativeCoordinate, pose: Pose) -> dict[str, Sequence[High]]:
     inputs: dict[str, Sequence[High]] = {
         name: [precise.number(x) for x in constant] for name, constant in source.constants
     }

@@ -12,7 +12,7 @@ from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.model import precise
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 
 def wound_as_driven(system: System) -> System:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.constraints import BodiesAtRest, facets_of_kind
 from kousoku.model import precise
-from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.own_kind import is_own
 from kousoku.model.precise import ZERO
 from kousoku.runtime.integrate.result import listed
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.pose import Pose
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.model.mechanism import Instance
+    from kousoku.model.multibody import Instance
     from kousoku.model.precise import High, Triple
 
 
@@ -44,7 +43,7 @@ def violations(
     values, _ = rows.at(pose)
     for instance, first in zip(rows.constraints, rows.first, strict=False):
         own = slice(first, first + rows.count(instance))
-        is_told = instance.kind == COMBINATION or is_own(instance.kind)
+        is_told = instance.is_combination or is_own(instance.kind)
         if is_told or rows.is_left_out[own].any():
             size, unit = max(map(abs, values[own])), 0 if rows.in_metres[first] else 1
         else:

@@ -23,7 +23,7 @@ from kousoku.codegen.dynamics.checking.newton_euler import (
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.digits import HIGH
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.checking.newton_euler import Found
     from kousoku.model.arithmetic import FormulaArithmetic
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.real import Real
     from kousoku.runtime.integrate.body_tables import BodyPlaces
     from kousoku.runtime.integrate.motion import Layout

@@ -25,19 +25,19 @@ from kousoku.codegen.dynamics.operations.jets import (
 from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.model.digits import HIGH
-from kousoku.model.elements.constraints import COMBINATION, is_length
+from kousoku.model.elements.constraints import is_length
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import PREFIX, is_own
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.operations.jets import Vector
+    from kousoku.codegen.dynamics.operations.jets import JetVector
     from kousoku.model.arithmetic import FormulaArithmetic
-    from kousoku.model.mechanism import ForceElement, Instance, MovingBody, System
+    from kousoku.model.multibody import ForceElement, Instance, MovingBody, System
     from kousoku.model.real import Real
     from kousoku.model.terms import Expression
 
@@ -114,11 +114,11 @@ class Course:
         here = BodyState([x.x for x in self.r], [x.x for x in self.p], (), ())
         return Course.of(here, rates, [0] * 6)
 
-    def vector(self, a: Sequence[Real]) -> Vector:
+    def vector(self, a: Sequence[Real]) -> JetVector:
         """Body-fixed vector in frame O."""
         return rotated(self.p, [Jet(x) for x in a])
 
-    def point(self, s: Sequence[Real]) -> Vector:
+    def point(self, s: Sequence[Real]) -> JetVector:
         """Place of a body-fixed point in frame O."""
         x, y, z = (a + b for a, b in zip(self.r, self.vector(s), strict=True))
         return x, y, z
@@ -245,7 +245,7 @@ class BodyEquations:
     def _residuals(self, one: Instance, at: Mapping[int, Course], time: Real) -> Sequence[Jet]:
         """Residuals, zero where a joint or driver holds."""
         own = {name: self._numbers(values) for name, values in one.constants}
-        if one.kind == COMBINATION:
+        if one.is_combination:
             total = self._jet(one.offset)
             for term in one.terms:
                 factor = self.digits.number(term.factor)

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 FORMAT = 2
 #: Programs with more operations get no reference values: they would take minutes.

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
     from kousoku.codegen.dynamics.recording.program import Task
-    from kousoku.model.graph import Node
+    from kousoku.model.graph import OperationNode
     from kousoku.model.kernel import Kernel
 
     Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -135,7 +135,7 @@ def _add(table: dict[int, Array], place: int, slope: Array) -> None:
     table[place] = slope if known is None else known + slope
 
 
-def _roundings(node: Node[int]) -> int:
+def _roundings(node: OperationNode[int]) -> int:
     """Number of roundings that a node costs."""
     if node.op is Op.CONST:
         return int(node.value is not None and float(node.value) != node.value)
@@ -144,7 +144,7 @@ def _roundings(node: Node[int]) -> int:
     return 2 if node.op in FUNCTIONS else 1
 
 
-def _slopes(node: Node[int], value: float, values: Sequence[float]) -> tuple[float, ...]:
+def _slopes(node: OperationNode[int], value: float, values: Sequence[float]) -> tuple[float, ...]:
     """Derivatives of a node by its arguments."""
     if not node.args:
         return ()

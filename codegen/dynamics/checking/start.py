@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import ForceElement, System
+    from kousoku.model.multibody import ForceElement, System
 
 
 def forces_without_value(system: System) -> list[str]:

@@ -17,16 +17,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.recording.program import Auxiliary, Place
+from kousoku.codegen.dynamics.recording.program import Auxiliary, CoordinatePlace
 from kousoku.codegen.dynamics.recording.recorder import slot_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.matrix import Matrix
-    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 #: An angle with its turns [rad], which positions tell up to whole turns.
 TURNS = "turns"
@@ -40,8 +40,8 @@ def entries_of(system: System) -> tuple[Auxiliary, ...]:
     working = dict.fromkeys(force.name for force in system.forces if force.works)
     working |= dict.fromkeys(drivers_of(system))
     return (
-        *(Auxiliary(TURNS, one.name, Place(-1, one.near)) for one in turns),
-        *(Auxiliary(WORK, name, Place(-1, 0.0)) for name in working),
+        *(Auxiliary(TURNS, one.name, CoordinatePlace(-1, one.near)) for one in turns),
+        *(Auxiliary(WORK, name, CoordinatePlace(-1, 0.0)) for name in working),
     )
 
 
@@ -66,16 +66,16 @@ class Auxiliaries:
         self.first = first
         self._places = {(one.kind, one.name): first + k for k, one in enumerate(self.entries)}
 
-    def of(self, region: Block, kind: str, name: str) -> Block:
+    def of(self, region: SlotMatrix, kind: str, name: str) -> SlotMatrix:
         """Entry of a region that is ordered as q."""
         return region.part(self._places[kind, name], 1)
 
-    def kept(self, region: Block) -> list[Block]:
+    def kept(self, region: SlotMatrix) -> list[SlotMatrix]:
         """Entries of a region that no positions tell."""
         kinds = ((one.kind, one.name) for one in self.entries)
         return [self.of(region, kind, name) for kind, name in kinds if kind != TURNS]
 
-    def placed(self, q: Block) -> tuple[Auxiliary, ...]:
+    def placed(self, q: SlotMatrix) -> tuple[Auxiliary, ...]:
         """Entries with their slots, for those who run the program."""
         return tuple(
             replace(one, place=replace(one.place, slot=slot_of(q.entries[self.first + k])))

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
-    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
-    from kousoku.model.mechanism import Instance
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
+    from kousoku.model.multibody import Instance
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class Combinations:
         Where they are recorded.
     coordinates : CoordinateRecorder
         What is combined.
-    time, parameters : Block
+    time, parameters : SlotMatrix
         What laws depend on.
     names : tuple of str
         The parameters' names.
@@ -90,11 +90,11 @@ class Combinations:
 
     recorder: Recorder
     coordinates: CoordinateRecorder
-    time: Block
-    parameters: Block
+    time: SlotMatrix
+    parameters: SlotMatrix
     names: tuple[str, ...]
 
-    def residual(self, one: Instance) -> Block:
+    def residual(self, one: Instance) -> SlotMatrix:
         """Record C (1,)."""
         total = self.recorder.constant((one.offset,))
         if one.is_driver:
@@ -103,19 +103,19 @@ class Combinations:
         values = [self.coordinates.value(term.coordinate) for term in one.terms]
         return self._weighted(one, total, values)
 
-    def slopes(self, one: Instance, index: int, body: BodyBlocks) -> Block:
+    def slopes(self, one: Instance, index: int, body: BodyBlocks) -> SlotMatrix:
         """Record the Jacobian by the columns of a body, one row."""
         found = [self.coordinates.slopes(term.coordinate).get(index) for term in one.terms]
         return self._weighted(one, zeros(1, len(body.columns)), found)
 
-    def rate(self, one: Instance, output: str) -> Block:
+    def rate(self, one: Instance, output: str) -> SlotMatrix:
         """Record ``nu`` or ``gamma`` (1,)."""
         if output == "nu":
             return self.law(one, 1)
         gammas = [self.coordinates.gamma(term.coordinate) for term in one.terms]
         return self._weighted(one, self.law(one, 2), gammas)
 
-    def law(self, one: Instance, order: int) -> Block:
+    def law(self, one: Instance, order: int) -> SlotMatrix:
         """Record a derivative of a law, in the unit of the row (1,); zero where there is none."""
         if not one.is_driver:
             return column((0,))
@@ -123,7 +123,9 @@ class Combinations:
         operation = Law(one.law, self.names, order)
         return self.recorder.call(operation, unit, self.time, self.parameters)[0]
 
-    def _weighted(self, one: Instance, total: Block, rows: Sequence[Block | None]) -> Block:
+    def _weighted(
+        self, one: Instance, total: SlotMatrix, rows: Sequence[SlotMatrix | None]
+    ) -> SlotMatrix:
         pairs = [
             block
             for term, row in zip(one.terms, rows, strict=True)

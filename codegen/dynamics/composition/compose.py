@@ -37,6 +37,7 @@ from kousoku.codegen.dynamics.composition.record_joints import JointRecorder
 from kousoku.codegen.dynamics.composition.schur import Schur
 from kousoku.codegen.dynamics.composition.setup import record_setup
 from kousoku.codegen.dynamics.composition.switching import record_switching
+from kousoku.codegen.dynamics.operations.body_coordinates import sizes
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.joint_ends import points_of
 from kousoku.codegen.dynamics.operations.mechanics import (
@@ -45,20 +46,19 @@ from kousoku.codegen.dynamics.operations.mechanics import (
     Move,
     PoseRate,
 )
-from kousoku.codegen.dynamics.operations.shapes import sizes
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Kept, Program
-from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
+from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix, column, zeros
 from kousoku.codegen.dynamics.redundancy.redundant_rows import by_instance
 from kousoku.codegen.dynamics.simplification.axis_permutation import permuted_back, shift_of
-from kousoku.codegen.dynamics.simplification.bodies import (
+from kousoku.codegen.dynamics.simplification.body_blocks import (
     GROUND,
     BodyBlocks,
     body_blocks,
     coordinates,
     gyroscopic_ratios,
 )
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
@@ -213,7 +213,7 @@ class _ProgramComposer:
         self.schur.factorise(self.joints)
 
     @staticmethod
-    def _rows_of(region: Block, joint: JointBlocks) -> Block:
+    def _rows_of(region: SlotMatrix, joint: JointBlocks) -> SlotMatrix:
         return region.part(joint.first, joint.count)
 
     def _position(self) -> None:
@@ -223,13 +223,13 @@ class _ProgramComposer:
 
     def _pull(
         self,
-        multipliers: Sequence[Block],
-        free: Sequence[Block] | None,
-        region: Block,
-        beyond: Mapping[int, Block] | None = None,
+        multipliers: Sequence[SlotMatrix],
+        free: Sequence[SlotMatrix] | None,
+        region: SlotMatrix,
+        beyond: Mapping[int, SlotMatrix] | None = None,
     ) -> None:
         """Write free − M⁻¹ C_qᵀ λ of each body, of one that is reduced R u and what is beyond."""
-        terms: list[list[tuple[Block, Block]]] = [[] for _ in self.bodies]
+        terms: list[list[tuple[SlotMatrix, SlotMatrix]]] = [[] for _ in self.bodies]
         for joint, block in zip(self.joints, multipliers, strict=True):
             for index, scaled in joint.scaled.items():
                 if index != GROUND_INDEX:
@@ -245,7 +245,7 @@ class _ProgramComposer:
 
     def _move(self) -> None:
         self.recorder.begin("move")
-        laws: dict[int, Block] = {}
+        laws: dict[int, SlotMatrix] = {}
         for k, blocks in enumerate(self.bodies):
             change = blocks.spread(self.dq.part(blocks.v, len(blocks.columns)).entries)
             target = self.q_moved.part(blocks.q, len(blocks.coordinates))
@@ -263,11 +263,11 @@ class _ProgramComposer:
     def _rates(
         self,
         output: str,
-        by_body: Sequence[Block],
-        region: Block | None = None,
+        by_body: Sequence[SlotMatrix],
+        region: SlotMatrix | None = None,
         joints: Sequence[JointBlocks] | None = None,
-        beyond: Mapping[int, Block] | None = None,
-    ) -> list[Block]:
+        beyond: Mapping[int, SlotMatrix] | None = None,
+    ) -> list[SlotMatrix]:
         """C_q x minus ν or γ, joint by joint; ``region`` says where to put it."""
         found = []
         for joint in self.joints if joints is None else joints:
@@ -282,7 +282,7 @@ class _ProgramComposer:
         rates = self._rates("nu", by_body, beyond=beyond)
         self._pull(self.schur.solve(rates), None, self.dv, lacks)
 
-    def _by_body(self, region: Block) -> list[Block]:
+    def _by_body(self, region: SlotMatrix) -> list[SlotMatrix]:
         """Parts of a region in the order of v."""
         return [region.part(blocks.v, len(blocks.columns)) for blocks in self.bodies]
 
@@ -300,7 +300,7 @@ class _ProgramComposer:
                     into=(self.q_dot.part(blocks.q, len(blocks.coordinates)),),
                 )
         self.coordinates.turn(self.q_dot, self._by_body(self.v))
-        free: list[Block] = []
+        free: list[SlotMatrix] = []
         for k, (body, blocks) in enumerate(zip(self.system.bodies, self.bodies, strict=True)):
             ratios = self.recorder.constant(gyroscopic_ratios(body, blocks.columns))
             operation = FreeAcceleration(blocks.columns)
@@ -318,12 +318,14 @@ class _ProgramComposer:
         for name, power in powers:
             self._keep_rate(name, power)
 
-    def _keep_rate(self, name: str, power: Block) -> None:
+    def _keep_rate(self, name: str, power: SlotMatrix) -> None:
         """Record the power of a force or a driver as the rate of its work."""
         target = self.auxiliary.of(self.q_dot, WORK, name)
         self.recorder.call(Copy(), power, into=(target,))
 
-    def _powers(self, multipliers: Sequence[Block], *, is_whole: bool = True) -> list[Block]:
+    def _powers(
+        self, multipliers: Sequence[SlotMatrix], *, is_whole: bool = True
+    ) -> list[SlotMatrix]:
         """Record the power of each driver, or what multipliers add to it."""
         powers = {name: [one] for name, one in self.tasks.powers(self.joints, multipliers).items()}
         ground = self.reduced.powers(self.schur, self.joints, multipliers, is_whole=is_whole)

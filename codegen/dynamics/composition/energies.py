@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
-    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
-    from kousoku.model.mechanism import System
+    from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
+    from kousoku.model.multibody import System
 
 
 def record_energies(
@@ -37,7 +37,7 @@ def record_energies(
     target = recorder.region("energies", 2)
     recorder.begin("energy")
     gravity = forces.gravity(system)
-    parts: list[Block] = []
+    parts: list[SlotMatrix] = []
     for body, blocks in zip(system.bodies, bodies, strict=True):
         mass = number(body.mass)
         halves = recorder.constant([mass / 2] * 3 + [number(x) / 2 for x in body.inertia])

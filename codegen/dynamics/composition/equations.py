@@ -16,20 +16,20 @@ from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRe
 from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
 from kousoku.codegen.dynamics.composition.record_joints import JointRecorder
 from kousoku.codegen.dynamics.composition.setup import record_setup
+from kousoku.codegen.dynamics.operations.body_coordinates import sizes
 from kousoku.codegen.dynamics.operations.mechanics import BodyOrientation
-from kousoku.codegen.dynamics.operations.shapes import sizes
 from kousoku.codegen.dynamics.recording.design import number
 from kousoku.codegen.dynamics.recording.program import Program
-from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
-from kousoku.codegen.dynamics.simplification.bodies import GROUND, body_blocks, coordinates
+from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix, column, zeros
+from kousoku.codegen.dynamics.simplification.body_blocks import GROUND, body_blocks, coordinates
 from kousoku.codegen.dynamics.simplification.outline import live_rows
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
-    from kousoku.model.mechanism import System
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
+    from kousoku.model.multibody import System
 
 #: Numbers of a body in the region ``masses``: mass, moments, origin and axes of the user's frame.
 NUMBERS = 11
@@ -112,7 +112,7 @@ class _Equations:
             (orientation,) = self.recorder.call(BodyOrientation(), blocks.p)
             self.bodies[k] = replace(blocks, orientation=orientation)
         still = [zeros(len(blocks.columns), 1) for blocks in self.bodies]
-        slopes: list[Block] = []
+        slopes: list[SlotMatrix] = []
         places: list[tuple[int, int]] = []
         for joint in joints:
             self.tasks.watch(joint, residuals.part(joint.first, joint.count))
@@ -146,7 +146,7 @@ class _Equations:
         )
         return SystemEquations(program, tuple(places))
 
-    def _loads(self) -> list[Block]:
+    def _loads(self) -> list[SlotMatrix]:
         """Record what acts on each body: weight, and all forces."""
         gravity = self.forces.gravity(self.system)
         found = []
@@ -157,11 +157,11 @@ class _Equations:
         self.forces.act(self.system.forces, found)
         return found
 
-    def _numbers(self, index: int) -> Block:
+    def _numbers(self, index: int) -> SlotMatrix:
         body = self.system.bodies[index]
         return self.recorder.constant((body.mass, *body.inertia, *body.origin_b, *body.axes_b))
 
-    def _keep(self, name: str, blocks: Sequence[Block]) -> None:
+    def _keep(self, name: str, blocks: Sequence[SlotMatrix]) -> None:
         """Write blocks one after the other into a region."""
         target = self.recorder.region(name, sum(len(block.entries) for block in blocks))
         first = 0

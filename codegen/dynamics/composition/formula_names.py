@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.operations.formulas import Meaning
-    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
-    from kousoku.model.mechanism import System
+    from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
+    from kousoku.model.multibody import System
 
 
 class FormulaNames(Mapping[str, "Meaning"]):
@@ -30,9 +30,9 @@ class FormulaNames(Mapping[str, "Meaning"]):
         The program.
     coordinates : CoordinateRecorder
         Its coordinates.
-    given : (Block, Block)
+    given : (SlotMatrix, SlotMatrix)
         Where time and parameters are.
-    by_body : sequence of Block
+    by_body : sequence of SlotMatrix
         The velocities of each body.
     """
 
@@ -41,8 +41,8 @@ class FormulaNames(Mapping[str, "Meaning"]):
         system: System,
         recorder: Recorder,
         coordinates: CoordinateRecorder,
-        given: tuple[Block, Block],
-        by_body: Sequence[Block],
+        given: tuple[SlotMatrix, SlotMatrix],
+        by_body: Sequence[SlotMatrix],
     ) -> None:
         time, parameters = given
         self._fixed = {TIME: time}

@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
     from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.composition.schur import Schur
-    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
     from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
     #: A matrix, and the vector that it is multiplied with.
-    Product = tuple[Block, Block]
+    Product = tuple[SlotMatrix, SlotMatrix]
 
 
 class JointCoordinates:
@@ -58,7 +58,7 @@ class JointCoordinates:
             k: JointCoordinateRecorder(one, system, recorder, body, combinations)
             for k, one in found.items()
         }
-        self._free: dict[int, Block] = {}
+        self._free: dict[int, SlotMatrix] = {}
 
     @property
     def instances(self) -> list[int]:
@@ -76,14 +76,16 @@ class JointCoordinates:
             basis, inverse = one.geometry()
             bodies[k] = replace(bodies[k], basis=basis, inverse=inverse)
 
-    def project_velocity(self, by_body: list[Block]) -> tuple[dict[int, Block], dict[int, Block]]:
+    def project_velocity(
+        self, by_body: list[SlotMatrix]
+    ) -> tuple[dict[int, SlotMatrix], dict[int, SlotMatrix]]:
         """Record velocities that fit, and put u into ``by_body``; return what v lacks, and β."""
         lacks, beta = {}, {}
         for k, one in self.tasks.items():
             by_body[k], lacks[k], beta[k] = one.project_velocity()
         return lacks, beta
 
-    def reduce_forces(self, free: list[Block]) -> dict[int, Block]:
+    def reduce_forces(self, free: list[SlotMatrix]) -> dict[int, SlotMatrix]:
         """Record u̇ without joints, and put it into ``free``, which has M⁻¹f; return η."""
         drifts = {k: one.bias_acceleration() for k, one in self.tasks.items()}
         for k, one in self.tasks.items():
@@ -91,7 +93,7 @@ class JointCoordinates:
             free[k] = one.chosen(self._free[k])
         return drifts
 
-    def keep(self, free: Sequence[Block]) -> None:
+    def keep(self, free: Sequence[SlotMatrix]) -> None:
         """Record M⁻¹f into a region of its own: forces of joints are told from it."""
         if self.tasks:
             whole = self.recorder.region("free", sum(free[k].height for k in self.tasks))
@@ -102,11 +104,11 @@ class JointCoordinates:
         self,
         schur: Schur,
         joints: Sequence[JointBlocks],
-        v_dot: Sequence[Block],
+        v_dot: Sequence[SlotMatrix],
         coordinates: CoordinateRecorder,
-    ) -> dict[tuple[str, int], Block]:
+    ) -> dict[tuple[str, int], SlotMatrix]:
         """Record what joints with the ground and their drivers do to bodies, by name and body."""
-        found: dict[tuple[str, int], Block] = {}
+        found: dict[tuple[str, int], SlotMatrix] = {}
         if not self.tasks:
             return found
         lam, whole = self.recorder.known("lam"), self.recorder.known("free")
@@ -117,14 +119,14 @@ class JointCoordinates:
             found |= {(name, k): wrench for name, wrench in own.items()}
         return found
 
-    def _parts(self, whole: Block) -> list[Block]:
+    def _parts(self, whole: SlotMatrix) -> list[SlotMatrix]:
         """Parts of a region that has the columns of each body."""
         counts = [len(one.blocks.columns) for one in self.tasks.values()]
         return [whole.part(sum(counts[:n]), count) for n, count in enumerate(counts)]
 
     def _others(
-        self, schur: Schur, k: int, joints: Sequence[JointBlocks], multipliers: Sequence[Block]
-    ) -> Block:
+        self, schur: Schur, k: int, joints: Sequence[JointBlocks], multipliers: Sequence[SlotMatrix]
+    ) -> SlotMatrix:
         """Record what other joints do to body k, −Σ C_qᵀλ."""
         pairs = zip(joints, multipliers, strict=True)
         products = [(joint.whole[k].T, solution) for joint, solution in pairs if k in joint.bodies]
@@ -134,10 +136,10 @@ class JointCoordinates:
         self,
         schur: Schur,
         joints: Sequence[JointBlocks],
-        multipliers: Sequence[Block],
+        multipliers: Sequence[SlotMatrix],
         *,
         is_whole: bool,
-    ) -> list[tuple[str, Block]]:
+    ) -> list[tuple[str, SlotMatrix]]:
         """Record the power of each driver of a joint with the ground, by its name [W].
 
         Unless it is the whole, what the multipliers add to it.
@@ -152,9 +154,9 @@ class JointCoordinates:
     def spread(
         self,
         schur: Schur,
-        totals: list[Block],
+        totals: list[SlotMatrix],
         products: list[list[Product]],
-        beyond: Mapping[int, Block] | None,
+        beyond: Mapping[int, SlotMatrix] | None,
     ) -> None:
         """Record what others do to u, and put R u and what is beyond that in its place."""
         own = {k: schur.gather(totals[k], products[k]) for k in self.tasks}

@@ -7,14 +7,14 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import InstanceRows, inputs_of
-from kousoku.codegen.dynamics.recording.program import Row
-from kousoku.codegen.dynamics.recording.recorder import Block, column
+from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.recorder import Recorder
-    from kousoku.model.mechanism import Coordinate, Instance, System
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System
 
 
 @dataclass(slots=True)
@@ -31,15 +31,15 @@ class JointBlocks:
         Places in the system.
     parts : tuple of InstanceRows
         The rows of each instance.
-    constants : tuple of tuple of Block
+    constants : tuple of tuple of SlotMatrix
         What each part needs; nothing of a combination.
     first, count : int
         Its rows.
-    jacobian, scaled : dict of int to Block
+    jacobian, scaled : dict of int to SlotMatrix
         C_q and C_q M⁻¹ by body; C_q R and C_q R (Rᵀ M R)⁻¹ of a body that is reduced.
-    whole : dict of int to Block
+    whole : dict of int to SlotMatrix
         C_q by body.
-    own : Block
+    own : SlotMatrix
         C_q M⁻¹ C_qᵀ.
     """
 
@@ -47,13 +47,13 @@ class JointBlocks:
     bodies: tuple[int, ...]
     instances: tuple[int, ...]
     parts: tuple[InstanceRows, ...]
-    constants: tuple[tuple[Block, ...], ...]
+    constants: tuple[tuple[SlotMatrix, ...], ...]
     first: int
     count: int
-    jacobian: dict[int, Block] = field(default_factory=dict)
-    scaled: dict[int, Block] = field(default_factory=dict)
-    whole: dict[int, Block] = field(default_factory=dict)
-    own: Block = field(default_factory=lambda: column(()))
+    jacobian: dict[int, SlotMatrix] = field(default_factory=dict)
+    scaled: dict[int, SlotMatrix] = field(default_factory=dict)
+    whole: dict[int, SlotMatrix] = field(default_factory=dict)
+    own: SlotMatrix = field(default_factory=lambda: column(()))
 
     @property
     def i(self) -> int:
@@ -78,7 +78,7 @@ def place_numbers(system: System, recorder: Recorder, instances: Iterable[int]) 
     """
     for place in instances:
         one = system.constraints[place]
-        sources: list[Instance | Coordinate] = [one]
+        sources: list[Instance | RelativeCoordinate] = [one]
         sources += [system.coordinates[term.coordinate] for term in one.terms[:1]]
         for source in sources:
             for _, values in inputs_of(source):
@@ -128,10 +128,10 @@ def joints_of(
     return found
 
 
-def rows_of(joints: Iterable[JointBlocks]) -> tuple[Row, ...]:
+def rows_of(joints: Iterable[JointBlocks]) -> tuple[ConstraintEquation, ...]:
     """Rows of joints in their order."""
     return tuple(
-        Row(joint.name, instance, row)
+        ConstraintEquation(joint.name, instance, row)
         for joint in joints
         for instance, part in zip(joint.instances, joint.parts, strict=True)
         for row in part.rows

@@ -19,9 +19,9 @@ from kousoku.codegen.dynamics.composition.schur import Schur
 from kousoku.codegen.dynamics.operations.elimination import Couple, Gather
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.matrix import Matrix
-from kousoku.codegen.dynamics.recording.recorder import Block, column, zeros
+from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column, zeros
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.reactions import Reaction
     from kousoku.codegen.dynamics.recording.recorder import Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
-    from kousoku.model.mechanism import Vector
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
+    from kousoku.model.orientation import Vector
 
 ORIGIN = (0.0, 0.0, 0.0)
 #: Rows of a set that are shared out at most: what it takes grows with their cube.
@@ -201,7 +201,9 @@ class LeastNorm:
                 place = next(k for k, rows in enumerate(left_out) if rows is one.left_out)
                 one.multipliers.append((one.left_out, least[place]))
 
-    def _idle(self, left_out: Sequence[JointBlocks]) -> Iterator[tuple[list[Block], Block]]:
+    def _idle(
+        self, left_out: Sequence[JointBlocks]
+    ) -> Iterator[tuple[list[SlotMatrix], SlotMatrix]]:
         """B of the multipliers of rows that nothing changes, and w: zero is the least."""
         for k, rows in enumerate(left_out):
             own = [
@@ -216,14 +218,14 @@ class LeastNorm:
                     shares[k] = self.recorder.constant(unit).T
                     yield shares, zeros(1, 1)
 
-    def _products(self, pairs: Sequence[tuple[Block, Block]]) -> Block:
+    def _products(self, pairs: Sequence[tuple[SlotMatrix, SlotMatrix]]) -> SlotMatrix:
         """Sum of products Σ aᵀ b."""
         total = zeros(pairs[0][0].width, pairs[0][1].width)
         for a, b in pairs:
             (total,) = self.recorder.call(Couple(), total, a.T, b.T)
         return total
 
-    def _ways(self, left_out: JointBlocks) -> dict[int, Block]:
+    def _ways(self, left_out: JointBlocks) -> dict[int, SlotMatrix]:
         """Matrix Xᵀ of the rows of a joint, by joints that are kept: by their first rows."""
         rights = []
         for joint in self.joints:
@@ -239,7 +241,7 @@ class LeastNorm:
             for c in range(left_out.count)
         ]
         return {
-            joint.first: Block(
+            joint.first: SlotMatrix(
                 tuple(x for solved in columns for x in solved[k].entries),
                 left_out.count,
                 joint.count,
@@ -248,8 +250,11 @@ class LeastNorm:
         }
 
     def _of_joint(
-        self, one: Reaction, left_out: Sequence[JointBlocks], ways: Sequence[Mapping[int, Block]]
-    ) -> tuple[list[Block], Block]:
+        self,
+        one: Reaction,
+        left_out: Sequence[JointBlocks],
+        ways: Sequence[Mapping[int, SlotMatrix]],
+    ) -> tuple[list[SlotMatrix], SlotMatrix]:
         """B of the rows of each joint that are left out, and w."""
         call = self.recorder.call
         units = {id(rows): self._units(one, rows) for rows in one.parts}
@@ -275,12 +280,12 @@ class LeastNorm:
                 first += len(part.rows)
         return found
 
-    def multipliers(self, x: Block, into: Block) -> None:
+    def multipliers(self, x: SlotMatrix, into: SlotMatrix) -> None:
         """Write a little of the multipliers of rows some of which are idle."""
         little = self.recorder.constant([LITTLE])
         self.recorder.call(Couple(), zeros(x.height, 1), x, little, into=(into,))
 
-    def wrench(self, one: Reaction, into: Block) -> None:
+    def wrench(self, one: Reaction, into: SlotMatrix) -> None:
         """Write force and torque / ℓ of a joint at its point, as its multipliers are."""
         self._sum(one, {id(rows): self._units(one, rows) for rows in one.parts}, into)
 
@@ -290,7 +295,9 @@ class LeastNorm:
             len(IN_PLANE) if MultiplierWrench(self.body(one.end).columns).is_in_plane else COLUMNS
         )
 
-    def _sum(self, one: Reaction, units: Mapping[int, Block], into: Block | None = None) -> Block:
+    def _sum(
+        self, one: Reaction, units: Mapping[int, SlotMatrix], into: SlotMatrix | None = None
+    ) -> SlotMatrix:
         """Force and torque / ℓ from those of each row with the multiplier one."""
         total = zeros(self.height(one), 1)
         for k, (rows, x) in enumerate(one.multipliers, 1):
@@ -298,7 +305,7 @@ class LeastNorm:
             (total,) = self.recorder.call(Couple(), total, units[id(rows)].T, x.T, into=(target,))
         return total
 
-    def _units(self, one: Reaction, rows: JointBlocks) -> Block:
+    def _units(self, one: Reaction, rows: JointBlocks) -> SlotMatrix:
         """Force and torque for each multiplier of some rows of a joint."""
         end, j = self.body(one.end), self.body(one.j)
         start = end.r if one.j == GROUND_INDEX else zeros(3, 1)
@@ -309,6 +316,6 @@ class LeastNorm:
         return found
 
 
-def negative(block: Block) -> Block:
+def negative(block: SlotMatrix) -> SlotMatrix:
     """Negative block."""
-    return Block(tuple(-x for x in block.entries), block.height, block.width)
+    return SlotMatrix(tuple(-x for x in block.entries), block.height, block.width)

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Kept
-    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
-    from kousoku.model.mechanism import System
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
+    from kousoku.model.multibody import System
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +110,7 @@ def record_momenta(
     at = 0
     for one in kept:
         origin = body(one.bodies[0])
-        shares: list[Block] = []
+        shares: list[SlotMatrix] = []
         for index in one.bodies:
             blocks, moving = body(index), system.bodies[index]
             numbers = [recorder.constant((moving.mass,)), recorder.constant(moving.inertia)]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.composition.least_norm import LeastNorm, merged
 from kousoku.codegen.dynamics.operations.joint_ends import ends_of
 from kousoku.codegen.dynamics.recording.recorder import zeros
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
     from kousoku.codegen.dynamics.composition.least_norm import Scale
     from kousoku.codegen.dynamics.composition.schur import Schur
-    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
 
 
 @dataclass(slots=True)
@@ -38,7 +38,7 @@ class Reaction:
         With their Jacobians; one of them is there, unless it is known what the joint does.
     satisfied : JointBlocks or None
         Rows of which that is known without multipliers, as joint coordinates satisfy them.
-    multipliers : list of (JointBlocks, Block)
+    multipliers : list of (JointBlocks, SlotMatrix)
         Rows, and their multipliers.
     """
 
@@ -49,7 +49,7 @@ class Reaction:
     kept: JointBlocks | None = None
     left_out: JointBlocks | None = None
     satisfied: JointBlocks | None = None
-    multipliers: list[tuple[JointBlocks, Block]] = field(default_factory=list)
+    multipliers: list[tuple[JointBlocks, SlotMatrix]] = field(default_factory=list)
 
     @property
     def parts(self) -> list[JointBlocks]:
@@ -87,7 +87,7 @@ def record_reactions(
     geometry: Callable[[JointBlocks], None],
     scale: Scale,
     satisfied: Sequence[JointBlocks] = (),
-    ground: Callable[[], Mapping[tuple[str, int], Block]] = dict,
+    ground: Callable[[], Mapping[tuple[str, int], SlotMatrix]] = dict,
     in_loops: bool = False,
 ) -> None:
     """Record force and torque of each joint on the bodies that :func:`ends_of` gives.
@@ -140,8 +140,8 @@ def _write_reactions(
     schur: Schur,
     found: Sequence[Reaction],
     widths: Sequence[int],
-    target: Block,
-    wrenches: Mapping[tuple[str, int], Block] = MappingProxyType({}),
+    target: SlotMatrix,
+    wrenches: Mapping[tuple[str, int], SlotMatrix] = MappingProxyType({}),
 ) -> None:
     """Record force and torque of each joint on its bodies, as its multipliers are."""
     first = 0

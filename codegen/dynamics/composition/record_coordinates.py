@@ -12,15 +12,15 @@ from kousoku.codegen.dynamics.operations.coordinates import (
     CoordinateValue,
 )
 from kousoku.codegen.dynamics.recording.program import AFTER_GEOMETRY
-from kousoku.codegen.dynamics.recording.recorder import Block, column
+from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.composition.auxiliary import Auxiliaries
     from kousoku.codegen.dynamics.recording.recorder import Recorder
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
-    from kousoku.model.mechanism import Coordinate, System
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
+    from kousoku.model.multibody import RelativeCoordinate, System
 
 NOTHING = column(())
 
@@ -40,7 +40,7 @@ class CoordinateRecorder:
         Returns the blocks of a body by its index.
     auxiliary : Auxiliaries
         Where the turns are.
-    q : Block
+    q : SlotMatrix
         Positions.
     """
 
@@ -50,35 +50,35 @@ class CoordinateRecorder:
         recorder: Recorder,
         body: Callable[[int], BodyBlocks],
         auxiliary: Auxiliaries,
-        q: Block,
+        q: SlotMatrix,
     ) -> None:
         self.all, self.shown = system.coordinates, system.shown
         self._recorder = recorder
         self._body = body
         self._auxiliary = auxiliary
         self._q = q
-        self._known: dict[tuple[str, str, int], tuple[Block, ...]] = {}
+        self._known: dict[tuple[str, str, int], tuple[SlotMatrix, ...]] = {}
 
-    def value(self, place: int) -> Block:
+    def value(self, place: int) -> SlotMatrix:
         """Value, turns counted (1,)."""
         return self._once("value", place, self._value)[0]
 
-    def slopes(self, place: int) -> dict[int, Block]:
+    def slopes(self, place: int) -> dict[int, SlotMatrix]:
         """Jacobian by body, one row each; the ground's is empty."""
         one = self.all[place]
         return dict(zip((one.i, one.j), self._once("slopes", place, self._slopes), strict=True))
 
-    def gamma(self, place: int) -> Block:
+    def gamma(self, place: int) -> SlotMatrix:
         """Right-hand side γ: the second derivative of the coordinate is J v̇ − γ (1,)."""
         return self._once("gamma", place, self._gamma)[0]
 
     def rate(
         self,
         place: int,
-        by_body: Sequence[Block],
-        less: Block | None = None,
-        into: Block | None = None,
-    ) -> Block:
+        by_body: Sequence[SlotMatrix],
+        less: SlotMatrix | None = None,
+        into: SlotMatrix | None = None,
+    ) -> SlotMatrix:
         """Rates J x − less for x in the order of v, body by body (1,)."""
         pairs = [
             block
@@ -89,7 +89,7 @@ class CoordinateRecorder:
         (rate,) = self._recorder.call(CoordinateRate(), *pairs, less or column((0,)), into=(into,))
         return rate
 
-    def count_turns(self, q_moved: Block, laws: Mapping[int, Block]) -> None:
+    def count_turns(self, q_moved: SlotMatrix, laws: Mapping[int, SlotMatrix]) -> None:
         """Record φ of a position that was moved: what the angle is counted to there.
 
         ``laws`` has what drivers make of angles that they set; those are counted from that.
@@ -106,14 +106,16 @@ class CoordinateRecorder:
                     into=(self._auxiliary.of(q_moved, TURNS, one.name),),
                 )
 
-    def turn(self, q_dot: Block, by_body: Sequence[Block]) -> None:
+    def turn(self, q_dot: SlotMatrix, by_body: Sequence[SlotMatrix]) -> None:
         """Record how fast the angles turn, for velocities in the order of v, body by body."""
         for place, one in enumerate(self.all):
             if one.counts_turns:
                 target = self._auxiliary.of(q_dot, TURNS, one.name)
                 self.rate(place, by_body, into=target)
 
-    def show(self, region: Block, v: Sequence[Block], v_dot: Sequence[Block] | None) -> None:
+    def show(
+        self, region: SlotMatrix, v: Sequence[SlotMatrix], v_dot: Sequence[SlotMatrix] | None
+    ) -> None:
         """Record value, rate and, with v̇ body by body, second derivative of those shown."""
         count = 2 if v_dot is None else 3
         for k, place in enumerate(self.shown):
@@ -123,15 +125,17 @@ class CoordinateRecorder:
             if v_dot is not None:
                 self.rate(place, v_dot, self.gamma(place), into=second[0])
 
-    def _ends_at(self, body: BodyBlocks, region: Block) -> tuple[Block, Block, Block]:
+    def _ends_at(
+        self, body: BodyBlocks, region: SlotMatrix
+    ) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix]:
         """Position r, p of a body where another region holds its position; A is not known."""
         there = dict(zip(self._q.entries, region.entries, strict=True))
         r, p = (column([there.get(x, x) for x in block.entries]) for block in (body.r, body.p))
         return r, p, NOTHING
 
     def _once(
-        self, what: str, place: int, record: Callable[[Coordinate], tuple[Block, ...]]
-    ) -> tuple[Block, ...]:
+        self, what: str, place: int, record: Callable[[RelativeCoordinate], tuple[SlotMatrix, ...]]
+    ) -> tuple[SlotMatrix, ...]:
         """Blocks that the segment has recorded, or may read of the geometry, or records now."""
         segment = self._recorder.segments[-1][0]
         shared = self._known.get(("geometry", what, place))
@@ -142,18 +146,18 @@ class CoordinateRecorder:
             self._known[key] = record(self.all[place])
         return self._known[key]
 
-    def _value(self, one: Coordinate) -> tuple[Block, ...]:
+    def _value(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
         counts = one.counts_turns
         turns = self._auxiliary.of(self._q, TURNS, one.name) if counts else NOTHING
         operation = CoordinateValue(one.kind, _names(one), counts)
         return self._recorder.call(operation, *self._ends(one), turns, *self._constants(one))
 
-    def _slopes(self, one: Coordinate) -> tuple[Block, ...]:
+    def _slopes(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
         columns = (self._body(k).columns for k in (one.i, one.j))
         operation = CoordinateJacobian(one.kind, _names(one), *columns)
         return self._recorder.call(operation, *self._ends(one), NOTHING, *self._constants(one))
 
-    def _gamma(self, one: Coordinate) -> tuple[Block, ...]:
+    def _gamma(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
         i, j = self._body(one.i), self._body(one.j)
         return self._recorder.call(
             CoordinateGamma(one.kind, _names(one)),
@@ -163,7 +167,7 @@ class CoordinateRecorder:
             *(i.v_r, i.omega_b, j.v_r, j.omega_b),
         )
 
-    def _ends(self, one: Coordinate) -> list[Block]:
+    def _ends(self, one: RelativeCoordinate) -> list[SlotMatrix]:
         """Position r, p and A of both bodies; A only where the geometry has computed it."""
         segment = self._recorder.segments[-1][0]
         has_orientation = segment == "geometry" or segment in AFTER_GEOMETRY
@@ -173,9 +177,9 @@ class CoordinateRecorder:
             for block in (body.r, body.p, body.orientation if has_orientation else NOTHING)
         ]
 
-    def _constants(self, one: Coordinate) -> list[Block]:
+    def _constants(self, one: RelativeCoordinate) -> list[SlotMatrix]:
         return [self._recorder.constant(values) for _, values in one.constants]
 
 
-def _names(one: Coordinate) -> tuple[str, ...]:
+def _names(one: RelativeCoordinate) -> tuple[str, ...]:
     return tuple(name for name, _ in one.constants)

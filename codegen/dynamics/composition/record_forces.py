@@ -9,9 +9,9 @@ from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.operations.forces import ELONGATION
 from kousoku.codegen.dynamics.operations.formulas import Relative, ScaledColumn, scaled
 from kousoku.codegen.dynamics.operations.sums import summed
-from kousoku.codegen.dynamics.recording.recorder import Block, column
+from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column
 from kousoku.model.formulas import used_names
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.formula_names import FormulaNames
     from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.recording.recorder import Recorder
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
-    from kousoku.model.mechanism import ForceElement, System
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
+    from kousoku.model.multibody import ForceElement, System
     from kousoku.model.precise import High
     from kousoku.model.switching import Measure
 
-    Effect = tuple[dict[int, Block], Block | None]
+    Effect = tuple[dict[int, SlotMatrix], SlotMatrix | None]
 
 
 class ForceRecorder:
@@ -40,7 +40,7 @@ class ForceRecorder:
         What forces along coordinates need.
     names : FormulaNames
         What formulas may depend on.
-    by_body : sequence of Block
+    by_body : sequence of SlotMatrix
         The velocities of each body.
     """
 
@@ -50,7 +50,7 @@ class ForceRecorder:
         body: Callable[[int], BodyBlocks],
         coordinates: CoordinateRecorder,
         names: FormulaNames,
-        by_body: Sequence[Block],
+        by_body: Sequence[SlotMatrix],
     ) -> None:
         self.recorder = recorder
         self.body = body
@@ -68,18 +68,18 @@ class ForceRecorder:
         added = {index: block for index, block in ends if index != GROUND_INDEX}
         return added, found[2] if force.works else None
 
-    def act(self, forces: Sequence[ForceElement], free: list[Block]) -> dict[str, Block]:
+    def act(self, forces: Sequence[ForceElement], free: list[SlotMatrix]) -> dict[str, SlotMatrix]:
         """Add what forces give to accelerations; return the power of those that work, by name.
 
         Parameters
         ----------
         forces : sequence of ForceElement
             Those of the scene.
-        free : list of Block
+        free : list of SlotMatrix
             Accelerations by body, which are replaced by the sums.
         """
         shares = [[block] for block in free]
-        powers: dict[str, list[Block]] = {}
+        powers: dict[str, list[SlotMatrix]] = {}
         for force in forces:
             with self.recorder.of(force.name):
                 added, power = self.effect(force)
@@ -90,7 +90,7 @@ class ForceRecorder:
         free[:] = [summed(self.recorder, parts) for parts in shares]
         return {name: summed(self.recorder, parts) for name, parts in powers.items()}
 
-    def measure(self, system: System, one: Measure, value: Block, rate: Block) -> None:
+    def measure(self, system: System, one: Measure, value: SlotMatrix, rate: SlotMatrix) -> None:
         """Record what formulas read of a state, in their units."""
         free = column((0,))
         if one.force < 0:
@@ -100,7 +100,7 @@ class ForceRecorder:
         self.recorder.call(Relative(), x, free, unit, into=(value,))
         self.recorder.call(Relative(), v, column((0,)), unit, into=(rate,))
 
-    def gravity(self, system: System) -> Block:
+    def gravity(self, system: System) -> SlotMatrix:
         """Acceleration of free fall (3,)."""
         parts = [self.recorder.constant(system.gravity)]
         for k, text in enumerate(system.gravity_law):
@@ -109,13 +109,13 @@ class ForceRecorder:
                 parts.append(scaled(self.recorder, direction, text, self.names))
         return summed(self.recorder, parts)
 
-    def weight(self, system: System, gravity: Block, mass: High) -> Block:
+    def weight(self, system: System, gravity: SlotMatrix, mass: High) -> SlotMatrix:
         """Minus the weight of a body (3,)."""
         if not any(system.gravity_law):
             return self.recorder.constant([-mass * Fraction(g) for g in system.gravity])
         return self.recorder.call(ScaledColumn(), gravity, self.recorder.constant((-mass,)))[0]
 
-    def constants(self, force: ForceElement) -> list[Block]:
+    def constants(self, force: ForceElement) -> list[SlotMatrix]:
         """Record the constants of a force; those that have a formula are multiplied by it."""
         texts = dict(force.formulas)
         found = []
@@ -126,7 +126,7 @@ class ForceRecorder:
             found.append(block)
         return found
 
-    def law(self, force: ForceElement) -> tuple[tuple[str, ...], list[Block]]:
+    def law(self, force: ForceElement) -> tuple[tuple[str, ...], list[SlotMatrix]]:
         """Values and units that a law depends on beside elongation and rate."""
         if not force.law:
             return (), []

@@ -26,7 +26,7 @@ from kousoku.codegen.dynamics.operations.joint_coordinates import (
     ProjectVelocity,
     ReduceForces,
 )
-from kousoku.codegen.dynamics.recording.recorder import Block, column, zeros
+from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column, zeros
 from kousoku.codegen.dynamics.simplification.reduced_mass import (
     arms_of,
     inverse_of,
@@ -44,12 +44,12 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.combinations import Combinations
     from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.recording.recorder import Recorder
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
     from kousoku.codegen.dynamics.simplification.joint_coordinates import (
         Prescribed,
         VelocityTransformation,
     )
-    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.multibody import MovingBody, System
 
 
 @dataclass(slots=True)
@@ -75,7 +75,7 @@ class JointCoordinateRecorder:
     recorder: Recorder
     body: Callable[[int], BodyBlocks]
     combinations: Combinations
-    arm: Block = field(default_factory=lambda: zeros(3, 0))
+    arm: SlotMatrix = field(default_factory=lambda: zeros(3, 0))
 
     @property
     def blocks(self) -> BodyBlocks:
@@ -88,18 +88,18 @@ class JointCoordinateRecorder:
         return self.system.bodies[self.one.body]
 
     @property
-    def point(self) -> Block:
+    def point(self) -> SlotMatrix:
         """The point of the joint in the body."""
         return self._vector(self.one.joint_b)
 
     @property
-    def axis_b(self) -> Block:
+    def axis_b(self) -> SlotMatrix:
         """The axes that it turns about, by columns."""
         if self.one.turn == POINT:
-            return Block((1, 0, 0, 0, 1, 0, 0, 0, 1), 3, 3)
+            return SlotMatrix((1, 0, 0, 0, 1, 0, 0, 0, 1), 3, 3)
         return self._vector(self.one.axis_b) if self.one.turn != NOTHING else zeros(3, 0)
 
-    def geometry(self) -> tuple[Block, Block]:
+    def geometry(self) -> tuple[SlotMatrix, SlotMatrix]:
         """Record the arm; return R of what is free and (Rᵀ M R)⁻¹."""
         arms = self._table(arms_of(self.one))
         (self.arm,) = self.recorder.call(JointArm(), self.blocks.orientation, arms)
@@ -107,7 +107,9 @@ class JointCoordinateRecorder:
         inverse = self._table(inverse_of([[masses[a][b] for b in free] for a in free]))
         return _chosen(self._columns(), free), inverse
 
-    def project_position(self, dr: Block, dtheta: Block, into: Block) -> dict[int, Block]:
+    def project_position(
+        self, dr: SlotMatrix, dtheta: SlotMatrix, into: SlotMatrix
+    ) -> dict[int, SlotMatrix]:
         """Record the position on the joint; return the formulas of drivers by their coordinates."""
         one, blocks, vector = self.one, self.blocks, self._vector
         drivers = [(led, self._law(led, 0)) for _, led in one.prescribed]
@@ -130,7 +132,7 @@ class JointCoordinateRecorder:
             self.system.constraints[led.instance].terms[0].coordinate: law for led, law in drivers
         }
 
-    def project_velocity(self) -> tuple[Block, Block, Block]:
+    def project_velocity(self) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix]:
         """Record u, what v lacks of R u + β, and β."""
         one, blocks = self.one, self.blocks
         masses, moments = shares_of(one, self.moving)
@@ -152,7 +154,7 @@ class JointCoordinateRecorder:
         )
         return u, lacks, beta
 
-    def bias_acceleration(self) -> Block:
+    def bias_acceleration(self) -> SlotMatrix:
         """Record η."""
         one, blocks = self.one, self.blocks
         operation = BiasAcceleration(
@@ -166,7 +168,7 @@ class JointCoordinateRecorder:
         )
         return eta
 
-    def reduce_forces(self, free: Block, eta: Block) -> Block:
+    def reduce_forces(self, free: SlotMatrix, eta: SlotMatrix) -> SlotMatrix:
         """Record u̇ of all freedoms, those that are driven too, under the acceleration M⁻¹f."""
         one, (masses, moments) = self.one, shares_of(self.one, self.moving)
         (found,) = self.recorder.call(
@@ -176,18 +178,18 @@ class JointCoordinateRecorder:
         )
         return found
 
-    def chosen(self, values: Block) -> Block:
+    def chosen(self, values: SlotMatrix) -> SlotMatrix:
         """Values of the freedoms that are free, of those of all."""
         return column([values.entries[k] for k in self.one.free])
 
-    def powers(self, values: Block | None, others: Block) -> list[tuple[str, Block]]:
+    def powers(self, values: SlotMatrix | None, others: SlotMatrix) -> list[tuple[str, SlotMatrix]]:
         """Record the power of each driver: its name, and what :class:`DriverPower` gives.
 
         Parameters
         ----------
-        values : Block or None
+        values : SlotMatrix or None
             As :meth:`reduce_forces` returned it; without it only what others do counts.
-        others : Block
+        others : SlotMatrix
             What other joints do to the body, −Σ C_qᵀλ.
         """
         whole, masses, found = self._columns(), mass_of(self.one, self.moving), []
@@ -201,15 +203,19 @@ class JointCoordinateRecorder:
         return found
 
     def wrenches(
-        self, second: Block, free: Block, others: Block, coordinates: CoordinateRecorder
-    ) -> dict[str, Block]:
+        self,
+        second: SlotMatrix,
+        free: SlotMatrix,
+        others: SlotMatrix,
+        coordinates: CoordinateRecorder,
+    ) -> dict[str, SlotMatrix]:
         """Record what the joint and each of its drivers do to the body, by their names.
 
         Parameters
         ----------
-        second, free : Block
+        second, free : SlotMatrix
             v̇ and M⁻¹f of the body.
-        others : Block
+        others : SlotMatrix
             What other joints do to the body, −Σ C_qᵀλ.
         coordinates : CoordinateRecorder
             What records the Jacobians of coordinates.
@@ -226,7 +232,7 @@ class JointCoordinateRecorder:
             found[one.joint] = own
         return {constraints[self.one.instances[0]].joint: left, **found}
 
-    def _columns(self) -> Block:
+    def _columns(self) -> SlotMatrix:
         """Matrix R of all freedoms, those that are driven too."""
         spins, count = self.axis_b, self.one.turns
         rows = []
@@ -237,32 +243,34 @@ class JointCoordinateRecorder:
             axis = (*self._vector(self.one.axis).entries, 0, 0, 0)
             rows = [(*row, axis[k]) for row, k in zip(rows, self.blocks.columns, strict=True)]
         width = count + self.one.slides
-        return Block(tuple(x for row in rows for x in row), len(rows), width)
+        return SlotMatrix(tuple(x for row in rows for x in row), len(rows), width)
 
-    def _law(self, led: Prescribed, order: int) -> Block:
+    def _law(self, led: Prescribed, order: int) -> SlotMatrix:
         return self.combinations.law(self.system.constraints[led.instance], order)
 
-    def _since(self, led: Prescribed, law: Block) -> Block:
+    def _since(self, led: Prescribed, law: SlotMatrix) -> SlotMatrix:
         start = self.recorder.constant((led.start,))
         return self.recorder.call(PrescribedValue(led.sign), law, start)[0]
 
-    def _derivatives(self, order: int) -> list[Block]:
+    def _derivatives(self, order: int) -> list[SlotMatrix]:
         """Record the derivatives of what drives turn and displacement."""
         return [self._derivative(led, order) for _, led in self.one.prescribed]
 
-    def _derivative(self, led: Prescribed, order: int) -> Block:
+    def _derivative(self, led: Prescribed, order: int) -> SlotMatrix:
         return self.recorder.call(PrescribedValue(led.sign), self._law(led, order), column((0,)))[0]
 
-    def _vector(self, values: Sequence[float]) -> Block:
+    def _vector(self, values: Sequence[float]) -> SlotMatrix:
         return self.recorder.constant(values)
 
-    def _table(self, rows: Sequence[Sequence[Fraction]]) -> Block:
+    def _table(self, rows: Sequence[Sequence[Fraction]]) -> SlotMatrix:
         """Numbers as a matrix."""
         flat = [x for row in rows for x in row]
-        return Block(self.recorder.constant(flat).entries, len(rows), len(rows[0]) if rows else 0)
+        return SlotMatrix(
+            self.recorder.constant(flat).entries, len(rows), len(rows[0]) if rows else 0
+        )
 
-    def _pair(self, pair: tuple[Sequence[float], Sequence[float]]) -> Block:
-        return Block(
+    def _pair(self, pair: tuple[Sequence[float], Sequence[float]]) -> SlotMatrix:
+        return SlotMatrix(
             tuple(x for k in zip(*map(self._entries, pair), strict=True) for x in k),
             len(pair[0]),
             2,
@@ -279,8 +287,8 @@ def _compose(p: Sequence[float], axis_b: Sequence[float]) -> tuple[float, ...]:
     return precise.rounded(precise.compose((w, x, y, z), (zero, *precise.triple(axis_b))))
 
 
-def _chosen(block: Block, kept: Sequence[int]) -> Block:
+def _chosen(block: SlotMatrix, kept: Sequence[int]) -> SlotMatrix:
     """Columns that are kept."""
     width = block.width
     entries = tuple(block.entries[width * row + k] for row in range(block.height) for k in kept)
-    return Block(entries, block.height, len(kept))
+    return SlotMatrix(entries, block.height, len(kept))

@@ -8,17 +8,16 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.operations.coordinates import CoordinateRate
 from kousoku.codegen.dynamics.operations.mechanics import JointRows, JointSystem, Rates
 from kousoku.codegen.dynamics.recording.recorder import column
-from kousoku.model.elements.constraints import COMBINATION
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.composition.combinations import Combinations
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
-    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
-    from kousoku.model.mechanism import System
+    from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
+    from kousoku.model.multibody import System
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +41,7 @@ class JointRecorder:
     body: Callable[[int], BodyBlocks]
     combinations: Combinations
 
-    def jacobian(self, joint: JointBlocks, residuals: Block | None) -> None:
+    def jacobian(self, joint: JointBlocks, residuals: SlotMatrix | None) -> None:
         """Record C and C_q of a joint, and put C_q into it; ``residuals`` says where C goes."""
         ends, n = [self.body(k) for k in joint.bodies], len(joint.bodies)
         i, j, *others = ends
@@ -72,7 +71,7 @@ class JointRecorder:
             joint.bodies[k]: block for k, block in zip(reduced, whole, strict=True)
         }
 
-    def watch(self, joint: JointBlocks, residuals: Block) -> None:
+    def watch(self, joint: JointBlocks, residuals: SlotMatrix) -> None:
         """Record C and C_q of rows that are not solved for."""
         i, j, *others = map(self.body, joint.bodies)
         with self.recorder.of(joint.name):
@@ -88,10 +87,10 @@ class JointRecorder:
         self,
         joint: JointBlocks,
         output: str,
-        by_body: Sequence[Block],
-        into: Block | None,
-        beyond: Mapping[int, Block] | None = None,
-    ) -> Block:
+        by_body: Sequence[SlotMatrix],
+        into: SlotMatrix | None,
+        beyond: Mapping[int, SlotMatrix] | None = None,
+    ) -> SlotMatrix:
         """Record C_q x minus ν or γ of a joint, for x in the order of v, body by body.
 
         With ``beyond`` it is x = R u + what that says of bodies that are reduced, and u is given.
@@ -114,10 +113,10 @@ class JointRecorder:
         return difference
 
     def powers(
-        self, joints: Sequence[JointBlocks], multipliers: Sequence[Block]
-    ) -> dict[str, Block]:
+        self, joints: Sequence[JointBlocks], multipliers: Sequence[SlotMatrix]
+    ) -> dict[str, SlotMatrix]:
         """Record what each driver does to the bodies, −λ·ν, by the name of the driver [W]."""
-        pairs: dict[str, list[Block]] = {}
+        pairs: dict[str, list[SlotMatrix]] = {}
         for joint, solution in zip(joints, multipliers, strict=True):
             first = 0
             for place, part in zip(joint.instances, joint.parts, strict=True):
@@ -132,13 +131,13 @@ class JointRecorder:
             for name, own in pairs.items()
         }
 
-    def _of_parts(self, joint: JointBlocks, output: str) -> list[Block]:
+    def _of_parts(self, joint: JointBlocks, output: str) -> list[SlotMatrix]:
         """Blocks that the parts of a joint take: constants, or what is combined of coordinates."""
-        found: list[Block] = []
+        found: list[SlotMatrix] = []
         parts = zip(joint.instances, joint.parts, joint.constants, strict=True)
         for place, part, constants in parts:
             one = self.system.constraints[place]
-            if part.kind != COMBINATION:
+            if not part.is_combination:
                 found += constants
             elif output == "C":
                 found.append(self.combinations.residual(one))

@@ -16,17 +16,17 @@ from kousoku.codegen.dynamics.operations.elimination import (
 )
 from kousoku.codegen.dynamics.operations.elimination_order import Pivot, minimum_degree
 from kousoku.codegen.dynamics.recording.recorder import zeros
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from contextlib import AbstractContextManager
 
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
-    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
 
     #: A matrix and the vector that it multiplies.
-    Product = tuple[Block, Block]
+    Product = tuple[SlotMatrix, SlotMatrix]
 
 #: A pivot with more neighbours is eliminated by several tasks.
 FUSED = 2
@@ -41,7 +41,7 @@ class Schur:
     ----------
     recorder : Recorder
         Where they are recorded.
-    pivots : Block, optional
+    pivots : SlotMatrix, optional
         The region of D⁻¹.
     at_once : bool
         Whether the order leaves a processor several pivots to work on at once. One after the other
@@ -49,27 +49,29 @@ class Schur:
     """
 
     def __init__(
-        self, recorder: Recorder, pivots: Block | None = None, *, at_once: bool = True
+        self, recorder: Recorder, pivots: SlotMatrix | None = None, *, at_once: bool = True
     ) -> None:
         self.recorder = recorder
         self.pivots = pivots
         self.at_once = at_once
         self.order: tuple[Pivot, ...] = ()
         self._names: list[str] = []
-        self._factors: dict[int, tuple[Block, Block]] = {}
-        self._panels: dict[int, dict[int, Block]] = {}
+        self._factors: dict[int, tuple[SlotMatrix, SlotMatrix]] = {}
+        self._panels: dict[int, dict[int, SlotMatrix]] = {}
 
     def factorise(self, joints: Sequence[JointBlocks]) -> None:
         """Record assembly and factorisation."""
         self._names = [joint.name for joint in joints]
         self.eliminate(self._assemble(joints), [joint.count for joint in joints])
 
-    def eliminate(self, blocks: Mapping[tuple[int, int], Block], counts: Sequence[int]) -> None:
+    def eliminate(
+        self, blocks: Mapping[tuple[int, int], SlotMatrix], counts: Sequence[int]
+    ) -> None:
         """Record the factorisation of a symmetric matrix, positive definite.
 
         Parameters
         ----------
-        blocks : mapping of (int, int) to Block
+        blocks : mapping of (int, int) to SlotMatrix
             Those on the diagonal and those below that are not zero, the later row first.
         counts : sequence of int
             Rows of each block row.
@@ -96,7 +98,7 @@ class Schur:
         """Say which joint tasks belong to, where they belong to joints."""
         return self.recorder.of(self._names[joint] if self._names else "")
 
-    def _assemble(self, joints: Sequence[JointBlocks]) -> dict[tuple[int, int], Block]:
+    def _assemble(self, joints: Sequence[JointBlocks]) -> dict[tuple[int, int], SlotMatrix]:
         """Blocks of pairs of joints, the later joint first."""
         blocks = {(k, k): joint.own for k, joint in enumerate(joints)}
         by_body: dict[int, list[int]] = {}
@@ -113,7 +115,7 @@ class Schur:
         return blocks
 
     def _fused(
-        self, pivot: Pivot, late: dict[tuple[int, int], Block], target: Block | None
+        self, pivot: Pivot, late: dict[tuple[int, int], SlotMatrix], target: SlotMatrix | None
     ) -> None:
         near = pivot.neighbours
         pairs = [(a, b) for m, a in enumerate(near) for b in near[: m + 1]]
@@ -129,7 +131,7 @@ class Schur:
         late.update(zip(pairs, rest[len(near) :], strict=True))
 
     def _split(
-        self, pivot: Pivot, late: dict[tuple[int, int], Block], target: Block | None
+        self, pivot: Pivot, late: dict[tuple[int, int], SlotMatrix], target: SlotMatrix | None
     ) -> None:
         call, near = self.recorder.call, pivot.neighbours
         lower, inverse = call(Eliminate(0), late[pivot.joint, pivot.joint], into=(None, target))
@@ -141,10 +143,12 @@ class Schur:
         self._factors[pivot.joint] = (lower, inverse)
         self._panels[pivot.joint] = {a: x for a, (_, x) in panels.items()}
 
-    def solve(self, right: Sequence[Block], into: Sequence[Block] | None = None) -> list[Block]:
+    def solve(
+        self, right: Sequence[SlotMatrix], into: Sequence[SlotMatrix] | None = None
+    ) -> list[SlotMatrix]:
         """Record the solution of S λ = right, joint by joint; ``into`` says where to put it."""
         products: list[list[Product]] = [[] for _ in right]
-        scaled: dict[int, Block] = {}
+        scaled: dict[int, SlotMatrix] = {}
         for pivot in self.order:
             k = pivot.joint
             with self._of(k):
@@ -154,7 +158,7 @@ class Schur:
                 )
             for a, panel in self._panels[k].items():
                 products[a].append((panel, z))
-        solution: dict[int, Block] = {}
+        solution: dict[int, SlotMatrix] = {}
         for pivot in reversed(self.order):
             k = pivot.joint
             products[k] = [(panel.T, solution[a]) for a, panel in self._panels[k].items()]
@@ -169,13 +173,17 @@ class Schur:
                 )
         return [solution[k] for k in range(len(right))]
 
-    def gather(self, total: Block, products: Sequence[Product], into: Block | None = None) -> Block:
+    def gather(
+        self, total: SlotMatrix, products: Sequence[Product], into: SlotMatrix | None = None
+    ) -> SlotMatrix:
         """Record total − Σ products; ``into`` says where to put it."""
         total, rest = self._head(total, products)
         call = self.recorder.call
         return call(Gather(), total, *(x for pair in rest for x in pair), into=(into,))[0]
 
-    def _head(self, total: Block, products: Sequence[Product]) -> tuple[Block, Sequence[Product]]:
+    def _head(
+        self, total: SlotMatrix, products: Sequence[Product]
+    ) -> tuple[SlotMatrix, Sequence[Product]]:
         """Subtract products until few enough are left for one task."""
         while len(products) > CHUNK:
             head, products = products[:CHUNK], products[CHUNK:]

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import BodyCoordinates
-    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.terms import Expression
 
 #: Numbers that one task computes: what they share is computed once.
@@ -47,7 +47,7 @@ class ParameterFormulas:
 
 
 def record_setup(
-    recorder: Recorder, system: System, parameters: Block, places: Sequence[BodyCoordinates]
+    recorder: Recorder, system: System, parameters: SlotMatrix, places: Sequence[BodyCoordinates]
 ) -> DesignNumbers:
     """Record the segment, if some number depends on parameters; return where the numbers are.
 
@@ -57,7 +57,7 @@ def record_setup(
         The program, with all its other segments.
     system : System
         The scene.
-    parameters : Block
+    parameters : SlotMatrix
         Where its parameters are.
     places : sequence of BodyCoordinates
         Where its bodies are in q and v.

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
-    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.quotients import Quotient
     from kousoku.model.switching import Measure
     from kousoku.model.terms import Expression
@@ -92,7 +92,7 @@ class Enclosed:
 
 
 def record_switching(
-    recorder: Recorder, system: System, parameters: Block, forces: ForceRecorder
+    recorder: Recorder, system: System, parameters: SlotMatrix, forces: ForceRecorder
 ) -> None:
     """Record the segments, if some formula switches or varies, or there are events.
 
@@ -102,7 +102,7 @@ def record_switching(
         The program.
     system : System
         The scene.
-    parameters : Block
+    parameters : SlotMatrix
         Where its parameters are.
     forces : ForceRecorder
         What records its forces.
@@ -110,7 +110,10 @@ def record_switching(
     seen, names = seen_of(system), tuple(name for name, _ in system.parameters)
 
     def record(
-        segment: str, ranges: Block, parts: Mapping[str, Sequence[Expression]], *measures: Measure
+        segment: str,
+        ranges: SlotMatrix,
+        parts: Mapping[str, Sequence[Expression]],
+        *measures: Measure,
     ) -> None:
         recorder.begin(segment)
         for name, found in parts.items():

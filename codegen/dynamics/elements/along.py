@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.elements.facets import Source
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.recording.matrix import Matrix
-    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.real import Real
 
 
@@ -34,8 +34,8 @@ class AlongEffect:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Accelerations M⁻¹Jᵀτ of the coordinates of i and j; power τ u̇ [W]."""
-        left, weights_i, right, weights_j, rate, tau = blocks
-        return left.scaled(weights_i).T @ tau, right.scaled(weights_j).T @ tau, rate @ tau
+        left, inverse_mass_i, right, inverse_mass_j, rate, tau = blocks
+        return left.scaled(inverse_mass_i).T @ tau, right.scaled(inverse_mass_j).T @ tau, rate @ tau
 
 
 class OnCoordinate(ForceFacets[E]):
@@ -43,7 +43,7 @@ class OnCoordinate(ForceFacets[E]):
 
     is_carried = True
 
-    def slopes(self, tasks: ForceRecorder) -> list[Block]:
+    def slopes(self, tasks: ForceRecorder) -> list[SlotMatrix]:
         """Jacobian J and the diagonal of M⁻¹ of body i, then those of body j."""
         slopes = tasks.coordinates.slopes(self.force.coordinate)
         return [
@@ -52,7 +52,7 @@ class OnCoordinate(ForceFacets[E]):
             for block in (slopes[index], tasks.body(index).inverse_mass)
         ]
 
-    def rate(self, tasks: ForceRecorder) -> Block:
+    def rate(self, tasks: ForceRecorder) -> SlotMatrix:
         """Rate u̇."""
         return tasks.coordinates.rate(self.force.coordinate, tasks.by_body)
 
@@ -81,7 +81,7 @@ class OnCoordinate(ForceFacets[E]):
 class AlongFacets(OnCoordinate[CoordinateForce]):
     """A force along a coordinate."""
 
-    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """Record M⁻¹Jᵀτ of both bodies, and τ u̇."""
         constants = tasks.constants(self.force)
         ends = self.slopes(tasks)

@@ -15,15 +15,15 @@ from kousoku.codegen.dynamics.operations.heights import FLAT, ends_of, is_level
 from kousoku.codegen.dynamics.operations.jets import Jet, atan2, cross, dot, sqrt
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT
-from kousoku.model.elements.constraints import base_of
+from kousoku.model.elements.constraints import base_of, is_point
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.dynamics.checking.newton_euler import Course
-    from kousoku.codegen.dynamics.operations.jets import Vector
+    from kousoku.codegen.dynamics.operations.jets import JetVector
     from kousoku.model.arithmetic import FormulaArithmetic
-    from kousoku.model.mechanism import Coordinate, System
+    from kousoku.model.multibody import RelativeCoordinate, System
     from kousoku.model.precise import Triple
     from kousoku.model.real import Real
 
@@ -134,7 +134,7 @@ class ConstraintFacets(ABC):
             Of the ground.
         """
 
-    def leaves_plane(self, system: System, one: Coordinate, normal: int) -> bool | None:
+    def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
         """Whether a force along a coordinate of the kind leads out of a coordinate plane.
 
         A coordinate whose axes are in the plane, and whose points are level with the centres of
@@ -145,7 +145,7 @@ class ConstraintFacets(ABC):
         ----------
         system : System
             A scene that moves in the plane.
-        one : Coordinate
+        one : RelativeCoordinate
             The coordinate.
         normal : int
             The axis that the plane is across.
@@ -187,7 +187,7 @@ class LengthFacets(OfPoints):
         d = _across(i, j, own)
         return (sqrt(dot(d, d), digits),)
 
-    def leaves_plane(self, system: System, one: Coordinate, normal: int) -> bool | None:
+    def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
         """Whether its points are not level."""
         return not _is_level(system, one, normal)
 
@@ -230,7 +230,7 @@ class PerpendicularFacets(OfAxes):
         sine, cosine = _angle(seen)
         return CONTEXT.atan2(cosine, sine), 1
 
-    def leaves_plane(self, system: System, one: Coordinate, normal: int) -> bool | None:
+    def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
         """Whether its axes are neither both in the plane nor both across it."""
         heights = _heights(one, normal)
         is_across = [height >= 1.0 - FLAT for height in heights]
@@ -269,7 +269,7 @@ class AngleFacets(ConstraintFacets):
         """Moments of any direction."""
         return Contact(turns=True)
 
-    def leaves_plane(self, system: System, one: Coordinate, normal: int) -> bool | None:
+    def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
         """Whether an axis is not in the plane."""
         return max(_heights(one, normal)) > FLAT
 
@@ -295,7 +295,7 @@ class InPlaneFacets(ConstraintFacets):
         """Forces along the axis, wherever they act; where it turns, through the point."""
         return Contact(through=point) if axis is None else Contact(push=precise.unit(axis))
 
-    def leaves_plane(self, system: System, one: Coordinate, normal: int) -> bool | None:
+    def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
         """Whether its axis is not in the plane, or its points are not level."""
         (height,) = _heights(one, normal)
         if height <= FLAT:
@@ -327,18 +327,18 @@ class OnLineFacets(ConstraintFacets):
         return Contact(line=(precise.unit(axis), point))
 
 
-def _across(i: Course, j: Course, own: Own) -> Vector:
+def _across(i: Course, j: Course, own: Own) -> JetVector:
     """Vector d, from the point of body i to that of body j [m]."""
     start, end = i.point(own["s_i_b"]), j.point(own["s_j_b"])
     return end[0] - start[0], end[1] - start[1], end[2] - start[2]
 
 
-def _heights(one: Coordinate, normal: int) -> list[float]:
+def _heights(one: RelativeCoordinate, normal: int) -> list[float]:
     """Parts of the axes of a coordinate across the plane; 0 is in the plane and 1 across it."""
-    return [abs(axis[normal]) for name, axis in one.constants if not name.startswith("s_")]
+    return [abs(axis[normal]) for name, axis in one.constants if not is_point(name)]
 
 
-def _is_level(system: System, one: Coordinate, normal: int) -> bool:
+def _is_level(system: System, one: RelativeCoordinate, normal: int) -> bool:
     """Whether the points of a coordinate are level with the centres of mass and each other."""
     return is_level(ends_of(system, one, normal), [values for _, values in one.constants])
 

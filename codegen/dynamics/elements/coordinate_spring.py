@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.checking.newton_euler import BodyEquations, Course, Found
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.recording.matrix import Matrix
-    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.real import Real
 
 
@@ -53,7 +53,7 @@ class CoordinateSpringEffect:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Accelerations M⁻¹Jᵀτ of the coordinates of i and j; its power [W]."""
-        left, weights_i, right, weights_j, value, rate, *given = blocks
+        left, inverse_mass_i, right, inverse_mass_j, value, rate, *given = blocks
         if self.law:
             unit, free, *rest = given
             one = column_of(trace, trace.graph.const(1))
@@ -64,7 +64,10 @@ class CoordinateSpringEffect:
             stiffness, damping, free = given
             damped = damping @ rate
             moment = stiffness @ (value - free) + damped
-        added = (-(left.scaled(weights_i).T @ moment), -(right.scaled(weights_j).T @ moment))
+        added = (
+            -(left.scaled(inverse_mass_i).T @ moment),
+            -(right.scaled(inverse_mass_j).T @ moment),
+        )
         return (*added, -(damped @ rate)) if self.works else added
 
 
@@ -85,7 +88,7 @@ class CoordinateSpringEnergy:
 class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
     """A spring and damper against a coordinate."""
 
-    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """Record M⁻¹Jᵀτ of both bodies, and the power of what is no potential energy."""
         constants = tasks.constants(self.force)
         ends = self.slopes(tasks)
@@ -95,13 +98,15 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         value = tasks.coordinates.value(self.force.coordinate)
         return tasks.recorder.call(operation, *ends, value, rate, *constants, *given)
 
-    def energy(self, tasks: ForceRecorder) -> Block:
+    def energy(self, tasks: ForceRecorder) -> SlotMatrix:
         """Record ½ k (u − u⁰)²."""
         constants = tasks.constants(self.force)
         value = tasks.coordinates.value(self.force.coordinate)
         return tasks.recorder.call(CoordinateSpringEnergy(), value, *constants)[0]
 
-    def elongation(self, tasks: ForceRecorder) -> tuple[Block, Block, Block, Block]:
+    def elongation(
+        self, tasks: ForceRecorder
+    ) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix, SlotMatrix]:
         """Record u and u̇; u⁰ and 1, since both are in rad or m."""
         _, free = tasks.constants(self.force)
         value = tasks.coordinates.value(self.force.coordinate)

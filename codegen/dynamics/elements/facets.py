@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
 
 from kousoku.codegen.dynamics.operations.placement import seen_from_carriers
 from kousoku.model import precise
-from kousoku.model.mechanism import ForceElement
+from kousoku.model.multibody import ForceElement
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -17,12 +17,13 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.operations.placement import Placement
-    from kousoku.codegen.dynamics.recording.recorder import Block
-    from kousoku.model.mechanism import Coordinate, Instance, System, Vector
+    from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System
+    from kousoku.model.orientation import Vector
     from kousoku.model.real import Real
 
     #: What tells by its kind and constants what the ground does through it.
-    Source = Instance | Coordinate
+    Source = Instance | RelativeCoordinate
 
 E = TypeVar("E", bound=ForceElement)
 
@@ -67,19 +68,21 @@ class ForceFacets(ABC, Generic[E]):
     # In a program.
 
     @abstractmethod
-    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """Record what it adds to the accelerations of body i and of body j, then its power.
 
         The power is that of what is no potential energy; it may be missing where nothing
-        :attr:`~kousoku.model.mechanism.ForceElement.works`. What is added to the ground is not
+        :attr:`~kousoku.model.multibody.ForceElement.works`. What is added to the ground is not
         looked at.
         """
 
-    def energy(self, tasks: ForceRecorder) -> Block:
+    def energy(self, tasks: ForceRecorder) -> SlotMatrix:
         """Record (0, V), of a force that has a potential energy."""
         raise NotImplementedError(f"no energy of a force of kind {self.force.kind}")
 
-    def elongation(self, tasks: ForceRecorder) -> tuple[Block, Block, Block, Block]:
+    def elongation(
+        self, tasks: ForceRecorder
+    ) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix, SlotMatrix]:
         """Record what its law is of: a value, its rate, where it is free, and the unit of both."""
         raise NotImplementedError(f"no elongation of a force of kind {self.force.kind}")
 

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.operations.placement import Placement
     from kousoku.codegen.dynamics.recording.matrix import Matrix
-    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.real import Real
 
 
@@ -56,7 +56,7 @@ class LoadEffect:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Accelerations of the coordinates; power F·v + N′·ω′ [W] if wanted."""
-        p, orientation, v, omega, weights, *constants = blocks
+        p, orientation, v, omega, inverse_mass, *constants = blocks
         share(trace, p, orientation)
         point = constants.pop(0) if self.kind in ("force", "force_b") else None
         given = sum(constants[1:], constants[0])
@@ -71,7 +71,7 @@ class LoadEffect:
             still = (trace.graph.const(1), *zeros)
             torque = at_point(trace, still, point, given)[3:]
             forces = (*(orientation @ given).flat, *torque)
-        found = (accelerations(trace, forces, self.columns, weights),)
+        found = (accelerations(trace, forces, self.columns, inverse_mass),)
         if not self.works:
             return found
         mul, rates = trace.graph.mul, (*v.flat, *omega.flat)
@@ -100,7 +100,7 @@ class LoadFacets(ForceFacets[Load]):
 
     is_carried = True
 
-    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """Record M⁻¹f of body j, and the power."""
         j = tasks.body(self.force.j)
         blocks = (j.p, j.orientation, j.v_r, j.omega_b, j.inverse_mass)
@@ -108,7 +108,7 @@ class LoadFacets(ForceFacets[Load]):
         constants = tasks.constants(self.force)
         return (column(()), *tasks.recorder.call(operation, *blocks, *constants))
 
-    def energy(self, tasks: ForceRecorder) -> Block:
+    def energy(self, tasks: ForceRecorder) -> SlotMatrix:
         """Record −F·r of its point."""
         constants, j = tasks.constants(self.force), tasks.body(self.force.j)
         return tasks.recorder.call(LoadEnergy(), j.r, j.p, *constants)[0]

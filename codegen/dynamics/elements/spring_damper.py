@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.operations.jets import Jet, dot, sqrt
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, share
 from kousoku.model import precise
 from kousoku.model.elements.spring_damper import PointSpring
-from kousoku.model.mechanism import Coordinate
+from kousoku.model.multibody import RelativeCoordinate
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.elements.facets import Source
     from kousoku.codegen.dynamics.operations.placement import Placement
     from kousoku.codegen.dynamics.recording.matrix import Matrix
-    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.real import Real
 
 #: Names of the constants of a spring, in their order.
@@ -61,8 +61,8 @@ class SpringEffect:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Accelerations of the coordinates of i and j; its power [W]."""
-        r_i, p_i, a_i, v_i, omega_i, weights_i = blocks[:6]
-        r_j, p_j, a_j, v_j, omega_j, weights_j = blocks[6:12]
+        r_i, p_i, a_i, v_i, omega_i, inverse_mass_i = blocks[:6]
+        r_j, p_j, a_j, v_j, omega_j, inverse_mass_j = blocks[6:12]
         share(trace, p_i, a_i)
         share(trace, p_j, a_j)
         places = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j}
@@ -77,8 +77,8 @@ class SpringEffect:
             damped = law["damping"] @ found["l_dot"]
         force = _inline(trace, "force", places | {"T": tension})["force"].flat
         added = (
-            accelerations(trace, force[:COLUMNS], self.columns_i, weights_i),
-            accelerations(trace, force[COLUMNS:], self.columns_j, weights_j),
+            accelerations(trace, force[:COLUMNS], self.columns_i, inverse_mass_i),
+            accelerations(trace, force[COLUMNS:], self.columns_j, inverse_mass_j),
         )
         if not self.works:
             return added
@@ -130,7 +130,7 @@ class SpringFacets(ForceFacets[PointSpring]):
 
     is_carried = True
 
-    def effect(self, tasks: ForceRecorder) -> tuple[Block, ...]:
+    def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """Record M⁻¹f of both bodies, and the power of what is no potential energy."""
         constants = tasks.constants(self.force)
         i, j = tasks.body(self.force.i), tasks.body(self.force.j)
@@ -146,13 +146,15 @@ class SpringFacets(ForceFacets[PointSpring]):
         operation = SpringEffect(i.columns, j.columns, self.force.law, names, self.force.works)
         return tasks.recorder.call(operation, *ends, *constants, *given)
 
-    def energy(self, tasks: ForceRecorder) -> Block:
+    def energy(self, tasks: ForceRecorder) -> SlotMatrix:
         """Record ½ k (l − l⁰)²."""
         constants = tasks.constants(self.force)
         i, j = tasks.body(self.force.i), tasks.body(self.force.j)
         return tasks.recorder.call(SpringEnergy(), i.r, i.p, j.r, j.p, *constants)[0]
 
-    def elongation(self, tasks: ForceRecorder) -> tuple[Block, Block, Block, Block]:
+    def elongation(
+        self, tasks: ForceRecorder
+    ) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix, SlotMatrix]:
         """Record l and its rate; l⁰ and the unit of the scene."""
         start, end, unit, free = tasks.constants(self.force)
         bodies = (tasks.body(self.force.i), tasks.body(self.force.j))
@@ -182,7 +184,7 @@ class SpringFacets(ForceFacets[PointSpring]):
     def source(self, system: System) -> Source:
         """Distance of its ends, along which it pulls."""
         ends = self.force.constants[: len(ENDS)]
-        return Coordinate(self.force.name, "length", self.force.i, self.force.j, ends)
+        return RelativeCoordinate(self.force.name, "length", self.force.i, self.force.j, ends)
 
     def by_definition(
         self,

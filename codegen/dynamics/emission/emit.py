@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import astuple
 from typing import TYPE_CHECKING
 
-from kousoku import __version__
 from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
 from kousoku.codegen.dynamics.emission.view import dynamics_view, method_text
@@ -13,6 +12,7 @@ from kousoku.codegen.dynamics.operations.characteristic_length import characteri
 from kousoku.codegen.emit import along, environment, hashed, promise, template, with_manifest
 from kousoku.model.jsontext import to_text
 from kousoku.model.kernel import Package
+from kousoku.model.version import __version__
 from kousoku.runtime.integrate.methods import METHODS
 from kousoku.runtime.integrate.motion import PARTS_OF_ROWS
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.about import About
     from kousoku.model.manifest import Manifest
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 MOTION_FILE = "motion.json"
 TEMPLATES = {

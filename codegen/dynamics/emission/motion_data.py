@@ -14,7 +14,11 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
 )
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.joint_ends import ends_of, points_of
-from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, BodyCoordinates, Place
+from kousoku.codegen.dynamics.recording.program import (
+    ON_DEMAND_REGIONS,
+    BodyCoordinates,
+    CoordinatePlace,
+)
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.model.about import About
 from kousoku.model.elements.constraints import is_length
@@ -27,15 +31,15 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import Carried, Instance, MovingBody, System
+    from kousoku.model.multibody import Carried, Instance, MovingBody, System
     from kousoku.runtime.integrate.state import Field
 
 #: Regions that hold what is given, or what no evaluation finds.
 GIVEN = ("t", "parameters", "constants", "q", "v", *ON_DEMAND_REGIONS)
-ZERO = Place(-1, 0.0)
+ZERO = CoordinatePlace(-1, 0.0)
 #: Where the ground is, for bodies that it carries.
 STILL = BodyCoordinates(
-    "", (ZERO,) * 3, (Place(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3
+    "", (ZERO,) * 3, (CoordinatePlace(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3
 )
 
 
@@ -254,6 +258,6 @@ def _body(
     }
 
 
-def _numbers(places: Iterable[Place], base: int) -> Sequence[int | float]:
+def _numbers(places: Iterable[CoordinatePlace], base: int) -> Sequence[int | float]:
     """Index for a coordinate, a number for what never changes."""
     return [place.slot - base if place.slot >= 0 else float(place.value) for place in places]

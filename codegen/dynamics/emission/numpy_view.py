@@ -31,14 +31,14 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
 from kousoku.codegen.dynamics.recording.program import levels, meaning_of
 from kousoku.codegen.printers import NUMPY, Printer
 from kousoku.model.graph import Op, literal
-from kousoku.runtime.integrate.scene import Scene
+from kousoku.runtime.integrate.scene_tables import SceneTables
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment
     from kousoku.model.kernel import Kernel
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 #: A kernel gets the functions of floats or those of arrays, as its argument ``m``.
 PYTHON = Printer(
@@ -168,7 +168,7 @@ def numpy_view(
         "has_drivers": has_drivers(system),
         "has_row_switch": has_row_switch(program),
     }
-    lacking = {field.name: field.default for field in fields(Scene)}
+    lacking = {field.name: field.default for field in fields(SceneTables)}
     found = {"constants": _numbers(map(literal, program.constants))} | {
         name: _table(table)
         for name, table in tables(program, system, length, parts).items()

@@ -27,18 +27,18 @@ from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.printers import C
 from kousoku.model.errors import EmitError
 from kousoku.model.graph import literal
-from kousoku.runtime.integrate.methods import METHODS, Method
-from kousoku.runtime.integrate.scene import DENSE
+from kousoku.runtime.integrate.methods import METHODS, RungeKuttaMethod
+from kousoku.runtime.integrate.scene_tables import DENSE
 from kousoku.runtime.integrate.settings import KINEMATICS, Doubt, Settings, Status
 from kousoku.runtime.integrate.state import Field, fields
-from kousoku.runtime.integrate.trust import Verdict
+from kousoku.runtime.integrate.trust import RunVerdict
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment, Task
     from kousoku.model.kernel import Kernel
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 
 #: Tables whose rows have several numbers.
@@ -220,7 +220,7 @@ class DynamicsView:
     @property
     def verdict(self) -> tuple[tuple[str, list[str]], ...]:
         """Types and names of the fields of the verdict on a run."""
-        return _fields(Verdict)
+        return _fields(RunVerdict)
 
     @property
     def doubts(self) -> tuple[Doubt, ...]:
@@ -493,7 +493,7 @@ def contents_of(segment: Segment) -> tuple[str, ...]:
     return tuple(wrap("; ".join(segment.contents), WIDTH, break_on_hyphens=False))
 
 
-def method_text(method: Method) -> MethodText:
+def method_text(method: RungeKuttaMethod) -> MethodText:
     """Method as C arrays."""
     flat = {
         "c": method.c,

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS, WORK
 from kousoku.codegen.dynamics.composition.switching import BOUNDS
-from kousoku.codegen.dynamics.operations.shapes import thickened
+from kousoku.codegen.dynamics.operations.body_coordinates import thickened
 from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.dynamics.redundancy.redundant_rows import take_over
-from kousoku.codegen.dynamics.simplification.bodies import inverse_masses as of_body
+from kousoku.codegen.dynamics.simplification.body_blocks import inverse_masses as of_body
 from kousoku.model import precise
 from kousoku.model.elements.constraints import is_length
 from kousoku.model.switching import seen_of
@@ -19,8 +19,8 @@ from kousoku.runtime.integrate.settings import ACTIONS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Program, Row
-    from kousoku.model.mechanism import System
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
+    from kousoku.model.multibody import System
     from kousoku.model.switching import Measure
 
 #: An error that is compared with this counts as none.
@@ -143,7 +143,7 @@ def measure_size(one: Measure, system: System, length: float) -> float:
     return length / (system.unit if one.force < 0 else 1.0)
 
 
-def row_of(row: Row, system: System) -> list[str]:
+def row_of(row: ConstraintEquation, system: System) -> list[str]:
     """Joint of a row, or the key of its driver, and the unit of its residual."""
     instance = system.constraints[row.instance]
     name = f"drivers.{row.joint}" if instance.is_driver else row.joint

@@ -11,21 +11,21 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.analyse import PRESCRIBED, analyse, with_all_rows
 from kousoku.codegen.dynamics.assembled import assemble_scene
-from kousoku.codegen.dynamics.choose import cheaper, with_reactions
+from kousoku.codegen.dynamics.choose import cheaper, choice_of
 from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
 from kousoku.codegen.dynamics.explanation.text import text_of
 from kousoku.codegen.dynamics.generate import LEDGER
-from kousoku.codegen.dynamics.operations.shapes import thickened
+from kousoku.codegen.dynamics.operations.body_coordinates import thickened
 from kousoku.codegen.dynamics.recording.counts import counts, operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
-from kousoku.codegen.dynamics.simplification.bodies import gyroscopic_ratios
-from kousoku.codegen.dynamics.simplification.planar import plane_of
+from kousoku.codegen.dynamics.simplification.body_blocks import gyroscopic_ratios
+from kousoku.codegen.dynamics.simplification.planarity import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
 from kousoku.codegen.kernel_json import shipped_kinds
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name
 from kousoku.model.text import counted
 from kousoku.model.varying import fixed_system
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.operations.placement import Constants
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
     from kousoku.model.scene import Scene
 
 #: Everything that can be computed.
@@ -150,11 +150,11 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     found = analyse(each, wanted)
     apart = _heavy(each)
     system, freedom = found.system, found.freedom
-    kept = compose(found, wanted)
+    choice = choice_of(found, wanted)
+    whole, program = choice.whole, choice.program
+    prescribed = cheaper(choice.analysed, wanted, whole, PRESCRIBED)
+    kept = whole if choice.analysed is found else compose(found, wanted)
     full = compose(with_all_rows(system, found.outline.plane), wanted) if freedom.dropped else kept
-    chosen, whole = with_reactions(found, wanted) if "reactions" in names else (found, kept)
-    prescribed = cheaper(chosen, wanted, whole, PRESCRIBED)
-    program = cheaper(chosen, wanted, whole)
     final = inline(program)
     structure = structure_of(system, program)
     steps = [

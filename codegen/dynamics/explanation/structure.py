@@ -11,14 +11,14 @@ from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.operations.elimination_order import minimum_degree
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Place, Program
-    from kousoku.model.mechanism import System
+    from kousoku.codegen.dynamics.recording.program import CoordinatePlace, Program
+    from kousoku.model.multibody import System
 
 #: What is smaller at a position without a pattern is zero everywhere.
 ZERO = 1e-13
@@ -145,7 +145,7 @@ def _elements(system: System, program: Program, free: Mapping[int, int]) -> int:
     residuals = Residuals.of(fixed, fixed.constraints)
     numbers = iter(range(1, 7 * len(program.bodies) + 1))
 
-    def anywhere(places: Sequence[Place]) -> list[float]:
+    def anywhere(places: Sequence[CoordinatePlace]) -> list[float]:
         return [
             place.value if place.slot < 0 else 0.25 + number * GOLDEN % 1.0
             for place, number in zip(places, numbers, strict=False)

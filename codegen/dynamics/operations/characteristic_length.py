@@ -10,7 +10,7 @@ from kousoku.codegen.dynamics.operations.mechanics import lengths_of
 from kousoku.model.own_kind import ORIGINS
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import Coordinate, ForceElement, Instance, System
+    from kousoku.model.multibody import ForceElement, Instance, RelativeCoordinate, System
 
 LEAST = 2.0**-18
 """The least length, as a part of the distance from the origin: doubles know a position to 6e-11 of
@@ -20,7 +20,7 @@ POINTS = {"s_i_b", "s_j_b", *ORIGINS}
 """Constants that are a point of a body, or of the ground."""
 
 
-def is_ground_point(source: Instance | Coordinate | ForceElement, name: str) -> bool:
+def is_ground_point(source: Instance | RelativeCoordinate | ForceElement, name: str) -> bool:
     """Whether a constant is a point in frame O."""
     return name in POINTS and (source.i if "_i" in name else source.j) < 0
 
@@ -31,7 +31,7 @@ def characteristic_length(system: System) -> float:
     The largest distance, along an axis, of a joint from the centre of mass of a body, or between
     two points of the ground; where none is, that of :func:`extent`.
     """
-    sources: tuple[Instance | Coordinate, ...] = (*system.constraints, *system.coordinates)
+    sources: tuple[Instance | RelativeCoordinate, ...] = (*system.constraints, *system.coordinates)
     lengths, ground = [0.0], []
     for source in sources:
         bodies = {"i": source.i, "j": source.j}
@@ -54,7 +54,7 @@ def extent(system: System) -> float:
     """
     places = [tuple(map(float, body.r)) for body in system.bodies]
     lengths = [0.0]
-    sources: tuple[Instance | Coordinate | ForceElement, ...]
+    sources: tuple[Instance | RelativeCoordinate | ForceElement, ...]
     sources = (*system.constraints, *system.coordinates, *system.forces)
     for source in sources:
         for name, numbers in source.constants:

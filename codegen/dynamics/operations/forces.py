@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.recording.matrix import Matrix
-from kousoku.model.mechanism import LAW_NAMES
+from kousoku.model.multibody import LAW_NAMES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,7 +23,24 @@ def column_of(trace: Trace, *nodes: int) -> Matrix:
 
 
 def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tuple[int, ...]:
-    """Force in frame O and its torque in the body frame."""
+    """Force in frame O, and its torque s̃′ A(p)ᵀ F: three mass points, (torque-definition).
+
+    Parameters
+    ----------
+    trace : Trace
+        Where it goes.
+    p : (4,) nodes [-]
+        Euler parameters of the body.
+    point : (3,) Matrix [m]
+        Where it acts, from the centre of mass, in the principal frame.
+    force : (3,) Matrix [N]
+        In frame O.
+
+    Returns
+    -------
+    tuple of int
+        Force (3,) [N] in frame O; torque (3,) [N m] about the centre of mass, in the body frame.
+    """
     rest = (trace.graph.const(0),) * 6
     inputs = {"p": p, "s_b": (*point.flat, *rest), "f": (*force.flat, *rest)}
     found = trace.inline(frozen("mass_points", "resultant"), inputs)
@@ -31,7 +48,7 @@ def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tu
 
 
 def accelerations(
-    trace: Trace, forces: Sequence[int], columns: Sequence[int], weights: Matrix
+    trace: Trace, forces: Sequence[int], columns: Sequence[int], inverse_mass: Matrix
 ) -> Matrix:
     """Share of force and torque (F, N′) of a body in the accelerations of its columns.
 
@@ -43,9 +60,9 @@ def accelerations(
         Force in frame O, torque in the principal frame.
     columns : sequence of int
         Its coordinates.
-    weights : Matrix
+    inverse_mass : Matrix
         The diagonal of M⁻¹ of these.
     """
     mul = trace.graph.mul
-    pairs = zip(columns, weights.flat, strict=True)
-    return column_of(trace, *(mul(forces[k], weight) for k, weight in pairs))
+    pairs = zip(columns, inverse_mass.flat, strict=True)
+    return column_of(trace, *(mul(forces[k], inverse) for k, inverse in pairs))

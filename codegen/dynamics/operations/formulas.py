@@ -13,11 +13,11 @@ from kousoku.model.formulas import WORD, used_names
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
 
     #: What a name stands for: a value, and the unit that it is given in.
-    Meaning = tuple[Block, Block]
+    Meaning = tuple[SlotMatrix, SlotMatrix]
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,19 +95,19 @@ class Relative:
 
 
 def scaled(
-    recorder: Recorder, constant: Block, formula: str, names: Mapping[str, Meaning]
-) -> Block:
+    recorder: Recorder, constant: SlotMatrix, formula: str, names: Mapping[str, Meaning]
+) -> SlotMatrix:
     """Record a constant times a formula; return where it is.
 
     Parameters
     ----------
     recorder : Recorder
         The program, in the segment that needs it.
-    constant : Block
+    constant : SlotMatrix
         The constant.
     formula : str
         The text.
-    names : mapping of str to (Block, Block)
+    names : mapping of str to (SlotMatrix, SlotMatrix)
         What its names stand for.
     """
     used = used_names(formula, names)

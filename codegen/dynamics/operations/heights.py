@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.operations.body_coordinates import NO_TURN, start
 from kousoku.codegen.dynamics.operations.mechanics import frozen
-from kousoku.codegen.dynamics.operations.shapes import NO_TURN, start
 from kousoku.model import precise
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import Coordinate, ForceElement, Instance, System
+    from kousoku.model.multibody import ForceElement, Instance, RelativeCoordinate, System
 
 #: Heights up to this part of the largest do not count: rounding.
 FLAT = 1e-12
@@ -26,7 +26,7 @@ def is_level(heights: Sequence[float], sizes: Sequence[Sequence[float]]) -> bool
     return max(map(abs, heights)) <= FLAT * largest
 
 
-def ends_of(system: System, one: ForceElement | Coordinate, normal: int) -> list[float]:
+def ends_of(system: System, one: ForceElement | RelativeCoordinate, normal: int) -> list[float]:
     """Distances of the ends from the centres of their bodies and from each other."""
     given = dict(one.constants)
     own = [
@@ -39,7 +39,7 @@ def ends_of(system: System, one: ForceElement | Coordinate, normal: int) -> list
 
 
 def height(
-    system: System, one: ForceElement | Coordinate | Instance, end: str, normal: int
+    system: System, one: ForceElement | RelativeCoordinate | Instance, end: str, normal: int
 ) -> float:
     """Coordinate of an end of a spring or a joint at the start."""
     point = dict(one.constants)[f"s_{end}_b"]
@@ -52,7 +52,7 @@ def height(
     return body.r[normal] + float(seen[normal])
 
 
-def at_start(system: System, one: Coordinate) -> float:
+def at_start(system: System, one: RelativeCoordinate) -> float:
     """Value of a coordinate at the start, of an angle up to whole turns."""
     inputs: dict[str, Sequence[float]] = dict(one.constants)
     for end, index in (("i", one.i), ("j", one.j)):

@@ -61,7 +61,7 @@ class Jet:
         return Jet(g, first * self.d, second * self.d**2 + first * self.dd)
 
 
-Vector = tuple[Jet, Jet, Jet]
+JetVector = tuple[Jet, Jet, Jet]
 
 
 def dot(a: Sequence[Jet], b: Sequence[Jet]) -> Jet:

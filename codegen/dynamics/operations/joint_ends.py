@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import System, Vector
+    from kousoku.model.multibody import System
+    from kousoku.model.orientation import Vector
 
 
 def ends_of(bodies: Sequence[int]) -> tuple[int, ...]:

@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.operations.own_frames import framed
 from kousoku.codegen.dynamics.recording.matrix import Matrix, square, stack
 from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.elements.constraints import COMBINATION
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.kernel import Kernel
-    from kousoku.model.mechanism import Coordinate, Instance
+    from kousoku.model.multibody import Instance, RelativeCoordinate
 
 #: Columns of a Jacobian for one body: δr in frame O, then δθ′ in the frame of the body.
 COLUMNS = 6
@@ -36,7 +36,7 @@ def frozen(package: str, name: str) -> Kernel:
     return next(kernel for kernel in found.kernels if kernel.name == name)
 
 
-def lengths_of(source: Instance | Coordinate) -> Iterator[tuple[str, tuple[float, ...]]]:
+def lengths_of(source: Instance | RelativeCoordinate) -> Iterator[tuple[str, tuple[float, ...]]]:
     """Constants that are lengths [m], with ``i`` or ``j`` for points of a body, else ``""``."""
     numbers, points = {"length"}, {"s_i_b", "s_j_b"}
     if is_own(source.kind):
@@ -53,7 +53,7 @@ def lengths_of(source: Instance | Coordinate) -> Iterator[tuple[str, tuple[float
             yield "", values
 
 
-def inputs_of(source: Instance | Coordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
+def inputs_of(source: Instance | RelativeCoordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
     """Inputs of kernels that are constant: those of one's own know other points."""
     unread = {"s_i_b", "s_j_b"} if is_own(source.kind) else set()
     return tuple((name, values) for name, values in source.constants if name not in unread)
@@ -77,6 +77,11 @@ class InstanceRows:
     kind: str
     rows: tuple[int, ...]
     constants: tuple[str, ...]
+
+    @property
+    def is_combination(self) -> bool:
+        """Whether they combine coordinates, and have no kernels."""
+        return self.kind == COMBINATION
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,18 +162,17 @@ class JointSystem:
 
         Of a body that is reduced it is C_q R and C_q R (Rᵀ M R)⁻¹; C_q itself stands last.
         """
-        weights_i, weights_j = blocks[3], blocks[7]
         others, count = len(self.columns) - 2, len(self.reduced)
         rest = blocks[8:]
-        weights = (weights_i, weights_j, *rest[:others])
+        inverse_masses = (blocks[3], blocks[7], *rest[:others])
         bases = dict(zip(self.reduced, rest[others : others + count], strict=True))
         residuals, full = rows_of_parts(
             trace, self.parts, self.columns, (*blocks[:3], *blocks[4:7], *rest[others + count :])
         )
         jacobians = [one @ bases[k] if k in bases else one for k, one in enumerate(full)]
         scaled = [
-            own @ weight if k in bases else own.scaled(weight)
-            for k, (own, weight) in enumerate(zip(jacobians, weights, strict=True))
+            own @ inverse if k in bases else own.scaled(inverse)
+            for k, (own, inverse) in enumerate(zip(jacobians, inverse_masses, strict=True))
         ]
         pairs = list(zip(scaled, jacobians, strict=True))
         graph = trace.graph
@@ -221,7 +225,7 @@ def rows_of_parts(
     residuals: list[Matrix] = []
     slopes: list[list[Matrix]] = [[] for _ in columns]
     for part in parts:
-        if part.kind == COMBINATION:
+        if part.is_combination:
             residuals.append(next(given))
             own = [next(given) for _ in columns]
         else:
@@ -292,7 +296,7 @@ class Rates:
         others, given = rest[: 2 * self.others], iter(rest[2 * self.others :])
         rates = []
         for part in self.parts:
-            if part.kind == COMBINATION:
+            if part.is_combination:
                 rates.append(next(given))
             else:
                 constants = [next(given) for _ in part.constants]

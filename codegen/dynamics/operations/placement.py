@@ -12,7 +12,7 @@ from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import Quaternion, Vector
+    from kousoku.model.orientation import Quaternion, Vector
 
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
 

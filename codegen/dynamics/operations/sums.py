@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.matrix import Matrix
-    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
 
 #: How many terms one task adds up.
@@ -30,16 +30,18 @@ class VectorSum:
         return (total,)
 
 
-def summed(recorder: Recorder, parts: Sequence[Block], into: Block | None = None) -> Block:
+def summed(
+    recorder: Recorder, parts: Sequence[SlotMatrix], into: SlotMatrix | None = None
+) -> SlotMatrix:
     """Record the sum of blocks; return where it is.
 
     Parameters
     ----------
     recorder : Recorder
         The program, in the segment that needs it.
-    parts : sequence of Block
+    parts : sequence of SlotMatrix
         One at least, all of one shape.
-    into : Block, optional
+    into : SlotMatrix, optional
         Where it goes. Without it nothing is recorded of one part alone.
     """
     while len(parts) > CHUNK:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Count:
+class TaskCount:
     """Tasks of one kind in one segment.
 
     Parameters
@@ -32,7 +32,7 @@ class Count:
     operations: int
 
 
-def counts(program: Program) -> tuple[Count, ...]:
+def counts(program: Program) -> tuple[TaskCount, ...]:
     """Costs in the order of the program; divide by its bodies for the cost of a body."""
     costs = [kernel.operations.total() for kernel in program.kernels]
     found = []
@@ -41,7 +41,7 @@ def counts(program: Program) -> tuple[Count, ...]:
         for task in segment.tasks:
             kernels.setdefault(program.kernels[task.kernel].title, []).append(task.kernel)
         found += [
-            Count(segment.name, title, len(set(used)), len(used), sum(costs[k] for k in used))
+            TaskCount(segment.name, title, len(set(used)), len(used), sum(costs[k] for k in used))
             for title, used in kernels.items()
         ]
     return tuple(found)

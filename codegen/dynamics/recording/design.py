@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import BodyCoordinates
-    from kousoku.model.mechanism import Carried, MovingBody, System
+    from kousoku.model.multibody import Carried, MovingBody, System
     from kousoku.model.precise import High, Quadruple, Triple
 
 

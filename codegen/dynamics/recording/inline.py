@@ -27,7 +27,7 @@ from kousoku.model.quantity import Quantity
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import BodyCoordinates, Place, Program
+    from kousoku.codegen.dynamics.recording.program import BodyCoordinates, CoordinatePlace, Program
 
 #: Programs with more operations stay tasks: these are as fast then, and much faster to compile.
 LIMIT = 2_500
@@ -292,7 +292,7 @@ class _Inliner:
         ids[node] = copy_node(graph, self.graph.nodes[node], ids)
 
     def _moved_body(self, body: BodyCoordinates) -> BodyCoordinates:
-        def moved(places: tuple[Place, ...]) -> tuple[Place, ...]:
+        def moved(places: tuple[CoordinatePlace, ...]) -> tuple[CoordinatePlace, ...]:
             return tuple(
                 replace(place, slot=self.moved[place.slot]) if place.slot >= 0 else place
                 for place in places

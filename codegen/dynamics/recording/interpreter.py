@@ -23,7 +23,8 @@ class ProgramInterpreter:
     program : Program
         What is run.
     arithmetic : Arithmetic
-        Its numbers: :data:`~kousoku.model.interpret.FLOAT` or ``HIGH``.
+        Its numbers: :data:`~kousoku.model.arithmetic.FLOAT`, or
+        :data:`~kousoku.model.digits.HIGH`.
     """
 
     def __init__(self, program: Program, arithmetic: Arithmetic[Any] = FLOAT) -> None:

@@ -81,7 +81,7 @@ class Segment:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class CoordinatePlace:
     """Where one coordinate of a body is.
 
     Parameters
@@ -104,17 +104,17 @@ class BodyCoordinates:
     ----------
     body : str
         As in the scene.
-    r, p, v, omega_b : tuple of Place
+    r, p, v, omega_b : tuple of CoordinatePlace
         Centre of mass and its velocity in frame O, Euler parameters, angular velocity in the frame
         of the body. A point has constant p; in a planar program r along the normal and the two
         parameters across it are constant.
     """
 
     body: str
-    r: tuple[Place, ...]
-    p: tuple[Place, ...]
-    v: tuple[Place, ...]
-    omega_b: tuple[Place, ...]
+    r: tuple[CoordinatePlace, ...]
+    p: tuple[CoordinatePlace, ...]
+    v: tuple[CoordinatePlace, ...]
+    omega_b: tuple[CoordinatePlace, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,13 +127,13 @@ class Auxiliary:
         ``turns`` of an angle [rad], ``work`` of a force or a driver [J].
     name : str
         Of the coordinate, the force or the driver.
-    place : Place
+    place : CoordinatePlace
         Its slot, and its value at the start.
     """
 
     kind: str
     name: str
-    place: Place
+    place: CoordinatePlace
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,15 +162,15 @@ class Kept:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
-    """One row of the constraints that are kept.
+class ConstraintEquation:
+    """One row of a constraint.
 
     Parameters
     ----------
     joint : str
         As in the scene.
     instance : int
-        Its place in :attr:`kousoku.model.mechanism.System.constraints`.
+        Its place in :attr:`kousoku.model.multibody.System.constraints`.
     row : int
         Its place in the kind.
     """
@@ -201,13 +201,13 @@ class Program:
         Count of slots.
     bodies : tuple of BodyCoordinates
         In the order of the system.
-    rows : tuple of Row
+    rows : tuple of ConstraintEquation
         In the order of the regions ``C`` and ``lam``.
     is_planar : bool
         Whether all bodies move in parallel coordinate planes.
-    left_out : tuple of Row
+    left_out : tuple of ConstraintEquation
         Rows that depend on others, in the order of the region ``C_left_out``.
-    reduced : tuple of Row
+    reduced : tuple of ConstraintEquation
         Rows that hold by themselves, in the order of the region ``C_left_out``: those of joints
         that bodies are put onto. Where there are some no row is left out.
     placed : tuple of int
@@ -243,12 +243,12 @@ class Program:
     constants: tuple[Fraction, ...]
     size: int
     bodies: tuple[BodyCoordinates, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[ConstraintEquation, ...]
     is_planar: bool
     auxiliary: tuple[Auxiliary, ...] = ()
     kept: tuple[Kept, ...] = ()
-    left_out: tuple[Row, ...] = ()
-    reduced: tuple[Row, ...] = ()
+    left_out: tuple[ConstraintEquation, ...] = ()
+    reduced: tuple[ConstraintEquation, ...] = ()
     placed: tuple[int, ...] = ()
     not_unique: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
@@ -374,7 +374,7 @@ def meaning_of(program: Program, segment: Segment) -> str:
         return segment.meaning
     sides = []
     meanings = (SEGMENTS | ON_DEMAND)[segment.name].split(" -> ")
-    for text, runs in zip(meanings, (reads, writes), strict=True):
+    for text, runs in zip(meanings, (_used, writes), strict=True):
         parts = [range(base, base + n) for one in segment.tasks for base, n in runs(program, one)]
         slots = {slot for part in parts for slot in part}
         used = {
@@ -391,6 +391,14 @@ def reads(program: Program, task: Task) -> Iterator[tuple[int, int]]:
     """First slot and length of each run that a task reads."""
     lengths = (quantity.size for quantity in program.kernels[task.kernel].inputs)
     return zip(task.inputs, lengths, strict=True)
+
+
+def _used(program: Program, task: Task) -> Iterator[tuple[int, int]]:
+    """Runs that a task reads; of the whole workspace only the slots that it computes with."""
+    if not program.is_inlined:
+        return reads(program, task)
+    nodes = program.kernels[task.kernel].nodes
+    return ((node.symbol[1], 1) for node in nodes if node.symbol is not None)
 
 
 def writes(program: Program, task: Task) -> Iterator[tuple[int, int]]:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from kousoku.model.precise import High
 
     #: For each block its entries, coded with leaves instead of slots, and its shape.
-    Pattern = tuple[tuple[tuple[int, ...], int, int], ...]
+    OperandPattern = tuple[tuple[tuple[int, ...], int, int], ...]
 
 #: Slots of constants are counted from here while the rest of the workspace grows.
 CONSTANTS = 1 << 40
@@ -47,7 +47,7 @@ NOTHING = -1
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class SlotMatrix:
     """A matrix of entries of the workspace.
 
     Parameters
@@ -63,28 +63,28 @@ class Block:
     width: int
 
     @property
-    def T(self) -> Block:
+    def T(self) -> SlotMatrix:
         """The transpose."""
         entries = tuple(x for k in range(self.width) for x in self.entries[k :: self.width])
-        return Block(entries, self.width, self.height)
+        return SlotMatrix(entries, self.width, self.height)
 
-    def __neg__(self) -> Block:
+    def __neg__(self) -> SlotMatrix:
         entries = tuple(-x for x in self.entries)
-        return Block(entries, self.height, self.width)
+        return SlotMatrix(entries, self.height, self.width)
 
-    def part(self, start: int, count: int) -> Block:
-        """Block of some entries of a column, one after the other."""
-        return Block(self.entries[start : start + count], count, 1)
-
-
-def column(entries: Sequence[int]) -> Block:
-    """Block of entries as one column."""
-    return Block(tuple(entries), len(entries), 1)
+    def part(self, start: int, count: int) -> SlotMatrix:
+        """Column of some entries of a column, one after the other."""
+        return SlotMatrix(self.entries[start : start + count], count, 1)
 
 
-def zeros(height: int, width: int) -> Block:
-    """Block of structural zeros."""
-    return Block((0,) * (height * width), height, width)
+def column(entries: Sequence[int]) -> SlotMatrix:
+    """Entries as one column."""
+    return SlotMatrix(tuple(entries), len(entries), 1)
+
+
+def zeros(height: int, width: int) -> SlotMatrix:
+    """Matrix of structural zeros."""
+    return SlotMatrix((0,) * (height * width), height, width)
 
 
 def slot_of(entry: int) -> int:
@@ -92,7 +92,7 @@ def slot_of(entry: int) -> int:
     return entry - 2
 
 
-def _slots(base: int, size: int) -> Block:
+def _slots(base: int, size: int) -> SlotMatrix:
     return column(range(base + 2, base + size + 2))
 
 
@@ -132,21 +132,21 @@ class Recorder:
         self._owner = ""
         self._size = 0
         self._pool: dict[tuple[Fraction, ...], int] = {}
-        self._columns: dict[tuple[High, ...], Block] = {}
+        self._columns: dict[tuple[High, ...], SlotMatrix] = {}
         self._traced: dict[object, _Traced] = {}
         self._kernel_ids: dict[object, int] = {}
 
-    def region(self, name: str, size: int) -> Block:
+    def region(self, name: str, size: int) -> SlotMatrix:
         """Set aside a named part of the workspace; return it as a column."""
         base = self._allocate(size)
         self.regions.append(Region(name, base, size))
         return _slots(base, size)
 
-    def design_part(self, first: int, count: int) -> Block:
+    def design_part(self, first: int, count: int) -> SlotMatrix:
         """Column of some of the numbers that depend on parameters, in their order."""
         return _slots(DESIGN + first, count)
 
-    def known(self, name: str) -> Block:
+    def known(self, name: str) -> SlotMatrix:
         """Region that was set aside."""
         base, size = next((one.base, one.size) for one in self.regions if one.name == name)
         return _slots(base, size)
@@ -162,7 +162,7 @@ class Recorder:
         yield
         self._owner = before
 
-    def constant(self, values: Sequence[High]) -> Block:
+    def constant(self, values: Sequence[High]) -> SlotMatrix:
         """Column of numbers; equal columns of numbers are stored once.
 
         Those that depend on parameters are in the region ``design``, each formula once.
@@ -172,7 +172,7 @@ class Recorder:
             self._columns[key] = self._new_constant(key)
         return self._columns[key]
 
-    def _new_constant(self, values: Sequence[High]) -> Block:
+    def _new_constant(self, values: Sequence[High]) -> SlotMatrix:
         numbers = [precise.number(value) if is_varying(value) else value for value in values]
         exact = [x if isinstance(x, Traced) else exactly(x) for x in numbers]
         fixed = [x for x in exact if not isinstance(x, Traced)]
@@ -194,23 +194,23 @@ class Recorder:
         return column(entries)
 
     def call(
-        self, operation: Operation, *blocks: Block, into: Sequence[Block | None] = ()
-    ) -> tuple[Block, ...]:
+        self, operation: Operation, *blocks: SlotMatrix, into: Sequence[SlotMatrix | None] = ()
+    ) -> tuple[SlotMatrix, ...]:
         """Record a call of an operation.
 
         Parameters
         ----------
         operation : Operation
             What is computed.
-        *blocks : Block
+        *blocks : SlotMatrix
             What it takes.
-        into : sequence of Block or None
+        into : sequence of SlotMatrix or None
             For each result the consecutive slots where it must be written, or None where any
             place will do; results beyond the last go to any place.
 
         Returns
         -------
-        tuple of Block
+        tuple of SlotMatrix
             The results. Entries that are 0, ±1, or an entry of the input up to its sign have no
             slot of their own.
         """
@@ -229,7 +229,9 @@ class Recorder:
             inputs = tuple(bases[run] for run in known.used)
             self.segments[-1][1].append(Task(known.kernel, inputs, tuple(outputs), self._owner))
         results = [
-            Block(tuple(self._entry(kind, x, leaves, base) for kind, x in entries), height, width)
+            SlotMatrix(
+                tuple(self._entry(kind, x, leaves, base) for kind, x in entries), height, width
+            )
             for entries, height, width in known.results
         ]
         for place, block in enumerate(into):
@@ -284,7 +286,7 @@ class Recorder:
     def _trace(
         self,
         operation: Operation,
-        pattern: Pattern,
+        pattern: OperandPattern,
         lengths: Sequence[int],
         pinned: tuple[bool, ...],
     ) -> _Traced:
@@ -302,7 +304,10 @@ class Recorder:
 
 @lru_cache(maxsize=MOST_TRACES)
 def _traced_kernel(
-    operation: Operation, pattern: Pattern, lengths: tuple[int, ...], pinned: tuple[bool, ...]
+    operation: Operation,
+    pattern: OperandPattern,
+    lengths: tuple[int, ...],
+    pinned: tuple[bool, ...],
 ) -> tuple[Kernel, tuple[int, ...], int, tuple[Codes, ...]]:
     """Trace an operation once for all programs: a scene is composed again without some rows."""
     trace = Trace(lengths)
@@ -310,7 +315,9 @@ def _traced_kernel(
     return traced_kernel(trace, operation.title, results, pinned)
 
 
-def pattern_of(blocks: Sequence[Block]) -> tuple[Pattern, list[int], list[int], list[int]]:
+def pattern_of(
+    blocks: Sequence[SlotMatrix],
+) -> tuple[OperandPattern, list[int], list[int], list[int]]:
     """Pattern that decides a trace, and what differs between its calls.
 
     Returns

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.codegen.passes.rebuild import copy_node, substitute
-from kousoku.model.graph import Graph, Node, Op
+from kousoku.model.graph import Graph, Op, OperationNode
 from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
@@ -33,7 +33,10 @@ def with_finite_quotients(kernel: Kernel) -> Kernel:
     added = {k for k, x in enumerate(kernel.nodes) if x.op is Op.CONST and x.value == ADDED}
     if not added:
         return kernel
-    nodes = [Node(x.op, value=ADDED_HERE) if k in added else x for k, x in enumerate(kernel.nodes)]
+    nodes = [
+        OperationNode(x.op, value=ADDED_HERE) if k in added else x
+        for k, x in enumerate(kernel.nodes)
+    ]
     return replace(kernel, nodes=tuple(nodes))
 
 
@@ -107,7 +110,7 @@ class Trace:
             stack.extend(nodes[node].args if known is None else (known,))
         return sorted(needed, key=lambda node: (self._depth(nodes[node]), node))
 
-    def _depth(self, node: Node[int]) -> int:
+    def _depth(self, node: OperationNode[int]) -> int:
         """Depth of a node: 0 of leaves, 1 of the negatives of leaves, 2 of all else."""
         if not node.args:
             return 0

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
-    from kousoku.model.mechanism import MovingBody
+    from kousoku.codegen.dynamics.redundancy.rank import Array, LQFactors
+    from kousoku.model.multibody import MovingBody
 
 #: How far the fastest body moves from one position to the next, in radians or lengths: far enough
 #: to leave what is special of a position, near enough that Newton's method comes back.
@@ -55,7 +55,7 @@ class BranchPosition:
         Angles that count turns.
     c : (rows,)
         What is left of the rows of joints, scaled.
-    factors : Factors
+    factors : LQFactors
         Of the rows of joints.
     clear : int
         How many of the rows are independent beyond doubt.
@@ -67,7 +67,7 @@ class BranchPosition:
     p: Array
     near: Array
     c: Array
-    factors: Factors
+    factors: LQFactors
     clear: int
     pivots: Array
 
@@ -160,12 +160,12 @@ class Branch:
         r, p = places_of(bodies)
         return r / self.length, p, self._residuals.near
 
-    def rates(self, factors: Factors, matrix: Array, rows: Sequence[int]) -> Array:
+    def rates(self, factors: LQFactors, matrix: Array, rows: Sequence[int]) -> Array:
         """Rates at which rows are missed, per unit of the motion that makes them miss most.
 
         Parameters
         ----------
-        factors : Factors
+        factors : LQFactors
             Of the rows that the motion keeps.
         matrix : (rows, columns)
             Rows of C_q, scaled.
@@ -189,7 +189,7 @@ class Branch:
         before = factorise(matrix, HOLDS, position.factors.rank - 1)
         return float(self.rates(before, matrix, self._rows)[position.factors.taken[-1]])
 
-    def _ranks(self, matrix: Array, rows: Sequence[int]) -> tuple[Factors, int, Array]:
+    def _ranks(self, matrix: Array, rows: Sequence[int]) -> tuple[LQFactors, int, Array]:
         """Factors of rows that are not redundant, how many are beyond doubt, all pivots.
 
         What rows miss per unit of a motion decides, in the units that violations have, where what
@@ -212,7 +212,7 @@ class Branch:
         rank = max(position.factors.rank for position in positions)
         return rank < len(self._rows) and (len(positions) > 1 or rank == few)
 
-    def with_others(self, position: BranchPosition, rows: Sequence[int]) -> Factors:
+    def with_others(self, position: BranchPosition, rows: Sequence[int]) -> LQFactors:
         """Factors at a position of more rows than those that hold there."""
         _, matrix = self._residuals.doubles(position.r * self.length, position.p, position.near)
         chosen = list(rows)

@@ -29,9 +29,8 @@ from kousoku.codegen.dynamics.redundancy.branch import (
 )
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
 from kousoku.model import precise
-from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.system import UNIT_NAMES
 from kousoku.model.varying import fixed_system
 from kousoku.runtime.integrate.continuation import NEAR_SINGULAR
@@ -42,11 +41,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
-    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
+    from kousoku.codegen.dynamics.redundancy.rank import Array, LQFactors
+    from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
 
 #: Pivots below it are rounding: rows have size one, and some hundred are eliminated.
 ROUNDING = 1e-12
@@ -68,7 +67,7 @@ class Closed:
 
     Parameters
     ----------
-    row : Row
+    row : ConstraintEquation
         Which; it is left out.
     is_length : bool
         Whether what it misses is a length, or else an angle.
@@ -78,7 +77,7 @@ class Closed:
         The most that it misses at the positions that were looked at.
     """
 
-    row: Row
+    row: ConstraintEquation
     is_length: bool
     pivot: float
     missed: float
@@ -132,7 +131,7 @@ def _open_from(far: float) -> float:
 def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
     """Scales that compare lengths with that of the part, turns with the arms of a body."""
     arms = [0.0] * (len(bodies) + 1)  # the ground last
-    sources: list[Instance | Coordinate] = [*residuals.constraints, *residuals.coordinates]
+    sources: list[Instance | RelativeCoordinate] = [*residuals.constraints, *residuals.coordinates]
     for one in sources:
         for end, values in lengths_of(one):
             if end:
@@ -146,7 +145,7 @@ def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
     rows = np.where(residuals.in_metres, 1 / largest, 1.0)
     _, matrix = residuals.doubles(*places_of(bodies))
     for one, first in zip(residuals.constraints, residuals.first, strict=False):
-        if one.kind == COMBINATION:  # ratios may be of any size
+        if one.is_combination:  # ratios may be of any size
             size = float(((matrix[first] * columns.ravel()) ** 2).sum()) ** 0.5
             rows[first] = 1 / size if size else 1.0
         elif not residuals.in_metres[first]:
@@ -156,7 +155,10 @@ def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
 
 
 def require_gap(
-    system: System, branch: Branch, rows: Sequence[Row], positions: Sequence[BranchPosition]
+    system: System,
+    branch: Branch,
+    rows: Sequence[ConstraintEquation],
+    positions: Sequence[BranchPosition],
 ) -> None:
     """Refuse rows that are neither redundant nor independent.
 
@@ -189,7 +191,7 @@ def far_from_singular(positions: Sequence[BranchPosition]) -> list[BranchPositio
 
 
 def starts_closed(
-    system: System, branch: Branch, rows: Sequence[Row], start: BranchPosition
+    system: System, branch: Branch, rows: Sequence[ConstraintEquation], start: BranchPosition
 ) -> bool:
     """Whether rows that others imply miss no more than they may where a scene starts.
 
@@ -208,7 +210,7 @@ def starts_closed(
     return size <= most
 
 
-def _refuse(system: System, row: Row, others: Sequence[str], size: str) -> NoReturn:
+def _refuse(system: System, row: ConstraintEquation, others: Sequence[str], size: str) -> NoReturn:
     """Refuse a row that is neither redundant nor independent."""
     tolerance, leaning = system.closure_tolerance, _leaning(system, (row.joint, *others))
     raise SceneError(
@@ -220,7 +222,7 @@ def _refuse(system: System, row: Row, others: Sequence[str], size: str) -> NoRet
     )
 
 
-def _beside(factors: Factors, rows: Sequence[Row]) -> list[str]:
+def _beside(factors: LQFactors, rows: Sequence[ConstraintEquation]) -> list[str]:
     """Joints of the rows that the last row that was taken nearly depends on."""
     last = factors.rank - 1
     part = factors.lower[last].copy()
@@ -264,7 +266,10 @@ def _between(a: Array, b: Array) -> float:
 
 
 def closed_rows(
-    branch: Branch, rows: Sequence[Row], left: Sequence[Row], positions: Sequence[BranchPosition]
+    branch: Branch,
+    rows: Sequence[ConstraintEquation],
+    left: Sequence[ConstraintEquation],
+    positions: Sequence[BranchPosition],
 ) -> tuple[Closed, ...]:
     """Rows that are left out and that others do not imply to rounding.
 

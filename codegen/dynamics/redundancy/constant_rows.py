@@ -13,7 +13,7 @@ from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.simplification.outline import Outline
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 #: The largest residual that is rounding, in lengths of the scene or radians: ten times what
 #: assembly leaves open.

@@ -19,10 +19,10 @@ from kousoku.runtime.integrate.result import listed
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
-    from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
-    from kousoku.model.mechanism import System
+    from kousoku.codegen.dynamics.redundancy.rank import Array, LQFactors
+    from kousoku.model.multibody import System
 
 
 class Drivers:
@@ -34,7 +34,7 @@ class Drivers:
         The scene.
     branch : Branch
         The part; positions of it are those that joints allow.
-    joints, drivers : sequence of (Row, int)
+    joints, drivers : sequence of (ConstraintEquation, int)
         Rows, and which row of the branch each is.
     """
 
@@ -42,8 +42,8 @@ class Drivers:
         self,
         system: System,
         branch: Branch,
-        joints: Sequence[tuple[Row, int]],
-        drivers: Sequence[tuple[Row, int]],
+        joints: Sequence[tuple[ConstraintEquation, int]],
+        drivers: Sequence[tuple[ConstraintEquation, int]],
     ) -> None:
         self._system, self._branch = system, branch
         self._rows = [row for row, _ in (*joints, *drivers)]
@@ -51,7 +51,7 @@ class Drivers:
         self._count = len(drivers)
         self._first = len(joints)
         #: Of each position that was looked at the rank of joints, and the factors of all rows.
-        self._at: list[tuple[int, Factors]] = []
+        self._at: list[tuple[int, LQFactors]] = []
         self._rank = 0
 
     def look(self, position: BranchPosition) -> bool:
@@ -62,7 +62,7 @@ class Drivers:
             self._at.append((position.factors.rank, factors))
         return self._are_free()
 
-    def _extra(self, rank: int, factors: Factors) -> int:
+    def _extra(self, rank: int, factors: LQFactors) -> int:
         """Number of drivers that prescribe what joints of a rank, or others, determine."""
         return rank + self._count - factors.rank
 
@@ -102,7 +102,7 @@ class Drivers:
             key="drivers",
         )
 
-    def _refuse(self, extra: int, factors: Factors) -> None:
+    def _refuse(self, extra: int, factors: LQFactors) -> None:
         names = self._taking_part(factors)
         drivers = [name for name in names if name in self._named()]
         joints = [name for name in names if name not in self._named()]
@@ -122,10 +122,10 @@ class Drivers:
     def _named(self) -> dict[str, None]:
         return dict.fromkeys(self._key(row) for row in self._rows[self._first :])
 
-    def _key(self, row: Row) -> str:
+    def _key(self, row: ConstraintEquation) -> str:
         return key_of(self._system.constraints[row.instance])
 
-    def _taking_part(self, factors: Factors) -> list[str]:
+    def _taking_part(self, factors: LQFactors) -> list[str]:
         """Rows that take part in dependences of drivers, in the order of the scene."""
         takes_part = np.zeros(len(self._rows), bool)
         for dependence in np.abs(_of_drivers(factors.dependences(), self._first)):

@@ -35,20 +35,21 @@ from kousoku.codegen.dynamics.redundancy.driven import Drivers
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, rows_to_leave
 from kousoku.codegen.dynamics.redundancy.undetermined import undetermined
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.runtime.integrate.settings import CLEARLY
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.closure import Closed
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
-    from kousoku.codegen.dynamics.redundancy.rank import Factors
+    from kousoku.codegen.dynamics.redundancy.rank import LQFactors
     from kousoku.codegen.dynamics.redundancy.undetermined import Undetermined
     from kousoku.codegen.dynamics.simplification.outline import Outline
-    from kousoku.model.mechanism import Coordinate, Instance, System, Vector
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System
+    from kousoku.model.orientation import Vector
 
 #: Rows of the largest part whose dependent rows are looked for; the time grows with their cube.
 MOST_ROWS = 700
@@ -93,7 +94,7 @@ class Freedom:
         Of C_q along the branch.
     dependent : tuple of DependentSet
         Those along the branch, then those at the start only.
-    dropped : tuple of Row
+    dropped : tuple of ConstraintEquation
         Rows that depend on the others and are left out.
     worst : float
         How well the remaining rows keep their rank at the worst position: 1 is best.
@@ -104,7 +105,7 @@ class Freedom:
         known of them.
     drivers : int
         How many of the rows are those of drivers in loops.
-    idle : tuple of Row
+    idle : tuple of ConstraintEquation
         Of the rows that are left out those that nothing changes, and those of kinds of one's own
         that others of the same joint imply: they carry nothing.
     closed : tuple of Closed
@@ -119,12 +120,12 @@ class Freedom:
     rows: int
     rank: int
     dependent: tuple[DependentSet, ...] = ()
-    dropped: tuple[Row, ...] = ()
+    dropped: tuple[ConstraintEquation, ...] = ()
     worst: float = 1.0
     positions: int = 0
     unknown: tuple[str, ...] = ()
     drivers: int = 0
-    idle: tuple[Row, ...] = ()
+    idle: tuple[ConstraintEquation, ...] = ()
     closed: tuple[Closed, ...] = ()
     undetermined: Undetermined = ()
 
@@ -175,7 +176,7 @@ def freedom_of(system: System, outline: Outline) -> Freedom:
     """
     system = near_origin(system)
     total = Freedom.of(outline)
-    by_instance: dict[int, list[Row]] = {}
+    by_instance: dict[int, list[ConstraintEquation]] = {}
     for row in outline.rows:
         by_instance.setdefault(row.instance, []).append(row)
     for part in loops_of(system):
@@ -210,7 +211,7 @@ def near_origin(system: System) -> System:
     if max(map(abs, origin)) <= FAR * Metric(system).size:
         return system
 
-    def seen(one: Instance | Coordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
+    def seen(one: Instance | RelativeCoordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
         return tuple(
             (name, _less(value, origin) if is_ground_point(one, name) else value)
             for name, value in one.constants
@@ -230,7 +231,7 @@ def _less(place: Sequence[float], origin: Vector) -> Vector:
 
 
 def _freedom_of_part(
-    system: System, outline: Outline, part: LoopPart, rows: Sequence[Row]
+    system: System, outline: Outline, part: LoopPart, rows: Sequence[ConstraintEquation]
 ) -> Freedom:
     residuals, first = part_residuals(system, part)
     joints, driven = _sorted(system, rows)
@@ -292,7 +293,9 @@ def _freedom_of_part(
     return replace(found, rows=len(rows), rank=found.rank + len(driven), drivers=len(driven))
 
 
-def _is_independent(system: System, outline: Outline, part: LoopPart, rows: Sequence[Row]) -> bool:
+def _is_independent(
+    system: System, outline: Outline, part: LoopPart, rows: Sequence[ConstraintEquation]
+) -> bool:
     """Whether sparse factors show that no row depends on others at the start.
 
     Then none does along the branch, but at some of its positions.
@@ -312,7 +315,9 @@ def _is_independent(system: System, outline: Outline, part: LoopPart, rows: Sequ
     return BlockFactors(Pattern(residuals), (at, columns, values), left_out=left_out).is_regular
 
 
-def _sorted(system: System, rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
+def _sorted(
+    system: System, rows: Sequence[ConstraintEquation]
+) -> tuple[list[ConstraintEquation], list[ConstraintEquation]]:
     """Rows that hold at all times and those of drivers.
 
     A point is driven in three directions. Where one of them stays, as in a plane, nothing moves in
@@ -330,7 +335,9 @@ def _sorted(system: System, rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
 
 
 def _dependences(
-    rows: Sequence[Row], positions: Sequence[BranchPosition], takes_part: float = TAKES_PART
+    rows: Sequence[ConstraintEquation],
+    positions: Sequence[BranchPosition],
+    takes_part: float = TAKES_PART,
 ) -> Freedom:
     """Dependences of the rows of joints after all positions were looked at."""
     rank = max(position.factors.rank for position in positions)
@@ -358,7 +365,7 @@ def _dependences(
     )
 
 
-def _shaky(rows: Sequence[Row], position: BranchPosition, rank: int) -> Freedom:
+def _shaky(rows: Sequence[ConstraintEquation], position: BranchPosition, rank: int) -> Freedom:
     """Freedom of a shaky linkage: infinitesimally mobile, but finitely rigid.
 
     Rows that depend on each other there hold what the others do not, as those of two bars that are
@@ -402,7 +409,9 @@ def _columns(outline: Outline, part: LoopPart) -> list[int]:
     ]
 
 
-def _components(factors: Sequence[Factors], takes_part: float) -> list[tuple[tuple[int, ...], int]]:
+def _components(
+    factors: Sequence[LQFactors], takes_part: float
+) -> list[tuple[tuple[int, ...], int]]:
     """Sets of rows that depend on each other at some of the positions, and dimensions.
 
     Rows are in one set when a row that depends on others is made of them by more than
@@ -420,11 +429,15 @@ def _components(factors: Sequence[Factors], takes_part: float) -> list[tuple[tup
 
 
 def _set(
-    rows: Sequence[Row], places: Sequence[int], dimension: int, *, is_everywhere: bool
+    rows: Sequence[ConstraintEquation],
+    places: Sequence[int],
+    dimension: int,
+    *,
+    is_everywhere: bool,
 ) -> DependentSet:
     joints = _joints(rows[place] for place in places)
     return DependentSet(joints, len(places), dimension, is_everywhere)
 
 
-def _joints(rows: Iterable[Row]) -> tuple[str, ...]:
+def _joints(rows: Iterable[ConstraintEquation]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(row.joint for row in rows))

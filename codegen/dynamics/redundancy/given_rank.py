@@ -12,8 +12,8 @@ from kousoku.model.varying import fixed_system
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.codegen.dynamics.recording.program import Program, Row
-    from kousoku.model.mechanism import System
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
+    from kousoku.model.multibody import System
 
 
 def rank_rows(program: Program, system: System) -> list[tuple[str, tuple[int, int]]]:
@@ -44,7 +44,7 @@ def _rows_of_varying_loops(program: Program, system: System) -> list[tuple[str, 
         return []
     instances = _varying_loops(system)
     first, last = len(program.rows), len(program.rows) + len(program.left_out)
-    rows: tuple[Row, ...] = (*program.rows, *program.left_out, *program.reduced)
+    rows: tuple[ConstraintEquation, ...] = (*program.rows, *program.left_out, *program.reduced)
     return [
         (row.joint, (place, int(first <= place < last)))
         for place, row in enumerate(rows)

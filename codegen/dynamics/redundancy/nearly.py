@@ -26,7 +26,7 @@ from kousoku.codegen.dynamics.redundancy.freedom import MOST_ROWS as MOST_OF_PAR
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of, part_residuals
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.simplification.outline import outline_of
-from kousoku.codegen.dynamics.simplification.planar import plane_of
+from kousoku.codegen.dynamics.simplification.planarity import plane_of
 from kousoku.model.errors import AssemblyError
 from kousoku.model.held import without_held
 from kousoku.model.varying import fixed_system
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 
 def with_consistent_start(given: System) -> System:

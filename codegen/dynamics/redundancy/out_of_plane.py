@@ -20,9 +20,9 @@ from kousoku.codegen.sha256_random import Sha256Random
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Place, Program
+    from kousoku.codegen.dynamics.recording.program import CoordinatePlace, Program
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
     Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -106,5 +106,5 @@ def _position(work: ProgramInterpreter) -> tuple[Array, Array]:
     return np.array([*r, [0.0] * 3]), np.array([*p, [1.0, 0.0, 0.0, 0.0]])
 
 
-def _numbers(work: ProgramInterpreter, places: Sequence[Place]) -> list[float]:
+def _numbers(work: ProgramInterpreter, places: Sequence[CoordinatePlace]) -> list[float]:
     return [work.values[place.slot] if place.slot >= 0 else place.value for place in places]

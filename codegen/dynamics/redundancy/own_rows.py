@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
     Array = npt.NDArray[np.float64]
 
@@ -81,12 +81,12 @@ def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: boo
             )
 
 
-def repeated_rows(system: System, freedom: Freedom) -> tuple[Row, ...]:
+def repeated_rows(system: System, freedom: Freedom) -> tuple[ConstraintEquation, ...]:
     """Rows that are left out, and that others of the same joint of one's own imply.
 
     The joint does the same with any multipliers of these: they carry nothing.
     """
-    found: list[Row] = []
+    found: list[ConstraintEquation] = []
     for place, instance in enumerate(system.constraints):
         left = [row for row in freedom.dropped if row.instance == place]
         if not left or not is_own(instance.kind):

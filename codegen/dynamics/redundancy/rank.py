@@ -28,7 +28,7 @@ EQUAL = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class Factors:
+class LQFactors:
     """A = L Q for the rows that were taken, and what the others are made of.
 
     Parameters
@@ -91,7 +91,7 @@ class Factors:
         return factorise(rows).basis.T if count else rows
 
 
-def factorise(matrix: Array, least: float | None = None, most: int | None = None) -> Factors:
+def factorise(matrix: Array, least: float | None = None, most: int | None = None) -> LQFactors:
     """Take the largest row again and again and remove it from all others (Gram and Schmidt).
 
     Parameters
@@ -131,7 +131,7 @@ def factorise(matrix: Array, least: float | None = None, most: int | None = None
         parts, basis = np.array(found_parts).T, np.array(found_basis).T
     left = tuple(sorted(set(range(rows)).difference(taken)))
     lower = np.tril(parts[taken])
-    return Factors(tuple(taken), left, lower, basis, parts[list(left)])
+    return LQFactors(tuple(taken), left, lower, basis, parts[list(left)])
 
 
 def rows_to_leave(dependences: Sequence[Array]) -> tuple[tuple[int, ...], float]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
 
 #: Rows up to which all of them are solved for at once: memory grows with their square, and the time
 #: of a step with their cube.
@@ -30,7 +30,7 @@ def shares_out(kept: int, left_out: int) -> bool:
     return take_over(kept, left_out) and kept * left_out > MOST_UNROLLED
 
 
-def by_instance(rows: Iterable[Row]) -> dict[int, list[int]]:
+def by_instance(rows: Iterable[ConstraintEquation]) -> dict[int, list[int]]:
     """Rows by the places of their constraints."""
     found: dict[int, list[int]] = {}
     for row in rows:

@@ -13,18 +13,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.operations.joint_ends import ends_of, points_of
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.runtime.integrate.body_tables import crossed, rotated
 from kousoku.runtime.integrate.motion import JOINT
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
     from kousoku.codegen.dynamics.redundancy.rank import Array
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
     #: Joints, and the columns of their force and torque that are not unique.
     Undetermined = tuple[tuple[str, tuple[str, ...]], ...]
@@ -39,7 +39,7 @@ def undetermined(
     system: System,
     part: LoopPart,
     branch: Branch,
-    rows: Sequence[Row],
+    rows: Sequence[ConstraintEquation],
     positions: Sequence[BranchPosition],
     *,
     joints: Collection[str],
@@ -55,7 +55,7 @@ def undetermined(
         The loops in it.
     branch : Branch
         On which they move.
-    rows : sequence of Row
+    rows : sequence of ConstraintEquation
         Its rows of joints.
     positions : sequence of BranchPosition
         Where these depend on each other.

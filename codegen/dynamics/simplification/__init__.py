@@ -1,6 +1,6 @@
 """Fewer bodies, coordinates and columns than a scene has.
 
-``lump``, ``rigid_groups``, ``composite``, ``static_potential``, ``bodies``,
-``outline``, ``planar``, ``axis_permutation``, ``forces_plane``, ``placeholder_masses``,
+``lump``, ``rigid_groups``, ``composite``, ``static_potential``, ``body_blocks``,
+``outline``, ``planarity``, ``axis_permutation``, ``forces_plane``, ``placeholder_masses``,
 ``given_start``, ``joint_coordinates``, ``reduced_mass``, ``conserved_momenta``, ``contacts``.
 """

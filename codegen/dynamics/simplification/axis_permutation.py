@@ -12,13 +12,13 @@ from enum import Enum
 from typing import TYPE_CHECKING, TypeVar
 
 from kousoku.model.elements.constraints import components_of, is_known
-from kousoku.model.rows import ROWS
+from kousoku.model.parallel_rows import ROWS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Program, Row
-    from kousoku.model.mechanism import Instance, MovingBody, System
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
+    from kousoku.model.multibody import Instance, MovingBody, System
 
     T = TypeVar("T")
     Triple = tuple[T, T, T]
@@ -80,7 +80,9 @@ def permuted_columns(columns: Sequence[int], shift: int) -> tuple[int, ...]:
     return tuple(sorted(k // 3 * 3 + (k + shift) % 3 for k in columns))
 
 
-def permuted_rows(rows: Iterable[Row], system: System, shift: int) -> tuple[Row, ...]:
+def permuted_rows(
+    rows: Iterable[ConstraintEquation], system: System, shift: int
+) -> tuple[ConstraintEquation, ...]:
     """Rows of a system as rows of the permuted system."""
     kinds = [one.kind for one in system.constraints]
     return tuple(

@@ -23,7 +23,7 @@ from kousoku.model.varying import fixed
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import MovingBody
+    from kousoku.model.multibody import MovingBody
 
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
 

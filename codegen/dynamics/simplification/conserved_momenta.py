@@ -22,14 +22,15 @@ from kousoku.codegen.dynamics.simplification.contacts import (
     free_of_force,
     free_of_moment,
 )
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.elements.constraints import Contact
     from kousoku.codegen.dynamics.elements.facets import Applied
-    from kousoku.model.mechanism import System, Vector
+    from kousoku.model.multibody import System
+    from kousoku.model.orientation import Vector
 
 #: The axis of a plane may be given either way.
 DOWN = (0.0, 0.0, -1.0)

@@ -19,8 +19,8 @@ from kousoku.codegen.dynamics.elements.constraints import (
 )
 from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.model import precise
-from kousoku.model.elements.constraints import COMBINATION, base_of, kind_of
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.elements.constraints import base_of, kind_of
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.varying import is_varying
 
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from kousoku.codegen.dynamics.elements.facets import Source
-    from kousoku.model.mechanism import System, Vector
+    from kousoku.model.multibody import System
+    from kousoku.model.orientation import Vector
     from kousoku.model.precise import Triple
 
     Numbers = tuple[float, ...]
@@ -57,7 +58,7 @@ def contacts_of(system: System) -> Iterator[tuple[int, Contact]]:
 def _acting(system: System) -> Iterator[Source]:
     """Rows, coordinates of rows and forces, and springs."""
     for row in system.constraints:
-        if row.kind == COMBINATION:
+        if row.is_combination:
             yield from (system.coordinates[term.coordinate] for term in row.terms)
         else:
             yield row

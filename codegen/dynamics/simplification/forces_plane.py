@@ -9,7 +9,7 @@ from kousoku.codegen.dynamics.operations.heights import FLAT, height
 from kousoku.model.varying import fixed_system, is_varying
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import Coordinate, ForceElement, Instance, System
+    from kousoku.model.multibody import ForceElement, Instance, RelativeCoordinate, System
 
 
 def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:
@@ -44,7 +44,7 @@ def is_flat(system: System, normal: int | None) -> bool:
     system = fixed_system(system)
     heights = [body.r[normal] for body in system.bodies]
     combined = {term.coordinate for one in system.constraints for term in one.terms}
-    connected: list[Instance | Coordinate] = list(system.constraints)
+    connected: list[Instance | RelativeCoordinate] = list(system.constraints)
     connected += [system.coordinates[place] for place in sorted(combined)]
     for one in connected:
         ends = [name for name, _ in one.constants if name in {"s_i_b", "s_j_b"}]

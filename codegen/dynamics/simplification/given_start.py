@@ -10,13 +10,13 @@ from kousoku.model import precise
 from kousoku.model.errors import AssemblyError, SceneError
 from kousoku.model.formulas import used_names
 from kousoku.model.frames import to_quaternion
-from kousoku.model.mechanism import WrittenStart
+from kousoku.model.multibody import WrittenStart
 from kousoku.model.varying import fixed, fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import Instance, System
+    from kousoku.model.multibody import Instance, System
     from kousoku.model.scene import Scene
 
 REST = (0.0, 0.0, 0.0)

@@ -23,16 +23,15 @@ from kousoku.codegen.dynamics.operations.joint_coordinates import AXIS, NOTHING,
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Row
-    from kousoku.model.mechanism import Coordinate, System
+    from kousoku.codegen.dynamics.recording.program import ConstraintEquation
+    from kousoku.model.multibody import RelativeCoordinate, System
     from kousoku.model.precise import High, Quadruple, Triple
 
     Numbers = tuple[float, ...]
@@ -172,14 +171,14 @@ def velocity_transformations_of(
     return found
 
 
-def is_worth(system: System, rows: Sequence[Row]) -> bool:
+def is_worth(system: System, rows: Sequence[ConstraintEquation]) -> bool:
     """Whether drivers act on bodies at the ground, or joints there have many of the rows.
 
     Parameters
     ----------
     system : System
         The scene.
-    rows : sequence of Row
+    rows : sequence of ConstraintEquation
         All that are solved.
     """
     grounded = [len(one.bodies) == 2 and GROUND_INDEX in one.bodies for one in system.constraints]
@@ -207,10 +206,10 @@ def _leaves(one: VelocityTransformation, rows: Mapping[int, Sequence[int]]) -> i
 def _reduction(
     system: System, body: int, places: Sequence[int], *, is_planar: bool
 ) -> VelocityTransformation | None:
-    joints = [k for k in places if system.constraints[k].kind != COMBINATION]
+    joints = [k for k in places if not system.constraints[k].is_combination]
     groups = [list(own) for _, own in groupby(joints, lambda k: system.constraints[k].joint)]
     if len(groups) != 1 or any(
-        one.kind == COMBINATION and one.joint == system.constraints[joints[0]].joint
+        one.is_combination and one.joint == system.constraints[joints[0]].joint
         for one in system.constraints
     ):
         return None
@@ -317,7 +316,7 @@ def _with_drivers(
     return found
 
 
-def _along(found: VelocityTransformation, coordinate: Coordinate) -> int:
+def _along(found: VelocityTransformation, coordinate: RelativeCoordinate) -> int:
     """Sign 1 or −1 of a coordinate that grows or falls with what the joint leaves free, else 0."""
     direction = facets_of_kind(coordinate.kind).direction(dict(coordinate.constants))
     if direction is None:
@@ -330,7 +329,7 @@ def _along(found: VelocityTransformation, coordinate: Coordinate) -> int:
     return (-1 if is_own else 1) * (1 if cosine > 0 else -1)
 
 
-def _at_start(system: System, coordinate: Coordinate) -> float:
+def _at_start(system: System, coordinate: RelativeCoordinate) -> float:
     """Value of a coordinate at the start, its turns counted."""
     inputs: dict[str, Sequence[High]] = {
         name: [precise.number(x) for x in values] for name, values in coordinate.constants

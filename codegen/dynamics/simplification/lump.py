@@ -14,17 +14,17 @@ from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.operations.placement import Placement, seen_from_carriers
 from kousoku.codegen.dynamics.simplification.axis_permutation import Plane, can_permute, permuted
 from kousoku.codegen.dynamics.simplification.composite import joined, on_ground
-from kousoku.codegen.dynamics.simplification.planar import is_planar
+from kousoku.codegen.dynamics.simplification.planarity import is_planar
 from kousoku.codegen.dynamics.simplification.rigid_groups import grouped
 from kousoku.codegen.dynamics.simplification.static_potential import static_potential
 from kousoku.model.elements.constraints import base_of
-from kousoku.model.mechanism import GROUND_INDEX, Carried
-from kousoku.model.rows import variant
+from kousoku.model.multibody import GROUND_INDEX, Carried
+from kousoku.model.parallel_rows import variant
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
+    from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +152,7 @@ def _instance(one: Instance, placements: Mapping[int, Placement]) -> Instance:
     )
 
 
-def _coordinate(one: Coordinate, placements: Mapping[int, Placement]) -> Coordinate:
+def _coordinate(one: RelativeCoordinate, placements: Mapping[int, Placement]) -> RelativeCoordinate:
     i, j = placements[one.i], placements[one.j]
     constants = seen_from_carriers(one.constants, i, j)
     return replace(one, i=i.carrier, j=j.carrier, constants=constants)

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.operations.body_coordinates import shape, sizes
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, inputs_of
-from kousoku.codegen.dynamics.operations.shapes import shape, sizes
-from kousoku.codegen.dynamics.recording.program import Row
+from kousoku.codegen.dynamics.recording.program import ConstraintEquation
 from kousoku.codegen.dynamics.recording.recorder import Recorder, pattern_of
 from kousoku.codegen.dynamics.recording.traces import Trace
 from kousoku.codegen.dynamics.simplification.axis_permutation import (
@@ -21,17 +21,16 @@ from kousoku.codegen.dynamics.simplification.axis_permutation import (
     permuted_rows,
     shift_of,
 )
-from kousoku.codegen.dynamics.simplification.bodies import GROUND, body_blocks
-from kousoku.model.elements.constraints import COMBINATION
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.codegen.dynamics.simplification.body_blocks import GROUND, body_blocks
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from kousoku.codegen.dynamics.recording.recorder import Pattern
+    from kousoku.codegen.dynamics.recording.recorder import OperandPattern
     from kousoku.codegen.dynamics.simplification.axis_permutation import Plane
-    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
-    from kousoku.model.mechanism import Coordinate, Instance, System
+    from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
+    from kousoku.model.multibody import Instance, RelativeCoordinate, System
 
     Elements = tuple[tuple[bool, ...], ...]
 
@@ -46,13 +45,13 @@ class Outline:
         The plane of the motion; None where bodies move in space.
     columns : tuple of tuple of int
         Of each body the places in (δr, δθ′) that are velocities.
-    rows : tuple of Row
+    rows : tuple of ConstraintEquation
         In the order in which they are composed.
     """
 
     plane: Plane | None
     columns: tuple[tuple[int, ...], ...]
-    rows: tuple[Row, ...]
+    rows: tuple[ConstraintEquation, ...]
 
     @property
     def is_planar(self) -> bool:
@@ -82,14 +81,14 @@ def outline_of(system: System, plane: Plane | None) -> Outline:
     system : System
         A scene, as it starts.
     plane : Plane, optional
-        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it;
+        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planarity.plane_of` finds it;
         None for equations in space.
     """
     is_planar, shift = plane is not None, shift_of(plane)
     there = permuted(system, shift)
     live = live_rows(there, is_planar=is_planar)
     rows = tuple(
-        Row(one.joint, place, row)
+        ConstraintEquation(one.joint, place, row)
         for place, (one, own) in enumerate(zip(system.constraints, live, strict=True))
         for row in own
     )
@@ -127,7 +126,7 @@ def live_elements(system: System, *, is_planar: bool) -> Iterator[tuple[tuple[in
         return GROUND if index == GROUND_INDEX else bodies[index]
 
     for one in system.constraints:
-        if one.kind != COMBINATION:
+        if not one.is_combination:
             elements = _elements(one, recorder, body)
             yield _live(one, elements, body), elements
         else:
@@ -137,7 +136,7 @@ def live_elements(system: System, *, is_planar: bool) -> Iterator[tuple[tuple[in
 
 
 def _live(
-    one: Instance | Coordinate, elements: Elements, body: Callable[[int], BodyBlocks]
+    one: Instance | RelativeCoordinate, elements: Elements, body: Callable[[int], BodyBlocks]
 ) -> tuple[int, ...]:
     """Rows that have elements in the columns of their bodies."""
     columns = (*body(one.i).columns, *(COLUMNS + k for k in body(one.j).columns))
@@ -146,7 +145,7 @@ def _live(
 
 
 def _elements(
-    one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
+    one: Instance | RelativeCoordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
 ) -> Elements:
     """Mask of the elements of the Jacobian (rows, 12) that are not structurally zero."""
     i, j = body(one.i), body(one.j)
@@ -158,7 +157,7 @@ def _elements(
 
 @cache
 def _traced(
-    kind: str, names: tuple[str, ...], pattern: Pattern, lengths: tuple[int, ...]
+    kind: str, names: tuple[str, ...], pattern: OperandPattern, lengths: tuple[int, ...]
 ) -> Elements:
     trace = Trace(lengths)
     nodes = [trace.matrix(*block).flat for block in pattern]

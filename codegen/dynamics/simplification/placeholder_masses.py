@@ -10,15 +10,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.operations.body_coordinates import shape
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
-from kousoku.codegen.dynamics.operations.shapes import shape
 from kousoku.codegen.dynamics.simplification.axis_permutation import permuted, shift_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.codegen.dynamics.simplification.axis_permutation import Plane
-    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.multibody import MovingBody, System
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ def with_placeholder_masses(system: System, plane: Plane | None) -> PlaceholderM
     system : System
         A scene.
     plane : Plane, optional
-        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it.
+        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planarity.plane_of` finds it.
     """
     if not any(one.is_driver for one in system.constraints):
         return PlaceholderMasses(system)

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.recording.design import start_of
 from kousoku.model import precise
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.codegen.dynamics.operations.placement import Placement
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 
 def static_potential(system: System, placements: Mapping[int, Placement]) -> float:

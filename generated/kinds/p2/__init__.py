@@ -41,7 +41,7 @@ def __getattr__(name: str) -> Any:
 
 
 def _library() -> Any:
-    """Return the compiled kernels, or the module of the NumPy ones."""
+    """Compiled kernels, or the module of the NumPy ones."""
     try:
         runtime = import_module("kousoku.runtime")
     except ModuleNotFoundError:

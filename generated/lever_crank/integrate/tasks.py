@@ -33,12 +33,12 @@ COMMENT = re.compile("#.*")
 
 
 def numbers(text: str) -> list[float]:
-    """Return the numbers of a table."""
+    """Numbers of a table."""
     return [float(number) for number in COMMENT.sub("", text).split()]
 
 
 def places(text: str, width: int) -> Slots:
-    """Return a table of places, in rows of a width."""
+    """Table of places, in rows of a width."""
     return np.array(COMMENT.sub("", text).split(), dtype=np.intp).reshape(-1, width)
 
 
@@ -56,7 +56,7 @@ class Functions(NamedTuple):
 
 
 def fmax(a: float, b: float) -> float:
-    """Return the larger number; a NaN counts as none."""
+    """Larger of two numbers; a NaN counts as none."""
     return a if a >= b or math.isnan(b) else b
 
 
@@ -67,7 +67,7 @@ OF_FLOATS = Functions(
 
 
 def of_each(of_one: Callable[..., float], of_all: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function of arrays with the bits that C has; NumPy's may differ in the last one."""
+    """Function of arrays with the bits that C has; NumPy's may differ in the last one."""
 
     def function(*x: Any) -> Any:
         whole = np.broadcast_arrays(*x)
@@ -96,7 +96,7 @@ OF_ARRAYS = Functions(
 )
 
 
-class Kernel(NamedTuple):
+class TaskKernel(NamedTuple):
     """A kernel, and where its values are.
 
     Parameters
@@ -116,8 +116,8 @@ class Kernel(NamedTuple):
     writes: Slots
 
     @classmethod
-    def read(cls, function: Function, runs: int, reads: str, writes: str) -> Kernel:
-        """Return a kernel whose places are tables in text."""
+    def read(cls, function: Function, runs: int, reads: str, writes: str) -> TaskKernel:
+        """Kernel whose places are tables in text."""
         return cls(function, runs, places(reads, 2), places(writes, 2))
 
 
@@ -140,12 +140,12 @@ class InTurn(NamedTuple):
 Segment = list[Together | InTurn]
 
 
-def segment_of(kernels: Sequence[Kernel], text: str) -> Segment:
-    """Return the tasks of a segment.
+def segment_of(kernels: Sequence[TaskKernel], text: str) -> Segment:
+    """Tasks of a segment.
 
     Parameters
     ----------
-    kernels : sequence of Kernel
+    kernels : sequence of TaskKernel
         Those of the scene.
     text : str
         A table: the number of a kernel, how many tasks of it follow, and the first slot of each
@@ -153,7 +153,7 @@ def segment_of(kernels: Sequence[Kernel], text: str) -> Segment:
     """
     table = places(text, 1)[:, 0]
     found: Segment = []
-    few: list[tuple[Kernel, list[int], list[int]]] = []
+    few: list[tuple[TaskKernel, list[int], list[int]]] = []
     at = 0
     while at < len(table):
         kernel, count = kernels[table[at]], int(table[at + 1])
@@ -172,8 +172,8 @@ def segment_of(kernels: Sequence[Kernel], text: str) -> Segment:
     return [*found, *_in_turn(few)]
 
 
-def _in_turn(tasks: list[tuple[Kernel, list[int], list[int]]]) -> list[InTurn]:
-    """Return what tasks read that none of them wrote before, and where the others find it."""
+def _in_turn(tasks: list[tuple[TaskKernel, list[int], list[int]]]) -> list[InTurn]:
+    """Tasks in turn: what they read that none wrote before is gathered, the others find theirs."""
     if not tasks:
         return []
     gathered: dict[int, int] = {}
@@ -192,7 +192,7 @@ def _in_turn(tasks: list[tuple[Kernel, list[int], list[int]]]) -> list[InTurn]:
 
 
 def _picker(at: list[int]) -> Callable[[Any], Any]:
-    """Return what picks elements of a list, as a sequence however few they are."""
+    """Function that picks elements of a list, as a sequence however few they are."""
     if len(at) > 1:
         return itemgetter(*at)
     return itemgetter(slice(at[0], at[0] + 1) if at else slice(0))

@@ -4,7 +4,7 @@ The same algorithm as ordinary C (``*.h``) and as ordinary Python, file by file;
 holds a copy of it beside the segments and the tables of its scene. It needs the C library, and in
 Python NumPy, and imports nothing of kousoku but itself.
 
-``mechanism``     records of the tables that describe a mechanism
+``tables``        records of the tables that describe a linkage
 ``status``        what an analysis ends with, and its tolerances
 ``rows``          what is asked for, and the rows of results
 ``lu``            LU factorisation
@@ -12,6 +12,8 @@ Python NumPy, and imports nothing of kousoku but itself.
 ``newton``        full and modified Newton method
 ``assembly``      the first position
 ``continuation``  predictor and corrector along the inputs
+``certificate``   that a step leads to the branch it came from
+``moving``        a call checked, and what went wrong told; in Python only
 ``solve``         the whole analysis, and what a folder has of it
-``trajectory``    results by name
+``trajectory``    results by name, in Python only
 """

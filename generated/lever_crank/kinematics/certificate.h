@@ -20,10 +20,10 @@
 
 /* Where inputs and, after them, unknowns go along a step: x(0) + first s + second s^2 + third s^3,
  * and how far from there they are at most, found block after block. */
-typedef struct Way {
+typedef struct CubicTube {
     double first[INPUTS + UNKNOWNS], second[INPUTS + UNKNOWNS], third[INPUTS + UNKNOWNS];
     double radius[INPUTS + UNKNOWNS];
-} Way;
+} CubicTube;
 
 /* What a curve does to its equation: what the cubics leave of it, how its row of the Jacobian turns
  * along the step, and how much more for each length that unknowns are off, all at most. */
@@ -37,7 +37,7 @@ typedef struct Sum {
     double first, second, third, off, reach;
 } Sum;
 
-static Sum sum_along(size_t number, const Way *way, size_t count, const Term *terms)
+static Sum sum_along(size_t number, const CubicTube *way, size_t count, const Term *terms)
 {
     const size_t own = INPUTS + blocks[number].first, end = own + blocks[number].size;
     Sum sum = { 0.0, 0.0, 0.0, 0.0, 0.0 };
@@ -90,7 +90,7 @@ static Bend bend_of_arm(double length, Sum x, Sum y, Sum angle)
 
 /* what the curves do to the equations of a block; how distances turn their rows from one end of
  * the step to the other stands in `slope` with its signs */
-static void bend_rows(size_t number, const Way *way, Bend *rows, double *slope)
+static void bend_rows(size_t number, const CubicTube *way, Bend *rows, double *slope)
 {
     const Block *block = &blocks[number];
     const size_t own = INPUTS + block->first, n = block->size;
@@ -152,7 +152,7 @@ static double condition_of(const Workspace *w)
 
 /* with the factors of where the step ended, how far the Jacobian of a block turns in the tube,
  * relative to itself; `residual` is left of the equations at both ends */
-static double tilt_of(size_t number, const Workspace *w, Way *way, double residual)
+static double tilt_of(size_t number, const Workspace *w, CubicTube *way, double residual)
 {
     const size_t first = blocks[number].first, n = blocks[number].size;
     const Unknown *own = unknowns + first;

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from .equations import BlockEquations
-    from .mechanism import Array, Block, Mechanism
+    from .tables import Array, Block, LinkageTables
 
 #: Of s³ − s⁴ the most in [0, 1]; s³ − s^(3 + m) is at most m times as much.
 CUBIC_END = 27 / 256
@@ -28,7 +28,7 @@ CUBIC_END = 27 / 256
 SQUARE_BOW, CUBIC_BOW = 0.25, 0.385
 
 
-class Way(NamedTuple):
+class CubicTube(NamedTuple):
     """Where coordinates go along a step: x(0) + first s + second s² + third s³, and how nearly.
 
     Parameters
@@ -50,13 +50,13 @@ class Certifier:
 
     Parameters
     ----------
-    mechanism : Mechanism
+    mechanism : LinkageTables
         The tables.
     block : Block
         The block.
     """
 
-    def __init__(self, mechanism: Mechanism, block: Block) -> None:
+    def __init__(self, mechanism: LinkageTables, block: Block) -> None:
         inputs, part, curves = len(mechanism.inputs), block.unknowns, block.curves
         places = inputs + len(mechanism.unknowns)
         self._own = slice(inputs + part.start, inputs + part.stop)
@@ -69,7 +69,7 @@ class Certifier:
         self._angle = _slopes([curve.angle for curve in curves], places)
 
     def condition(self, block: BlockEquations) -> float:
-        """Return the most that residuals of 1 move unknowns, as lengths, with factors at hand."""
+        """Largest motion of unknowns by residuals of 1, as lengths, with factors at hand."""
         return float(np.max(self._inverse(block).sum(axis=1)))
 
     def _inverse(self, block: BlockEquations) -> Array:
@@ -77,14 +77,14 @@ class Certifier:
         lengths: Array = np.abs(inverse) * self._scale[:, np.newaxis]
         return lengths
 
-    def tilt(self, block: BlockEquations, way: Way, residual: float) -> float:
-        """Return how far the Jacobian turns in the tube, relative to itself; write its radius.
+    def tilt(self, block: BlockEquations, way: CubicTube, residual: float) -> float:
+        """Turn of the Jacobian in the tube, relative to itself; its radius is written.
 
         Parameters
         ----------
         block : BlockEquations
             With the factors of where the step ended.
-        way : Way
+        way : CubicTube
             The step; the radii of what is known are there, those of the block get theirs.
         residual : float
             What is left of the equations at both ends.
@@ -103,8 +103,8 @@ class Certifier:
         way.radius[self._own] = error / (1.0 - tilt) / scale
         return tilt
 
-    def _along(self, way: Way, slopes: Array) -> tuple[Array, ...]:
-        """Return sums of coordinates along a way, (curves,) each.
+    def _along(self, way: CubicTube, slopes: Array) -> tuple[Array, ...]:
+        """Sums of coordinates along a way, (curves,) each.
 
         Returns
         -------
@@ -120,8 +120,8 @@ class Certifier:
             1 / self._scale @ size[self._own],
         )
 
-    def _distances(self, way: Way) -> tuple[Array, Array]:
-        """Return what links do to equations |d| = l.
+    def _distances(self, way: CubicTube) -> tuple[Array, Array]:
+        """Bends and slope of equations |d| = l.
 
         As (|d|² - l²)/2l, which is a polynomial of s: what it has of s³ to s⁶ vanishes together at
         the end.
@@ -145,8 +145,8 @@ class Certifier:
         bends = np.stack((error, bow * reach / self._length, reach * reach / self._length))
         return bends, slope / self._length
 
-    def _arms(self, way: Way) -> Array:
-        """Return what links do to equations d = l (cos β, sin β), (3, curves).
+    def _arms(self, way: CubicTube) -> Array:
+        """Bends of equations d = l (cos β, sin β), (3, curves).
 
         By the fourth derivative of the direction.
         """
@@ -161,7 +161,7 @@ class Certifier:
 
 
 def _slopes(sums: list[Sequence[tuple[int, float]]], places: int) -> Array:
-    """Return the derivatives of sums by coordinates, (places, sums)."""
+    """Derivatives of sums by coordinates, (places, sums)."""
     slopes = np.zeros((places, len(sums)))
     for k, terms in enumerate(sums):
         for place, factor in terms:

@@ -58,7 +58,7 @@ static double step_tilt(Run *run, const Workspace *w, double step, const double 
 {
     const double half = 0.5 * step * step;
     double most = 0.0;
-    Way way;
+    CubicTube way;
     for (size_t i = 0; i < INPUTS; ++i) {
         way.first[i] = step * pace[i];
         way.second[i] = half * pace_dot[i];

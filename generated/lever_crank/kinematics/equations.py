@@ -7,35 +7,35 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..integrate.tasks import Kernel, run_tasks, segment_of
+from ..integrate.tasks import TaskKernel, run_tasks, segment_of
 from .lu import LU
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from ..integrate.tasks import Function
-    from .mechanism import Array, Mechanism, Segment
+    from .tables import Array, LinkageTables, Segment
 
 
 def segments_of(
     kernels: Sequence[tuple[Function, int, str, str]], tasks: Mapping[str, str]
 ) -> dict[str, Segment]:
-    """Return the segments of a mechanism, each a function of the workspace.
+    """Segments of a mechanism, each a function of the workspace.
 
     Parameters
     ----------
     kernels : sequence of (callable, int, str, str)
-        What tasks call, as :meth:`integrate.tasks.Kernel.read` takes it.
+        What tasks call, as :meth:`integrate.tasks.TaskKernel.read` takes it.
     tasks : mapping of str to str
         The table of each segment, as :func:`integrate.tasks.segment_of` reads it.
     """
-    read = [Kernel.read(*kernel) for kernel in kernels]
+    read = [TaskKernel.read(*kernel) for kernel in kernels]
     return {
         name: partial(run_tasks, segment=segment_of(read, text)) for name, text in tasks.items()
     }
 
 
-class Coordinates(NamedTuple):
+class LinkageCoordinates(NamedTuple):
     """All coordinates of a mechanism, or their first or second derivatives.
 
     Parameters
@@ -55,21 +55,21 @@ class Equations:
 
     Parameters
     ----------
-    mechanism : Mechanism
+    mechanism : LinkageTables
         The tables and segments.
     """
 
-    def __init__(self, mechanism: Mechanism) -> None:
+    def __init__(self, mechanism: LinkageTables) -> None:
         self.mechanism = mechanism
         self.slots = np.zeros(mechanism.work_size)
         self.blocks = tuple(BlockEquations(self, k) for k in range(len(mechanism.blocks)))
 
     def region(self, name: str) -> Array:
-        """Return a region of the workspace, to read and to write."""
+        """Region of the workspace, to read and to write."""
         base, size = self.mechanism.regions[name]
         return self.slots[base : base + size]
 
-    def place(self, coordinates: Coordinates, suffix: str = "") -> None:
+    def place(self, coordinates: LinkageCoordinates, suffix: str = "") -> None:
         """Put a position, or with ``_dot`` or ``_ddot`` its derivatives, where segments look."""
         self.region(f"alpha{suffix}")[:] = coordinates.alpha
         self.region(f"x{suffix}")[:] = coordinates.x
@@ -79,9 +79,9 @@ class Equations:
         self.mechanism.segments[segment](self.slots)
 
     def differentiate(
-        self, position: Coordinates, alpha_dot: Array, alpha_ddot: Array
+        self, position: LinkageCoordinates, alpha_dot: Array, alpha_ddot: Array
     ) -> tuple[Array, Array]:
-        """Return the derivatives of x along given ones of the inputs, with the factors at hand.
+        """Derivatives of x along given ones of the inputs, with the factors at hand.
 
         Returns
         -------
@@ -90,8 +90,8 @@ class Equations:
         """
         none = np.zeros_like(position.x)
         self.place(position)
-        self.place(Coordinates(alpha_dot, none), "_dot")
-        self.place(Coordinates(alpha_ddot, none), "_ddot")
+        self.place(LinkageCoordinates(alpha_dot, none), "_dot")
+        self.place(LinkageCoordinates(alpha_ddot, none), "_ddot")
         x_dot, x_ddot = self.region("x_dot"), self.region("x_ddot")
         for block in self.blocks:
             x_dot[block.part] = block.solve(block.velocity_side())
@@ -127,30 +127,30 @@ class BlockEquations:
         self._factors = LU(np.eye(n), self.scale)
 
     def residuals(self) -> Array:
-        """Return the residuals, (n,), as lengths."""
+        """Residuals, (n,), as lengths."""
         self._position()
         return self._epsilon.copy()
 
     def jacobian(self) -> Array:
-        """Return the Jacobian, (n, n)."""
+        """Jacobian, (n, n)."""
         self._position()
         return self._jacobian.copy()
 
     def evaluate(self) -> tuple[Array, float]:
-        """Return the residuals, (n,), and the smallest pivot; keep the factors of the Jacobian."""
+        """Residuals, (n,), and the smallest pivot; the factors of the Jacobian are kept."""
         self._factors = LU(self.jacobian(), self.scale)
         return self._epsilon.copy(), self._factors.pivot
 
     def solve(self, right: Array) -> Array:
-        """Return the solution with the factors that :meth:`evaluate` kept, (n,)."""
+        """Solution with the factors that :meth:`evaluate` kept, (n,)."""
         return self._factors.solve(right)
 
     def velocity_side(self) -> Array:
-        """Return the right-hand side of the velocities, (22) and (24), (n,)."""
+        """Right-hand side of the velocities, (22) and (24), (n,)."""
         self._velocity()
         return self._nu.copy()
 
     def acceleration_side(self) -> Array:
-        """Return the right-hand side of the accelerations, (23) and (25), (n,)."""
+        """Right-hand side of the accelerations, (23) and (25), (n,)."""
         self._acceleration()
         return self._gamma.copy()

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "mechanism.h"
+#include "tables.h"
 
 /* LU factors of an (n, n) matrix in place; returns the smallest pivot, of columns scaled to
  * lengths, with the sign of the determinant: 0 is a dead centre, the sign is the side of it */

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from .mechanism import Array
+    from .tables import Array
 
 
 class LU:
@@ -53,7 +53,7 @@ class LU:
         self.pivot = side * weakest
 
     def solve(self, right: Array) -> Array:
-        """Return the solution for a right-hand side, (n,)."""
+        """Solution for a right-hand side, (n,)."""
         b = right[self.order]
         n = len(b)
         for i in range(1, n):

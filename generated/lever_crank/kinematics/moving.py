@@ -13,15 +13,15 @@ import numpy as np
 from ..integrate.given import require_numbers, require_options, times_of
 from ..integrate.result import StoppedError, refusal, shown
 from .rows import request
-from .status import Status
+from .status import AnalysisStatus
 from .trajectory import trajectory_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from .mechanism import Array
-    from .rows import Rows, Run
-    from .solve import Solver
+    from .rows import Rows, RunRequest
+    from .solve import KinematicSolver
+    from .tables import Array
     from .trajectory import Trajectory
 
 #: Options of a call that are counts, and all of them.
@@ -29,10 +29,10 @@ COUNTS = ("divisions", "turns", "first_turn", "from_turn")
 OPTIONS = ("method", *COUNTS, "limit")
 #: What to do where a linkage cannot be moved on.
 ADVICE = {
-    Status.DEAD_CENTRE: "shorten the way of the input, or drive another link",
-    Status.LIMIT_TOO_SMALL: "give a larger residual limit",
-    Status.NOT_FINITE: "check lengths, positions and inputs",
-    Status.TOO_FAR: "ask for more rows between",
+    AnalysisStatus.DEAD_CENTRE: "shorten the way of the input, or drive another link",
+    AnalysisStatus.LIMIT_TOO_SMALL: "give a larger residual limit",
+    AnalysisStatus.NOT_FINITE: "check lengths, positions and inputs",
+    AnalysisStatus.TOO_FAR: "ask for more rows between",
 }
 #: Divisions that are counted without rounding.
 MOST_ROWS = 2**53
@@ -43,19 +43,19 @@ class Linkage:
 
     Parameters
     ----------
-    target : Solver
+    target : KinematicSolver
         What computes: the solver of the folder, or what does the same.
     data : mapping
         What its ``motion.json`` holds.
     """
 
-    def __init__(self, target: Solver, data: Mapping[str, Any]) -> None:
+    def __init__(self, target: KinematicSolver, data: Mapping[str, Any]) -> None:
         self.name: str = data["name"]
         self.target = target
         self.mechanism, self.scene = target.mechanism(data), target.scene(data)
 
-    def request(self, **options: Any) -> Run:
-        """Return the run that options ask for, those of :meth:`solve`.
+    def request(self, **options: Any) -> RunRequest:
+        """Run that options ask for, those of :meth:`solve`.
 
         Raises
         ------
@@ -64,12 +64,12 @@ class Linkage:
         """
         return request(self.scene, **options)
 
-    def rows(self, run: Run) -> Rows:
-        """Return what :meth:`solve` starts from, for a run."""
+    def rows(self, run: RunRequest) -> Rows:
+        """Rows that :meth:`solve` starts from, for a run."""
         return self.target.solve(self.mechanism, run)
 
     def solve(self, **options: Any) -> Trajectory:
-        """Return the motion of the scene.
+        """Motion of the scene.
 
         Parameters
         ----------
@@ -106,7 +106,7 @@ class Linkage:
         samples: int = 1001,
         **options: Any,
     ) -> Trajectory:
-        """Return the motion in time, with all inputs at from + rate t + ½ acceleration t².
+        """Motion in time, with all inputs at from + rate t + ½ acceleration t².
 
         Where :meth:`solve` keeps the divisions and one rate at all of them, here the rates grow
         with the accelerations, and inputs go on by their laws until the end, also beyond ``to``
@@ -135,11 +135,11 @@ class Linkage:
     def _moved(self, options: dict[str, Any], times: Array | None = None) -> Trajectory:
         run, rows = self._rows(options, times)
         good = trajectory_of(self.mechanism, run, rows, name=self.name, target=self.target.name)
-        if rows.status != Status.GOOD:
+        if rows.status != AnalysisStatus.GOOD:
             raise self._error(run, rows, good)
         return good
 
-    def _rows(self, options: dict[str, Any], times: Array | None) -> tuple[Run, Rows]:
+    def _rows(self, options: dict[str, Any], times: Array | None) -> tuple[RunRequest, Rows]:
         self._check(options)
         try:
             run = self.request(**options)
@@ -168,10 +168,10 @@ class Linkage:
             if not 0.0 < limit < np.inf:
                 raise refusal(f"{self.name}: limit {shown(limit)}; wanted a length above 0")
 
-    def _error(self, run: Run, rows: Rows, good: Trajectory) -> Exception:
+    def _error(self, run: RunRequest, rows: Rows, good: Trajectory) -> Exception:
         """Say what went wrong, where, and what to do."""
         mechanism, name = self.mechanism, self.name
-        block, status = mechanism.blocks[rows.block], Status(rows.status)
+        block, status = mechanism.blocks[rows.block], AnalysisStatus(rows.status)
         unknowns = mechanism.unknowns[block.unknowns]
         nodes = ", ".join(dict.fromkeys(unknown.name.partition(".")[0] for unknown in unknowns))
         held = f"{nodes}, held by {', '.join(block.links)}"
@@ -184,11 +184,11 @@ class Linkage:
             for given, value in zip(mechanism.inputs, rows.reached, strict=True)
         )
         why = status.message
-        if status == Status.NOT_ASSEMBLED:
+        if status == AnalysisStatus.NOT_ASSEMBLED:
             misfit = self._misfit(rows.position[0], block.links)
             text = f"{name}: {keys}: {why}: {held}, at {where}: {misfit}"
             return refusal(text, "AssemblyError", named)
-        if status in {Status.ON_DEAD_CENTRE, Status.OTHER_SIDE}:
+        if status in {AnalysisStatus.ON_DEAD_CENTRE, AnalysisStatus.OTHER_SIDE}:
             text = (
                 f"{name}: {keys}: {why}: {held}, at {where}; move the positions of these nodes to"
                 " the side that is wanted"

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .equations import Coordinates, Equations
-from .status import ROUNDING, SETTLED, SINGULAR, Status, StopError
+from .equations import Equations, LinkageCoordinates
+from .status import ROUNDING, SETTLED, SINGULAR, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
-    from .mechanism import Array, Mechanism
-    from .rows import Run
+    from .rows import RunRequest
+    from .tables import Array, LinkageTables
 
 
 class Convergence(NamedTuple):
@@ -31,7 +31,7 @@ class Convergence(NamedTuple):
 
 
 def largest(values: Array) -> float:
-    """Return the largest magnitude."""
+    """Largest magnitude."""
     return float(np.max(np.abs(values)))
 
 
@@ -45,9 +45,9 @@ class Newton:
 
     Parameters
     ----------
-    mechanism : Mechanism
+    mechanism : LinkageTables
         The tables and segments.
-    run : Run
+    run : RunRequest
         Limit of the residual and of the iterations.
 
     Attributes
@@ -59,7 +59,7 @@ class Newton:
         The block that was worked on last.
     """
 
-    def __init__(self, mechanism: Mechanism, run: Run) -> None:
+    def __init__(self, mechanism: LinkageTables, run: RunRequest) -> None:
         self.equations = Equations(mechanism)
         self.blocks = self.equations.blocks
         self.scale = np.array([unknown.scale for unknown in mechanism.unknowns])
@@ -81,26 +81,26 @@ class Newton:
             epsilon, pivot = block.evaluate()
             residual = largest(epsilon)
             if not math.isfinite(residual):
-                raise StopError(Status.NOT_FINITE)
+                raise StopError(AnalysisStatus.NOT_FINITE)
             if is_dead_centre(pivot, self.orientation[number]):
-                raise StopError(Status.DEAD_CENTRE)
+                raise StopError(AnalysisStatus.DEAD_CENTRE)
             correction = block.solve(epsilon)
             step = largest(correction * block.scale)
             is_settled, is_stalled = last <= SETTLED * self.length, step >= 0.5 * last
             if residual <= self.run.limit and (is_settled or is_stalled):
                 return Convergence(k, residual)
             if is_settled and is_stalled:
-                raise StopError(Status.LIMIT_TOO_SMALL)
+                raise StopError(AnalysisStatus.LIMIT_TOO_SMALL)
             if k > 2 and step >= 2 * last:
-                raise StopError(Status.DEAD_CENTRE)
+                raise StopError(AnalysisStatus.DEAD_CENTRE)
             block.x -= correction
             last = step
-        raise StopError(Status.DEAD_CENTRE)
+        raise StopError(AnalysisStatus.DEAD_CENTRE)
 
     def full(self, alpha: Array, trial: Array) -> Convergence:
         """Improve all unknowns in ``trial`` by full Newton."""
         iterations, residual = 0, 0.0
-        self.equations.place(Coordinates(alpha, trial))
+        self.equations.place(LinkageCoordinates(alpha, trial))
         for number in range(len(self.blocks)):
             self.at = number
             found = self.solve_block(number)
@@ -109,7 +109,7 @@ class Newton:
         trial[:] = self.equations.region("x")
         return Convergence(iterations, residual)
 
-    def modified(self, alpha: Array, trial: Array, reference: Coordinates) -> Convergence:
+    def modified(self, alpha: Array, trial: Array, reference: LinkageCoordinates) -> Convergence:
         """Improve all unknowns in ``trial`` by the iteration of the paper, (27) and (28).
 
         A modified Newton method: the Jacobian stays that of the reference position.
@@ -120,33 +120,33 @@ class Newton:
         last, k = math.inf, 0
         while True:
             correction = np.empty_like(trial)
-            self.equations.place(Coordinates(alpha, trial))
+            self.equations.place(LinkageCoordinates(alpha, trial))
             for block in self.blocks:
                 correction[block.part] = block.residuals()
             residual = largest(correction)
             if residual <= self.run.limit:
                 break
             if not math.isfinite(residual):
-                raise StopError(Status.NOT_FINITE)
+                raise StopError(AnalysisStatus.NOT_FINITE)
             self._correct_from(reference, correction)
             step = largest(correction * self.scale)
             if step >= last and last <= ROUNDING * self.length:
-                raise StopError(Status.LIMIT_TOO_SMALL)
+                raise StopError(AnalysisStatus.LIMIT_TOO_SMALL)
             if k >= self.run.max_iterations or (k > 2 and step >= 2 * last):
-                raise StopError(Status.DEAD_CENTRE)
+                raise StopError(AnalysisStatus.DEAD_CENTRE)
             trial -= correction
             last, k = step, k + 1
         for number, block in enumerate(self.blocks):
             self.at = number
             _, pivot = block.evaluate()
             if is_dead_centre(pivot, self.orientation[number]):
-                raise StopError(Status.DEAD_CENTRE)
+                raise StopError(AnalysisStatus.DEAD_CENTRE)
         return Convergence(k, residual)
 
-    def _correct_from(self, reference: Coordinates, correction: Array) -> None:
+    def _correct_from(self, reference: LinkageCoordinates, correction: Array) -> None:
         """Make corrections of residuals, in place, with the Jacobian of the reference."""
         self.equations.place(reference)
-        self.equations.place(Coordinates(np.zeros_like(reference.alpha), correction), "_dot")
+        self.equations.place(LinkageCoordinates(np.zeros_like(reference.alpha), correction), "_dot")
         corrected = self.equations.region("x_dot")
         for block in self.blocks:
             # What the corrections of the blocks before add to this one.

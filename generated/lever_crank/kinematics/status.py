@@ -23,7 +23,7 @@ SMALLEST_STEP = 2.0**-24
 MOST_TRIES = 1_000_000
 
 
-class Status(IntEnum):
+class AnalysisStatus(IntEnum):
     """What an analysis ends with."""
 
     GOOD = 0
@@ -58,6 +58,6 @@ MESSAGES = (
 class StopError(Exception):
     """An analysis that cannot go on."""
 
-    def __init__(self, status: Status) -> None:
+    def __init__(self, status: AnalysisStatus) -> None:
         super().__init__(status.message)
         self.status = status

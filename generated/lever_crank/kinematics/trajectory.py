@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ..integrate.result import Ledger
-    from .mechanism import Array, Mechanism
-    from .rows import Rows, Run
+    from .rows import Rows, RunRequest
+    from .tables import Array, LinkageTables
 
 #: Of a turn that leads back, the most that nodes may be off, relative to the largest length.
 CLOSED = 1e-6
@@ -159,7 +159,7 @@ class Trajectory(Result):
         return self.times
 
     def _state(self, k: int) -> tuple[Array, Array]:
-        """Return x and y of all nodes, and their rates."""
+        """Coordinates x and y of all nodes, and their rates."""
         q, v = (
             np.concatenate([table[node][k] for node in self.positions])
             for table in (self.positions, self.velocities)
@@ -178,7 +178,7 @@ class Trajectory(Result):
         return float(np.max(self.residual, initial=0.0))
 
     def __getitem__(self, name: str) -> Array:
-        """Return a column, or the time."""
+        """Column by its name, or the time."""
         return self.time if name == "time" else super().__getitem__(name)
 
     def _no_column(self, name: object) -> str:
@@ -255,7 +255,7 @@ class Trajectory(Result):
         return tuple(found)
 
     def main_columns(self, of: str | None = None) -> list[str]:
-        """Return the columns of a node, or of the last one that moves and angles of links."""
+        """Columns of a node, or of the last one that moves and angles of links."""
         parts = [[x for x in self.places if x.startswith(f"{node}.")] for node in self.positions]
         if of is None:
             own = [one for one in parts if self._moving(one)]
@@ -265,7 +265,7 @@ class Trajectory(Result):
         return [x for x in self.places if x.startswith(f"{of}.")]
 
     def summary(self) -> dict[str, Any]:
-        """Return what a program may want to know, ready for JSON."""
+        """Summary for programs, ready for JSON."""
         ledger = self.ledger
         return {
             "scene": self.name,
@@ -282,9 +282,9 @@ class Trajectory(Result):
 
 
 def trajectory_of(
-    mechanism: Mechanism, run: Run, rows: Rows, *, name: str, target: str
+    mechanism: LinkageTables, run: RunRequest, rows: Rows, *, name: str, target: str
 ) -> Trajectory:
-    """Return the good rows by name."""
+    """Trajectory of the good rows."""
     n, wanted = rows.done, ("positions", *mechanism.outputs)
     nodes, inputs = mechanism.nodes, [given.name for given in mechanism.inputs]
 
@@ -320,8 +320,8 @@ def trajectory_of(
     )
 
 
-def _times(run: Run, count: int) -> Array | None:
-    """Return when the inputs have their values, if all change evenly and take as long."""
+def _times(run: RunRequest, count: int) -> Array | None:
+    """Times at which the inputs have their values, if all change evenly and take as long."""
     ways = [
         math.tau * turns if turns else way for turns, way in zip(run.turns, run.span, strict=True)
     ]

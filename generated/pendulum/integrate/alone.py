@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .events import Told, add_row, bends, infinite, without_value
+from .events import EventLog, add_row, bends, infinite, without_value
 from .given import require_options, require_steps, times_of, values_of
 from .given_start import given_start
 from .initial_given import initial_of, parameters_of
 from .methods import METHODS
 from .motion import Layout, Motion
 from .result import StoppedError, unknown
-from .scene import state_of
+from .scene_tables import state_of
 from .settings import KINEMATICS, MESSAGES, MOST_STEPS, OPTIONS, Settings, Status, method_for
 from .state import fields
 from .trust import CheckedRows, trust_of
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from .initial import Evaluate
     from .initial_given import Initial
-    from .solver import Solver
+    from .scene_solver import SceneSolver
 
     Array: TypeAlias = npt.NDArray[np.float64]
 
@@ -36,13 +36,13 @@ class Alone:
 
     Parameters
     ----------
-    solver : Solver
+    solver : SceneSolver
         That of the folder.
     data : mapping
         What its ``motion.json`` holds.
     """
 
-    def __init__(self, solver: Solver, data: Mapping[str, Any]) -> None:
+    def __init__(self, solver: SceneSolver, data: Mapping[str, Any]) -> None:
         self.solver = solver
         self.data = data
         self.layout = Layout.from_data(data)
@@ -69,7 +69,7 @@ class Alone:
         return Run(self, chosen, **options).finish()
 
     def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
-        """Return a run at time 0 that can be stopped and go on."""
+        """Run at time 0 that can be stopped and go on."""
         require_options(self.layout.name, options, OPTIONS, "times")
         return Run(self, times_of(self.layout.name, None, times, 0), **options)
 
@@ -153,7 +153,7 @@ class Run:
         return f"<Run of {self._scene.layout.name}: {at}, {rows}>"
 
     def _led(self, initial: Initial, parameters: Array) -> tuple[Array, Array]:
-        """Return q and v with initial values, given the start of the scene."""
+        """Coordinates q and velocities v with initial values, given the start of the scene."""
         from .placing import started
 
         data, scene = self._scene.data, self._scene.solver.scene
@@ -162,7 +162,7 @@ class Run:
         return started(self._layout, rows, self._evaluate(parameters), y, initial)
 
     def _evaluate(self, parameters: Array) -> Evaluate:
-        """Return what the scene computes at time 0, with the parameters of the run."""
+        """Evaluation of the scene at time 0, with the parameters of the run."""
         from .initial import evaluated
 
         solver, places = self._scene.solver, self._scene.data["places"]
@@ -202,7 +202,7 @@ class Run:
         return self.motion()
 
     def motion(self) -> Motion:
-        """Return what was computed so far."""
+        """Motion as far as it was computed."""
         written = int(state_of(self._scene.solver.scene, self.state).next_row)
         data, scene = self._scene.data, self._scene.solver.scene
         checked = ([tuple(row) for row in data[part]] for part in CheckedRows._fields)
@@ -227,7 +227,7 @@ class Run:
             parameters=self._parameters,
             is_complete=is_complete,
             trust=trust,
-            told=Told(tuple(map(int, counts)), events),
+            told=EventLog(tuple(map(int, counts)), events),
         )
 
     def _require(self, status: int, *, may_lack_values: bool = False) -> None:

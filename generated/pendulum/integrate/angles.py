@@ -58,7 +58,7 @@ class Angle(float):
 
 
 def number_of(text: str) -> float:
-    """Return the number that a text stands for; an angle, or the rate of one, is in radians.
+    """Number that a text stands for; an angle, or the rate of one, is in radians.
 
     Parameters
     ----------

@@ -15,21 +15,21 @@ if TYPE_CHECKING:
 
 
 def larger(a: float, b: float) -> float:
-    """Return the larger number, the second if the first is a NaN."""
+    """Larger of two numbers, the second if the first is a NaN."""
     return a if a > b else b
 
 
 def smaller(a: float, b: float) -> float:
-    """Return the smaller number, the second if the first is a NaN."""
+    """Smaller of two numbers, the second if the first is a NaN."""
     return a if a < b else b
 
 
 def rounding_of_sum(a: Array, b: Array, total: Array) -> Array:
-    """Return what the rounding of total = a + b has left over, exactly (Knuth's TwoSum)."""
+    """Remainder a + b − total that rounding left over, exactly (Knuth's TwoSum)."""
     part = total - a
     return (a - (total - part)) + (b - part)
 
 
 def mean_square(x: Array, count: int) -> float:
-    """Return the sum of squares over a count, added up in the order of C: both take equal steps."""
+    """Sum of squares over a count, added up in the order of C: both take equal steps."""
     return float(np.cumsum(x * x)[-1]) / count

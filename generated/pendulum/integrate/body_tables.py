@@ -55,7 +55,7 @@ class BodyPlaces:
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> BodyPlaces:
-        """Return what ``motion.json`` says of a body."""
+        """Places of a body, from ``motion.json``."""
         places = {name: tuple(data[name]) for name in ("r", "p", "v", "omega_b")}
         return cls(
             data["name"],
@@ -68,7 +68,7 @@ class BodyPlaces:
 def body_tables(
     bodies: Sequence[BodyPlaces], q: Array, v: Array, v_dot: Array | None, unit: float
 ) -> dict[str, dict[str, Array]]:
-    """Return position, velocity and what else there is of each body, in the order of the scene.
+    """Position, velocity and what else there is of each body, in the order of the scene.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def body_tables(
 def written_state(
     bodies: Sequence[BodyPlaces], q: Array, v: Array, unit: float
 ) -> tuple[Array, Array]:
-    """Return a state as the scene is written, from coordinates and velocities of its solver.
+    """State as the scene is written, from coordinates and velocities of its solver.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def written_state(
 
 
 def written_sizes(bodies: Sequence[BodyPlaces]) -> tuple[int, int]:
-    """Return how many numbers q and v of a state as the scene is written have."""
+    """Sizes of q and v of a state as the scene is written."""
     rigid = sum(bool(body.p) for body in bodies)
     return 3 * len(bodies) + 4 * rigid, 3 * len(bodies) + 3 * rigid
 
@@ -151,7 +151,7 @@ def solver_state(
     unit: float,
     start: tuple[Array, Array],
 ) -> tuple[Array, Array]:
-    """Return coordinates and velocities of a solver from a state as the scene is written.
+    """Coordinates and velocities of a solver from a state as the scene is written.
 
     What the solver does not have, such as a displacement out of the plane that it moves in, or
     the place of a body beside that of another one that carries it, is not looked at:
@@ -194,12 +194,12 @@ def solver_state(
 
 
 def taken(places: Sequence[float], q: Array) -> Array:
-    """Return what stands at places; numbers stand for themselves."""
+    """Elements of q at places; numbers stand for themselves."""
     return np.array([q[k] if isinstance(k, int) else k for k in places])
 
 
 def indices(places: Sequence[float]) -> list[int]:
-    """Return the places that are none but numbers."""
+    """Indices among places; numbers are left out."""
     return [place for place in places if isinstance(place, int)]
 
 
@@ -213,7 +213,7 @@ def _put(target: Array, places: Sequence[int | float], values: Array) -> None:
 def _of_points(
     bodies: Sequence[BodyPlaces], q: Array, v: Array, v_dot: Array | None
 ) -> dict[str, Array]:
-    """Return the tables of points, in SI units."""
+    """Tables of points, in SI units."""
     found = {
         "position": _taken([body.r for body in bodies], q),
         "velocity": _taken([body.v for body in bodies], v),
@@ -226,7 +226,7 @@ def _of_points(
 def _of_rigid(
     bodies: Sequence[BodyPlaces], q: Array, v: Array, v_dot: Array | None
 ) -> dict[str, Array]:
-    """Return the tables of bodies that turn, in SI units."""
+    """Tables of bodies that turn, in SI units."""
     found = _of_points(bodies, q, v, v_dot)
     p = _taken([body.p for body in bodies], q)
     omega = _taken([body.omega_b for body in bodies], v)
@@ -248,7 +248,7 @@ def _of_rigid(
 
 
 def _taken(places: Sequence[Sequence[int | float]], columns: Array) -> Array:
-    """Return what stands at places, (components, bodies, rows); numbers stand for themselves."""
+    """Elements of columns at places, (components, bodies, rows); numbers stand for themselves."""
     flat = [place for components in zip(*places, strict=True) for place in components]
     found = np.empty((len(flat), columns.shape[1]))
     moving = [k for k, place in enumerate(flat) if isinstance(place, int)]
@@ -260,12 +260,12 @@ def _taken(places: Sequence[Sequence[int | float]], columns: Array) -> Array:
 
 
 def _rates(places: Sequence[Sequence[int | float]], columns: Array) -> Array:
-    """Return time derivatives; what does not change has none."""
+    """Time derivatives; what does not change has none."""
     return _taken([[k if isinstance(k, int) else 0.0 for k in own] for own in places], columns)
 
 
 def crossed(a: Array, b: Array) -> Array:
-    """Return a × b, components first."""
+    """Product a × b, components first."""
     return np.stack(
         [
             a[1] * b[2] - a[2] * b[1],
@@ -276,14 +276,14 @@ def crossed(a: Array, b: Array) -> Array:
 
 
 def rotated(p: Array, v: Array) -> Array:
-    """Return A(p) v for Euler parameters of norm one, components first."""
+    """Vectors A(p) v for Euler parameters of norm one, components first."""
     t = 2.0 * crossed(p[1:], v)
     turned: Array = v + p[0] * t + crossed(p[1:], t)
     return turned
 
 
 def composed(p: Array, q: Array) -> Array:
-    """Return p∘q of Euler parameters, components first, of these the scalar."""
+    """Product p∘q of Euler parameters, components first, of these the scalar."""
     scalar = p[0] * q[0] - (p[1] * q[1] + p[2] * q[2] + p[3] * q[3])
     vector = p[0] * q[1:] + q[0] * p[1:] + crossed(p[1:], q[1:])
     return np.concatenate([scalar[np.newaxis], vector])

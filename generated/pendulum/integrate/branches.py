@@ -17,12 +17,12 @@ from .arithmetic import larger, smaller
 from .pivot_monitor import branch_ratio
 from .projection import correct_position, project_position, ratio_at
 from .row_switch import FALL_BACK, forget_trials
-from .scene import WAY
+from .scene_tables import WAY
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .scene import Work
+    from .scene_tables import Work
     from .state import State
 
     Array = npt.NDArray[np.float64]
@@ -47,7 +47,7 @@ LEAPS, STAYS, MEETS = 0, 1, 2
 
 
 def follow_way(x: list[float], c: list[Array], part: float) -> Array:
-    """Return coordinates at a part of a step by Newton's polynomial through those at parts x."""
+    """Coordinates at a part of a step by Newton's polynomial through those at parts x."""
     q = c[-1]
     for node, coefficient in zip(x[-2::-1], c[-2::-1], strict=True):
         q = q * (part - node) + coefficient
@@ -57,7 +57,7 @@ def follow_way(x: list[float], c: list[Array], part: float) -> Array:
 def begin_way(
     h: float, y_before: Array, f_before: Array, y: Array, f: Array, nq: int
 ) -> tuple[list[float], list[Array]]:
-    """Return the cubic polynomial through both ends of a step of length h, from f_before to f."""
+    """Cubic polynomial through both ends of a step of length h, from f_before to f."""
     step, first = y[:nq] - y_before[:nq], h * f_before[:nq]
     bend = step - first
     return [0.0, 0.0, 1.0, 1.0], [y_before[:nq].copy(), first, bend, h * f[:nq] - step - bend]
@@ -102,7 +102,7 @@ def bend_way(
 def follow_branch(
     h: float, y: Array, f: Array, part: float, slope: float, work: Work, state: State
 ) -> int:
-    """Return what is known of a step of length h to y and f: LEAPS, STAYS or MEETS.
+    """Verdict on a step of length h to y and f: LEAPS, STAYS or MEETS.
 
     About at a part of it, with a slope of the roots of pivot ratios, branches meet, or nearly.
     """

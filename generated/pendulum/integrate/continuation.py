@@ -18,7 +18,7 @@ from .state import SINGLE
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .scene import Work, Workspace
+    from .scene_tables import Work, Workspace
     from .state import State
 
     Array = npt.NDArray[np.float64]
@@ -39,7 +39,7 @@ NEAR_SINGULAR = 0.25
 
 
 def is_possible(w: Workspace) -> bool:
-    """Return whether the numbers of the design in the workspace are possible."""
+    """Whether the numbers of the design in the workspace are possible."""
     positive = w.design[w.scene.positive]
     return bool((positive > 0.0).all() and np.isfinite(w.design).all())
 
@@ -110,7 +110,7 @@ def step_along(u: Array, y: Array, work: Work, state: State) -> bool:
 
 
 def stay_closed_along(state: State, work: Work) -> bool:
-    """Return whether rows that are left out depend on others where bodies may move.
+    """Whether rows that are left out depend on others where bodies may move.
 
     Rows may miss the closure tolerance where the run starts, and per unit of motion, which is the
     root of the sum of squares over all bodies, there and along the way. What that adds up to ends a
@@ -150,7 +150,7 @@ def stay_closed_along(state: State, work: Work) -> bool:
 
 
 def stay_closed(state: State, work: Work) -> bool:
-    """Return whether rows that are left out depend on others with the parameters of the run, too.
+    """Whether rows that are left out depend on others with the parameters of the run, too.
 
     They do with those of the scene. All rows are looked at, as many as are independent, whichever
     are kept: so a file with these parameters is looked at. The state stays as it is.

@@ -37,7 +37,8 @@
 #define ROUNDINGS 64.0
 /* a step in which what was near to zero gets on a side within this part of it ends there */
 #define SOON 0.1
-/* what rates are known to of a length in a step, in units of the tolerance */
+/* what rates are known to of a length in the longest step so far, in units of the tolerance: in a
+ * short one rates of what does move are no better known, and no worse */
 #define SLOW 1e-4
 /* where it is infinite a part of a force is so much larger that much nearer to the place: 1/x is
  * FURTHER times as large; from one distance to the next that factor changes by no more than this */
@@ -75,7 +76,7 @@ static void note_unresolved(double time, State *s)
 /* what is seen at a time of a step: what formulas read, and between what each function is */
 typedef struct {
     double time, read[ROOM(N_READ)], least[ROOM(N_SEEN)], most[ROOM(N_SEEN)];
-} Node;
+} TimeNode;
 
 /* a step that is looked at, whose polynomial is in the state: what values are known to, in the
  * motion and in its polynomial, which functions cross, where it was cut, and at which part of it at
@@ -114,7 +115,7 @@ static void read_at(double time, const Look *look, const State *s, Work *work, d
 }
 
 /* what is seen at a time where formulas read what the node has, known to a noise */
-static void see_at(const double *noise, double time, double *w, Node *node)
+static void see_at(const double *noise, double time, double *w, TimeNode *node)
 {
     double *ranges = w + W_RANGES;
     node->time = ranges[0] = ranges[1] = time;
@@ -135,14 +136,14 @@ static void see_at(const double *noise, double time, double *w, Node *node)
 
 /* what is seen at a time, where values are known to a noise */
 static void look_closely(
-    const double *noise, double time, const Look *look, const State *s, Work *work, Node *node)
+    const double *noise, double time, const Look *look, const State *s, Work *work, TimeNode *node)
 {
     read_at(time, look, s, work, node->read);
     see_at(noise, time, work->w, node);
 }
 
 /* on which side of zero a function is, 0 where that is not known */
-static int side_at(const Node *node, size_t k)
+static int side_at(const TimeNode *node, size_t k)
 {
     return (node->least[k] > 0.0) - (node->most[k] < 0.0);
 }
@@ -150,7 +151,7 @@ static int side_at(const Node *node, size_t k)
 /* what is seen at a time of the motion: of what passes by there its polynomial tells where it is,
  * however far off that may be, so that nothing that is narrower is passed over. Where a force may
  * be infinite places are known to the noise */
-static void look_at(double time, const Look *look, const State *s, Work *work, Node *node)
+static void look_at(double time, const Look *look, const State *s, Work *work, TimeNode *node)
 {
     double noise[ROOM(N_READ)];
     read_at(time, look, s, work, node->read);
@@ -173,7 +174,7 @@ static void look_at(double time, const Look *look, const State *s, Work *work, N
 static double stage_beyond(double seen, const Look *look, const State *s, Work *work)
 {
     const Method *m = look->m;
-    Node node;
+    TimeNode node;
     for (size_t n = m->stages + 1; n < m->all; ++n) {
         const double time = look->start + m->c[n] * look->h;
         if (!(time < seen)) continue;
@@ -217,7 +218,7 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
         const double size = measure_sizes[k], *a = first + 2 * k, *b = last + 2 * k;
         const double most = larger(fabs(a[0]), fabs(b[0]));
         look->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
-        const double fast = larger(fabs(a[1]), fabs(b[1])) + SLOW * size / h;
+        const double fast = larger(fabs(a[1]), fabs(b[1])) + SLOW * size / larger(s->stride, h);
         look->noise[2 * k + 1] = settings->tolerance * fast;
         look->bend[k] = (b[1] - a[1]) / h;
         look->pull[k] = fabs(look->bend[k]) + bend_of(size, a, b, h);
@@ -239,7 +240,7 @@ static void reach_between(
 }
 
 /* bounds of the functions between two times, to the workspace */
-static void bound_seen(const Node *a, const Node *b, double *w)
+static void bound_seen(const TimeNode *a, const TimeNode *b, double *w)
 {
     const double h = b->time - a->time;
     double *ranges = w + W_RANGES;
@@ -258,16 +259,19 @@ static void bound_seen(const Node *a, const Node *b, double *w)
     crossing(w);
 }
 
-static double middle(const Node *node, size_t k) { return 0.5 * (node->least[k] + node->most[k]); }
+static double middle(const TimeNode *node, size_t k)
+{
+    return 0.5 * (node->least[k] + node->most[k]);
+}
 
-static double half_width(const Node *node, size_t k)
+static double half_width(const TimeNode *node, size_t k)
 {
     return 0.5 * (node->most[k] - node->least[k]);
 }
 
 /* whether a function that was on a side crosses between two nodes as often as their sides tell, and
  * not oftener; its bounds are in the workspace */
-static int is_told(size_t k, int side, const Node *a, const Node *b, const double *w)
+static int is_told(size_t k, int side, const TimeNode *a, const TimeNode *b, const double *w)
 {
     const double *bounds = w + W_SEEN + 4 * k, sign = side < 0 ? -1.0 : 1.0;
     const double least = side < 0 ? -bounds[1] : bounds[0];
@@ -285,7 +289,7 @@ static int is_told(size_t k, int side, const Node *a, const Node *b, const doubl
 }
 
 /* whether a function has a value at a node */
-static int has_value(const Node *node, size_t k)
+static int has_value(const TimeNode *node, size_t k)
 {
     return !isnan(node->least[k]) && !isnan(node->most[k]);
 }
@@ -294,7 +298,7 @@ static int has_value(const Node *node, size_t k)
 static int first_without_value(const State *s, Work *work)
 {
     const double exact[ROOM(N_READ)] = { 0.0 };
-    Node node;
+    TimeNode node;
     if (EVENTS == 0) return 0;
     read_of(s->time, s->y, work, node.read);
     see_at(exact, s->time, work->w, &node);
@@ -310,7 +314,7 @@ static int lacks_value(size_t k, double time, const Look *look, const State *s, 
 {
     const double exact[ROOM(N_READ)] = { 0.0 };
     const double onward = ROUNDINGS * SMALLEST * larger(fabs(time), look->h);
-    Node node;
+    TimeNode node;
     look_closely(exact, time, look, s, work, &node);
     if (has_value(&node, k)) return 0;
     look_closely(exact, time + onward, look, s, work, &node);
@@ -319,11 +323,12 @@ static int lacks_value(size_t k, double time, const Look *look, const State *s, 
 
 /* the last time between two nodes at which all events have a value that have none at the second:
  * the first that has none behind it is noted. Infinite where there is none */
-static double valued_end(const Node *a, const Node *b, Look *look, const State *s, Work *work)
+static double valued_end(
+    const TimeNode *a, const TimeNode *b, Look *look, const State *s, Work *work)
 {
     const double exact[ROOM(N_READ)] = { 0.0 };
     double end = HUGE_VAL;
-    Node node;
+    TimeNode node;
     look->lost = 0;
     for (size_t k = 0; k != EVENTS; ++k) {
         if (has_value(b, k) || !lacks_value(k, b->time, look, s, work)) continue;
@@ -354,12 +359,12 @@ static const double *noise_of(size_t k, const Look *look)
 /* the first time between two nodes at which a function that crosses does: those of events are zero
  * there, the others beyond it, so that what follows is all on the other side */
 static double time_of(
-    size_t k, const Node *a, const Node *b, const Look *look, const State *s, Work *work)
+    size_t k, const TimeNode *a, const TimeNode *b, const Look *look, const State *s, Work *work)
 {
     const int side = -side_at(b, k);
     const double *noise = noise_of(k, look);
     double first = a->time, last = b->time;
-    Node node;
+    TimeNode node;
     /* by the polynomial it is beyond zero, by less than that */
     look_closely(noise, last, look, s, work, &node);
     if (side_at(&node, k) != -side) noise = look->rounding;
@@ -377,7 +382,8 @@ static double time_of(
 
 /* the first of the functions that cross between two nodes; only those that do so there are left.
  * What is behind the end of the run does not count, however near it is */
-static double first_time(const Node *a, const Node *b, Look *look, const State *s, Work *work)
+static double first_time(
+    const TimeNode *a, const TimeNode *b, Look *look, const State *s, Work *work)
 {
     double times[ROOM(N_CROSSINGS)], first = b->time;
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
@@ -397,15 +403,30 @@ static double first_time(const Node *a, const Node *b, Look *look, const State *
     return first;
 }
 
+/* whether a step begins where a function that has crossed is on the side that it left: a step ends
+ * there where errors let it. Formulas are then those of that side, and the errors of a method can
+ * be blind to its first stage */
+static int is_short_of(size_t k, const TimeNode *a, const Look *look, const State *s, Work *work)
+{
+    TimeNode node;
+    if (a->time != look->start) return 0;
+    look_closely(look->rounding, a->time, look, s, work, &node);
+    return side_at(&node, k) != (int)s->sides[k];
+}
+
 /* when the first function but for events is on a side that was near to zero so far: formulas at
  * zero, where jumps are, tell nothing of what follows; those that are near to it on that side
  * already do */
-static double first_left(const Node *a, const Node *b, const Look *look, const State *s, Work *work)
+static double first_left(
+    const TimeNode *a, const TimeNode *b, const Look *look, const State *s, Work *work)
 {
     double first = HUGE_VAL;
     for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
         const int now = side_at(b, k);
-        if (s->sides[k] != 0.0 || now == 0 || now * middle(a, k) > 0.0) continue;
+        if (now == 0 || now * middle(a, k) > 0.0) continue;
+        if (s->sides[k] != 0.0 && (s->sides[k] != now || !is_short_of(k, a, look, s, work))) {
+            continue;
+        }
         first = smaller(first, time_of(k, a, b, look, s, work));
     }
     return first;
@@ -413,7 +434,7 @@ static double first_left(const Node *a, const Node *b, const Look *look, const S
 
 /* what is seen that far from a time where formulas read this, and go on evenly */
 static void see_beside(double way, double time, const double *read, const double *noise,
-    const Look *look, Work *work, Node *node)
+    const Look *look, Work *work, TimeNode *node)
 {
     for (size_t k = 0; k != N_MEASURES; ++k) {
         node->read[2 * k] = read[2 * k] + way * read[2 * k + 1];
@@ -427,7 +448,7 @@ static void sizes_beside(
     double way, double time, const double *read, const Look *look, Work *work, double *sizes)
 {
     const double exact[ROOM(N_READ)] = { 0.0 };
-    Node node;
+    TimeNode node;
     see_beside(way, time, read, exact, look, work, &node);
     for (size_t k = 0; k != N_INFINITE; ++k) sizes[k] = fabs(middle(&node, N_TOLD + k));
 }
@@ -441,7 +462,7 @@ static int is_infinite(
     double near[ROOM(N_INFINITE)], there[ROOM(N_INFINITE)], away[ROOM(N_INFINITE)];
     double read[ROOM(N_READ)], far = ROUNDINGS * SMALLEST * larger(fabs(time), look->h);
     int is_pole = 0;
-    Node a, b;
+    TimeNode a, b;
     read_at(time, look, s, work, read);
     for (;;) {
         see_beside(-far, time, read, look->rounding, look, work, &a);
@@ -468,7 +489,7 @@ static int is_infinite(
 /* finds the first pole of a force between two nodes, but behind nothing else that crosses there,
  * where functions pass zero at which forces may be infinite */
 static void find_pole(
-    const int *passes, const Node *a, const Node *b, Look *look, const State *s, Work *work)
+    const int *passes, const TimeNode *a, const TimeNode *b, Look *look, const State *s, Work *work)
 {
     int crossed[ROOM(N_SEEN)], any = 0;
     double first = HUGE_VAL;
@@ -518,7 +539,7 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     const double soon = look->start + larger(ONWARD * tiny, look->slack);
     int passed[ROOM(N_POLES)] = { 0 }, passes[ROOM(N_POLES)] = { 0 };
     double width = widest;
-    Node a, b;
+    TimeNode a, b;
     look->pole = 0;
     look_at(look->start, look, s, work, &a);
     valued_end(&a, &a, look, s, work);
@@ -599,7 +620,7 @@ static double gap_across(size_t k, int side, double time, double far, int is_bey
     const Look *look, const State *s, Work *work)
 {
     double read[ROOM(N_READ)];
-    Node a, b;
+    TimeNode a, b;
     if (is_beyond) {
         read_at(time, look, s, work, read);
         see_beside(-far, time, read, look->rounding, look, work, &a);
@@ -621,7 +642,7 @@ static double gap_across(size_t k, int side, double time, double far, int is_bey
 static int passes_zero(size_t k, int side, double end, const Look *look, const State *s, Work *work)
 {
     double first = look->start, last = end;
-    Node node;
+    TimeNode node;
     if (!events[k][2]) return 1;
     look_closely(look->rounding, end, look, s, work, &node);
     if (side_at(&node, k) != side) last = end + SMALL * look->h;
@@ -652,7 +673,7 @@ static double polished_cut(const Look *look, const State *s, Work *work)
         if (!look->was_crossing[k]) continue;
         if (!passes_zero(k, -(int)s->sides[k], look->cut, look, s, work)) continue;
         double before = look->cut - most, there = look->cut;
-        Node a, b;
+        TimeNode a, b;
         const double *noise = noise_of(k, look);
         look_closely(noise, before, look, s, work, &a);
         look_closely(noise, there, look, s, work, &b);
@@ -673,7 +694,7 @@ static double polished_cut(const Look *look, const State *s, Work *work)
 /* notes what a step that is kept has crossed: one that was cut, also what is at zero there */
 static void note_crossings(double end, const Look *look, State *s, Work *work)
 {
-    Node last, known;
+    TimeNode last, known;
     look_at(end, look, s, work, &last);
     look_closely(look->noise, end, look, s, work, &known);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
@@ -697,7 +718,7 @@ static int are_narrow_told(double start, double end, const Look *look, const Sta
     double least[ROOM(N_NARROW)], most[ROOM(N_NARROW)], low[ROOM(N_NARROW)], high[ROOM(N_NARROW)];
     double change[ROOM(N_NARROW)], reach[ROOM(N_NARROW)], band[ROOM(N_NARROW)];
     const double h = (end - start) / CELLS;
-    Node a, b;
+    TimeNode a, b;
     look_at(start, look, s, work, &a);
     for (size_t k = 0; k != N_NARROW; ++k) {
         least[k] = most[k] = low[k] = high[k] = middle(&a, N_CROSSINGS + k);
@@ -735,7 +756,7 @@ static int are_narrow_told(double start, double end, const Look *look, const Sta
 static int is_at_pole(
     int in_between, double first, double last, const Look *look, const State *s, Work *work)
 {
-    Node a, b;
+    TimeNode a, b;
     if (N_POLES == 0) return 0;
     look_closely(look->noise, first, look, s, work, &a);
     look_closely(look->noise, last, look, s, work, &b);

@@ -23,8 +23,8 @@ from .settings import ACTIONS, Status
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .methods import Method
-    from .scene import Work, Workspace
+    from .methods import RungeKuttaMethod
+    from .scene_tables import Work, Workspace
     from .settings import Settings
     from .state import State
 
@@ -60,7 +60,8 @@ LARGER_THERE = 1.5
 ROUNDINGS = 64.0
 #: A step in which what was near to zero gets on a side within this part of it ends there.
 SOON = 0.1
-#: What rates are known to of a length in a step, in units of the tolerance.
+#: What rates are known to of a length in the longest step so far, in units of the tolerance: in a
+#: short one rates of what does move are no better known, and no worse.
 SLOW = 1e-4
 #: Where it is infinite a part of a force is so much larger that much nearer to the place: 1/x is
 #: FURTHER times as large. From one distance to the next that factor changes by no more than this.
@@ -79,17 +80,17 @@ PASSING = 16.0
 
 
 def largest(a: Array, b: Array) -> Array:
-    """Return the larger of each two numbers, the second if the first is a NaN."""
+    """Larger of each two numbers, the second if the first is a NaN."""
     return np.where(a > b, a, b)
 
 
 def smallest(a: Array, b: Array) -> Array:
-    """Return the smaller of each two numbers, the second if the first is a NaN."""
+    """Smaller of each two numbers, the second if the first is a NaN."""
     return np.where(a < b, a, b)
 
 
 def stays_positive(a: Array, b: Array, falls: Array, rises: Array, h: float) -> Flags:
-    """Return whether what is a at the start of h and b at its end is positive between.
+    """Whether what is a at the start of h and b at its end is positive between.
 
     It is no less than lines from both ends as steep as it falls and rises at most.
     """
@@ -104,7 +105,7 @@ def note_unresolved(time: float, state: State) -> None:
 
 
 @dataclass(slots=True)
-class Node:
+class TimeNode:
     """What is seen at a time of a step.
 
     Parameters
@@ -133,7 +134,7 @@ class Look:
         Of the run.
     cut : float [s]
         Where it was cut.
-    m, start, h : Method, float [s], float [s]
+    m, start, h : RungeKuttaMethod, float [s], float [s]
         How it was made.
     least_part : float
         At which part of it at least it may be cut.
@@ -164,7 +165,7 @@ class Look:
     state: State
     work: Work
     cut: float
-    m: Method = field(init=False)
+    m: RungeKuttaMethod = field(init=False)
     start: float = 0.0
     h: float = 0.0
     least_part: float = 0.0
@@ -183,23 +184,23 @@ class Look:
     pole_time: float = 0.0
 
 
-def side_at(node: Node) -> Array:
-    """Return 1 or -1, the side of zero of each function, 0 where that is not known."""
+def side_at(node: TimeNode) -> Array:
+    """Side of zero of each function, 1 or -1, 0 where that is not known."""
     return np.where(node.least > 0.0, 1.0, np.where(node.most < 0.0, -1.0, 0.0))
 
 
-def middle(node: Node) -> Array:
-    """Return the middle of each function's bounds."""
+def middle(node: TimeNode) -> Array:
+    """Middle of each function's bounds."""
     return np.multiply(0.5, node.least + node.most)
 
 
-def half_width(node: Node) -> Array:
-    """Return half of their distance."""
+def half_width(node: TimeNode) -> Array:
+    """Half of the distance between each function's bounds."""
     return np.multiply(0.5, node.most - node.least)
 
 
 def read_of(time: float, y: Array, w: Workspace) -> Array:
-    """Return what formulas read of y at a time."""
+    """Values that formulas read of y at a time."""
     w.place(time, y)
     w.run("measure")
     found: Array = w.measures.reshape(-1, 2).copy()
@@ -207,13 +208,13 @@ def read_of(time: float, y: Array, w: Workspace) -> Array:
 
 
 def read_at(time: float, look: Look) -> Array:
-    """Return what formulas read at a time."""
+    """Values that formulas read at a time."""
     interpolate(look.m, (time - look.start) / look.h, look.state, look.work.scratch)
     return read_of(time, look.work.scratch, look.work.w)
 
 
-def look_at(time: float, look: Look) -> Node:
-    """Return what is seen at a time of the motion.
+def look_at(time: float, look: Look) -> TimeNode:
+    """Node at a time of the motion.
 
     Of what passes by there its polynomial tells where it is, however far off that may be, so that
     nothing that is narrower is passed over. Where a force may be infinite places are known to the
@@ -231,23 +232,23 @@ def look_at(time: float, look: Look) -> Node:
     return see_at(read, noise, time, look.work.w)
 
 
-def look_closely(noise: Array, time: float, look: Look) -> Node:
-    """Return what is seen at a time, where values are known to a noise."""
+def look_closely(noise: Array, time: float, look: Look) -> TimeNode:
+    """Node at a time, where values are known to a noise."""
     return see_at(read_at(time, look), noise, time, look.work.w)
 
 
-def see_at(read: Array, noise: Array, time: float, w: Workspace) -> Node:
-    """Return what is seen at a time where formulas read this, known to a noise."""
+def see_at(read: Array, noise: Array, time: float, w: Workspace) -> TimeNode:
+    """Node at a time where formulas read this, known to a noise."""
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = time
     own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - noise, read + noise, 0.0
     w.run("crossing")
     least, most = w.seen.reshape(-1, 4).T[:2].copy()
-    return Node(time, read, least, most)
+    return TimeNode(time, read, least, most)
 
 
 def stage_beyond(seen: float, look: Look) -> float:
-    """Return when a stage of the polynomial alone is beyond a switch that this one does not meet.
+    """Time of a stage of the polynomial alone that is beyond a switch that this one does not meet.
 
     So it is in a contact that all stages of the step passed by: what acts there has thrown the
     polynomial off, and it tells nothing. If none is, that is until when it was seen.
@@ -267,7 +268,7 @@ def stage_beyond(seen: float, look: Look) -> float:
 
 
 def look_into(
-    s: Settings, m: Method, h: float, y: Array, f: Array, look: Look, *, has_stages: bool
+    s: Settings, m: RungeKuttaMethod, h: float, y: Array, f: Array, look: Look, *, has_stages: bool
 ) -> None:
     """Make the polynomial of a step from the state to y, where the derivative is f."""
     state, sizes = look.state, look.work.scene.measure_sizes
@@ -284,10 +285,11 @@ def look_into(
     look.pull = np.abs(look.bend) + bend_of(sizes, first, last, h)
     look.noise = np.empty_like(most)
     look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
-    look.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
+    fast = most[:, 1] + SLOW * sizes / larger(state.stride, h)
+    look.noise[:, 1] = s.tolerance * fast
     look.rounding = np.empty_like(most)
     look.rounding[:, 0] = SMALLEST * (sizes + most[:, 0])
-    look.rounding[:, 1] = SMALLEST * (most[:, 1] + SLOW * sizes / h)
+    look.rounding[:, 1] = SMALLEST * fast
 
 
 def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
@@ -302,8 +304,8 @@ def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
     return largest(np.zeros_like(off), off - rounding) / h
 
 
-def bound_seen(a: Node, b: Node, look: Look) -> Array:
-    """Return least, most, slowest and fastest of the functions between two nodes."""
+def bound_seen(a: TimeNode, b: TimeNode, look: Look) -> Array:
+    """Least and most value, slowest and fastest rate of the functions between two nodes."""
     w, h = look.work.w, b.time - a.time
     (x, v), (y, u) = a.read.T, b.read.T
     own = w.ranges[2:].reshape(-1, 6)
@@ -334,8 +336,8 @@ def reach_between(
     found[:, 0], found[:, 1] = np.where(is_open, down, least), np.where(is_open, up, most)
 
 
-def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
-    """Return whether functions cross between two nodes as often as their sides tell."""
+def is_told(sides: Array, a: TimeNode, b: TimeNode, bounds: Array) -> Flags:
+    """Whether functions cross between two nodes as often as their sides tell."""
     n, is_down = len(sides), sides < 0.0
     low, high, slowest, fastest = bounds[:, :n]
     sign, least = np.where(is_down, -1.0, 1.0), np.where(is_down, -high, low)
@@ -353,14 +355,14 @@ def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
     return told
 
 
-def has_value(node: Node) -> Flags:
-    """Return whether each function has a value at a node."""
+def has_value(node: TimeNode) -> Flags:
+    """Whether each function has a value at a node."""
     found: Flags = ~(np.isnan(node.least) | np.isnan(node.most))
     return found
 
 
 def first_without_value(state: State, work: Work) -> int:
-    """Return the first event without a finite value at the state, from 1; 0 where all have one."""
+    """First event without a finite value at the state, from 1; 0 where all have one."""
     w, count = work.w, len(work.scene.events)
     if count == 0:
         return 0
@@ -371,7 +373,7 @@ def first_without_value(state: State, work: Work) -> int:
 
 
 def lacks_value(k: int, time: float, look: Look) -> bool:
-    """Return whether a function has no value at a time, nor right behind it.
+    """Whether a function has no value at a time, nor right behind it.
 
     One that is 0/0 there alone has one behind it.
     """
@@ -381,8 +383,8 @@ def lacks_value(k: int, time: float, look: Look) -> bool:
     return not has_value(look_closely(exact, time + onward, look))[k]
 
 
-def valued_end(a: Node, b: Node, look: Look) -> float:
-    """Return the last time between two nodes at which all events have a value.
+def valued_end(a: TimeNode, b: TimeNode, look: Look) -> float:
+    """Last time between two nodes at which all events have a value.
 
     Those count that have none at the second node; the first that has none behind that time is
     noted. It is infinite where there is none.
@@ -407,7 +409,7 @@ def valued_end(a: Node, b: Node, look: Look) -> float:
 
 
 def noise_of(k: int, look: Look) -> Array:
-    """Return what values are known to where a function is looked for.
+    """Noise to which values are known where a function is looked for.
 
     An event that may jump does so in the polynomial, and a force is infinite there.
     """
@@ -416,8 +418,8 @@ def noise_of(k: int, look: Look) -> Array:
     return look.rounding if is_exact else look.noise
 
 
-def time_of(k: int, a: Node, b: Node, look: Look) -> float:
-    """Return the first time between two nodes at which a function that crosses does.
+def time_of(k: int, a: TimeNode, b: TimeNode, look: Look) -> float:
+    """First time between two nodes at which a function that crosses does.
 
     Those of events are zero there, the others beyond it, so that what follows is all on the other
     side.
@@ -439,8 +441,8 @@ def time_of(k: int, a: Node, b: Node, look: Look) -> float:
     return last
 
 
-def first_time(a: Node, b: Node, look: Look) -> float:
-    """Return when the first function crosses; only those that do so there are left.
+def first_time(a: TimeNode, b: TimeNode, look: Look) -> float:
+    """Time at which the first function crosses; only those that do so there are left.
 
     What is behind the end of the run does not count, however near it is.
     """
@@ -456,21 +458,34 @@ def first_time(a: Node, b: Node, look: Look) -> float:
     return first
 
 
-def first_left(a: Node, b: Node, look: Look) -> float:
-    """Return when the first function but for events is on a side that was near to zero so far.
+def is_short_of(k: int, a: TimeNode, look: Look) -> bool:
+    """Whether a step begins where a function that has crossed is on the side that it left.
+
+    A step ends there where errors let it. Formulas are then those of that side, and the errors of a
+    method can be blind to its first stage.
+    """
+    if a.time != look.start:
+        return False
+    return bool(side_at(look_closely(look.rounding, a.time, look))[k] != look.state.sides[k])
+
+
+def first_left(a: TimeNode, b: TimeNode, look: Look) -> float:
+    """First time at which a function but for events is on a side that was near to zero so far.
 
     Formulas at zero, where jumps are, tell nothing of what follows; those that are near to it on
     that side already do.
     """
     first, sides, now, before = math.inf, look.state.sides, side_at(b), middle(a)
     for k in range(len(look.work.scene.events), len(sides) - look.work.scene.n_poles):
-        if sides[k] == 0.0 and now[k] != 0.0 and not now[k] * before[k] > 0.0:
+        if now[k] == 0.0 or now[k] * before[k] > 0.0:
+            continue
+        if sides[k] == 0.0 or (sides[k] == now[k] and is_short_of(k, a, look)):
             first = smaller(first, time_of(k, a, b, look))
     return first
 
 
 def seen_end(end: float, look: Look) -> float:
-    """Return where a step to an end must end: where a function first crosses, or what was seen."""
+    """Time at which a step to an end must end: where a function first crosses, or what was seen."""
     sides = look.state.sides
     n, start = len(sides), look.start
     is_pole = np.arange(n) >= n - look.work.scene.n_poles
@@ -528,7 +543,7 @@ def seen_end(end: float, look: Look) -> float:
     return a.time if nearest < a.time < end else end
 
 
-def find_pole(passes: Flags, a: Node, b: Node, look: Look) -> None:
+def find_pole(passes: Flags, a: TimeNode, b: TimeNode, look: Look) -> None:
     """Find the first pole of a force between two nodes, but behind nothing else that crosses there.
 
     Functions pass zero there, where forces may be infinite.
@@ -545,8 +560,8 @@ def find_pole(passes: Flags, a: Node, b: Node, look: Look) -> None:
             look.pole = 1 + k - len(passes) + look.work.scene.n_poles
 
 
-def see_beside(way: float, time: float, read: Array, noise: Array, look: Look) -> Node:
-    """Return what is seen that far from a time where formulas read this, and go on evenly."""
+def see_beside(way: float, time: float, read: Array, noise: Array, look: Look) -> TimeNode:
+    """Node that far from a time where formulas read this, and go on evenly."""
     there = read.copy()
     there[:, 0] += way * read[:, 1]
     there[:, 1] += way * look.bend
@@ -554,13 +569,13 @@ def see_beside(way: float, time: float, read: Array, noise: Array, look: Look) -
 
 
 def sizes_beside(way: float, time: float, read: Array, look: Look) -> Array:
-    """Return how large parts of forces that may be infinite are that far from a time."""
+    """Sizes of parts of forces that may be infinite, that far from a time."""
     node = see_beside(way, time, read, np.zeros_like(read), look)
     return np.abs(middle(node)[len(node.least) - len(look.work.w.infinite) // 4 :])
 
 
 def is_infinite(k: int, side: float, time: float, look: Look) -> bool:
-    """Return whether a force is infinite where a function gets on a side of zero at a time.
+    """Whether a force is infinite where a function gets on a side of zero at a time.
 
     So that no motion leads through: it grows as 1/x or faster on a side. What is 0/0 there, or
     jumps, does not grow, and what grows less, as 1/sqrt(x), has a finite integral.
@@ -586,13 +601,13 @@ def is_infinite(k: int, side: float, time: float, look: Look) -> bool:
 
 
 def end_before_pole(look: Look) -> float:
-    """Return where a step ends before a pole that is seen in it: at its start if that is near."""
+    """End of a step before a pole that is seen in it: its start if that is near."""
     way = look.pole_time - look.start
     return look.start + CLOSER * way if way > NO_WAY * look.state.stride else look.start
 
 
 def why_stopped(seen: float, look: Look) -> Status:
-    """Return why a run leads no further, where a step would end there; GOOD where it does."""
+    """Reason why a run leads no further, where a step would end there; GOOD where it does."""
     state = look.state
     if look.lost:
         state.event = float(look.lost)
@@ -606,7 +621,7 @@ def why_stopped(seen: float, look: Look) -> Status:
 def gap_across(
     k: int, side: float, time: float, far: float, look: Look, *, is_beyond: bool
 ) -> float:
-    """Return by how much a function differs from one side of a time to the other, so far away.
+    """Difference of a function from one side of a time to the other, so far away.
 
     That is in the polynomial, or beyond it. It is 0 where values, as far as they are known, are not
     on the sides of zero, and negative where it gets on the other one.
@@ -624,7 +639,7 @@ def gap_across(
 
 
 def passes_zero(k: int, side: float, end: float, look: Look) -> bool:
-    """Return whether an event that gets on a side of zero in a step to an end is zero there.
+    """Whether an event that gets on a side of zero in a step to an end is zero there.
 
     Else it jumps, or goes through infinity: right beside the place it is as large as further away,
     or larger. Where rounding hides that it counts as zero. It may be beyond a short step, of
@@ -656,7 +671,7 @@ def passes_zero(k: int, side: float, end: float, look: Look) -> bool:
 
 
 def polished_cut(look: Look) -> float:
-    """Return where an event is that a step was cut for, by the step that ends near it."""
+    """Time of an event that a step was cut for, by the step that ends near it."""
     most, cut = SMALL * look.h, look.cut
     sides = look.state.sides
     every = np.flatnonzero(look.was_crossing[: len(look.work.scene.events)]).tolist()
@@ -697,7 +712,7 @@ def note_crossings(end: float, look: Look) -> None:
 
 
 def are_narrow_told(start: float, end: float, look: Look) -> bool:
-    """Return whether samples between two times tell how parts vary.
+    """Whether samples between two times tell how parts vary.
 
     Their rates change as little, or bounds leave them nearly what they are, or, where formulas
     switch and an error tells of what they change by, no more than samples show, as of a root at
@@ -738,7 +753,7 @@ def is_at_pole(first: float, last: float, look: Look, *, in_between: bool) -> bo
 
 
 def told_end(end: float, look: Look) -> float:
-    """Return where a step to an end must end so that samples tell how parts vary.
+    """Time at which a step to an end must end so that samples tell how parts vary.
 
     What they do not tell in the finest intervals either is gone over, and noted.
     """

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     Array = npt.NDArray[np.float64]
 
 
-class Told(NamedTuple):
+class EventLog(NamedTuple):
     """What a run tells of its events.
 
     Parameters
@@ -34,7 +34,7 @@ class Told(NamedTuple):
 
 
 def without_value(layout: Layout, event: float, where: str) -> str:
-    """Return a message: which formula of an event has no value, and what to do.
+    """Message on which formula of an event has no value, and what to do.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def without_value(layout: Layout, event: float, where: str) -> str:
 
 
 def bends(layout: Layout, bent: float, limit: float, behind: float) -> str:
-    """Return a message: which driver leads no further, and what to do.
+    """Message on which driver leads no further, and what to do.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def bends(layout: Layout, bent: float, limit: float, behind: float) -> str:
 
 
 def infinite(layout: Layout, pole: float) -> str:
-    """Return a message: which force no motion leads through, and what to do.
+    """Message on which force no motion leads through, and what to do.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def add_row(rows: list[Array], event: float, row: Array) -> None:
     Parameters
     ----------
     rows : list of (1 + row_size,) array
-        As of :class:`Told`.
+        As of :class:`EventLog`.
     event : float
         Its number in the state of the run.
     row : (row_size,) array
@@ -108,7 +108,7 @@ def add_row(rows: list[Array], event: float, row: Array) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class EventOccurrences:
     """An event of a run.
 
     Parameters

@@ -93,7 +93,7 @@ def require_numbers(
 
 
 def numbers_of(scene: str, name: str, given: object) -> Array:
-    """Return numbers as an array.
+    """Numbers as an array.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def require_room(scene: str, rows: int, size: int) -> None:
 
 @cache
 def _memory() -> float:
-    """Return the bytes of memory of the machine; infinity where the system does not tell."""
+    """Bytes of memory of the machine; infinity where the system does not tell."""
     try:
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, OSError, ValueError):  # as on Windows
@@ -144,7 +144,7 @@ def _memory() -> float:
 
 
 def times_of(scene: str, end: object, times: object, samples: object, size: int = 0) -> Array:
-    """Return the times of a motion: those that are given, or samples from 0 to an end.
+    """Times of a motion: those that are given, or samples from 0 to an end.
 
     Raises
     ------
@@ -171,7 +171,7 @@ def times_of(scene: str, end: object, times: object, samples: object, size: int 
 
 
 def misfit(name: str, given: Array, size: int, of: str) -> str:
-    """Return what is wrong with an array of so many numbers; nothing if they fit.
+    """Message on what is wrong with an array of so many numbers; empty if they fit.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def misfit(name: str, given: Array, size: int, of: str) -> str:
 
 
 def misfit_of_bodies(name: str, given: Array, size: int) -> str:
-    """Return what is wrong with q or v of bodies as written, see :func:`misfit`."""
+    """Message on what is wrong with q or v of bodies as written, see :func:`misfit`."""
     of = "r (3), Euler parameters (4)" if name[0] == "q" else "velocity (3), omega_b (3)"
     return misfit(name, given, size, f"of each body {of}; a point has the first three alone")
 
@@ -212,7 +212,7 @@ def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
 def values_of(
     scene: str, known: Mapping[str, float], given: Mapping[str, float | str] | None
 ) -> dict[str, float]:
-    """Return all parameters, those that are given with their new values."""
+    """All parameters, those that are given with their new values."""
     values = {**known}
     if given is None:
         return values
@@ -233,7 +233,7 @@ def values_of(
 
 
 def number_in(value: object, *, is_length: bool = False) -> float:
-    """Return a finite number; angles may be told by texts, see :mod:`kousoku.model.angles`.
+    """Finite number; angles may be told by texts, see :mod:`kousoku.model.angles`.
 
     Raises
     ------

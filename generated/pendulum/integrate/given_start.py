@@ -80,7 +80,7 @@ class GivenStart:
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> GivenStart:
-        """Return what ``motion.json`` says of a body."""
+        """Start that the scene gives a body, from ``motion.json``."""
         names = ("position", "orientation", "velocity", "spin", "weight")
         return cls(is_in_o=data["is_in_o"], **{name: tuple(data[name]) for name in names})
 
@@ -101,7 +101,7 @@ class Places:
         self.moves = self.at >= 0
 
     def of(self, source: Array) -> Array:
-        """Return the components, bodies behind each other."""
+        """Components, bodies behind each other."""
         found: Array = np.where(self.moves, source[self.at], self.numbers)
         return found
 
@@ -151,13 +151,13 @@ class Given:
         self.moments = self._summed(self._own_moments())
 
     def _summed(self, values: Array) -> Array:
-        """Return the sum of what the bodies of each carrier have."""
+        """Sum of what the bodies of each carrier have."""
         found = np.zeros((len(values), self.count))
         np.add.at(found.T, self.carrier, values.T)
         return found
 
     def _own_moments(self) -> Array:
-        """Return the diagonal of moments of inertia about the origin of the carrier."""
+        """Diagonal of moments of inertia about the origin of the carrier."""
         found: Array = self.mass * ((self.center**2).sum(axis=0) - self.center**2)
         for axis, moment in zip(np.eye(3)[:, :, np.newaxis], self.inertia, strict=True):
             found += moment * rotated(self.axes, np.broadcast_to(axis, found.shape)) ** 2
@@ -239,7 +239,7 @@ class Change(NamedTuple):
     parts: tuple[float, ...]
 
     def note(self, metres: float, unit: str) -> str:
-        """Return the line on it, in a unit of so many metres; empty of what is near."""
+        """Line on the change, in a unit of so many metres; empty of what is near."""
         texts = (
             f"moved by {self.sizes.moved / metres:.3g} {unit}",
             f"turned by {math.degrees(self.sizes.turned):.3g} deg",
@@ -251,7 +251,7 @@ class Change(NamedTuple):
 
 
 def notes_of(changes: Sequence[Change], metres: float, unit: str) -> tuple[str, ...]:
-    """Return notes on bodies that are not near where the scene has them, in its unit of length."""
+    """Notes on bodies that are not near where the scene has them, in its unit of length."""
     notes = [note for one in changes if (note := one.note(metres, unit))]
     if len(notes) > SHOWN:
         notes[SHOWN:] = [f"{CHANGED} {len(notes) - SHOWN} more bodies, by less"]
@@ -259,13 +259,13 @@ def notes_of(changes: Sequence[Change], metres: float, unit: str) -> tuple[str, 
 
 
 def known(changes: Iterable[Change]) -> list[Change]:
-    """Return those that are more than digits that a scene leaves out, the largest first."""
+    """Changes that are larger than digits that a scene leaves out, the largest first."""
     found = (one for one in changes if max(one.parts) > KNOWN)
     return sorted(found, key=lambda one: -max(one.parts))
 
 
 def changes_of(layout: Layout, q: Array, v: Array) -> list[Change]:
-    """Return what of the start that the scene gives is another one, the largest first."""
+    """Changes of the start that the scene gives, the largest first."""
     tables = body_tables(layout.bodies, q[np.newaxis], v[np.newaxis], None, layout.unit)
     found = []
     for body, given in zip(layout.bodies, layout.given, strict=True):
@@ -295,7 +295,7 @@ def _norm(a: Any) -> float:
 def given_start(
     layout: Layout, evaluate: Evaluate, y: Array, *, is_told: bool = True
 ) -> tuple[Array, Array, Layout, list[Change]]:
-    """Return q and v of the start with the parameters of a run, and what it changes.
+    """Start, q and v, with the parameters of a run, and what these change.
 
     The layout has notes on that, in place of those on the start with the parameters of the scene.
     Velocities are projected onto the constraints once: to do it again takes away what is rounded.
@@ -328,7 +328,7 @@ def given_start(
 
 
 def nearest(layout: Layout, given: Given, evaluate: Evaluate, q: Array) -> Array | None:
-    """Return the place nearest to where the scene has its bodies, that can be reached from q.
+    """Place nearest to where the scene has its bodies, that can be reached from q.
 
     There the force f of ½ dᵀ W d is normal to the constraints: what is tangent of −M⁻¹ f is a step
     towards it, as long as Barzilai and Borwein take it. None where that leads nowhere.
@@ -363,7 +363,7 @@ def nearest(layout: Layout, given: Given, evaluate: Evaluate, q: Array) -> Array
 
 
 def _closed(evaluate: Evaluate, q: Array, rest: Array, sizes: Array) -> Array | None:
-    """Return a position near q that meets the constraints; None where it is not near."""
+    """Position near q that meets the constraints; None where it is not near."""
     last = np.inf
     for attempt in range(MOST):
         moved = evaluate(q, rest)["q_moved"]
@@ -377,6 +377,6 @@ def _closed(evaluate: Evaluate, q: Array, rest: Array, sizes: Array) -> Array | 
 
 
 def _back(p: Array) -> Array:
-    """Return the Euler parameters of the opposite rotations."""
+    """Euler parameters of the opposite rotations."""
     turned: Array = p * BACK[:, np.newaxis]
     return turned

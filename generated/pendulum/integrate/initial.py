@@ -93,7 +93,7 @@ def evaluated(
     work_size: int,
     places: Mapping[str, Sequence[int]],
 ) -> Evaluate:
-    """Return what a scene computes at time 0.
+    """Evaluation of a scene at time 0.
 
     Parameters
     ----------
@@ -169,12 +169,12 @@ class Leader:
         return found
 
     def value(self, q: Array) -> Array:
-        """Return the coordinates at a position, then what is held."""
+        """Values of the coordinates at a position, then of what is held."""
         found = self.evaluate(q, self.rest)["coordinates"][self.values]
         return np.concatenate([found, self.held @ q])
 
     def jacobian(self, q: Array) -> Jacobian:
-        """Return what moves the coordinates."""
+        """Jacobian of the coordinates, with the motions that change them."""
         still = self.evaluate(q, self.rest)
         jacobian = np.zeros((len(self.names) + len(self.held), len(self.rest)))
         weights = np.ones(len(self.rest))
@@ -193,7 +193,7 @@ class Leader:
     def independent(
         self, at: Jacobian, given: Sequence[int], first: Sequence[int] = ()
     ) -> list[int]:
-        """Return the coordinates that move apart from those before them; given ones come first."""
+        """Coordinates that move apart from those before them; given ones come first."""
         chosen: list[int] = []
         whole = at.J @ at.ways.T
         own = np.einsum("kv,kv->k", at.J, at.free)
@@ -207,17 +207,17 @@ class Leader:
         return chosen
 
     def size(self, u: Array) -> float:
-        """Return the largest element of a displacement, lengths relative to the scene's."""
+        """Largest element of a displacement, lengths relative to the scene's."""
         return float(np.max(np.abs(u) / self.sizes, initial=0.0))
 
     def displaced(self, q: Array, u: Array) -> Array:
-        """Return a position that is displaced by a velocity in unit time."""
+        """Position that is displaced by a velocity in unit time."""
         return q + self.moves * self.evaluate(q, u)["q_dot"]
 
     def met(
         self, q: Array, ways: Array, chosen: Sequence[int], goal: Array, enough: float
     ) -> tuple[Array, float]:
-        """Return a position near q that meets constraints and the goal, and what it still misses.
+        """Position near q that meets constraints and the goal, and what it still misses.
 
         That is infinite where the first correction is not small.
         """
@@ -235,7 +235,7 @@ class Leader:
         return q, last
 
     def led(self, q: Array, chosen: Sequence[int], wanted: Array) -> tuple[Array, float]:
-        """Return a position on the way to values of coordinates, and which part of it was made."""
+        """Position on the way to values of coordinates, and which part of it was made."""
         if not chosen:
             return q, 1.0
         begin = self.value(q)[chosen]
@@ -261,7 +261,7 @@ class Leader:
         return q, 1.0
 
     def ways(self, at: Jacobian, chosen: Sequence[int]) -> Array:
-        """Return the least motions that move one of the coordinates each."""
+        """Least motions that move one of the coordinates each."""
         among = at.J[chosen] @ at.ways[chosen].T
         try:
             return np.asarray(np.linalg.solve(among.T, at.ways[chosen]), np.float64)
@@ -269,7 +269,7 @@ class Leader:
             return np.full((len(chosen), len(self.rest)), np.inf)
 
     def polished(self, q: Array, chosen: Sequence[int], wanted: Array) -> Array:
-        """Return a position that meets constraints and values of coordinates to rounding."""
+        """Position that meets constraints and values of coordinates to rounding."""
         before = np.inf
         for _ in range(MOST):
             q, left = self.met(q, self.ways(self.jacobian(q), chosen), chosen, wanted, ROUNDING)
@@ -308,7 +308,7 @@ class Leader:
                 self.support = sorted({*self.support, *indices((*body.v, *body.omega_b))})
 
     def _left(self, u: Array, pairs: Sequence[tuple[Array, Array]]) -> Array:
-        """Return what of a displacement at the start opens no joint, and changes nothing else."""
+        """Part of a displacement at the start that opens no joint, and changes nothing else."""
         still = self.evaluate(self.start.q, self.rest)["dv"]
         for _ in range(2):
             u = u + (self.evaluate(self.start.q, u)["dv"] - still)
@@ -317,7 +317,7 @@ class Leader:
         return u
 
     def moving(self, q: Array, at: Jacobian, chosen: Sequence[int], wanted: Array) -> Array:
-        """Return the velocities of the scene, projected once; rates of coordinates are wanted."""
+        """Velocities of the scene, projected once; rates of coordinates are wanted."""
         v, ways = self.start.v, self.ways(at, chosen)
         for _ in range(2):  # the second time takes away what is rounded in the first
             v = v + self.evaluate(q, v)["dv"]
@@ -325,7 +325,7 @@ class Leader:
         return v
 
     def drivers(self, q: Array, slopes: Array) -> str:
-        """Return the drivers that a coordinate follows from, all where they leave nothing free."""
+        """Drivers that a coordinate follows from, all where they leave nothing free."""
         still = self.evaluate(q, self.rest)["C_dot"]
         rows = np.array([self.evaluate(q, u)["C_dot"] - still for u in np.diag(self.sizes)])
         wanted = slopes * self.sizes
@@ -343,7 +343,7 @@ class Leader:
 
 
 def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
-    """Return where a scene starts when some coordinates and rates are given.
+    """Start of a scene, q and v, when some coordinates and rates are given.
 
     Coordinates that are not given stay as they are in the scene where they do not depend on those
     that are; rates likewise, at last. What else is free moves as little as it can.
@@ -409,7 +409,7 @@ def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
 
 
 def _beside(wanted: float, value: float) -> str:
-    """Return a value as text; beside what is wanted, rounding of zero is zero."""
+    """Value as text; beside what is wanted, rounding of zero is zero."""
     return "0" if abs(value) < 1e-12 * abs(wanted) else f"{value:.9g}"
 
 

@@ -32,14 +32,14 @@ class Initial(NamedTuple):
 
 
 def parameters_of(parameters: Any, q0: object) -> Any:
-    """Return the parameters of a run that begins at q0: of its row where none are given."""
+    """Parameters of a run that begins at q0: of its row where none are given."""
     return q0.parameters if parameters is None and isinstance(q0, Coordinates) else parameters
 
 
 def initial_of(
     layout: Layout, initial: Mapping[str, float | str] | None, q0: object, v0: object
 ) -> Initial:
-    """Return initial values of a scene, checked; there may be no such coordinate."""
+    """Initial values of a scene, checked; there may be no such coordinate."""
     scene = layout.name
     if initial is None:
         counted = q0.counted if isinstance(q0, Coordinates) else None

@@ -13,7 +13,7 @@ from fractions import Fraction
 
 
 @dataclass(frozen=True, slots=True)
-class Method:
+class RungeKuttaMethod:
     """A method in Butcher's form.
 
     Stage k is y + h Σ a[k][m] f_m at t + c[k] h. Stage ``stages`` is the end of the step, so that
@@ -53,12 +53,12 @@ class Method:
 
 
 def row_of(text: str) -> tuple[float, ...]:
-    """Return the nearest doubles of fractions that are parted by blanks."""
+    """Nearest doubles of fractions that are parted by blanks."""
     return tuple(float(Fraction(number)) for number in text.split())
 
 
 #: Order 5 with an estimate of order 4, 7 derivatives, the last one shared with the next step.
-DOPRI5 = Method(
+DOPRI5 = RungeKuttaMethod(
     name="dopri5",
     order=5,
     stages=6,
@@ -82,7 +82,7 @@ DOPRI5 = Method(
 )
 
 #: Order 8 with estimates of orders 5 and 3, 13 derivatives, and 3 more for dense output.
-DOP853 = Method(
+DOP853 = RungeKuttaMethod(
     name="dop853",
     order=8,
     stages=12,

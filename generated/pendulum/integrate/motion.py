@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
-from .events import Event, Told
+from .events import EventLog, EventOccurrences
 from .given_start import GivenStart
 from .result import Column, Coordinates, Named, Result, key_of, listed, missing, not_generated
 
@@ -168,7 +168,7 @@ class Layout:
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Layout:
-        """Return what ``motion.json`` says."""
+        """Layout of a motion, from ``motion.json``."""
         return cls(
             name=data["name"],
             unit=data["unit"],
@@ -201,7 +201,7 @@ class Layout:
         )
 
     def at(self, design: Array) -> Layout:
-        """Return it with numbers of the design in place of their indices."""
+        """Layout with numbers of the design in place of their indices."""
 
         def given(values: Sequence[float]) -> tuple[float, ...]:
             return tuple(float(design[x]) if isinstance(x, int) else x for x in values)
@@ -217,7 +217,7 @@ class Layout:
         )
 
     def parts(self, rows: Array) -> dict[str, Array]:
-        """Return the parts of rows by name."""
+        """Parts of rows by name."""
         found, first = {}, 0
         for name, size in self.sizes.items():
             found[name] = rows[:, first : first + size]
@@ -225,7 +225,7 @@ class Layout:
         return found
 
     def of_joint(self, joint: ReactionPlaces, q: Array, reactions: Array) -> tuple[Array, Array]:
-        """Return force and torque on body j at the joint's point, in frame O [N, N m]."""
+        """Force and torque on body j at the joint's point, in frame O [N, N m]."""
         body, sign = self.bodies[joint.body], -1.0 if joint.j < 0 else 1.0
         own = [reactions[:, k] if k >= 0 else np.zeros(len(reactions)) for k in joint.columns]
         force, torque = sign * np.stack(own[:3]), sign * np.stack(own[3:])
@@ -239,7 +239,7 @@ class Layout:
         return force.T, torque.T
 
     def point_of(self, joint: ReactionPlaces, q: Array) -> Array:
-        """Return where force and torque of a joint are taken, in frame O [m], (3, n)."""
+        """Point at which force and torque of a joint are taken, in frame O [m], (3, n)."""
         point = np.broadcast_to(np.array([joint.point_b]).T, (3, len(q)))
         if joint.j < 0:
             return point
@@ -273,7 +273,7 @@ class Motion(Result):
         Whether all times are there.
     trust : Trust, optional
         The verdict where there is no ledger, which has it.
-    told : Told, optional
+    told : EventLog, optional
         What is told of events.
 
     Attributes
@@ -333,7 +333,7 @@ class Motion(Result):
         self.target, self.method, self.is_complete = target, method, is_complete
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return what is pickled: rows, not the tables that are made of them."""
+        """State to pickle: rows, not the tables that are made of them."""
         ledger = None if self._ledger is None else self.ledger
         state = {key: value for key, value in self.__dict__.items() if key != "places"}
         return state | {"_tables": {}, "_ledger": ledger, "_told": self.told}
@@ -347,13 +347,13 @@ class Motion(Result):
         return self.rows[:, 0]
 
     @property
-    def told(self) -> Told:
+    def told(self) -> EventLog:
         """How often each event came to pass, and the rows of those that are recorded."""
         if self._told is None:
-            self._told = Told((), np.empty((0, 1 + self.rows.shape[1])))
+            self._told = EventLog((), np.empty((0, 1 + self.rows.shape[1])))
         if callable(self._told):
             self._told = self._told()
-        found: Told = self._told
+        found: EventLog = self._told
         return found
 
     @property
@@ -372,7 +372,7 @@ class Motion(Result):
         return Named(self._parameters, f"{self.name}: no parameter")
 
     @property
-    def events(self) -> Mapping[str, Event]:
+    def events(self) -> Mapping[str, EventOccurrences]:
         """The events of the scene: how often each was, when, and the states there."""
         found = {}
         for k, (name, action) in enumerate(self.layout.events):
@@ -385,7 +385,7 @@ class Motion(Result):
                 parameters=self._parameters,
             )
             count = self.told.counts[k] if self.told.counts else 0
-            found[name] = Event(name, action, count, states)
+            found[name] = EventOccurrences(name, action, count, states)
         return Named(found, f"{self.name}: no event", f"{self.name}: it has no events")
 
     @property
@@ -397,7 +397,7 @@ class Motion(Result):
         return name if action == "stop" else ""
 
     def _end(self) -> str:
-        """Return the line on the event that ended the run, empty where none did."""
+        """Line on the event that ended the run, empty where none did."""
         by = self.stopped_by
         return f"ended at t = {self.time[-1]:.9g} s by events.{by}" if by else ""
 
@@ -407,7 +407,7 @@ class Motion(Result):
         return tuple(filter(None, [*self.layout.notes, self.note(), self._end()]))
 
     def main_columns(self, of: str | None = None) -> list[str]:
-        """Return the columns that are shown where none are named.
+        """Columns that are shown where none are named.
 
         Coordinates and their rates, else what moves of the last body that does; of a body what
         moves of it.
@@ -453,7 +453,7 @@ class Motion(Result):
         return joints if sort == "joint" else drivers
 
     def __getattr__(self, name: str) -> Any:
-        """Return a table, made of the rows when it is first read."""
+        """Table, made of the rows when it is first read."""
         if name.startswith("_") or name not in UNITS:
             is_column = "layout" in vars(self) and name in self.places
             hint = f"; it is a column: run[{name!r}]" if is_column else ""
@@ -555,7 +555,7 @@ class Motion(Result):
         return self._names("driver")
 
     def center_of_mass(self, body: str) -> Array | None:
-        """Return where the centre of mass of a body is, None where it is one with others.
+        """Path of the centre of mass of a body, None where it is one with others.
 
         Returns
         -------
@@ -569,18 +569,18 @@ class Motion(Result):
         return _columns(own.r, self.layout.parts(self.rows)["q"]).T / self.layout.unit
 
     def _state(self, k: int) -> tuple[Array, Array]:
-        """Return q and v of a row: of bodies in their own frames."""
+        """Coordinates q and velocities v of a row: of bodies in their own frames."""
         parts = self.layout.parts(self.rows[k : k + 1 or None])
         inner = parts["q"][0]
         q, v = written_state(self.layout.bodies, inner, parts["v"][0], self.layout.unit)
         return Coordinates(q, self.parameters, inner), v
 
     def _first(self) -> Motion:
-        """Return it with its first row alone."""
+        """Motion of the first row alone."""
         return Motion(self.layout, self.rows[:1], target=self.target, method=self.method)
 
     def summary(self) -> dict[str, object]:
-        """Return what a program may want to know, ready for JSON."""
+        """Summary for programs, ready for JSON."""
         return {
             "scene": self.name,
             "target": self.target,
@@ -601,7 +601,7 @@ class Motion(Result):
         }
 
     def note(self) -> str:
-        """Return the line on forces that are not unique, empty where all are."""
+        """Line on forces that are not unique, empty where all are."""
         if not self.not_unique:
             return ""
         joints: dict[tuple[str, ...], list[str]] = {}
@@ -623,7 +623,7 @@ class Motion(Result):
         return "" if trust is None else str(trust)
 
     def _verdict(self) -> list[str]:
-        """Return the line on how far it can be trusted, where it is known."""
+        """Line on how far the run can be trusted, where it is known."""
         return [self.verdict] if self.verdict else []
 
     def _extent(self) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from .arithmetic import larger, smaller
 
 if TYPE_CHECKING:
-    from .scene import Work
+    from .scene_tables import Work
     from .state import State
 
 #: A pivot ratio this much smaller than the largest so far: rows are nearly dependent.
@@ -23,14 +23,14 @@ BLURRED = 1e-14
 
 
 def inverse_pivots(work: Work) -> tuple[float, float] | None:
-    """Return the smallest and the largest inverse of the pivots; None unless all are good."""
+    """Smallest and largest inverse of the pivots; None unless all are good."""
     inverses = work.w.pivots
     least, most = float(inverses.min()), float(inverses.max())
     return (least, most) if least > 0.0 and most < math.inf else None
 
 
 def pivot_ratio(work: Work, state: State) -> float:
-    """Return the smallest pivot of the factors in the workspace relative to the largest.
+    """Smallest pivot of the factors in the workspace relative to the largest.
 
     That is the largest of them and of all steps. 0 if one is not positive; it tends to 0 where rows
     become dependent.
@@ -63,7 +63,7 @@ def note_largest_pivot(work: Work, state: State) -> None:
 
 
 def branch_ratio(work: Work, state: State) -> float:
-    """Return what goes with the square of the distance from a place where branches meet.
+    """Ratio that goes with the square of the distance from a place where branches meet.
 
     That is the pivot ratio. Where drivers lead C_q is square, and all pivots together tell the
     square of its determinant, beside that at the start: a smooth number that is zero there, and
@@ -79,13 +79,13 @@ def branch_ratio(work: Work, state: State) -> float:
 
 
 def blur_of(work: Work, state: State) -> float:
-    """Return what rounding may leave of a position, in lengths and radians."""
+    """Error that rounding may leave of a position, in lengths and radians."""
     ratio = larger(pivot_ratio(work, state), branch_ratio(work, state))
     return BLURRED / math.sqrt(larger(ratio, BLURRED))
 
 
 def usual_ratio(work: Work, state: State) -> float:
-    """Return the largest so far of what tells branches."""
+    """Largest so far of the ratios that tell branches."""
     return state.usual_ratio if work.scene.is_driven else state.largest_pivot_ratio
 
 

@@ -40,7 +40,7 @@ def started(
     y: Array,
     initial: Initial,
 ) -> tuple[Array, Array]:
-    """Return q and v with initial values.
+    """Coordinates q and velocities v with initial values.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def started(
 def place(
     start: Start, q0: Array | None, v0: Array | None, counted: Array | None = None
 ) -> tuple[Array, Array]:
-    """Return where a scene starts when its bodies are placed, or are given velocities.
+    """Start of a scene, q and v, when its bodies are placed, or are given velocities.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def place(
 def _parts(
     bodies: Sequence[BodyPlaces], values: Array, turning: int
 ) -> Iterator[tuple[BodyPlaces, Array]]:
-    """Yield bodies with what is theirs of a state as written: three numbers, those of a turn."""
+    """Bodies with their parts of a state as written: three numbers, those of a turn."""
     at = 0
     for body in bodies:
         size = 3 + turning * bool(body.p)
@@ -162,7 +162,7 @@ def _parts(
 
 
 def _misses(start: Start, wanted: Array, found: Array, turning: int) -> Iterator[str]:
-    """Yield the bodies that the solver cannot have as they are wanted."""
+    """Bodies that the solver cannot have as they are wanted."""
     there = _parts(start.bodies, found, turning)
     for (body, part), (_, has) in zip(_parts(start.bodies, wanted, turning), there, strict=True):
         back = -1.0 if turning == 4 and part[3:] @ has[3:] < 0.0 else 1.0  # p and -p turn alike
@@ -177,7 +177,7 @@ def _misses(start: Start, wanted: Array, found: Array, turning: int) -> Iterator
 
 
 def _open(start: Start, left: Array, speed: float) -> list[str]:
-    """Return the joints whose rows do not hold, and how far."""
+    """Joints whose rows do not hold, and how far."""
     worst: dict[tuple[str, str], float] = {}
     for (name, unit), size in zip(start.rows, np.abs(left).tolist(), strict=True):
         if not size <= MISSES * speed * (start.length if unit == "m" else 1.0):
@@ -186,13 +186,13 @@ def _open(start: Start, left: Array, speed: float) -> list[str]:
 
 
 def _residuals(start: Start, q: Array) -> Array:
-    """Return what is left of all rows."""
+    """Residuals of all rows, also of those left out."""
     found = start.evaluate(q, np.zeros_like(start.v))
     return np.concatenate([found["C"], found["C_left_out"]])
 
 
 def _turns(start: Start, q: Array, counted: Array | None) -> Array:
-    """Return what angles of q lack: no orientation tells their turns, but gears that fit."""
+    """Turns that angles of q lack: no orientation tells them, but gears that fit."""
     left, lacks = _residuals(start, q), np.zeros_like(q)
     places = {k for body in start.bodies for k in indices((*body.r, *body.p))}
     angles = [k for k in range(len(q)) if k not in {*places, *start.works}]

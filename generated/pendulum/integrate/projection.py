@@ -14,7 +14,7 @@ from .row_switch import accelerate_all_rows, drive, find_geometry, refine_all_ro
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .scene import Scene, Work
+    from .scene_tables import SceneTables, Work
     from .state import State
 
     Array = npt.NDArray[np.float64]
@@ -72,7 +72,7 @@ def refine(work: Work) -> None:
 
 
 def lost_part(work: Work) -> float:
-    """Return which part of accelerations in the workspace is not what rows ask for."""
+    """Part of accelerations in the workspace that rows do not ask for."""
     w = work.w
     w.run("refinement")
     return float(np.divide(w.size_of(w.dv), w.size_of(w.v_dot)))
@@ -146,7 +146,7 @@ def accelerate(work: Work, state: State) -> None:
 
 
 def last_ratio(work: Work, state: State) -> float:
-    """Return the pivot ratio where accelerations were found last."""
+    """Pivot ratio where accelerations were found last."""
     return state.pivot_ratio if work.scene.has_refinement else pivot_ratio(work, state)
 
 
@@ -254,7 +254,7 @@ def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
     u += part * (w.dv / factor)
 
 
-def displacement_of(scene: Scene, q: Array, dq: Array, u: Array) -> None:
+def displacement_of(scene: SceneTables, q: Array, dq: Array, u: Array) -> None:
     """Write the displacements that belong to a small change of q."""
     u[scene.shifts[:, 1]] = dq[scene.shifts[:, 0]]
     for place, turn, count in scene.turns.tolist():
@@ -268,7 +268,7 @@ def displacement_of(scene: Scene, q: Array, dq: Array, u: Array) -> None:
 
 
 def ratio_at(q: Array, work: Work, state: State) -> float:
-    """Return the pivot ratio at a q that need not be on the constraints, and have its geometry."""
+    """Pivot ratio at a q that need not be on the constraints; the workspace gets its geometry."""
     work.w.q[:] = q
     work.w.dq[:] = 0.0
     work.w.displace(None)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from ..momenta import Momentum
     from ..run_ledger import Violation
-    from .events import Event
+    from .events import EventOccurrences
     from .given_start import Moved
     from .trust import Trust
 
@@ -170,7 +170,7 @@ class Coordinates(np.ndarray):
     def __new__(
         cls, values: Array, parameters: Mapping[str, float] | None, counted: Array | None
     ) -> Coordinates:
-        """Return the numbers with what belongs to them."""
+        """Numbers with what belongs to them."""
         found = np.asarray(values).view(cls)
         found.parameters, found.counted = parameters, counted
         return found
@@ -208,7 +208,7 @@ class Animation(Protocol):
         """Write the page to a file ``*.html``, or a picture that moves by itself to ``*.svg``."""
 
     def still(self, time: float | None = None) -> str:
-        """Return a picture of one moment as SVG; of the start unless a time [s] is given."""
+        """Picture of one moment as SVG; of the start unless a time [s] is given."""
 
 
 class Part:
@@ -268,7 +268,7 @@ class Result:
         is_complete: bool
 
         @property
-        def events(self) -> Mapping[str, Event]:
+        def events(self) -> Mapping[str, EventOccurrences]:
             """Of bodies: how often each event of the scene was, when, and the states there."""
 
         @property
@@ -300,7 +300,7 @@ class Result:
         raise NotImplementedError
 
     def state(self, k: int) -> tuple[float, Array, Array]:
-        """Return time, q and v of a row, as the scene is written.
+        """Time, q and v of a row, as the scene is written.
 
         Returns
         -------
@@ -329,7 +329,7 @@ class Result:
         return float(self.time[k]), q, v
 
     def _state(self, k: int) -> tuple[Array, Array]:
-        """Return q and v of a row that there is, as the scene is written."""
+        """Coordinates q and velocities v of a row that there is, as the scene is written."""
         raise NotImplementedError
 
     @property
@@ -343,11 +343,11 @@ class Result:
         return Named({})
 
     def summary(self) -> dict[str, Any]:
-        """Return what a program may want to know, ready for JSON."""
+        """Summary for programs, ready for JSON."""
         raise NotImplementedError
 
     def main_columns(self, of: str | None = None) -> list[str]:
-        """Return the columns that are shown where none are named: of a body or node, or all."""
+        """Columns that are shown where none are named: of a body or node, or all."""
         raise NotImplementedError
 
     @property
@@ -361,7 +361,7 @@ class Result:
         raise NotImplementedError
 
     def _names(self, sort: str) -> Sequence[str]:
-        """Return the names of all parts of a sort."""
+        """Names of all parts of a sort."""
         raise NotImplementedError
 
     @property
@@ -370,7 +370,7 @@ class Result:
         return {name: place.unit for name, place in self.places.items()}
 
     def __getitem__(self, name: str) -> Array:
-        """Return a column."""
+        """Column by its name."""
         if name not in self:
             raise missing(f"{self.name}: {self._no_column(name)}")
         table, owner, component, _ = self.places[name]
@@ -390,11 +390,11 @@ class Result:
         return iter(self.places)
 
     def columns(self) -> dict[str, Array]:
-        """Return all columns by name."""
+        """All columns by name."""
         return {name: self[name] for name in self.places}
 
     def columns_of(self, name: str) -> list[str]:
-        """Return a column, or those of a body, joint, driver, node or link.
+        """Column, or those of a body, joint, driver, node or link.
 
         Raises
         ------
@@ -409,27 +409,27 @@ class Result:
         return own
 
     def body(self, name: str) -> Part:
-        """Return position, velocity, orientation … of a body."""
+        """Position, velocity, orientation … of a body."""
         return self._part("body", name)
 
     def joint(self, name: str) -> Part:
-        """Return force and torque of a joint on its body j."""
+        """Force and torque of a joint on its body j."""
         return self._part("joint", name)
 
     def driver(self, name: str) -> Part:
-        """Return force and torque of a driver on its body j."""
+        """Force and torque of a driver on its body j."""
         return self._part("driver", name)
 
     def node(self, name: str) -> Part:
-        """Return position, velocity and acceleration of a node of a linkage."""
+        """Position, velocity and acceleration of a node of a linkage."""
         return self._part("node", name)
 
     def link(self, name: str) -> Part:
-        """Return angle, angular velocity and angular acceleration of a link of a linkage."""
+        """Angle, angular velocity and angular acceleration of a link of a linkage."""
         return self._part("link", name)
 
     def _moving(self, names: Sequence[str], least: float = 0.0) -> list[str]:
-        """Return the columns that change by more than rounding."""
+        """Columns that change by more than rounding."""
         if not len(self):
             return []
         return [x for x in names if np.ptp(self[x]) > NOISE * max(least, np.abs(self[x]).max())]
@@ -443,7 +443,7 @@ class Result:
         return Part(self, name, self.PARTS[sort])
 
     def to_pandas(self) -> Any:
-        """Return the columns as a ``pandas.DataFrame``; its ``attrs`` have the units."""
+        """Columns as a ``pandas.DataFrame``; its ``attrs`` have the units."""
         frame = self._late("pandas", "table").DataFrame(self.columns())
         frame.attrs |= {"name": self.name, "units": self.units}
         return frame
@@ -524,7 +524,7 @@ class Result:
         return animation
 
     def _late(self, module: str, extra: str) -> Any:
-        """Return a module that is imported when it is needed, or say how to install it."""
+        """Module that is imported when it is needed, or an error that says how to install it."""
         try:
             return import_module(module)
         except ModuleNotFoundError as error:
@@ -538,7 +538,7 @@ class Result:
         return f"{self._still()}<pre>{escape(repr(self))}</pre>"
 
     def _still(self) -> str:
-        """Return a picture of the first row, empty where nothing knows what moved."""
+        """Picture of the first row, empty where nothing knows what moved."""
         if self.mechanism is None or not len(self):
             return ""
         view = import_module("kousoku.view")
@@ -546,7 +546,7 @@ class Result:
         return still
 
     def _first(self) -> Result:
-        """Return it with its first row, or with more where that is no less work."""
+        """Result with its first row, or with more where that is no less work."""
         return self
 
     def __repr__(self) -> str:
@@ -558,7 +558,7 @@ class Result:
         return "\n".join([*lines, f"  columns: {listed([*self.places])}"])
 
     def _verdict(self) -> list[str]:
-        """Return the line on how far it can be trusted, where it is known."""
+        """Line on how far the run can be trusted, where it is known."""
         return []
 
     def _extent(self) -> str:
@@ -586,7 +586,7 @@ def not_generated(what: str, output: str) -> str:
 
 
 def shown(value: object) -> str:
-    """Return a value as a message shows it: in one line that is not too long."""
+    """Value as a message shows it: in one line that is not too long."""
     try:
         text = " ".join(repr(value).split())
     except ValueError:  # a whole number of thousands of digits
@@ -595,7 +595,7 @@ def shown(value: object) -> str:
 
 
 def shortly(number: float, digits: int = 1) -> str:
-    """Return a number with so many digits, as in 6e-9."""
+    """Number with so many digits, as in 6e-9."""
     mantissa, e, exponent = f"{number:.{digits}g}".partition("e")
     return f"{mantissa}e{int(exponent)}" if e else mantissa
 
@@ -622,7 +622,7 @@ class StoppedError(ArithmeticError):
 def refusal(
     text: str, kind: str = "SolveError", *more: object, alone: type[Exception] = ValueError
 ) -> Exception:
-    """Return an error of kousoku, which may take more; where that is not installed another one."""
+    """Error of kousoku, which may take more; where that is not installed another one."""
     try:
         error: Exception = getattr(import_module("kousoku.model.errors"), kind)(text, *more)
     except ModuleNotFoundError:
@@ -631,18 +631,18 @@ def refusal(
 
 
 def missing(text: str) -> Exception:
-    """Return the ``KeyError`` of a name that there is not."""
+    """``KeyError`` of a name that there is not."""
     return refusal(text, "NotInResultError", alone=MissingError)
 
 
 def listed(names: Sequence[str], most: int = SHOWN) -> str:
-    """Return names as a line tells them, not more than so many."""
+    """Names as a line tells them, not more than so many."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(names[:most]) + more
 
 
 def key_of(name: str) -> str:
-    """Return the key in the scene of what rows are named after; that of a driver is its name."""
+    """Key in the scene of what rows are named after; that of a driver is its name."""
     return name if "." in name else f"joints.{name}"
 
 

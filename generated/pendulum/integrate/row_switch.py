@@ -20,7 +20,7 @@ from .pivot_monitor import pivot_ratio
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .scene import RowMemory, Work
+    from .scene_tables import RowMemory, Work
     from .state import State
 
     Array = npt.NDArray[np.float64]
@@ -34,7 +34,7 @@ ALL_OF_THEM = -1.0
 
 
 def inverse_masses(work: Work) -> Array:
-    """Return the diagonal of M⁻¹ with the parameters of the run."""
+    """Diagonal of M⁻¹ with the parameters of the run."""
     fixed, at = work.scene.inverse_masses, work.scene.mass_places
     return np.where(at < 0, fixed, work.w.design[at]) if len(at) else fixed
 
@@ -116,7 +116,7 @@ def drive(all_rows: RowMemory, work: Work) -> None:
 
 
 def null_multipliers(n: int, all_rows: RowMemory, count: int) -> Array:
-    """Return multipliers of all rows that move no body, the n-th that was not solved for being 1.
+    """Multipliers of all rows that move no body, the n-th that was not solved for being 1.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def null_multipliers(n: int, all_rows: RowMemory, count: int) -> Array:
 
 
 def inner_product(a: Array, b: Array) -> float:
-    """Return the inner product, added up in the order of C."""
+    """Inner product, added up in the order of C."""
     return float(np.cumsum(a * b)[-1])
 
 
@@ -215,7 +215,7 @@ def forget_trials(work: Work) -> None:
 
 
 def are_all_rows_better(ratio: float, all_rows: RowMemory, work: Work, state: State) -> bool:
-    """Return whether all rows are better than those kept.
+    """Whether all rows are better than those kept.
 
     Where they are not, as where drivers or bars stand in line, they are tried again when the ratio
     of those that are kept has changed as much as would matter.

@@ -19,8 +19,8 @@ from .stepper import energy_balance, energy_moved
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .methods import Method
-    from .scene import Scene, Work
+    from .methods import RungeKuttaMethod
+    from .scene_tables import SceneTables, Work
     from .settings import Settings
     from .state import State
 
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 #: A row that is left out does not hold at the start, or later, when its residual is larger,
 
 
-def are_closed(misses: Array, times: float, scene: Scene) -> bool:
-    """Return whether rows miss so many times the closure tolerance at most.
+def are_closed(misses: Array, times: float, scene: SceneTables) -> bool:
+    """Whether rows miss so many times the closure tolerance at most.
 
     Those that are left out do, and others where these took over.
     """
@@ -50,7 +50,9 @@ def note_checks(work: Work, state: State) -> None:
     np.fmax(state.momentum_errors, changes, out=state.momentum_errors)
 
 
-def interpolate_position(m: Method, t: float, x: float, y: Array, work: Work, state: State) -> bool:
+def interpolate_position(
+    m: RungeKuttaMethod, t: float, x: float, y: Array, work: Work, state: State
+) -> bool:
     """Put what the polynomial says of a time into the workspace, if rows are dependent there.
 
     Neither a projection nor the accelerations can be had from them.
@@ -65,7 +67,7 @@ def interpolate_position(m: Method, t: float, x: float, y: Array, work: Work, st
 
 
 def interpolate_accelerations(
-    m: Method, t: float, x: float, h: float, work: Work, state: State
+    m: RungeKuttaMethod, t: float, x: float, h: float, work: Work, state: State
 ) -> None:
     """Take the accelerations of a row from the polynomial; the forces of joints are unknown."""
     work.w.v_dot[:] = differentiate(m, x, h, state)[work.scene.nq :]
@@ -102,7 +104,9 @@ def find_reactions(work: Work, *, is_passed: bool) -> None:
         least_norm_reactions(rows, work)
 
 
-def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: Array) -> Status:
+def write_row(
+    m: RungeKuttaMethod, s: Settings, t: float, state: State, work: Work, row: Array
+) -> Status:
     """Write the state at a time of the last step: on the manifold, as all that is asked for."""
     scene, w, y = work.scene, work.w, work.k[0]
     forget_trials(work)

@@ -36,7 +36,7 @@ ACTIONS = ("record", "count", "stop")
 
 
 def method_for(tolerance: float, *, is_driven: bool) -> str:
-    """Return the method of a run that asks for none: what costs least for its tolerance."""
+    """Method of a run that asks for none: what costs least for its tolerance."""
     if is_driven:
         return KINEMATICS
     return next(name for name, least in LEAST_TOLERANCES.items() if tolerance >= least)

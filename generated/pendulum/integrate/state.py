@@ -48,7 +48,7 @@ class Field(NamedTuple):
         return tuple(max(count, 1) for count in self.shape)
 
     def view(self, numbers: Array) -> Array:
-        """Return the part of a state that it is, in its shape."""
+        """Part of a state that the field is, in its shape."""
         size = math.prod(self.room)
         whole = numbers[self.place : self.place + size].reshape(self.room)
         return whole[tuple(slice(count) for count in self.shape)] if self.shape else whole
@@ -109,7 +109,7 @@ class Numbers:
     def __get__(self, state: State, owner: type[State]) -> Array: ...
 
     def __get__(self, state: State | None, owner: type[State]) -> Numbers | Array:
-        """Return the view that a state was made with."""
+        """View that a state was made with."""
         return self if state is None else state.views[self.name]
 
 
@@ -167,6 +167,8 @@ class State:
     pivot_ratio = Number("-", "the pivot ratio of the last accelerations")
     position_ratio = Number("-", "what tells branches at the last position that was kept")
     usual_ratio = Number("-", "the largest of these")
+    root_before = Number("-", "root of what tells branches at a stage before that position")
+    stage_before = Number("s", "how long before; 0: none")
     least_inverse_pivot = Number("", "of all steps; 0 before the first")
     limit = Number("s", "no step goes beyond: where formulas of time switch, or the end")
     behind = Number("s", "behind that switch; as limit where there is none")
@@ -218,7 +220,7 @@ LEVELS = 3
 
 
 def fields(sizes: Mapping[str, int]) -> tuple[Field, ...]:
-    """Return all fields of a state, in order and without gaps.
+    """All fields of a state, in order and without gaps.
 
     Parameters
     ----------
@@ -237,12 +239,12 @@ def fields(sizes: Mapping[str, int]) -> tuple[Field, ...]:
 
 
 def fields_as_data(found: Sequence[Field]) -> list[list[object]]:
-    """Return fields ready for JSON, as :func:`fields_of` reads them."""
+    """Fields ready for JSON, as :func:`fields_of` reads them."""
     return [[one.name, one.place, list(one.shape), one.unit, one.meaning] for one in found]
 
 
 def fields_of(data: Sequence[Sequence[Any]]) -> tuple[Field, ...]:
-    """Return the fields that ``motion.json`` tells."""
+    """Fields that ``motion.json`` tells."""
     return tuple(
         Field(name, place, tuple(shape), unit, meaning)
         for name, place, shape, unit, meaning in data
@@ -250,6 +252,6 @@ def fields_of(data: Sequence[Sequence[Any]]) -> tuple[Field, ...]:
 
 
 def size_of_state(sizes: Mapping[str, int]) -> int:
-    """Return the count of numbers in a state."""
+    """Size of a state: the count of its numbers."""
     last = fields(sizes)[-1]
     return last.place + math.prod(last.room)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -51,8 +51,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .methods import Method
-    from .scene import Scene, Work
+    from .methods import RungeKuttaMethod
+    from .scene_tables import SceneTables, Work
     from .settings import Settings
     from .state import State
 
@@ -106,6 +106,9 @@ LONGEST_OF_ALL = 1.2
 MANY_STAGES = 12
 LONGEST_OF_MANY = 1.5
 LEVEL = 0.999
+#: Where the line through two roots leads to less than this part of the next one, the root may have
+#: changed its sign in between.
+TURNED = 0.2
 #: A step after one that tells how long it may be is this part of that.
 NEARLY = 0.98
 #: A step is not made shorter than this to find its branch.
@@ -144,6 +147,9 @@ class Trial:
         The same of a stage inside, and at which part of the step it is; 0 where there is none yet.
     dip_ratio, dip : float
         The same of the smallest inside.
+    parts, roots : list of float
+        Parts of the step in order, that of a stage before it among them, and roots of what tells
+        branches there.
     branch : int
         Whether it may end on another branch, see ``branches.py``.
     longest : float [s]
@@ -169,6 +175,8 @@ class Trial:
     inner: float = 0.0
     dip_ratio: float = math.inf
     dip: float = 0.0
+    parts: list[float] = field(default_factory=list)
+    roots: list[float] = field(default_factory=list)
     branch: int = STAYS
     longest: float = 0.0
     is_good: bool = False
@@ -182,7 +190,7 @@ class Attempts:
 
     Parameters
     ----------
-    m, s : Method, Settings
+    m, s : RungeKuttaMethod, Settings
         How it is made.
     look : Look
         What is seen in the last one.
@@ -203,7 +211,7 @@ class Attempts:
         ``GOOD``, or why there is no step.
     """
 
-    m: Method
+    m: RungeKuttaMethod
     s: Settings
     look: Look
     asked: float
@@ -224,7 +232,7 @@ class Attempts:
 
 
 def is_kept(trial: Trial) -> bool:
-    """Return whether a trial meets the tolerance."""
+    """Whether a trial meets the tolerance."""
     return trial.error <= 1.0
 
 
@@ -240,13 +248,13 @@ def add_to_start(start: Array, y: Array, low: Array | None) -> None:
 
 
 def fastest(end: Array, state: State, work: Work) -> float:
-    """Return the largest speed so far and at the end of a step, in lengths and radians [1/s]."""
+    """Largest speed so far and at the end of a step, in lengths and radians [1/s]."""
     size_of, nq = work.w.size_of, work.scene.nq
     return larger(larger(state.fastest, size_of(state.y[nq:])), size_of(end[nq:]))
 
 
 def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
-    """Return what the rates of a step are compared with, in lengths of the scene and radians [1/s].
+    """Rate that those of a step are compared with, in lengths of the scene and radians [1/s].
 
     It is told by the motion: in other units of time it is the same.
     """
@@ -268,13 +276,13 @@ def note_extent(end: Array, work: Work, state: State) -> None:
     state.highest[:] = np.where(found > state.highest, found, state.highest)
 
 
-def usual_energy(rate: float, scene: Scene) -> float:
-    """Return the energy of all bodies where they move at such a rate."""
+def usual_energy(rate: float, scene: SceneTables) -> float:
+    """Energy of all bodies where they move at such a rate."""
     return scene.mass * (scene.length * rate) * (scene.length * rate) / 2.0
 
 
 def energy_balance(q: Array, work: Work, state: State) -> float:
-    """Return the change of energy since the start that no work explains; works are in q."""
+    """Change of energy since the start that no work explains; works are in q."""
     balance = work.w.energies[0] + work.w.energies[1] - state.energy
     for done in q[work.scene.nq - work.scene.works : work.scene.nq]:
         balance -= done
@@ -282,7 +290,7 @@ def energy_balance(q: Array, work: Work, state: State) -> float:
 
 
 def energy_moved(q: Array, work: Work, state: State) -> float:
-    """Return kinetic energy, change of potential energy since the start, and all works.
+    """Kinetic energy, change of potential energy since the start, and all works.
 
     Works are in q. That of every step counts, whatever rows are written.
     """
@@ -294,9 +302,14 @@ def energy_moved(q: Array, work: Work, state: State) -> float:
 
 
 def estimate(
-    m: Method, row: Sequence[float], trial: Trial, state: State, work: Work, tolerance: float
+    m: RungeKuttaMethod,
+    row: Sequence[float],
+    trial: Trial,
+    state: State,
+    work: Work,
+    tolerance: float,
 ) -> float:
-    """Return the root mean square of one estimate of the error, in units of the tolerance."""
+    """Root mean square of one estimate of the error, in units of the tolerance."""
     scene, now, end, error = work.scene, state.y, work.y, work.scratch
     nq, nv = scene.nq, scene.nv
     rate = usual_rate(trial.h, end, state, work)
@@ -317,7 +330,7 @@ def estimate(
 
 
 def tells_drift(trial: Trial, state: State, work: Work) -> bool:
-    """Return whether what a step is off the constraints tells of its error.
+    """Whether what a step is off the constraints tells of its error.
 
     Neither drivers nor rows that take over lead it there, and it is no rounding.
     """
@@ -327,9 +340,15 @@ def tells_drift(trial: Trial, state: State, work: Work) -> bool:
 
 
 def local_error(
-    m: Method, trial: Trial, state: State, work: Work, tolerance: float, *, is_locked: bool = False
+    m: RungeKuttaMethod,
+    trial: Trial,
+    state: State,
+    work: Work,
+    tolerance: float,
+    *,
+    is_locked: bool = False,
 ) -> float:
-    """Return the error of a step, in units of the tolerance; locked from a switch to the next."""
+    """Error of a step, in units of the tolerance; locked from a switch to the next."""
     e = estimate(m, m.errors[0], trial, state, work, tolerance)
     if len(m.errors) == 1 or e * e == 0.0:
         return e
@@ -339,7 +358,7 @@ def local_error(
 
 
 def stage(
-    m: Method,
+    m: RungeKuttaMethod,
     n: int,
     h: float,
     enough: float,
@@ -357,8 +376,8 @@ def stage(
     return project(state.time + m.c[n] * h, enough, y, low, work.k[n], work, state)
 
 
-def norm_error(m: Method, h: float, state: State, work: Work) -> float:
-    """Return by how much a step takes Euler parameters from norm one, before they are brought back.
+def norm_error(m: RungeKuttaMethod, h: float, state: State, work: Work) -> float:
+    """Distance of Euler parameters from norm one after a step, before they are brought back.
 
     Where steps are fixed no other error tells that bodies turn too far in one.
     """
@@ -373,6 +392,18 @@ def norm_error(m: Method, h: float, state: State, work: Work) -> float:
     return most
 
 
+def note_root(part: float, root: float, trial: Trial) -> None:
+    """Note the root of what tells branches at a part of a step, in order."""
+    n = len(trial.parts)
+    while n > 0 and trial.parts[n - 1] >= part:
+        n -= 1
+    if n < len(trial.parts) and trial.parts[n] == part:
+        trial.roots[n] = root
+        return
+    trial.parts.insert(n, part)
+    trial.roots.insert(n, root)
+
+
 def look_at_ratios(part: float, trial: Trial, work: Work, state: State) -> None:
     """Look at the pivot ratios of a stage at a part of a step."""
     trial.last_ratio = last_ratio(work, state)
@@ -383,14 +414,22 @@ def look_at_ratios(part: float, trial: Trial, work: Work, state: State) -> None:
     if not work.scene.has_refinement:
         return
     trial.top_ratio = larger(trial.top_ratio, trial.end_ratio)
+    if not is_driven:
+        note_root(part, math.sqrt(trial.end_ratio), trial)
     if trial.inner == 0.0 and part >= INSIDE:
         trial.inner_ratio, trial.inner = trial.end_ratio, part
     if part < 1.0 and trial.end_ratio < trial.dip_ratio:
         trial.dip_ratio, trial.dip = trial.end_ratio, part
 
 
-def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: State) -> None:
+def make_stages(
+    m: RungeKuttaMethod, tolerance: float, trial: Trial, work: Work, state: State
+) -> None:
     """Make the stages from which the end of the step is made, as far as they are possible."""
+    if work.scene.has_refinement and not work.scene.is_driven:
+        note_root(0.0, math.sqrt(state.position_ratio), trial)
+        if state.stage_before > 0.0:
+            note_root(-state.stage_before / trial.h, state.root_before, trial)
     for n in range(1, m.stages + 1):
         low = None if n < m.stages else work.low
         enough = INNER * tolerance if low is None else 0.0
@@ -402,7 +441,7 @@ def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: St
             return
 
 
-def make_dense_stages(m: Method, trial: Trial, work: Work, state: State) -> bool:
+def make_dense_stages(m: RungeKuttaMethod, trial: Trial, work: Work, state: State) -> bool:
     """Make the stages that only the interpolating polynomial wants; return whether they are."""
     for n in range(m.stages + 1, m.all):
         if stage(m, n, trial.h, 0.0, work.scratch, None, work, state) < 0.0:
@@ -413,7 +452,7 @@ def make_dense_stages(m: Method, trial: Trial, work: Work, state: State) -> bool
 
 
 def least_of_parabola(trial: Trial, state: State) -> float:
-    """Return the least of a parabola through pivot ratios of a step, and of those of its stages."""
+    """Least of a parabola through pivot ratios of a step, and of those of its stages."""
     first, last, x = state.position_ratio, trial.end_ratio, trial.inner
     bend = ((trial.inner_ratio - first) / x - (last - first)) / (x - 1.0)
     slope = last - first - bend
@@ -423,13 +462,13 @@ def least_of_parabola(trial: Trial, state: State) -> float:
 
 
 def sinks(part: float, trial: Trial, state: State, work: Work) -> bool:
-    """Return whether that sinks to a part of those at the ends."""
+    """Whether the least ratio of a step sinks to a part of those at its ends."""
     ends = larger(state.position_ratio, trial.end_ratio)
     return least_of_parabola(trial, state) < part * smaller(ends, usual_ratio(work, state))
 
 
 def meeting_part(first: float, last: float) -> float:
-    """Return at which part of a step branches seem to meet.
+    """Part of a step at which branches seem to meet.
 
     Roots of ratios at its ends, which go with the distance from there, tell that.
     """
@@ -437,15 +476,37 @@ def meeting_part(first: float, last: float) -> float:
 
 
 def dipping_part(first: float, last: float, trial: Trial) -> float:
-    """Return at which part of a step that is if a stage has a small ratio: before or behind it."""
+    """Part at which branches seem to meet if a stage has a small ratio: before or behind it."""
     dip, x = math.sqrt(trial.dip_ratio), trial.dip
     if meeting_part(first, last) > x:
         return x + (1.0 - x) * dip / (dip + last)
     return x * first / (first + dip)
 
 
+def turning_place(trial: Trial) -> tuple[float, float]:
+    """Return at which part of a step roots seem to change their sign, and how steeply they do.
+
+    They go with the distance from a place where branches meet, so that lines through two of them
+    tell the next. The slope is 0 where none changes its sign.
+    """
+    x, r = trial.parts, trial.roots
+    part, slope, least = 0.0, 0.0, math.inf
+    for k in range(len(x) - 1):
+        width, both = x[k + 1] - x[k], r[k] + r[k + 1]
+        if not x[k + 1] > 0.0 or not both < least:
+            continue
+        ahead, back = math.inf, math.inf
+        if k > 0:
+            ahead = r[k] + width * (r[k] - r[k - 1]) / (x[k] - x[k - 1])
+        if k + 2 < len(x):
+            back = r[k + 1] - width * (r[k + 2] - r[k + 1]) / (x[k + 2] - x[k + 1])
+        if ahead < TURNED * r[k + 1] or back < TURNED * r[k]:
+            part, slope, least = x[k] + width * meeting_part(r[k], r[k + 1]), both / width, both
+    return part, slope
+
+
 def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Return how far a step may lead so that ratios tell of other branches; infinite if any way."""
+    """Longest way of a step on which ratios tell of other branches; infinite without a limit."""
     is_loose = work.scene.is_driven or tried.s.tolerance > LOOSE
     if not work.scene.has_refinement or not is_loose or tried.is_fixed:
         return math.inf
@@ -457,7 +518,7 @@ def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> floa
 
 
 def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
-    """Return whether a step is no longer than that: else it is made again."""
+    """Whether a step is no longer than the longest way: else it is made again."""
     way = work.w.way_of(trial.h, state.y, work.y) if longest < math.inf else 0.0
     if not way > longest:
         return True
@@ -467,14 +528,15 @@ def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
 
 
 def branch_of(tried: Attempts, trial: Trial, work: Work, state: State) -> int:
-    """Return whether a step may end on another branch: LEAPS, STAYS or MEETS."""
+    """Whether a step may end on another branch: LEAPS, STAYS or MEETS."""
     if not work.scene.has_refinement:
         return STAYS
     first, last, most = state.position_ratio, trial.end_ratio, usual_ratio(work, state)
     if not is_short(longest_way(tried, trial, work, state), trial, state, work):
         return LEAPS
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
-    is_sinking = is_dip or sinks(SINKS, trial, state, work)
+    part, slope = turning_place(trial)
+    is_sinking = is_dip or slope > 0.0 or sinks(SINKS, trial, state, work)
     if not is_sinking and not smaller(first, last) < BESIDE_IT * most:
         return STAYS
     far = 0.0 if is_sinking else FAR * math.sqrt(larger(first, last) / most)
@@ -483,8 +545,10 @@ def branch_of(tried: Attempts, trial: Trial, work: Work, state: State) -> int:
     if not tried.is_fixed and not is_short(LONGEST, trial, state, work):
         return LEAPS
     before, after, f = math.sqrt(first), math.sqrt(last), work.k[tried.m.stages]
-    part = dipping_part(before, after, trial) if is_dip else meeting_part(before, after)
-    return follow_branch(trial.h, work.y, f, part, before + after, work, state)
+    if not slope > 0.0:
+        part = dipping_part(before, after, trial) if is_dip else meeting_part(before, after)
+        slope = before + after
+    return follow_branch(trial.h, work.y, f, part, slope, work, state)
 
 
 def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
@@ -508,6 +572,8 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     state.time = trial.end
     state.steps += 1
     note_branch(state.time, trial.branch, state)
+    if trial.parts:
+        state.stage_before, state.root_before = h * (1.0 - trial.parts[-2]), trial.roots[-2]
     state.position_ratio = trial.end_ratio
     state.usual_ratio = larger(state.usual_ratio, trial.end_ratio)
     note_motion(h, work.y, state, work)
@@ -519,7 +585,7 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
 
 
 def next_trial(tried: Attempts, state: State) -> Trial:
-    """Return a trial of the length that is next, no longer than to where the step ends at most."""
+    """Trial of the length that is next, no longer than to where the step ends at most."""
     h = smaller(state.step_size, tried.s.largest_step)
     if tried.is_fixed and tried.avoided == 0:
         h = tried.s.fixed_step
@@ -532,7 +598,7 @@ def next_trial(tried: Attempts, state: State) -> Trial:
 
 
 def is_weak(ratio: float, tried: Attempts, state: State) -> bool:
-    """Return whether rows are nearly dependent at a pivot ratio."""
+    """Whether rows are nearly dependent at a pivot ratio."""
     return ratio < (VAGUE if tried.is_fixed else WEAK) * state.largest_pivot_ratio
 
 
@@ -582,7 +648,7 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
 
 
 def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:
-    """Return whether rows are independent at the stages of a trial: else others lie elsewhere."""
+    """Whether rows are independent at the stages of a trial: else others lie elsewhere."""
     if not (trial.is_good or tried.is_fixed) or not is_weak(trial.least_ratio, tried, state):
         return True
     if trial.least_ratio > 0.0 and is_weak(trial.most_ratio, tried, state):
@@ -624,7 +690,7 @@ def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
 
 
 def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Return where a trial must end by what crosses in it; poles want all stages."""
+    """Time at which a trial must end by what crosses in it; poles want all stages."""
     m, s, look = tried.m, tried.s, tried.look
     has_stages = tried.has_switches and is_kept(trial)
     look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
@@ -639,7 +705,7 @@ def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
 
 
 def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Return where a trial must end so that samples tell up to a time how narrow parts vary."""
+    """Time at which a trial must end so that samples tell up to a time how narrow parts vary."""
     look = tried.look
     if not work.scene.has_narrow or not is_kept(trial):
         return trial.end
@@ -654,7 +720,7 @@ def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State
 
 
 def met_in(told: float, tried: Attempts, trial: Trial) -> float:
-    """Return where a trial must end so that its polynomial meets what its stages do."""
+    """Time at which a trial must end so that its polynomial meets what its stages do."""
     look, is_cut = tried.look, trial.end == tried.look.cut  # at a cut rounding decides
     if not tried.has_switches or not is_kept(trial) or tried.is_beyond or is_cut:
         return trial.end
@@ -667,7 +733,7 @@ def met_in(told: float, tried: Attempts, trial: Trial) -> float:
 
 
 def is_at_event(tried: Attempts, trial: Trial, state: State) -> bool:
-    """Return whether a trial that was cut for an event ends there: else the cut is there."""
+    """Whether a trial that was cut for an event ends there: else the cut is there."""
     look, end = tried.look, trial.end
     if len(state.counts) == 0 or not is_kept(trial) or end != look.cut:
         return True
@@ -682,8 +748,8 @@ def is_at_event(tried: Attempts, trial: Trial, state: State) -> bool:
     return False
 
 
-def length_by_error(m: Method, trial: Trial) -> float:
-    """Return how long a step is that meets the tolerance, where a trial does not, or its branch."""
+def length_by_error(m: RungeKuttaMethod, trial: Trial) -> float:
+    """Length of a step that meets the tolerance, where a trial does not, or its branch."""
     factor = 0.2
     if trial.longest > 0.0:
         return trial.longest
@@ -704,7 +770,7 @@ def end_at(to: float, tried: Attempts, trial: Trial, state: State) -> None:
 
 
 def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
-    """Return whether a trial ends where it may by what is seen in it: else it is to end there."""
+    """Whether a trial ends where it may by what is seen in it: else it is to end there."""
     look = tried.look
     if not work.scene.sees or not trial.is_whole or not (is_kept(trial) or not tried.is_guessed):
         return True
@@ -739,7 +805,9 @@ def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         state.switched = state.time
 
 
-def step(m: Method, s: Settings, asked: float, end: float, state: State, work: Work) -> Status:
+def step(
+    m: RungeKuttaMethod, s: Settings, asked: float, end: float, state: State, work: Work
+) -> Status:
     """Make one step; return Status.GOOD, or why there is none.
 
     It goes to the end at most, unless rows are nearly dependent there. The error decides how long
@@ -764,7 +832,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             return tried.status
 
 
-def first_step(m: Method, s: Settings, end: float, state: State, work: Work) -> Status:
+def first_step(m: RungeKuttaMethod, s: Settings, end: float, state: State, work: Work) -> Status:
     """Choose a first step for which an Euler step changes the derivative little."""
     f, y, nq, size_of = work.k[0], work.k[1], work.scene.nq, work.w.size_of
     forget_trials(work)

@@ -32,7 +32,7 @@ from .settings import BENT, NO_TIME, Status
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .scene import Work, Workspace
+    from .scene_tables import Work, Workspace
     from .state import State
 
     Array = npt.NDArray[np.float64]
@@ -64,21 +64,21 @@ PIECES = 4
 
 
 def bounds_between(first: float, last: float, w: Workspace) -> tuple[Array, Array]:
-    """Return least, most, slowest and fastest of switching functions, and of parts that vary."""
+    """Least and most value, slowest and fastest rate of switching functions and varying parts."""
     w.span[:] = first, last
     w.run("switching")
     return w.switches.reshape(-1, 4).T, w.features.reshape(-1, 4).T
 
 
 def switches_at(time: float, w: Workspace) -> Array:
-    """Return the values of switching functions at a time."""
+    """Values of switching functions at a time."""
     switches, _ = bounds_between(time, time, w)
     there: Array = switches[0].copy()
     return there
 
 
 def are_rootless(bounds: Array, before: Array, after: Array, h: float) -> bool:
-    """Return whether switching functions have no root in an interval.
+    """Whether switching functions have no root in an interval.
 
     Those that are zero all along have none, nor have those that rise or fall all along between
     values of one sign. Else each is no less than lines from both ends as steep as its bounds.
@@ -96,14 +96,14 @@ def are_rootless(bounds: Array, before: Array, after: Array, h: float) -> bool:
 
 
 def bound_laws(first: float, last: float, w: Workspace) -> Array:
-    """Return laws of drivers between two times, each with two derivatives, and bounds of rates."""
+    """Laws of drivers between two times, each with two derivatives, and bounds of rates."""
     w.law_span[:] = first, last
     w.run("bending")
     return w.laws.reshape(-1, 3, 4)
 
 
 def are_unbent(first: float, last: float, span: float, w: Workspace) -> bool:
-    """Return whether rates of laws change evenly within a time that is none, between two times.
+    """Whether rates of laws change evenly within a time that is none, between two times.
 
     All but a small part of them: as bounds of the third derivatives tell. Those of a law that is at
     rest there are compared with its rate further away, or with itself over the whole time.
@@ -124,13 +124,13 @@ def are_unbent(first: float, last: float, span: float, w: Workspace) -> bool:
 
 
 def laws_at(time: float, w: Workspace) -> Array:
-    """Return the laws of drivers at a time, each with two derivatives, and a third."""
+    """Laws of drivers at a time, each with two derivatives, and a third."""
     found = bound_laws(time, time, w)
     return np.column_stack((found[:, :, 0], found[:, 2, 2]))
 
 
 def law_rounding(time: float, span: float, w: Workspace) -> Array:
-    """Return what rounding may leave of laws and their derivatives at a time.
+    """Error that rounding may leave of laws and their derivatives at a time.
 
     They may be differences of what is much larger: bounds over a time that is none tell it.
     """
@@ -141,7 +141,7 @@ def law_rounding(time: float, span: float, w: Workspace) -> Array:
 
 
 def bent_beside(far: float, first: float, last: float, span: float, w: Workspace) -> int:
-    """Return the first law that does not go from a time to another with two derivatives, or 0.
+    """First law that does not go from a time to another with two derivatives, or 0.
 
     As so far beside both tells; it is counted from 1. Of each what it changes by is what the next
     one tells of both sides, and between its value is between theirs, where it has one.
@@ -162,7 +162,7 @@ def bent_beside(far: float, first: float, last: float, span: float, w: Workspace
 
 
 def bent_law(first: float, last: float, span: float, work: Work) -> int:
-    """Return the first law that bends or jumps between two times that are nearly one, or 0."""
+    """First law that bends or jumps between two times that are nearly one, or 0."""
     if not work.scene.has_laws or bent_beside(FAR_BESIDE * span, first, last, span, work.w) == 0:
         return 0
     return bent_beside(BESIDE * span, first, last, span, work.w)
@@ -178,7 +178,7 @@ def is_even(
     *,
     follows: bool,
 ) -> bool:
-    """Return whether there is no root of a switching function between two times, nor bends a law.
+    """Whether there is no root of a switching function between two times, nor bends a law.
 
     Functions have values before and after. Laws count where they are followed.
     """
@@ -260,7 +260,7 @@ def meet_switches(end: float, state: State, work: Work) -> Status:
 
 
 def even_end(h: float, end: float, state: State) -> float:
-    """Return where a step of length h towards an end ends: half-way from a switch to the next.
+    """End of a step of length h towards an end: half-way from a switch to the next.
 
     Of equal steps none is nearly all of the way, where estimates of errors can be blind alike on
     each such way.
@@ -271,7 +271,7 @@ def even_end(h: float, end: float, state: State) -> float:
 
 
 def is_resolved(first: float, last: float, w: Workspace) -> bool:
-    """Return whether samples of an interval tell how parts vary: their rates change as little."""
+    """Whether samples of an interval tell how parts vary: their rates change as little."""
     h = (last - first) / PIECES
     sample = bounds_between(first, first, w)[1][0]
     least, most, change = sample.copy(), sample.copy(), np.zeros_like(sample)
@@ -287,7 +287,7 @@ def is_resolved(first: float, last: float, w: Workspace) -> bool:
 
 
 def resolved_step(h: float, part: float, end: float, state: State, work: Work) -> float:
-    """Return where a step of length h must end, at most at an end.
+    """Time at which a step of length h must end, at most at an end.
 
     No longer than a part of the intervals that are resolved, unless it ends before such a one. What
     keeps steps short for long, such as a quotient that is 0/0 somewhere, is gone over and counted,

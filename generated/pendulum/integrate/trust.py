@@ -58,7 +58,7 @@ class CheckedRows(NamedTuple):
     reduced: Sequence[tuple[str, str]]
 
 
-class Verdict(NamedTuple):
+class RunVerdict(NamedTuple):
     """What speaks against a run, bits of :class:`Doubt`, and its limits; ``solver.h`` has units."""
 
     doubts: int
@@ -146,13 +146,13 @@ class Trust:
         return not self.problems
 
     def as_data(self) -> dict[str, object]:
-        """Return it ready for JSON."""
+        """Verdict as data, ready for JSON."""
         named = {name: getattr(self, name) for name in self.__slots__}
         named["error"] = None if self.error is None else self.error.as_data()
         return {"is_trusted": self.is_trusted} | named | {"problems": list(self.problems)}
 
     def _numbers(self) -> Iterator[str]:
-        """Yield the numbers that are known."""
+        """Numbers that are known."""
         if self.energy_error is not None and self.energy_moved is not None:
             yield f"energy {shortly(self.energy_error)} of {shortly(self.energy_moved, 2)} J"
         if self.constraints is None:
@@ -192,12 +192,12 @@ class Trust:
 
 
 def beyond(size: float, most: float, doubt: Doubt) -> Doubt:
-    """Return a doubt where a number is larger than it may be, or a NaN."""
+    """Doubt where a number is larger than it may be, or a NaN."""
     return Doubt(0) if size <= most else doubt
 
 
 def allowed_part(limit: float, settings: Settings, single: Mapping[str, float]) -> float:
-    """Return which part of the energy that has moved may be lost.
+    """Part of the moved energy that may be lost.
 
     It is the limit, unless bodies move so little in the longest step that velocities and their
     errors are compared with more: at rest all that moves may be such an error.
@@ -210,7 +210,7 @@ def allowed_part(limit: float, settings: Settings, single: Mapping[str, float]) 
 
 
 def known_energy(single: Mapping[str, float]) -> float:
-    """Return what energies are known to [J]: below that they are rounding, or heat."""
+    """Uncertainty of energies [J]: below that they are rounding, or heat."""
     moved = single["energy_moved"]
     known = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
     return larger(KNOWN * known, HEAT)
@@ -224,8 +224,8 @@ def judge(
     *,
     is_weighed: bool,
     is_driven: bool,
-) -> Verdict:
-    """Return what speaks against a run; :func:`trust_of` says what is what."""
+) -> RunVerdict:
+    """Doubts and numbers of the verdict on a run; :func:`trust_of` says what is what."""
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
     units = [unit for part in rows for _, unit in part]
     lengths = [layout.length if unit == "m" else 1.0 for unit in units]
@@ -257,7 +257,7 @@ def judge(
         doubts |= beyond(single["row_drift"], off, Doubt.ROW_DRIFT)
     doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
     doubts |= beyond(single["unresolved"], 0.0, Doubt.NARROW)
-    return Verdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
+    return RunVerdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
 
 
 def trust_of(
@@ -270,7 +270,7 @@ def trust_of(
     is_driven: bool,
     error: Any = None,
 ) -> Trust:
-    """Return the verdict on a run.
+    """Verdict on a run.
 
     Parameters
     ----------
@@ -346,7 +346,7 @@ def trust_of(
 def below_tolerance(
     state: Mapping[str, Array], layout: Layout, settings: Settings, limit: float
 ) -> dict[str, float]:
-    """Return what moves by no more than steps may lose, as in :class:`Trust`.
+    """Coordinates and bodies that move by no more than steps may lose, as in :class:`Trust`.
 
     Where drivers lead, bodies are left out: some are exact, and which of them is not known.
     """
@@ -400,7 +400,7 @@ class Missed(NamedTuple):
 
 
 def missed_by(worst: Array, rows: CheckedRows, layout: Layout) -> dict[str, Missed]:
-    """Return by joint what rows that are left out missed, the worst first."""
+    """Largest misses of rows that are left out, by joint, the worst first."""
     first = len(rows.rows)
     found: dict[str, list[float]] = {}
     for (joint, unit), size in zip(rows.left_out, worst[first:].tolist(), strict=False):
@@ -415,6 +415,6 @@ def missed_by(worst: Array, rows: CheckedRows, layout: Layout) -> dict[str, Miss
 
 
 def released(missed: Mapping[str, Missed], layout: Layout) -> tuple[str, ...]:
-    """Return the joints that came open at rows that were left out."""
+    """Joints that came open at rows that were left out."""
     most = CLEARLY * layout.closure_tolerance
     return tuple(joint for joint, one in missed.items() if not one.part <= most)

@@ -12,7 +12,7 @@ import pytest
 from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX, Instance, MovingBody, System
+from kousoku.model.multibody import GROUND_INDEX, Instance, MovingBody, System
 
 GRAVITY = (0.0, 0.0, -9.81)
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from kousoku.codegen.linkage.assemble import Assembly, assemble
-from kousoku.codegen.linkage.blocks import Block, live_blocks, triangular_blocks
+from kousoku.codegen.linkage.blocks import DiagonalBlock, live_blocks, triangular_blocks
 from kousoku.model.errors import SceneError
 from kousoku.model.planar import Input, Link, Node
 from kousoku.model.read import read_scene
@@ -16,7 +16,7 @@ from kousoku.model.scene import Scene
 SCENES = Path(__file__).parents[3] / "scenes"
 
 
-def named(assembly: Assembly, blocks: tuple[Block, ...]) -> list[tuple[str, ...]]:
+def named(assembly: Assembly, blocks: tuple[DiagonalBlock, ...]) -> list[tuple[str, ...]]:
     return [tuple(assembly.coordinates[u].name for u in block.unknowns) for block in blocks]
 
 

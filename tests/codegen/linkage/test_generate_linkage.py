@@ -30,7 +30,7 @@ from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.runtime.verify import verify
 
 if TYPE_CHECKING:
-    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.codegen.linkage.layout import WorkspaceLayout
     from kousoku.model.kernel import Kernel
     from kousoku.model.scene import Scene
 
@@ -40,11 +40,11 @@ NAMES = ("piston_crank", "lever_crank", "five_bar", "watt_six_bar", "stephenson_
 ALWAYS = ("piston_crank", "watt_six_bar")
 
 
-def layout(name: str) -> Layout:
+def layout(name: str) -> WorkspaceLayout:
     return layout_of(assemble(read_scene(SCENES / f"{name}.toml")))
 
 
-def referred(made: Layout) -> str:
+def referred(made: WorkspaceLayout) -> str:
     """Text of the references of a linkage."""
     return reference_values(program_of(made), made, places(made))
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from kousoku.runtime.integrate import crossing
-from kousoku.runtime.integrate.crossing import CELLS, Node, are_narrow_told, first_left
+from kousoku.runtime.integrate.crossing import CELLS, TimeNode, are_narrow_told, first_left
 
 
 def looked_at(
@@ -20,11 +20,11 @@ def looked_at(
     """Look at one part from 1 s to 3 s; return whether it is told, and the pairs of samples."""
     pairs: list[tuple[float, float]] = []
 
-    def look_at(time: float, _: Any) -> Node:
+    def look_at(time: float, _: Any) -> TimeNode:
         value = np.array([values(time)])
-        return Node(time, np.zeros((0, 2)), value, value)
+        return TimeNode(time, np.zeros((0, 2)), value, value)
 
-    def bound_seen(a: Node, b: Node, _: Any) -> Any:
+    def bound_seen(a: TimeNode, b: TimeNode, _: Any) -> Any:
         pairs.append((a.time, b.time))
         return np.array([*bounds(a.time, b.time), *slopes(a.time, b.time)]).reshape(4, 1)
 
@@ -95,8 +95,8 @@ def test_what_is_near_zero_on_its_side_already_cuts_no_step(
     """What is left of zero by less than rounding is left at once, and no step is as short."""
     monkeypatch.setattr(crossing, "time_of", lambda *_: 2.5)
     nothing = np.zeros((0, 2))
-    near = Node(2.0, nothing, np.array([before - 2e-9]), np.array([before + 2e-9]))
-    left = Node(3.0, nothing, np.array([-2e-2]), np.array([-1e-2]))
+    near = TimeNode(2.0, nothing, np.array([before - 2e-9]), np.array([before + 2e-9]))
+    left = TimeNode(3.0, nothing, np.array([-2e-2]), np.array([-1e-2]))
     look: Any = SimpleNamespace(
         state=SimpleNamespace(sides=np.zeros(1)),
         work=SimpleNamespace(scene=SimpleNamespace(events=(), n_poles=0)),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from kousoku.cli import simulate
-from kousoku.runtime.integrate.methods import DOP853, METHODS, Method
+from kousoku.runtime.integrate.methods import DOP853, METHODS, RungeKuttaMethod
 from kousoku.runtime.integrate.settings import KINEMATICS
 from kousoku.runtime.options import RUNGE_KUTTA
 
@@ -20,7 +20,7 @@ def pendulum(y: np.ndarray) -> np.ndarray:
     return np.array([y[1], -math.sin(y[0])])
 
 
-def step(method: Method, y: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+def step(method: RungeKuttaMethod, y: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
     """End of a step and the derivatives of all stages."""
     k: list[np.ndarray] = []
     for row in method.a:
@@ -37,13 +37,13 @@ def fine(y: np.ndarray, t: float) -> np.ndarray:
 
 
 @methods
-def test_each_stage_stands_at_its_node(method: Method) -> None:
+def test_each_stage_stands_at_its_node(method: RungeKuttaMethod) -> None:
     for node, row in zip(method.c, method.a, strict=True):
         assert sum(row) == pytest.approx(node, abs=2e-15 * max(1.0, *map(abs, row or (0.0,))))
 
 
 @methods
-def test_the_weights_integrate_powers_up_to_the_order(method: Method) -> None:
+def test_the_weights_integrate_powers_up_to_the_order(method: RungeKuttaMethod) -> None:
     weights = method.a[method.stages]
     for power in range(method.order):
         total = math.fsum(b * c**power for b, c in zip(weights, method.c, strict=False))
@@ -51,20 +51,22 @@ def test_the_weights_integrate_powers_up_to_the_order(method: Method) -> None:
 
 
 @methods
-def test_an_estimate_of_the_error_vanishes_for_a_constant_derivative(method: Method) -> None:
+def test_an_estimate_of_the_error_vanishes_for_a_constant_derivative(
+    method: RungeKuttaMethod,
+) -> None:
     for row in (*method.errors, *method.dense):
         assert abs(math.fsum(row)) <= 1e-15 * sum(map(abs, row))
 
 
 @methods
-def test_the_error_of_a_step_falls_with_the_order(method: Method) -> None:
+def test_the_error_of_a_step_falls_with_the_order(method: RungeKuttaMethod) -> None:
     start, sizes = np.array([1.0, 0.5]), (0.4, 0.2)
     errors = [np.abs(step(method, start, h)[0] - fine(start, h)).max() for h in sizes]
     assert math.log2(errors[0] / errors[1]) > method.order - 0.5
 
 
 @methods
-def test_dense_output_is_one_order_below_a_step(method: Method) -> None:
+def test_dense_output_is_one_order_below_a_step(method: RungeKuttaMethod) -> None:
     start, errors = np.array([1.0, 0.5]), []
     for h in (0.4, 0.2):
         end, k = step(method, start, h)
@@ -84,5 +86,5 @@ def test_dense_output_is_one_order_below_a_step(method: Method) -> None:
 def test_runs_choose_methods_by_the_names_and_the_order_of_the_tables() -> None:
     names = tuple(method.name for method in METHODS)
     assert names == RUNGE_KUTTA
-    of_bodies = [*get_args(simulate.Method)][: len(names) + 1]
+    of_bodies = [*get_args(simulate.MethodName)][: len(names) + 1]
     assert [*names, KINEMATICS] == of_bodies  # then those of linkages

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from kousoku.runtime.integrate import tasks
-from kousoku.runtime.integrate.tasks import MANY, Kernel, numbers, places, run_tasks, segment_of
+from kousoku.runtime.integrate.tasks import MANY, TaskKernel, numbers, places, run_tasks, segment_of
 
 
 def total(x: Any, m: Any) -> list[Any]:
     return [x[0] + x[1], m.sqrt(x[0] * x[1])]
 
 
-SUM = Kernel(total, 3, places("0 0  1 0", 2), places("2 0  2 1", 2))
+SUM = TaskKernel(total, 3, places("0 0  1 0", 2), places("2 0  2 1", 2))
 
 
 def test_a_table_ends_its_lines_with_what_they_belong_to() -> None:
@@ -43,7 +43,7 @@ def test_a_task_reads_what_the_one_before_wrote() -> None:
 
 
 def test_a_kernel_that_reads_nothing_writes_its_numbers() -> None:
-    kernel = Kernel(lambda _x, _m: [0.5], 1, places("", 2), places("0 0", 2))
+    kernel = TaskKernel(lambda _x, _m: [0.5], 1, places("", 2), places("0 0", 2))
     w = np.zeros(2)
     run_tasks(w, segment_of([kernel], "0 1 1"))
     assert w.tolist() == [0.0, 0.5]
@@ -60,7 +60,9 @@ def test_what_no_number_comes_out_of_gives_infinities_and_nan_as_in_c(
 
     w = np.array([value, 0.0])
     with np.errstate(all="ignore"):
-        run_tasks(w, segment_of([Kernel(kernel, 2, places("0 0", 2), places("1 0", 2))], "0 1 0 1"))
+        run_tasks(
+            w, segment_of([TaskKernel(kernel, 2, places("0 0", 2), places("1 0", 2))], "0 1 0 1")
+        )
     np.testing.assert_equal(w[1], wanted)
 
 

@@ -18,23 +18,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.runtime.kinematics.mechanism import Block, Curve, Input, Link, Mechanism, Unknown
-from kousoku.runtime.kinematics.rows import Run, empty_rows
+from kousoku.runtime.kinematics.rows import RunRequest, empty_rows
 from kousoku.runtime.kinematics.solve import solve
+from kousoku.runtime.kinematics.tables import Block, Curve, Input, Link, LinkageTables, Unknown
 from kousoku.runtime.linkage import record_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.runtime.kinematics.mechanism import Array
     from kousoku.runtime.kinematics.rows import Rows
+    from kousoku.runtime.kinematics.tables import Array
     from kousoku.runtime.toolchain import Toolchain
 
     Regions = dict[str, Array]
 
 SOURCE = Path(__file__).parent / "four_bar.c"
 LIBRARY = Path(__file__).parents[3] / "runtime"
-RUN = Run(
+RUN = RunRequest(
     method=0,
     max_iterations=50,
     limit=1e-12,
@@ -92,10 +92,10 @@ class FourBar:
     psi: float
 
     @property
-    def mechanism(self) -> Mechanism:
+    def mechanism(self) -> LinkageTables:
         lengths = (self.crank, self.coupler, self.rocker)
         nodes = (("O", "A"), ("A", "B"), ("D", "B"))
-        return Mechanism(
+        return LinkageTables(
             unit="cm",
             length=self.frame,
             outputs=("velocities", "accelerations", "angles"),
@@ -201,7 +201,7 @@ def compiled(
 def analysed(request: pytest.FixtureRequest, backend: str) -> Callable[..., Rows]:
     """Rows of a four-bar, from either language; options are fields of the run."""
 
-    def in_c(bar: FourBar, run: Run) -> Rows:
+    def in_c(bar: FourBar, run: RunRequest) -> Rows:
         library = request.getfixturevalue("compiled")(bar)
         rows = empty_rows(bar.mechanism, run.rows)
         record = record_of(run, rows)
@@ -212,7 +212,7 @@ def analysed(request: pytest.FixtureRequest, backend: str) -> Callable[..., Rows
         rows.reached = np.array(record.reached[:])
         return rows
 
-    def in_python(bar: FourBar, run: Run) -> Rows:
+    def in_python(bar: FourBar, run: RunRequest) -> Rows:
         return solve(bar.mechanism, run)
 
     def analyse(lengths: dict[str, float], **options: Any) -> Rows:

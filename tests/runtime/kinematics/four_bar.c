@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "kinematics/mechanism.h"
+#include "kinematics/tables.h"
 
 #define PUBLIC(name) test_##name
 #define DIGEST "written by hand"

@@ -11,14 +11,14 @@ import pytest
 
 from kousoku.model.errors import MotionError
 from kousoku.runtime.kinematics.moving import Linkage
-from kousoku.runtime.kinematics.rows import Run
+from kousoku.runtime.kinematics.rows import RunRequest
 from kousoku.runtime.kinematics.solve import solve
 
 if TYPE_CHECKING:
-    from kousoku.runtime.kinematics.mechanism import Mechanism
+    from kousoku.runtime.kinematics.tables import LinkageTables
     from kousoku.runtime.kinematics.trajectory import Trajectory
 
-RUN = Run(
+RUN = RunRequest(
     method=1,
     max_iterations=50,
     limit=1e-12,
@@ -32,7 +32,7 @@ RUN = Run(
 )
 
 
-def solve_alone(mechanism: Mechanism, run: Run) -> Trajectory:
+def solve_alone(mechanism: LinkageTables, run: RunRequest) -> Trajectory:
     """Motion as a folder without kousoku makes it."""
     solver: Any = SimpleNamespace(
         name="numpy", mechanism=lambda _: mechanism, scene=lambda _: run, solve=solve

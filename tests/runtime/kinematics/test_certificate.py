@@ -13,17 +13,17 @@ import pytest
 from kousoku.codegen.linkage.generate import generate_scene
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.kinematics.assembly import assemble as place
-from kousoku.runtime.kinematics.certificate import Certifier, Way
+from kousoku.runtime.kinematics.certificate import Certifier, CubicTube
 from kousoku.runtime.kinematics.continuation import Continuation
-from kousoku.runtime.kinematics.equations import Coordinates
-from kousoku.runtime.kinematics.mechanism import Block, Curve, Input, Mechanism, Unknown
+from kousoku.runtime.kinematics.equations import LinkageCoordinates
 from kousoku.runtime.kinematics.status import MOST_TILT
+from kousoku.runtime.kinematics.tables import Block, Curve, Input, LinkageTables, Unknown
 from kousoku.runtime.linkage import load_scene
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from kousoku.runtime.kinematics.mechanism import Array
+    from kousoku.runtime.kinematics.tables import Array
     from kousoku.runtime.linkage import LinkageSolver
     from kousoku.runtime.toolchain import Toolchain
 
@@ -93,8 +93,8 @@ stroke = { slider = "ram", from = 0, to = -1.5 }
 #: How far the Jacobians of the blocks turn along a way to a position; radii go into the way.
 IN_C = """
 #include "solver.c"
-void tilts_of(const double *alpha, const double *x, Way *way, double residual, double *tilts);
-void tilts_of(const double *alpha, const double *x, Way *way, double residual, double *tilts)
+void tilts_of(const double *alpha, const double *x, CubicTube *way, double residual, double *tilts);
+void tilts_of(const double *alpha, const double *x, CubicTube *way, double residual, double *tilts)
 {
     static Workspace w;
     double ignored[LARGEST_BLOCK];
@@ -143,28 +143,28 @@ class Step:
         self.part = 1 / divisions
         self.end = self.at(1.0)
 
-    def cubics(self) -> Way:
+    def cubics(self) -> CubicTube:
         """Way of the step, with the factors of its end at hand."""
         predicted = self.begin.x + self.part * (self.way.x1 + 0.5 * self.part * self.way.x2)
         self.evaluate(self.end)
         none = np.zeros_like(self.pace)
         return self.way._way(self.part, self.pace, none, self.end.x - predicted)
 
-    def evaluate(self, position: Coordinates) -> None:
+    def evaluate(self, position: LinkageCoordinates) -> None:
         """Have the factors of a position at hand."""
         self.way.newton.equations.place(position)
         for block in self.way.newton.blocks:
             block.evaluate()
 
-    def at(self, s: float) -> Coordinates:
+    def at(self, s: float) -> LinkageCoordinates:
         """Position at s, by small steps."""
         x, count = self.begin.x.copy(), 25
         for k in range(1, count + 1):
             alpha = self.begin.alpha + self.pace * (self.part * s * k / count)
             self.way.newton.full(alpha, x)
-        return Coordinates(alpha, x)
+        return LinkageCoordinates(alpha, x)
 
-    def jacobian(self, number: int, position: Coordinates) -> Array:
+    def jacobian(self, number: int, position: LinkageCoordinates) -> Array:
         """Jacobian of a block; rows of arms do not turn with these, but are at the end.
 
         An arm's two rows are along it and across it, which means the same equations.
@@ -252,9 +252,9 @@ def test_an_arm_is_left_by_cubics_as_little_as_is_said(a: float, b: float, c: fl
     block = Block(slice(0, 1), (), (Curve(0, 2.0, (), (), True, ((0, 1.0),)),))
     angle = (Input("beta", "rad", 1.0),)
     unknown = (Unknown("x", 0.0, 1.0, is_angle=False),)
-    mechanism = Mechanism("m", 2.0, (), (), (), angle, unknown, (block,), 0, {}, {})
+    mechanism = LinkageTables("m", 2.0, (), (), (), angle, unknown, (block,), 0, {}, {})
     first, second, third = (np.array([x, 0.0]) for x in (a, b, c))
-    way = Way(first, second, third, np.zeros(2))
+    way = CubicTube(first, second, third, np.zeros(2))
     error = float(Certifier(mechanism, block)._arms(way)[0, 0])
     assert 0.01 * error <= 2.0 * left <= error
 
@@ -274,7 +274,7 @@ def test_c_says_of_a_tube_what_numpy_says(
     end, places = step.end, len(step.pace) + len(step.end.x)
     for size in (1e-3, 0.03, 0.3):
         first, second, third = (size ** (k + 1) * rng.normal(size=places) for k in range(3))
-        way = Way(first, second, third, np.zeros(places))
+        way = CubicTube(first, second, third, np.zeros(places))
         way.radius[: len(step.pace)] = size**4
         given = np.ravel(way)
         tilts = []

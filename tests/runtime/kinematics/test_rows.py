@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kousoku.runtime.kinematics.rows import Run, request
+from kousoku.runtime.kinematics.rows import RunRequest, request
 
-SCENE = Run(
+SCENE = RunRequest(
     method=1,
     max_iterations=20,
     limit=1e-9,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from kousoku.runtime.kinematics.status import Status
+from kousoku.runtime.kinematics.status import AnalysisStatus
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -58,7 +58,7 @@ def assert_links_hold(four: Bar, rows: Rows, limit: float = 1e-11) -> None:
 @methods
 def test_links_keep_their_lengths_around_the_turn(analysed: Analysed, method: int) -> None:
     rows = analysed(CRANK_ROCKER, method=method)
-    assert (rows.status, rows.done) == (Status.GOOD, 13)
+    assert (rows.status, rows.done) == (AnalysisStatus.GOOD, 13)
     assert_links_hold(CRANK_ROCKER, rows)
     np.testing.assert_allclose(rows.alpha[:, 0], np.linspace(0, 2 * np.pi, 13), rtol=1e-15)
     np.testing.assert_allclose(rows.position[-1], rows.position[0], atol=1e-12)
@@ -105,7 +105,7 @@ def test_coarse_divisions_are_stepped_within(
 ) -> None:
     rows = analysed(DRAG_LINK, divisions=divisions, rows=divisions + 1, method=method)
     fine = analysed(DRAG_LINK, divisions=60 * divisions, rows=60 * divisions + 1)
-    assert (rows.status, fine.status) == (Status.GOOD, Status.GOOD)
+    assert (rows.status, fine.status) == (AnalysisStatus.GOOD, AnalysisStatus.GOOD)
     np.testing.assert_allclose(rows.position, fine.position[::60], atol=1e-11)
     assert rows.iterations[1:].min() > fine.iterations.max()
 
@@ -137,7 +137,7 @@ def test_inputs_that_do_not_turn_go_their_span(analysed: Analysed) -> None:
 def test_dead_centre_on_the_way_keeps_the_good_rows(analysed: Analysed, method: int) -> None:
     rows = analysed(STOPS, divisions=60, rows=61, method=method)
     stretched = math.acos((60**2 + 100**2 - 130**2) / (2 * 60 * 100))
-    assert (rows.status, rows.block) == (Status.DEAD_CENTRE, 1)
+    assert (rows.status, rows.block) == (AnalysisStatus.DEAD_CENTRE, 1)
     assert rows.done == 1 + math.floor(stretched / (math.pi / 30))
     assert rows.reached[0] == pytest.approx(stretched, abs=1e-4)
     assert rows.reached[0] <= stretched
@@ -148,14 +148,14 @@ def test_dead_centre_on_the_way_keeps_the_good_rows(analysed: Analysed, method: 
 
 def test_a_stop_in_the_first_division_of_turns_before_those_wanted(analysed: Analysed) -> None:
     rows = analysed(STOPS, divisions=1, first=3, rows=2)
-    assert (rows.status, rows.done, rows.block) == (Status.DEAD_CENTRE, 0, 1)
+    assert (rows.status, rows.done, rows.block) == (AnalysisStatus.DEAD_CENTRE, 0, 1)
     assert 1.5 < rows.reached[0] < math.pi
 
 
 def test_where_it_stops_is_written_also_into_the_last_row(analysed: Analysed) -> None:
     whole = analysed(STOPS, divisions=60, rows=61)
     last = analysed(STOPS, divisions=60, rows=whole.done + 1)
-    assert (last.status, last.done) == (Status.DEAD_CENTRE, whole.done)
+    assert (last.status, last.done) == (AnalysisStatus.DEAD_CENTRE, whole.done)
     assert last.alpha[-1, 0] == whole.reached[0]
     assert math.isinf(last.residual[-1])
 
@@ -167,7 +167,7 @@ def test_change_point_is_not_stepped_over(analysed: Analysed, method: int, divis
     rows = analysed(
         PARALLELOGRAM, origin=(1.0,), method=method, divisions=divisions, rows=divisions + 1
     )
-    assert rows.status == Status.DEAD_CENTRE
+    assert rows.status == AnalysisStatus.DEAD_CENTRE
     assert rows.done == 1 + math.floor((math.pi - 1) / (2 * math.pi / divisions))
     np.testing.assert_allclose(rows.angle[: rows.done, 1], 0, atol=1e-9)
 
@@ -175,7 +175,7 @@ def test_change_point_is_not_stepped_over(analysed: Analysed, method: int, divis
 @methods
 def test_limit_below_rounding_is_too_small(analysed: Analysed, method: int) -> None:
     rows = analysed(CRANK_ROCKER, limit=1e-17, method=method)
-    assert rows.status == Status.LIMIT_TOO_SMALL
+    assert rows.status == AnalysisStatus.LIMIT_TOO_SMALL
 
 
 def test_large_limit_still_leads_to_full_accuracy(analysed: Analysed) -> None:
@@ -188,14 +188,14 @@ def test_large_limit_still_leads_to_full_accuracy(analysed: Analysed) -> None:
 def test_iterations_are_limited(analysed: Analysed) -> None:
     few = analysed(CRANK_ROCKER, method=1, max_iterations=3)
     many = analysed(CRANK_ROCKER, method=1)
-    assert few.status == Status.GOOD  # by shorter steps
+    assert few.status == AnalysisStatus.GOOD  # by shorter steps
     assert few.iterations[1:].min() > many.iterations.max()
 
 
 def test_rough_positions_are_assembled_by_damped_steps(analysed: Analysed) -> None:
     rough = analysed(CRANK_ROCKER | {"phi": 2.5, "psi": 2.9})
     good = analysed(CRANK_ROCKER)
-    assert rough.status == Status.GOOD
+    assert rough.status == AnalysisStatus.GOOD
     np.testing.assert_allclose(rough.position, good.position, atol=1e-11)
 
 
@@ -207,31 +207,31 @@ def test_both_branches_are_mirrored(analysed: Analysed) -> None:
 
 def test_linkage_that_does_not_reach_is_not_assembled(analysed: Analysed) -> None:
     rows = analysed(OPEN)
-    assert (rows.status, rows.block, rows.done) == (Status.NOT_ASSEMBLED, 1, 0)
+    assert (rows.status, rows.block, rows.done) == (AnalysisStatus.NOT_ASSEMBLED, 1, 0)
     np.testing.assert_allclose(rows.position[0, 0], [30, 0], atol=1e-9)
 
 
 def test_first_position_on_a_dead_centre_is_refused(analysed: Analysed) -> None:
     rows = analysed(PARALLELOGRAM | {"psi": 0.0})
-    assert (rows.status, rows.block) == (Status.ON_DEAD_CENTRE, 1)
+    assert (rows.status, rows.block) == (AnalysisStatus.ON_DEAD_CENTRE, 1)
 
 
 def test_rough_position_with_a_singular_jacobian_is_refused(analysed: Analysed) -> None:
     """Coupler and rocker are parallel, far from where they come together."""
     rows = analysed(CRANK_ROCKER | {"phi": 1.0, "psi": 1.0})
-    assert (rows.status, rows.block) == (Status.ON_DEAD_CENTRE, 1)
+    assert (rows.status, rows.block) == (AnalysisStatus.ON_DEAD_CENTRE, 1)
 
 
 def test_stretched_first_position_is_on_a_dead_centre(analysed: Analysed) -> None:
     """Newton's method converges slowly to it, and the pivot vanishes."""
     rows = analysed(bar(30.0, 50.0, 20.0, 100.0, phi=0.2, psi=2.9))
-    assert rows.status == Status.ON_DEAD_CENTRE
+    assert rows.status == AnalysisStatus.ON_DEAD_CENTRE
 
 
 def test_other_side_of_a_dead_centre_is_refused(analysed: Analysed) -> None:
     """Coupler before the rocker where they start, behind it where they come together."""
     rows = analysed(DRAG_LINK | {"phi": 0.9, "psi": 1.2})
-    assert (rows.status, rows.block, rows.done) == (Status.OTHER_SIDE, 1, 0)
+    assert (rows.status, rows.block, rows.done) == (AnalysisStatus.OTHER_SIDE, 1, 0)
     assert rows.angle[0, 1] > rows.angle[0, 2]
 
 
@@ -252,9 +252,9 @@ def test_other_side_of_a_dead_centre_is_refused(analysed: Analysed) -> None:
     ],
 )
 def test_impossible_runs_are_refused(analysed: Analysed, options: dict[str, object]) -> None:
-    assert analysed(CRANK_ROCKER, **options).status == Status.BAD_ARGUMENT
+    assert analysed(CRANK_ROCKER, **options).status == AnalysisStatus.BAD_ARGUMENT
 
 
 def test_numbers_that_are_none_are_named(analysed: Analysed) -> None:
     rows = analysed(CRANK_ROCKER | {"phi": math.nan})
-    assert (rows.status, rows.block) == (Status.NOT_FINITE, 1)
+    assert (rows.status, rows.block) == (AnalysisStatus.NOT_FINITE, 1)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import kousoku.runtime
 from kousoku.runtime.kinematics import status
-from kousoku.runtime.kinematics.status import MESSAGES, Status
+from kousoku.runtime.kinematics.status import MESSAGES, AnalysisStatus
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,8 +28,8 @@ def test_tolerances_of_the_header_are_those_of_the_module() -> None:
 
 def test_statuses_of_the_header_are_those_of_the_module() -> None:
     (names,) = re.findall(r"enum \{(.*?)\}", HEADER.read_text(encoding="utf-8"), re.DOTALL)
-    assert re.findall(r"\w+", names) == [one.name for one in Status]
-    assert [one.value for one in Status] == list(range(len(MESSAGES)))
+    assert re.findall(r"\w+", names) == [one.name for one in AnalysisStatus]
+    assert [one.value for one in AnalysisStatus] == list(range(len(MESSAGES)))
 
 
 def test_each_status_has_its_sentence_in_both_languages(
@@ -37,5 +37,7 @@ def test_each_status_has_its_sentence_in_both_languages(
 ) -> None:
     message = compiled().test_message
     message.restype = ctypes.c_char_p
-    assert [message(one).decode() for one in Status] == [one.message for one in Status]
-    assert [message(k) for k in (-1, len(Status))] == [b"unknown status"] * 2
+    assert [message(one).decode() for one in AnalysisStatus] == [
+        one.message for one in AnalysisStatus
+    ]
+    assert [message(k) for k in (-1, len(AnalysisStatus))] == [b"unknown status"] * 2

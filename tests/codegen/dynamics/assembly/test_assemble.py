@@ -18,7 +18,7 @@ from kousoku.codegen.dynamics.assembly.near_origin import brought_near
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.generate import generate_dynamics
-from kousoku.codegen.dynamics.simplification.planar import is_planar
+from kousoku.codegen.dynamics.simplification.planarity import is_planar
 from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
 from kousoku.model.families import chain, n_four_bar
@@ -27,7 +27,7 @@ from kousoku.model.system import system_of
 from kousoku.runtime.integrate.given_start import notes_of
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 ROOT = Path(__file__).parents[4]
 Tree = dict[str, Any]

@@ -21,7 +21,7 @@ from tests.analysed import all_rows
 if TYPE_CHECKING:
     from types import SimpleNamespace
 
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 
 def elements(system: System) -> tuple[Residuals, Any]:

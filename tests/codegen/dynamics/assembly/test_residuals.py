@@ -16,7 +16,7 @@ from kousoku.model.read import read_scene
 from kousoku.model.system import system_of
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 SCENES = Path(__file__).parents[4] / "scenes"
 COUPLED = ["gear_train", "falling_nut", "constant_velocity", "oldham_coupling"]

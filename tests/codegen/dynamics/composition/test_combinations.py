@@ -16,24 +16,26 @@ from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.elements.constraints import COMBINATION
-from kousoku.model.mechanism import GROUND_INDEX, Coordinate, Instance, Term
+from kousoku.model.multibody import GROUND_INDEX, Instance, RelativeCoordinate, Term
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 POINTS = (("s_i_b", (0.3, -0.2, 0.4)), ("s_j_b", (-0.1, 0.5, 0.2)))
 COORDINATES = (
-    Coordinate("first", "angle", GROUND_INDEX, 0, (("a_i_b", Z), ("b_i_b", X), ("a_j_b", X))),
-    Coordinate("second", "angle", 1, 2, (("a_i_b", Y), ("b_i_b", Z), ("a_j_b", X))),
-    Coordinate("rod", "length", 0, 2, POINTS),
-    Coordinate("across", "n1", 0, 1, (("a_i_b", X), ("a_j_b", Y))),
-    Coordinate("along", "n1", 0, 1, (("a_i_b", Y), ("a_j_b", X))),
-    Coordinate("height", "n2", GROUND_INDEX, 1, (("a_i_b", Z), *POINTS)),
+    RelativeCoordinate(
+        "first", "angle", GROUND_INDEX, 0, (("a_i_b", Z), ("b_i_b", X), ("a_j_b", X))
+    ),
+    RelativeCoordinate("second", "angle", 1, 2, (("a_i_b", Y), ("b_i_b", Z), ("a_j_b", X))),
+    RelativeCoordinate("rod", "length", 0, 2, POINTS),
+    RelativeCoordinate("across", "n1", 0, 1, (("a_i_b", X), ("a_j_b", Y))),
+    RelativeCoordinate("along", "n1", 0, 1, (("a_i_b", Y), ("a_j_b", X))),
+    RelativeCoordinate("height", "n2", GROUND_INDEX, 1, (("a_i_b", Z), *POINTS)),
 )
 LAW = "1.5*t + k*sin(3*t)^2"
 STEP = CONTEXT.mpf(10) ** -15
@@ -181,7 +183,7 @@ def test_a_law_is_fixed_if_neither_time_nor_parameters_change_it(law: str, value
 def test_a_row_between_planes_is_left_out_only_while_its_law_is_fixed(
     mechanisms: SimpleNamespace,
 ) -> None:
-    height = Coordinate(
+    height = RelativeCoordinate(
         "height",
         "n2",
         GROUND_INDEX,
@@ -211,7 +213,7 @@ def test_a_driven_chain_is_planar_in_any_plane_and_moves_alike(
         return tuple(np.roll(values, -plane).tolist()) if len(values) == 3 else values
 
     one = mechanisms.planar_pendulum(2)
-    angle = Coordinate("angle", "angle", 0, 1, (("a_i_b", X), ("b_i_b", Y), ("a_j_b", X)))
+    angle = RelativeCoordinate("angle", "angle", 0, 1, (("a_i_b", X), ("b_i_b", Y), ("a_j_b", X)))
     row = Instance("motor", COMBINATION, 0, 1, terms=(Term(0, 1.0),), law="t^2", unit="rad")
     one = replace(one, constraints=(*one.constraints, row), coordinates=(angle,))
 
@@ -250,7 +252,7 @@ def test_a_driver_beside_the_plane_has_forces_that_lead_out_of_it(
     mechanisms: SimpleNamespace, height: float, flat: bool
 ) -> None:
     ends = (("s_i_b", (0.0, 2.0, 0.0)), ("s_j_b", (0.1, 0.0, height)))
-    rod = Coordinate("rod", "length", GROUND_INDEX, 0, ends)
+    rod = RelativeCoordinate("rod", "length", GROUND_INDEX, 0, ends)
     jack = Instance("jack", COMBINATION, GROUND_INDEX, 0, terms=(Term(0, 1.0),), law="2+t")
     system = mechanisms.planar_pendulum(1)
     system = replace(system, constraints=(*system.constraints, jack), coordinates=(rod,))
@@ -268,5 +270,5 @@ def test_the_length_of_a_system_is_the_same_wherever_it_stands(
     system = mechanisms.planar_pendulum(1)
     ends = (("s_i_b", (far, 2.0, 0.0)), ("s_j_b", (0.1, 0.0, 0.0)))
     other = (("s_i_b", (far, 0.0, 0.0)), ("s_j_b", (0.1, 0.0, 0.0)))
-    rods = tuple(Coordinate("rod", "length", GROUND_INDEX, 0, own) for own in (ends, other))
+    rods = tuple(RelativeCoordinate("rod", "length", GROUND_INDEX, 0, own) for own in (ends, other))
     assert characteristic_length(replace(system, constraints=(), coordinates=rods)) == length

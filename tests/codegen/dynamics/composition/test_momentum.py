@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.simplification.conserved_momenta import conserved_
 from kousoku.model.elements.along import CoordinateForce
 from kousoku.model.elements.load import Load
 from kousoku.model.elements.spring_damper import PointSpring
-from kousoku.model.mechanism import GROUND_INDEX, Coordinate, ForceElement, System
+from kousoku.model.multibody import GROUND_INDEX, ForceElement, RelativeCoordinate, System
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def test_forces_of_the_ground_keep_what_is_across_them_or_about_their_point(
     tied = replace(flying, forces=(spring(1, 2), spring(GROUND_INDEX, body)))
     (kept,) = conserved_momenta(tied, is_planar=False)
     assert (kept.linear, kept.angular, kept.about) == ((), ((0.0, 0.0, -1.0),), (0.1, 0.2, 0.3))
-    one = Coordinate("h", "n2", GROUND_INDEX, body, (("a_i_b", X), *NOWHERE))
+    one = RelativeCoordinate("h", "n2", GROUND_INDEX, body, (("a_i_b", X), *NOWHERE))
     push = CoordinateForce("p", GROUND_INDEX, body, (("force", (1.0,)),), coordinate=0)
     pushed = replace(flying, coordinates=(one,), forces=(spring(1, 2), push))
     (kept,) = conserved_momenta(pushed, is_planar=False)

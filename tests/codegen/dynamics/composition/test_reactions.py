@@ -20,7 +20,7 @@ from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.errors import SceneError
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of
 from tests.analysed import independent
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import Instance, System
+    from kousoku.model.multibody import Instance, System
 
 SCENES = Path(__file__).parents[4] / "scenes"
 OUTPUTS = ("reactions", "checks")

@@ -91,7 +91,7 @@ def test_the_text_is_python_with_the_integrator_alone_in_lines_of_a_hundred(
         if isinstance(node, ast.Import | ast.ImportFrom)
         for name in ([node.module] if isinstance(node, ast.ImportFrom) else [node.names[0].name])
     }
-    inside = {"integrate.scene", "integrate.solver", "integrate.tasks"}
+    inside = {"integrate.scene_tables", "integrate.scene_solver", "integrate.tasks"}
     assert imported <= {"__future__", "typing", *inside}
     assert max(map(len, text.splitlines())) <= 100
 

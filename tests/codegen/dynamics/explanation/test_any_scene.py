@@ -19,7 +19,7 @@ from tests.analysed import all_rows, independent
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 NUMBERS = st.floats(0.3, 1.5).map(lambda x: round(x, 3))
 JOINTS = st.sampled_from(["revolute", "cylindrical", "spherical", "parallel_axes"])

@@ -16,7 +16,7 @@ from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.families import n_four_bar
-from kousoku.model.mechanism import System
+from kousoku.model.multibody import System
 from kousoku.model.read import read_scene, scene_from_toml
 from tests.analysed import all_rows, independent
 

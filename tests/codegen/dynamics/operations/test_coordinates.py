@@ -14,14 +14,14 @@ from kousoku.codegen.dynamics.explanation.structure import structure_of
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.mechanism import GROUND_INDEX, Coordinate
+from kousoku.model.multibody import GROUND_INDEX, RelativeCoordinate
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 POINTS = (("s_i_b", (0.3, -0.2, 0.4)), ("s_j_b", (-0.1, 0.5, 0.2)))
@@ -34,16 +34,16 @@ KINDS: dict[str, tuple[tuple[str, tuple[float, ...]], ...]] = {
 STEP = CONTEXT.mpf(10) ** -15
 
 
-def coordinate(kind: str, i: int, j: int, near: float = 0.0) -> Coordinate:
-    return Coordinate(f"{kind}.{i}.{j}", kind, i, j, KINDS[kind], near)
+def coordinate(kind: str, i: int, j: int, near: float = 0.0) -> RelativeCoordinate:
+    return RelativeCoordinate(f"{kind}.{i}.{j}", kind, i, j, KINDS[kind], near)
 
 
-def shown(system: System, *coordinates: Coordinate) -> System:
+def shown(system: System, *coordinates: RelativeCoordinate) -> System:
     return replace(system, coordinates=coordinates, shown=tuple(range(len(coordinates))))
 
 
 @pytest.fixture(scope="module")
-def all_kinds() -> list[Coordinate]:
+def all_kinds() -> list[RelativeCoordinate]:
     return [coordinate(kind, i, 1) for kind in KINDS for i in (GROUND_INDEX, 0)]
 
 
@@ -76,7 +76,7 @@ def anywhere(program: Program, rng: np.random.Generator) -> ProgramInterpreter:
 def test_rates_and_accelerations_are_derivatives_of_the_values(
     mechanisms: SimpleNamespace,
     rng: np.random.Generator,
-    all_kinds: list[Coordinate],
+    all_kinds: list[RelativeCoordinate],
     is_inline: bool,
 ) -> None:
     system = shown(mechanisms.chain(2), *all_kinds)

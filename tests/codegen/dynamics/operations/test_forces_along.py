@@ -16,7 +16,7 @@ from kousoku.codegen.dynamics.simplification.axis_permutation import permuted
 from kousoku.model.elements.along import CoordinateForce
 from kousoku.model.elements.coordinate_spring import CoordinateSpring
 from kousoku.model.elements.load import Load
-from kousoku.model.mechanism import GROUND_INDEX, Coordinate, MovingBody, System
+from kousoku.model.multibody import GROUND_INDEX, MovingBody, RelativeCoordinate, System
 from tests.analysed import all_rows
 from tests.codegen.dynamics.operations.test_coordinates import KINDS, X, Y, Z
 
@@ -33,7 +33,7 @@ def acting(system: System, measure: str, *ends: int, **force: Any) -> System:
     """System with one coordinate, one parameter and one force."""
     near = 4.0 * math.pi if measure == "angle" else 0.0
     i, j = ends
-    one = Coordinate("u", measure, i, j, KINDS[measure], near)
+    one = RelativeCoordinate("u", measure, i, j, KINDS[measure], near)
     given: dict[str, Any] = {"name": "f", "i": i, "j": j, "coordinate": 0} | force
     kind = given["kind"]
     if kind in OF_COORDINATES:
@@ -155,7 +155,7 @@ def test_a_force_along_a_coordinate_depends_on_it_and_its_rate_in_the_unit_of_th
 def test_formulas_that_differ_in_names_only_are_one_kernel(mechanisms: SimpleNamespace) -> None:
     chain = mechanisms.chain(3)
     angle = (("a_i_b", X), ("b_i_b", Z), ("a_j_b", X))
-    places = tuple(Coordinate(f"u{k}", "angle", k - 1, k, angle) for k in range(3))
+    places = tuple(RelativeCoordinate(f"u{k}", "angle", k - 1, k, angle) for k in range(3))
     forces = tuple(
         CoordinateForce(
             *(f"f{k}", k - 1, k, (("force", (2.0,)),)),
@@ -215,7 +215,7 @@ def level(kind: str, constants: Any, free: float = 0.4) -> System:
     given: dict[str, Any] = mass | place | {"origin_b": still, "axes_b": turn}
     body = MovingBody(name="b", **given)
     law = (*LINEAR[:2], ("free", (free,)))
-    one = Coordinate("u", kind, GROUND_INDEX, 0, constants)
+    one = RelativeCoordinate("u", kind, GROUND_INDEX, 0, constants)
     force = CoordinateSpring("f", GROUND_INDEX, 0, law, coordinate=0)
     gravity = (0.0, -9.81, 0.0)
     return System("one", 1.0, (body,), (), gravity, coordinates=(one,), forces=(force,))
@@ -280,9 +280,9 @@ def test_forces_along_coordinates_are_the_same_in_a_plane_and_in_space(
     pendulum = mechanisms.planar_pendulum(2)
     ends = (("s_i_b", (0.1, 2.0, 0.0)), ("s_j_b", (0.2, 0.1, 0.3)))
     coordinates = (
-        Coordinate("u", "angle", 0, 1, KINDS["angle"], 2 * math.tau),
-        Coordinate("gap", "length", GROUND_INDEX, 1, ends),
-        Coordinate("h", "n2", GROUND_INDEX, 0, (("a_i_b", Z), *ends)),
+        RelativeCoordinate("u", "angle", 0, 1, KINDS["angle"], 2 * math.tau),
+        RelativeCoordinate("gap", "length", GROUND_INDEX, 1, ends),
+        RelativeCoordinate("h", "n2", GROUND_INDEX, 0, (("a_i_b", Z), *ends)),
     )
     spring = CoordinateSpring("s", 0, 1, LINEAR, coordinate=0)
     vectors = (("torque", (0.0, 0.0, 0.0)), ("torque_x", X), ("torque_z", Z))

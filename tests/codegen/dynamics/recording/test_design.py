@@ -22,7 +22,7 @@ from kousoku.model.varying import is_varying
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 FOLDER = Path(__file__).parents[3] / "scenes" / "design"
 SCENES = {path.stem: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.toml"))}

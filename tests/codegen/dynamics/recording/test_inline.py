@@ -12,7 +12,12 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
-from kousoku.codegen.dynamics.recording.program import AFTER_GEOMETRY, reads, writes
+from kousoku.codegen.dynamics.recording.program import (
+    AFTER_GEOMETRY,
+    meaning_of,
+    reads,
+    writes,
+)
 from kousoku.model.digits import HIGH
 from tests.analysed import all_rows
 
@@ -20,7 +25,7 @@ if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 RESULTS = (
     *("C", "dq", "q_moved", "dv", "q_dot", "v_dot", "lam", "reactions", "energies"),
@@ -142,3 +147,14 @@ def slots_of(program: Program, name: str) -> set[int]:
         for base, length in writes(program, task)
         for slot in range(base, base + length)
     }
+
+
+def test_the_head_of_a_straight_segment_names_only_what_it_reads(
+    mechanisms: SimpleNamespace,
+) -> None:
+    """A function takes the whole workspace; no constraint here depends on time."""
+    straight = inline(compose(all_rows(system_of(mechanisms, "chain")), ["checks"]), limit=100_000)
+    heads = {one.name: meaning_of(straight, one).split(" -> ")[0] for one in straight.segments}
+    assert heads["geometry"] == "q"
+    assert heads["move"] == "q, dq"
+    assert heads["velocity"] == heads["acceleration"] == "v"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, zeros
+from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix, zeros
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.matrix import Matrix
@@ -42,8 +42,8 @@ def recorder() -> Recorder:
 
 def test_what_is_known_without_computing_leaves_no_kernel() -> None:
     rec = recorder()
-    full = Block(rec.region("m", 4).entries, 2, 2)
-    assert rec.call(Product(), full, Block((1, 0, 0, 1), 2, 2)) == (full,)
+    full = SlotMatrix(rec.region("m", 4).entries, 2, 2)
+    assert rec.call(Product(), full, SlotMatrix((1, 0, 0, 1), 2, 2)) == (full,)
     assert rec.call(Product(), full, zeros(2, 1)) == (zeros(2, 1),)
     assert rec.kernels == []
     assert rec.segments == [("geometry", [])]
@@ -51,11 +51,11 @@ def test_what_is_known_without_computing_leaves_no_kernel() -> None:
 
 def test_equal_patterns_share_a_kernel_and_other_zeros_do_not() -> None:
     rec = recorder()
-    full = [Block(rec.region(f"m{k}", 4).entries, 2, 2) for k in range(3)]
+    full = [SlotMatrix(rec.region(f"m{k}", 4).entries, 2, 2) for k in range(3)]
     rec.call(Product(), full[0], full[1])
     rec.call(Product(), full[1], full[2])
     assert len(rec.kernels) == 1
-    rec.call(Product(), full[0], Block((*full[1].entries[:3], 0), 2, 2))
+    rec.call(Product(), full[0], SlotMatrix((*full[1].entries[:3], 0), 2, 2))
     rec.call(Product(), full[0], full[0])
     assert len(rec.kernels) == 3
 
@@ -63,9 +63,9 @@ def test_equal_patterns_share_a_kernel_and_other_zeros_do_not() -> None:
 def test_ones_and_zeros_fold_and_copies_have_no_slot() -> None:
     rec = recorder()
     x = rec.region("x", 2)
-    (result,) = rec.call(Product(), Block((0, 1, -1, 0), 2, 2), x)
+    (result,) = rec.call(Product(), SlotMatrix((0, 1, -1, 0), 2, 2), x)
     assert result.entries == (x.entries[1], -x.entries[0])
-    (nothing,) = rec.call(Product(), Block((0, 0), 1, 2), x)
+    (nothing,) = rec.call(Product(), SlotMatrix((0, 0), 1, 2), x)
     assert nothing.entries == (0,)
     assert rec.segments[0][1] == []
 

@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import Coordinate, Instance, System, Term
+from kousoku.model.multibody import Instance, RelativeCoordinate, System, Term
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
 from tests.analysed import all_rows
@@ -192,7 +192,7 @@ def geared(made: SimpleNamespace, *, is_grounded: bool) -> System:
     ]
     axes = (("a_i_b", X), ("b_i_b", Y), ("a_j_b", X))
     angles = tuple(
-        Coordinate(f"{name}.angle", "angle", frame, body, axes)
+        RelativeCoordinate(f"{name}.angle", "angle", frame, body, axes)
         for name, frame, body in zip(("one", "two"), frames, (0, 1), strict=True)
     )
     others = tuple(body for body in (frames[1], 1) if body != frames[0])

@@ -15,7 +15,7 @@ from kousoku.codegen.dynamics.simplification.axis_permutation import (
     permuted,
     permuted_row,
 )
-from kousoku.codegen.dynamics.simplification.planar import is_planar
+from kousoku.codegen.dynamics.simplification.planarity import is_planar
 from tests.analysed import all_rows, without
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.simplification.conserved_momenta import conserved_momenta
 from kousoku.model.joints import JOINTS
-from kousoku.model.mechanism import GROUND_INDEX, Instance, System
+from kousoku.model.multibody import GROUND_INDEX, Instance, System
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
 from tests.analysed import all_rows

@@ -25,7 +25,7 @@ from tests.analysed import all_rows, independent, jointed
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 WANTED = ("checks", "energies", "reactions", "accelerations")
 TIME = 0.3

@@ -16,7 +16,7 @@ from kousoku.codegen.generate import write_tree
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.elements.load import Load
 from kousoku.model.elements.spring_damper import PointSpring
-from kousoku.model.mechanism import GROUND_INDEX, Coordinate, Instance, System
+from kousoku.model.multibody import GROUND_INDEX, Instance, RelativeCoordinate, System
 from kousoku.runtime.dynamics import load_dynamics
 from tests.analysed import all_rows
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from kousoku.model.scene import Scene
-    from kousoku.runtime.motion import Motion
+    from kousoku.runtime.integrate.motion import Motion
 
 MOVABLE = ("revolute", "spherical", "universal", "cylindrical")
 #: Of the last one a torque acts on a body that stands still: its work is told, and it stays a body.
@@ -214,7 +214,9 @@ def test_gravity_that_a_parameter_changes_keeps_what_rests(mechanisms: SimpleNam
 
 def test_a_coordinate_between_two_bodies_keeps_them_two(mechanisms: SimpleNamespace) -> None:
     points = (("s_i_b", (0.0, 0.0, 0.0)), ("s_j_b", (0.0, 0.0, 0.0)))
-    system = replace(row_of(mechanisms), coordinates=(Coordinate("l", "length", 0, 1, points),))
+    system = replace(
+        row_of(mechanisms), coordinates=(RelativeCoordinate("l", "length", 0, 1, points),)
+    )
 
     assert lump(system).system == system
 

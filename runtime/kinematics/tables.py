@@ -102,7 +102,7 @@ class Block(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Mechanism:
+class LinkageTables:
     """A planar mechanism whose position equations are block-triangular.
 
     Parameters
@@ -143,8 +143,8 @@ class Mechanism:
     segments: Mapping[str, Segment]
 
     @classmethod
-    def from_data(cls, data: Mapping[str, Any], segments: Mapping[str, Segment]) -> Mechanism:
-        """Return what ``motion.json`` says, with the segments of ``solver.py``."""
+    def from_data(cls, data: Mapping[str, Any], segments: Mapping[str, Segment]) -> LinkageTables:
+        """Mechanism from ``motion.json``, with the segments of ``solver.py``."""
         blocks, first = [], 0
         for block in data["blocks"]:
             own = slice(first, first + len(block["unknowns"]))

@@ -102,7 +102,7 @@ class Block(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Mechanism:
+class LinkageTables:
     """A planar mechanism whose position equations are block-triangular.
 
     Parameters
@@ -143,7 +143,7 @@ class Mechanism:
     segments: Mapping[str, Segment]
 
     @classmethod
-    def from_data(cls, data: Mapping[str, Any], segments: Mapping[str, Segment]) -> Mechanism:
+    def from_data(cls, data: Mapping[str, Any], segments: Mapping[str, Segment]) -> LinkageTables:
         """Mechanism from ``motion.json``, with the segments of ``solver.py``."""
         blocks, first = [], 0
         for block in data["blocks"]:

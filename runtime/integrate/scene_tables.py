@@ -11,7 +11,7 @@ import numpy as np
 from .arithmetic import larger, rounding_of_sum
 from .methods import METHODS
 from .state import State, size_of_state
-from .tasks import Kernel, numbers, places, run_tasks, segment_of
+from .tasks import TaskKernel, numbers, places, run_tasks, segment_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -31,7 +31,7 @@ WAY = 12
 
 
 @dataclass(frozen=True)
-class Scene:
+class SceneTables:
     """What a solver holds of its scene: what that lacks is not given, and zero or empty.
 
     Parameters
@@ -51,7 +51,7 @@ class Scene:
     work_size : int
         Count of slots in the workspace.
     kernels : sequence of (callable, int, str, str)
-        What tasks call, as :meth:`integrate.tasks.Kernel.read` takes it.
+        What tasks call, as :meth:`integrate.tasks.TaskKernel.read` takes it.
     tasks : mapping of str to str
         The table of each segment, as :func:`integrate.tasks.segment_of` reads it.
     tables : mapping of str to str
@@ -142,7 +142,7 @@ class Scene:
     events: Slots = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        kernels = [Kernel.read(*kernel) for kernel in self.kernels]
+        kernels = [TaskKernel.read(*kernel) for kernel in self.kernels]
         tables = defaultdict(str, self.tables)
         found: dict[str, object] = {
             "segments": {name: segment_of(kernels, text) for name, text in self.tasks.items()},
@@ -161,7 +161,7 @@ class Scene:
             object.__setattr__(self, name, value)
 
     def size(self, region: str) -> int:
-        """Return the size of a region, 0 where the scene has none of that name."""
+        """Size of a region, 0 where the scene has none of that name."""
         return self.regions.get(region, (0, 0))[1]
 
     @property
@@ -281,7 +281,7 @@ class Workspace:
 
     Parameters
     ----------
-    scene : Scene
+    scene : SceneTables
         What it belongs to.
     slots : array
         Where it is.
@@ -323,7 +323,7 @@ class Workspace:
     infinite: Array
     constants: Array
 
-    def __init__(self, scene: Scene, slots: Array) -> None:
+    def __init__(self, scene: SceneTables, slots: Array) -> None:
         self.scene = scene
         self.slots = slots
         for name in Workspace.__annotations__:
@@ -367,11 +367,11 @@ class Workspace:
         self.q[:] = self.q_moved
 
     def size_of(self, u: Array) -> float:
-        """Return the largest element of a correction, lengths relative to that of the scene."""
+        """Largest element of a correction, lengths relative to that of the scene."""
         return float(np.max(np.abs(u) / self.scene.lengths))  # a NaN stays
 
     def way_of(self, h: float, y: Array, end: Array) -> float:
-        """Return how far bodies move in a step of length h to an end, in lengths and radians."""
+        """Distance that bodies move in a step of length h to an end, in lengths and radians."""
         nq = self.scene.nq
         return h * larger(self.size_of(y[nq:]), self.size_of(end[nq:]))
 
@@ -381,13 +381,13 @@ class Work:
 
     Parameters
     ----------
-    scene : Scene
+    scene : SceneTables
         What it belongs to.
     slots : array
         The workspace.
     """
 
-    def __init__(self, scene: Scene, slots: Array) -> None:
+    def __init__(self, scene: SceneTables, slots: Array) -> None:
         self.scene = scene
         self.w = Workspace(scene, slots)
         self.k = np.zeros((STAGES, scene.ny))
@@ -400,11 +400,11 @@ class RowMemory:
 
     Parameters
     ----------
-    scene : Scene
+    scene : SceneTables
         What it belongs to.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: SceneTables) -> None:
         count = scene.nc + scene.size("C_left_out")
         self.is_on = False  # whether all rows were factorised
         self.ratio = 0.0  # their pivot ratio
@@ -416,6 +416,6 @@ class RowMemory:
         self.rates = np.zeros(count)  # of the rows at rest, −ν
 
 
-def state_of(scene: Scene, numbers: Array) -> State:
-    """Return a state by names."""
+def state_of(scene: SceneTables, numbers: Array) -> State:
+    """State with its fields by name."""
     return State(numbers, scene.state_sizes)

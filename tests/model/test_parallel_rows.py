@@ -9,7 +9,7 @@ import pytest
 
 from kousoku.generated.kinds import p1_x, p1_y, p1_z, p2_x, p2_y, p2_z
 from kousoku.model.errors import DerivationError
-from kousoku.model.rows import variant
+from kousoku.model.parallel_rows import variant
 
 P1 = {"p1_x": p1_x, "p1_y": p1_y, "p1_z": p1_z}
 P2 = {"p2_x": p2_x, "p2_y": p2_y, "p2_z": p2_z}

@@ -17,7 +17,7 @@ from .pivot_monitor import branch_ratio, note_largest_pivot, pivot_ratio
 from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import find_reactions, write_row
-from .scene import Work, Workspace, state_of
+from .scene_tables import Work, Workspace, state_of
 from .settings import ACTIONS, Status
 from .stepper import energy_balance, first_step, note_extent, step
 from .switching import even_end, meet_switches, resolved_step
@@ -25,8 +25,8 @@ from .switching import even_end, meet_switches, resolved_step
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .methods import Method
-    from .scene import Scene
+    from .methods import RungeKuttaMethod
+    from .scene_tables import SceneTables
     from .settings import Settings
     from .state import State
 
@@ -37,16 +37,16 @@ FOUND_FIRST = ("geometry", "position", "move", "velocity", "acceleration")
 FOUND_LAST = ("coordinate", "energy", "momentum", "check")
 
 
-class Solver:
+class SceneSolver:
     """The solver of a scene; the caller owns states, workspaces and rows.
 
     Parameters
     ----------
-    scene : Scene
+    scene : SceneTables
         What moves.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: SceneTables) -> None:
         self.scene = scene
 
     def start(
@@ -220,7 +220,7 @@ class Solver:
         return Status.GOOD, n_rows
 
     def _report_event(
-        self, m: Method, settings: Settings, s: State, work: Work, rows: Array
+        self, m: RungeKuttaMethod, settings: Settings, s: State, work: Work, rows: Array
     ) -> Status:
         """Write the row of an event that is still to be told, behind those of times.
 
@@ -243,7 +243,13 @@ class Solver:
         return Status.EVENT
 
     def _advance(
-        self, m: Method, settings: Settings, asked: float, end: float, s: State, work: Work
+        self,
+        m: RungeKuttaMethod,
+        settings: Settings,
+        asked: float,
+        end: float,
+        s: State,
+        work: Work,
     ) -> Status:
         """Make one step towards the time that is asked for."""
         status, target = Status.GOOD, end

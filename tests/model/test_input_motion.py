@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kousoku.model.motion import input_values, period, turns_of
+from kousoku.model.input_motion import input_values, period, turns_of
 from kousoku.model.planar import Input
 from kousoku.model.scene import Scene
 

@@ -10,14 +10,14 @@ import pytest
 
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
-from kousoku.codegen.dynamics.simplification.planar import is_planar
+from kousoku.codegen.dynamics.simplification.planarity import is_planar
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import System
+    from kousoku.model.multibody import System
 
 
 def changed(system: System, **fields: Any) -> System:

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.model.motion import input_values
+from kousoku.model.input_motion import input_values
 
 if TYPE_CHECKING:
     from kousoku.model.scene import Scene
 
 
 @dataclass(frozen=True, slots=True)
-class Direction:
+class PrescribedDirection:
     """The direction of a link, from its first node to its second, that an input prescribes.
 
     Parameters
@@ -85,13 +85,13 @@ def known_nodes(scene: Scene, ks: np.ndarray) -> dict[str, Known]:
     return known
 
 
-def _directions(scene: Scene) -> dict[str, Direction]:
+def _directions(scene: Scene) -> dict[str, PrescribedDirection]:
     """Links whose direction is prescribed, through rigid connections too."""
-    directions: dict[str, Direction] = {}
+    directions: dict[str, PrescribedDirection] = {}
     for name, given in scene.inputs.items():
         if given.link is not None:
             turned = 0.0 if given.about == scene.links[given.link].nodes[0] else pi
-            directions[given.link] = Direction(name, turned)
+            directions[given.link] = PrescribedDirection(name, turned)
     growing = True
     while growing:
         growing = False
@@ -104,7 +104,7 @@ def _directions(scene: Scene) -> dict[str, Direction]:
                     angle = scene.rigid_angle(name, link) - scene.rigid_angle(name, base)
                     angle += _flip(scene, link, rigid.at) - _flip(scene, base, rigid.at)
                     offset = directions[base].offset + angle
-                    directions[link] = Direction(directions[base].given, offset)
+                    directions[link] = PrescribedDirection(directions[base].given, offset)
                     growing = True
     return directions
 
@@ -117,7 +117,7 @@ def _flip(scene: Scene, link: str, node: str) -> float:
 def _reach(
     scene: Scene,
     known: dict[str, Known],
-    directions: dict[str, Direction],
+    directions: dict[str, PrescribedDirection],
     values: dict[str, np.ndarray],
 ) -> dict[str, Known]:
     """Nodes at the far ends of known links that start at known nodes."""

@@ -1,6 +1,6 @@
 /* Records of the tables that describe a mechanism: its unknown coordinates and its blocks. */
-#ifndef KOUSOKU_KINEMATICS_MECHANISM_H
-#define KOUSOKU_KINEMATICS_MECHANISM_H
+#ifndef KOUSOKU_KINEMATICS_TABLES_H
+#define KOUSOKU_KINEMATICS_TABLES_H
 
 #include <stddef.h>
 

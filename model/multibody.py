@@ -8,11 +8,12 @@ The ground is body :data:`GROUND_INDEX`; its frame is frame O and it has no coor
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from kousoku.model.elements.constraints import COORDINATES
+from kousoku.model.elements.constraints import COMBINATION, COORDINATES
 
-Vector = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
+if TYPE_CHECKING:
+    from kousoku.model.orientation import Quaternion, Vector
 
 GROUND_INDEX = -1
 
@@ -69,7 +70,7 @@ class MovingBody:
 
 
 @dataclass(frozen=True, slots=True)
-class Coordinate:
+class RelativeCoordinate:
     """A scalar quantity of two bodies: what a joint leaves free, a distance, the place of a point.
 
     Parameters
@@ -173,6 +174,11 @@ class Instance:
     def bodies(self) -> tuple[int, ...]:
         """The bodies that it connects, each once, the ground too: first i, then j."""
         return tuple(dict.fromkeys((self.i, self.j, *self.others)))
+
+    @property
+    def is_combination(self) -> bool:
+        """Whether it combines coordinates, and has no kernels."""
+        return self.kind == COMBINATION
 
     @property
     def is_driver(self) -> bool:
@@ -331,7 +337,7 @@ class System:
         What it keeps of the velocities: constraints whose rates stay what they are.
     forces : tuple of ForceElement
         What acts beside gravity, in the order of the scene.
-    coordinates : tuple of Coordinate
+    coordinates : tuple of RelativeCoordinate
         Those that constraints, forces or outputs need, then those that are only held.
     shown : tuple of int
         Places of the coordinates that are outputs, in the order of the scene.
@@ -362,7 +368,7 @@ class System:
     held: tuple[Instance, ...] = ()
     held_rates: tuple[Instance, ...] = ()
     forces: tuple[ForceElement, ...] = ()
-    coordinates: tuple[Coordinate, ...] = ()
+    coordinates: tuple[RelativeCoordinate, ...] = ()
     shown: tuple[int, ...] = ()
     parameters: tuple[tuple[str, float], ...] = ()
     gravity_law: tuple[str, str, str] = ("", "", "")

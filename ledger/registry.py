@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 
 Words = Callable[[], "Vocabulary"]
 #: What a proof saw, in one line; or statements, each with whether it is true.
-Seen = str | Mapping[str, bool]
+Evidence = str | Mapping[str, bool]
 
 _Known = TypeVar("_Known")
 _Words = TypeVar("_Words", bound=Words)
-_Proof = TypeVar("_Proof", bound=Callable[..., Seen])
+_Proof = TypeVar("_Proof", bound=Callable[..., Evidence])
 
 
 class ProofMethod(NamedTuple):
@@ -31,7 +31,7 @@ class ProofMethod(NamedTuple):
         What it shows, its arguments in braces; empty where each entry says that itself.
     """
 
-    function: Callable[..., Seen]
+    function: Callable[..., Evidence]
     statement: str
 
 

@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
+from kousoku.codegen.dynamics.operations.body_coordinates import NO_TURN, start
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
-from kousoku.codegen.dynamics.operations.shapes import NO_TURN, start
 from kousoku.codegen.dynamics.simplification.axis_permutation import (
     NORMAL,
     Plane,
@@ -36,16 +36,16 @@ from kousoku.codegen.dynamics.simplification.forces_plane import (
 )
 from kousoku.codegen.dynamics.simplification.outline import live_elements
 from kousoku.model.arithmetic import FLOAT
-from kousoku.model.elements.constraints import COMBINATION
+from kousoku.model.elements.constraints import is_axis
 from kousoku.model.interpret import evaluate
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
+    from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
 
 #: Largest residual of a dropped row, in metres or radians: what rounding leaves.
 RESIDUAL = 1e-12
@@ -91,7 +91,7 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
             jacobian = np.array(elements)
         joint.live.append(jacobian[list(live)])
         joint.dropped.append(jacobian[dropped])
-        if dropped or instance.kind != COMBINATION:
+        if dropped or not instance.is_combination:
             joint.turns_about_z &= all(axis in ALONG_Z for axis in _axes(system, instance))
     held = _held(system, joints)
     return (all(held) or not wants_hold) and all(
@@ -160,7 +160,7 @@ def _may_hold(system: System) -> bool:
     beside: dict[int, list[int]] = {}
     joints: dict[tuple[str, tuple[int, ...]], bool] = {}
     for one in system.constraints:
-        turns_about_z = one.kind == COMBINATION or all(a in ALONG_Z for a in _axes(system, one))
+        turns_about_z = one.is_combination or all(a in ALONG_Z for a in _axes(system, one))
         key = (one.joint, one.bodies)
         joints[key] = joints.get(key, True) and turns_about_z
     for (_, ends), turns_about_z in joints.items():
@@ -186,7 +186,7 @@ def _at_start(system: System, instance: Instance) -> tuple[Sequence[float], Any]
 
     A residual that changes with time, or with a parameter, is infinite.
     """
-    if instance.kind != COMBINATION:
+    if not instance.is_combination:
         residual, jacobian = _kernel_at_start(system, instance)
         return residual, np.reshape(jacobian, (-1, 2 * COLUMNS))
     total = instance.offset - fixed_law(instance, [name for name, _ in system.parameters])
@@ -202,7 +202,7 @@ def _at_start(system: System, instance: Instance) -> tuple[Sequence[float], Any]
 
 
 def _kernel_at_start(
-    system: System, one: Instance | Coordinate
+    system: System, one: Instance | RelativeCoordinate
 ) -> tuple[Sequence[float], Sequence[float]]:
     inputs: dict[str, Sequence[float]] = dict(one.constants)
     for end, index in (("i", one.i), ("j", one.j)):
@@ -224,7 +224,7 @@ def _axes(system: System, instance: Instance) -> list[tuple[float, ...]]:
     constants = list(instance.constants)
     for term in instance.terms:
         constants += system.coordinates[term.coordinate].constants
-    return [value for name, value in constants if name.startswith(("a_", "b_"))]
+    return [value for name, value in constants if is_axis(name)]
 
 
 def _held(system: System, joints: dict[tuple[str, tuple[int, ...]], _Joint]) -> list[bool]:

@@ -6,16 +6,16 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.shapes import shape, start
+from kousoku.codegen.dynamics.operations.body_coordinates import shape, start
 from kousoku.codegen.dynamics.recording.design import number
-from kousoku.codegen.dynamics.recording.program import BodyCoordinates, Place
-from kousoku.codegen.dynamics.recording.recorder import Block, column, slot_of
+from kousoku.codegen.dynamics.recording.program import BodyCoordinates, CoordinatePlace
+from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column, slot_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.recorder import Recorder
-    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.multibody import MovingBody, System
     from kousoku.model.precise import High
 
 
@@ -31,13 +31,13 @@ class BodyBlocks:
         Places in (δr, δθ′) that are.
     q, v : int
         Offsets in the regions.
-    r, p, v_r, omega_b : Block
+    r, p, v_r, omega_b : SlotMatrix
         The whole vectors: what is no coordinate is a constant.
-    orientation : Block
+    orientation : SlotMatrix
         A, (3, 3).
-    inverse_mass : Block
+    inverse_mass : SlotMatrix
         Diagonal of M⁻¹ in the columns, one row.
-    basis, inverse : Block, optional
+    basis, inverse : SlotMatrix, optional
         R and (Rᵀ M R)⁻¹ of a body that is reduced; see
         :mod:`~kousoku.codegen.dynamics.simplification.joint_coordinates`.
     """
@@ -46,21 +46,21 @@ class BodyBlocks:
     columns: tuple[int, ...]
     q: int
     v: int
-    r: Block
-    p: Block
-    v_r: Block
-    omega_b: Block
-    orientation: Block
-    inverse_mass: Block
-    basis: Block | None = None
-    inverse: Block | None = None
+    r: SlotMatrix
+    p: SlotMatrix
+    v_r: SlotMatrix
+    omega_b: SlotMatrix
+    orientation: SlotMatrix
+    inverse_mass: SlotMatrix
+    basis: SlotMatrix | None = None
+    inverse: SlotMatrix | None = None
 
     @property
-    def effective_inverse_mass(self) -> Block:
+    def effective_inverse_mass(self) -> SlotMatrix:
         """The inverse of the mass that other joints move."""
         return self.inverse or self.inverse_mass
 
-    def spread(self, entries: Sequence[int]) -> tuple[Block, Block]:
+    def spread(self, entries: Sequence[int]) -> tuple[SlotMatrix, SlotMatrix]:
         """Columns (δr, δθ′) with zeros where there is no column."""
         full = [0] * 6
         for place, entry in zip(self.columns, entries, strict=True):
@@ -68,11 +68,11 @@ class BodyBlocks:
         return column(full[:3]), column(full[3:])
 
 
-IDENTITY = Block((1, 0, 0, 0, 1, 0, 0, 0, 1), 3, 3)
+IDENTITY = SlotMatrix((1, 0, 0, 0, 1, 0, 0, 0, 1), 3, 3)
 NOTHING = column((0, 0, 0))
 #: The ground has no columns.
 GROUND = BodyBlocks(
-    (), (), 0, 0, NOTHING, column((1, 0, 0, 0)), NOTHING, NOTHING, IDENTITY, Block((), 1, 0)
+    (), (), 0, 0, NOTHING, column((1, 0, 0, 0)), NOTHING, NOTHING, IDENTITY, SlotMatrix((), 1, 0)
 )
 
 
@@ -105,7 +105,7 @@ def _mixed(
 
 
 def body_blocks(
-    system: System, recorder: Recorder, q: Block, v: Block, *, is_planar: bool
+    system: System, recorder: Recorder, q: SlotMatrix, v: SlotMatrix, *, is_planar: bool
 ) -> list[BodyBlocks]:
     """Blocks of all bodies; A is put in when the geometry is recorded."""
     found = []
@@ -138,9 +138,11 @@ def coordinates(body: MovingBody, blocks: BodyBlocks) -> BodyCoordinates:
     """Places of the coordinates of a body, for those who run the program."""
     position, velocity = start(body)
 
-    def places(block: Block, first: int, kept: Sequence[int], values: Sequence[float]) -> Places:
+    def places(
+        block: SlotMatrix, first: int, kept: Sequence[int], values: Sequence[float]
+    ) -> CoordinatePlaces:
         return tuple(
-            Place(slot_of(entry) if first + k in kept else -1, values[first + k])
+            CoordinatePlace(slot_of(entry) if first + k in kept else -1, values[first + k])
             for k, entry in enumerate(block.entries)
         )
 
@@ -153,4 +155,4 @@ def coordinates(body: MovingBody, blocks: BodyBlocks) -> BodyCoordinates:
     )
 
 
-Places = tuple[Place, ...]
+CoordinatePlaces = tuple[CoordinatePlace, ...]
