@@ -338,7 +338,8 @@ def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
     (x, v), (y, u) = a.T, b.T
     rounding = 6.0 * SMALLEST * (sizes + np.abs(x) + np.abs(y)) / h
     off = 3.0 * (v + u) - 6.0 * (y - x) / h
-    return np.copysign(largest(np.zeros_like(off), np.abs(off) - rounding) / h, off)
+    found: Array = np.copysign(largest(np.zeros_like(off), np.abs(off) - rounding) / h, off)
+    return found
 
 
 def bound_seen(a: TimeNode, b: TimeNode, look: Look) -> Array:
