@@ -33,7 +33,7 @@ STAGES: dict[str, dict[str, tuple[str, ...]]] = {
         ),
     },
     "compose": {
-        "kousoku.codegen.dynamics.generate": ("program_of", "inline"),
+        "kousoku.codegen.dynamics.generate": ("choice_of", "inline"),
         "kousoku.loading": ("generated",),
     },
     "print": {

@@ -218,7 +218,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "one side of a force along a coordinate": (
         *("rich", elements_along.AlongEffect, "__call__"),
-        *("left.scaled(weights_i).T @ tau", "-(left.scaled(weights_i).T @ tau)"),
+        *("left.scaled(inverse_mass_i).T @ tau", "-(left.scaled(inverse_mass_i).T @ tau)"),
     ),
     # coordinates
     "second derivative of a coordinate": (
