@@ -195,7 +195,7 @@ static void look_at(
         if (side_at(node, k) == 0) return;
     }
     noise_at(time, node->read, look, s, noise);
-    for (size_t k = 1; k < N_READ && !are_rates_exact; k += 2) noise[k] = look->noise[k];
+    for (size_t k = 0; k != N_READ && !are_rates_exact; k += 2) noise[k + 1] = look->noise[k + 1];
     see_at(noise, time, work->w, node);
 }
 
@@ -403,7 +403,7 @@ static double time_of(
     memcpy(noise, noise_of(k, look), sizeof noise);
     noise_at(last, b->read, look, s, there);
     /* rates may be in a window that is narrower */
-    for (size_t n = 1; (int)k >= EVENTS && n < N_READ; n += 2) noise[n] = there[n];
+    for (size_t n = 0; n != N_READ && (int)k >= EVENTS; n += 2) noise[n + 1] = there[n + 1];
     /* by the polynomial it is beyond zero, by less than that */
     look_closely(noise, last, look, s, work, &node);
     if (side_at(&node, k) != -side) memcpy(noise, look->rounding, sizeof noise);
@@ -570,7 +570,8 @@ static int why_stopped(double seen, const Look *look, State *s)
 }
 
 /* on which side functions are where formulas read this, by rates, which may be before a window:
- * places are known to the noise, and events are looked for until they are exact, of those it is 0 */
+ * places are known to the noise, and events are looked for until they are exact; of those it is
+ * 0 */
 static void rate_sides(
     const double *read, double time, const Look *look, const State *s, Work *work, int *sides)
 {
@@ -578,7 +579,7 @@ static void rate_sides(
     TimeNode node;
     memcpy(node.read, read, sizeof node.read);
     noise_at(time, read, look, s, noise);
-    for (size_t k = 0; k < N_READ; k += 2) noise[k] = look->noise[k];
+    for (size_t k = 0; k != N_READ; k += 2) noise[k] = look->noise[k];
     see_at(noise, time, work->w, &node);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         sides[k] = (int)k < EVENTS || (int)k >= N_SWITCHING ? 0 : side_at(&node, k);
