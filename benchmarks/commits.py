@@ -32,7 +32,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.progress import Progress
 
-from benchmarks.kit import Size, duration, matches, table
+from benchmarks.kit import Size, duration, end_group, matches, table
 from kousoku.model.cache import write_atomically
 
 if TYPE_CHECKING:
@@ -261,11 +261,7 @@ class Process:
 
     def end(self) -> None:
         """End it, and the compiler that it may have started."""
-        if self._process.poll() is None and os.name == "posix":
-            with suppress(ProcessLookupError):
-                os.killpg(self._process.pid, signal.SIGKILL)
-        self._process.kill()
-        self._process.communicate()
+        end_group(self._process)
 
 
 @contextmanager

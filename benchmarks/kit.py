@@ -8,13 +8,17 @@ cut goes on with the next contest.
 from __future__ import annotations
 
 import math
+import os
+import signal
 import statistics
 import time
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
+    import subprocess
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
@@ -269,6 +273,15 @@ class Question:
 def matches(word: str, *names: str) -> bool:
     """Whether one of the names has a word."""
     return any(word.casefold() in name.casefold() for name in names)
+
+
+def end_group(process: subprocess.Popen[str]) -> None:
+    """End a process that has a session of its own, and all that it started."""
+    if process.poll() is None and os.name == "posix":
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+    process.kill()
+    process.communicate()
 
 
 def seconds_of(run: Callable[[], object], count: int = 1) -> float:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-import os
 import shutil
-import signal
 import subprocess
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -13,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from benchmarks.kernel_peers import casadi_source, symforce_header, sympy_source
-from benchmarks.kit import MissingError, required
+from benchmarks.kit import MissingError, end_group, required
 from benchmarks.p2 import SIZES
 from kousoku.runtime.library import LANES
 from kousoku.runtime.toolchain import find_toolchain
@@ -205,11 +203,7 @@ def started(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen
     try:
         yield process
     finally:
-        if process.poll() is None:
-            if os.name == "posix":
-                os.killpg(process.pid, signal.SIGKILL)
-            process.kill()
-        process.communicate()
+        end_group(process)
 
 
 def eigen() -> Path:
