@@ -52,8 +52,10 @@
  * further away tells nothing of how near it comes between */
 #define BANDS 16.0
 /* what gets further than so many times what it is known to passes by, as fast as it is at a time:
- * in the longest step, and before it comes to rest */
+ * in the longest step, and before it comes to rest. So it is with rates, as fast as they change */
 #define PASSING 16.0
+/* how often the way to where a rate switches is halved */
+#define MOST_HALVINGS 40
 
 enum {
     N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
@@ -83,11 +85,13 @@ typedef struct {
  * least, whether samples leave open how narrow parts vary somewhere in it, whether it has an error,
  * whether it is kept if nothing cuts it, the event without a value right behind its start, counted
  * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
- * is, by what rates change in it, in the mean, and at most */
+ * is, by what rates change in it, in the mean, by how much more at its end, and at most,
+ * and what errors of steps may leave of rates, and rounding */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
-    double pole_time, bend[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
+    double pole_time, bend[ROOM(N_MEASURES)], lean[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
+    double error[ROOM(N_MEASURES)], grain[ROOM(N_MEASURES)];
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold, has_error;
     int is_kept, lost, pole;
 } Look;
@@ -148,10 +152,41 @@ static int side_at(const TimeNode *node, size_t k)
     return (node->least[k] > 0.0) - (node->most[k] < 0.0);
 }
 
+/* how fast a rate changes at a time of a step, but for what rounding makes of it */
+static double change_at(size_t k, double time, const Look *look)
+{
+    const double part = (time - look->start) / look->h, h = look->h;
+    const double change = fabs(look->bend[k] + (2.0 * part - 1.0) * look->lean[k]);
+    return change - 2.0 * look->grain[k] / h;
+}
+
+/* whether what is as fast, and is pulled at most so much, gets further than what it is known to */
+static int passes_by(double speed, double pull, double noise, const Look *look, const State *s)
+{
+    const double far = PASSING * noise;
+    return speed * larger(s->stride, look->h) > far && speed * speed > far * pull;
+}
+
+/* what values that formulas read at a time are known to: what passes by there to rounding */
+static void noise_at(
+    double time, const double *read, const Look *look, const State *s, double *noise)
+{
+    memcpy(noise, look->noise, sizeof look->noise);
+    for (size_t k = 0; k != N_MEASURES; ++k) {
+        const double speed = fabs(read[2 * k + 1]), change = change_at(k, time, look);
+        const double jolt = 2.0 * fabs(look->lean[k]) / look->h;
+        if (passes_by(speed, look->pull[k], noise[2 * k], look, s))
+            noise[2 * k] = look->rounding[2 * k];
+        const double known = smaller(noise[2 * k + 1], look->error[k]);
+        if (passes_by(change, jolt, known, look, s)) noise[2 * k + 1] = look->grain[k];
+    }
+}
+
 /* what is seen at a time of the motion: of what passes by there its polynomial tells where it is,
- * however far off that may be, so that nothing that is narrower is passed over. Where a force may
- * be infinite places are known to the noise */
-static void look_at(double time, const Look *look, const State *s, Work *work, TimeNode *node)
+ * however far off that may be, and of a rate that does what it is, so that nothing that is narrower
+ * is passed over. Where a force may be infinite places are known to the noise */
+static void look_at(
+    int are_rates_exact, double time, const Look *look, const State *s, Work *work, TimeNode *node)
 {
     double noise[ROOM(N_READ)];
     read_at(time, look, s, work, node->read);
@@ -159,12 +194,8 @@ static void look_at(double time, const Look *look, const State *s, Work *work, T
     for (size_t k = N_SWITCHING; k != N_CROSSINGS; ++k) {
         if (side_at(node, k) == 0) return;
     }
-    memcpy(noise, look->noise, sizeof noise);
-    for (size_t k = 0; k != N_READ; k += 2) {
-        const double speed = fabs(node->read[k + 1]), far = PASSING * look->noise[k];
-        const int is_slow = !(speed * larger(s->stride, look->h) > far);
-        if (!is_slow && speed * speed > far * look->pull[k / 2]) noise[k] = look->rounding[k];
-    }
+    noise_at(time, node->read, look, s, noise);
+    for (size_t k = 0; k != N_READ && !are_rates_exact; k += 2) noise[k + 1] = look->noise[k + 1];
     see_at(noise, time, work->w, node);
 }
 
@@ -188,14 +219,14 @@ static double stage_beyond(double seen, const Look *look, const State *s, Work *
     return seen;
 }
 
-/* by how much a second derivative is further from the mean of a step than that of a parabola, as
- * value and rate at its ends tell. What reads a coordinate are numbers as large as its size,
+/* by how much a second derivative at the end of h is above its mean, as that of a cubic polynomial
+ * that value and rate at both ends tell. What reads a coordinate are numbers as large as its size,
  * however small it is */
 static double bend_of(double size, const double *a, const double *b, double h)
 {
     const double rounding = 6.0 * SMALLEST * (size + fabs(a[0]) + fabs(b[0])) / h;
-    const double off = fabs(3.0 * (a[1] + b[1]) - 6.0 * (b[0] - a[0]) / h);
-    return larger(0.0, off - rounding) / h;
+    const double off = 3.0 * (a[1] + b[1]) - 6.0 * (b[0] - a[0]) / h;
+    return copysign(larger(0.0, fabs(off) - rounding) / h, off);
 }
 
 /* makes the polynomial of a step from the state to y, whose rates at both ends are given */
@@ -218,12 +249,17 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
         const double size = measure_sizes[k], *a = first + 2 * k, *b = last + 2 * k;
         const double most = larger(fabs(a[0]), fabs(b[0]));
         look->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
-        const double fast = larger(fabs(a[1]), fabs(b[1])) + SLOW * size / larger(s->stride, h);
+        const double speed = larger(fabs(a[1]), fabs(b[1])), longest = larger(s->stride, h);
+        const double fast = speed + SLOW * size / longest;
+        const double speeds = speed + size * larger(s->fastest, SLOW / longest);
+        look->error[k] = settings->tolerance * speeds;
         look->noise[2 * k + 1] = settings->tolerance * fast;
         look->bend[k] = (b[1] - a[1]) / h;
-        look->pull[k] = fabs(look->bend[k]) + bend_of(size, a, b, h);
+        look->lean[k] = bend_of(size, a, b, h);
+        look->pull[k] = fabs(look->bend[k]) + fabs(look->lean[k]);
         look->rounding[2 * k] = SMALLEST * (size + most);
         look->rounding[2 * k + 1] = SMALLEST * fast;
+        look->grain[k] = smaller(SMALLEST * speeds, look->rounding[2 * k + 1]);
     }
 }
 
@@ -250,7 +286,7 @@ static void bound_seen(const TimeNode *a, const TimeNode *b, double *w)
         const double *p = a->read + 2 * k, *q = b->read + 2 * k;
         double *own = ranges + 2 + 6 * k;
         const double mean = (q[1] - p[1]) / h;
-        const double bend = bend_of(measure_sizes[k], p, q, h);
+        const double bend = fabs(bend_of(measure_sizes[k], p, q, h));
         own[4] = mean - DOUBT * bend;
         own[5] = mean + DOUBT * bend;
         reach_between(p[1], q[1], own[4], own[5], h, own + 2);
@@ -362,12 +398,15 @@ static double time_of(
     size_t k, const TimeNode *a, const TimeNode *b, const Look *look, const State *s, Work *work)
 {
     const int side = -side_at(b, k);
-    const double *noise = noise_of(k, look);
-    double first = a->time, last = b->time;
+    double first = a->time, last = b->time, there[ROOM(N_READ)], noise[ROOM(N_READ)];
     TimeNode node;
+    memcpy(noise, noise_of(k, look), sizeof noise);
+    noise_at(last, b->read, look, s, there);
+    /* rates may be in a window that is narrower */
+    for (size_t n = 0; n != N_READ && (int)k >= EVENTS; n += 2) noise[n + 1] = there[n + 1];
     /* by the polynomial it is beyond zero, by less than that */
     look_closely(noise, last, look, s, work, &node);
-    if (side_at(&node, k) != -side) noise = look->rounding;
+    if (side_at(&node, k) != -side) memcpy(noise, look->rounding, sizeof noise);
     while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
         const double time = 0.5 * (first + last);
         if (!(first < time && time < last)) break;
@@ -530,6 +569,45 @@ static int why_stopped(double seen, const Look *look, State *s)
     return GOOD;
 }
 
+/* on which side functions are where formulas read this, by rates, which may be before a window:
+ * places are known to the noise, and events are looked for until they are exact; of those it is
+ * 0 */
+static void rate_sides(
+    const double *read, double time, const Look *look, const State *s, Work *work, int *sides)
+{
+    double noise[ROOM(N_READ)];
+    TimeNode node;
+    memcpy(node.read, read, sizeof node.read);
+    noise_at(time, read, look, s, noise);
+    for (size_t k = 0; k != N_READ; k += 2) noise[k] = look->noise[k];
+    see_at(noise, time, work->w, &node);
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        sides[k] = (int)k < EVENTS || (int)k >= N_SWITCHING ? 0 : side_at(&node, k);
+    }
+}
+
+/* notes on which side functions are where a step starts: of rates some left it in the noise */
+static void note_left(const TimeNode *a, const Look *look, State *s, Work *work)
+{
+    int by_rates[ROOM(N_SEEN)];
+    rate_sides(a->read, a->time, look, s, work, by_rates);
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        if (by_rates[k] == -(int)s->sides[k]) s->sides[k] = by_rates[k];
+    }
+}
+
+/* whether a function that was on a side is beyond zero at a node; where a step was cut for it, it
+ * is there as far as rates are known */
+static int are_crossed(
+    size_t k, int side, const TimeNode *b, const Look *look, const State *s, Work *work)
+{
+    TimeNode known;
+    if (side == 0 || side_at(b, k) != -side) return 0;
+    if (b->time != look->cut || !look->was_crossing[k]) return 1;
+    look_at(0, b->time, look, s, work, &known);
+    return side_at(&known, k) == -side;
+}
+
 /* where a step to an end must end: where a function first crosses, or how far was looked */
 static double seen_end(double end, Look *look, State *s, Work *work)
 {
@@ -541,16 +619,17 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     double width = widest;
     TimeNode a, b;
     look->pole = 0;
-    look_at(look->start, look, s, work, &a);
+    look_at(1, look->start, look, s, work, &a);
     valued_end(&a, &a, look, s, work);
     if (look->lost) return end;
+    note_left(&a, look, s, work);
     for (size_t n = 0; n != MOST_LOOKS && a.time < end; ++n) {
         int is_known = 1, any = 0, is_lost = 0, may_be_infinite = 0;
-        look_at(a.time + 1.0000001 * width < end ? a.time + width : end, look, s, work, &b);
+        look_at(1, a.time + 1.0000001 * width < end ? a.time + width : end, look, s, work, &b);
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
             if (s->sides[k] == 0.0) s->sides[k] = side_at(&a, k);
             const int side = (int)s->sides[k];
-            look->crosses[k] = side != 0 && side_at(&b, k) == -side;
+            look->crosses[k] = are_crossed(k, side, &b, look, s, work);
             if (N_POLES > 0 && (int)k >= N_SWITCHING) {
                 const size_t pole = k - N_SWITCHING;
                 const int now = passed[pole] ? -side : side;
@@ -691,15 +770,96 @@ static double polished_cut(const Look *look, const State *s, Work *work)
     return look->cut;
 }
 
+/* what is seen where a rate is so far from what formulas read */
+static void sides_beside(
+    size_t n, double far, const double *read, double end, Work *work, TimeNode *node)
+{
+    const double exact[ROOM(N_READ)] = { 0.0 };
+    memcpy(node->read, read, sizeof node->read);
+    node->read[2 * n + 1] += far;
+    see_at(exact, end, work->w, node);
+}
+
+/* what is seen all the way to there */
+static void sides_up_to(
+    size_t n, double far, const double *read, double end, Work *work, TimeNode *node)
+{
+    double half[ROOM(N_READ)] = { 0.0 };
+    memcpy(node->read, read, sizeof node->read);
+    node->read[2 * n + 1] += 0.5 * far;
+    half[2 * n + 1] = 0.5 * fabs(far);
+    see_at(half, end, work->w, node);
+}
+
+/* whether functions that leave sides towards a rate do so one behind the other */
+static int are_apart(
+    size_t n, double far, const int *there, const double *read, double end, Work *work)
+{
+    double near = 0.0, last = far;
+    TimeNode node;
+    for (int i = 0; i != MOST_HALVINGS; ++i) {
+        const double way = 0.5 * (near + last);
+        int is_beyond = 0;
+        sides_beside(n, way, read, end, work, &node);
+        for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
+            if (there[k] && side_at(&node, k) != there[k]) is_beyond = 1;
+        }
+        if (is_beyond) last = way;
+        else near = way;
+    }
+    sides_beside(n, last, read, end, work, &node);
+    for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
+        if (there[k] && side_at(&node, k) == there[k]) return 1;
+    }
+    return 0;
+}
+
+/* whether formulas switch twice within what errors of steps may leave of a rate: what holds a
+ * motion in such a window may lose it, or never meet it */
+static int is_window_at(double end, const Look *look, const State *s, Work *work)
+{
+    double read[ROOM(N_READ)], every[ROOM(N_READ)] = { 0.0 };
+    TimeNode there, node;
+    int is_known = 1;
+    for (size_t n = 0; n != N_MEASURES; ++n) every[2 * n + 1] = BANDS * look->error[n];
+    look_closely(every, end, look, s, work, &there);
+    memcpy(read, there.read, sizeof read);
+    for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) is_known = is_known && side_at(&there, k);
+    for (size_t n = 0; n != N_MEASURES && !is_known; ++n) {
+        int ways = 0;
+        sides_beside(n, 0.0, read, end, work, &there);
+        for (int m = 0; m != 2; ++m) {
+            const double far = m == 0 ? -every[2 * n + 1] : every[2 * n + 1];
+            int leaves[ROOM(N_SEEN)] = { 0 }, any = 0;
+            sides_up_to(n, far, read, end, work, &node);
+            for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
+                leaves[k] = side_at(&node, k) != side_at(&there, k) ? side_at(&there, k) : 0;
+                any = any || leaves[k];
+            }
+            sides_beside(n, far, read, end, work, &node);
+            for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
+                if (leaves[k] && side_at(&node, k) == side_at(&there, k)) return 1;
+            }
+            if (!any) continue;
+            ways += 1;
+            if (are_apart(n, far, leaves, read, end, work)) return 1;
+        }
+        if (ways > 1) return 1;
+    }
+    return 0;
+}
+
 /* notes what a step that is kept has crossed: one that was cut, also what is at zero there */
 static void note_crossings(double end, const Look *look, State *s, Work *work)
 {
     TimeNode last, known;
-    look_at(end, look, s, work, &last);
+    int by_rates[ROOM(N_SEEN)];
+    look_at(1, end, look, s, work, &last);
     look_closely(look->noise, end, look, s, work, &known);
+    rate_sides(known.read, end, look, s, work, by_rates);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         const int side = (int)s->sides[k], now = side_at(&last, k);
-        const int is_near = now == 0 || side_at(&known, k) == 0;
+        const int is_near = now == 0 || (side_at(&known, k) == 0 && by_rates[k] == 0);
         const int is_there = is_near && end == look->cut && look->was_crossing[k];
         if (side == 0 || !(now == -side || is_there)) continue;
         s->sides[k] = -side;
@@ -719,14 +879,14 @@ static int are_narrow_told(double start, double end, const Look *look, const Sta
     double change[ROOM(N_NARROW)], reach[ROOM(N_NARROW)], band[ROOM(N_NARROW)];
     const double h = (end - start) / CELLS;
     TimeNode a, b;
-    look_at(start, look, s, work, &a);
+    look_at(1, start, look, s, work, &a);
     for (size_t k = 0; k != N_NARROW; ++k) {
         least[k] = most[k] = low[k] = high[k] = middle(&a, N_CROSSINGS + k);
         band[k] = half_width(&a, N_CROSSINGS + k);
         change[k] = reach[k] = 0.0;
     }
     for (int cell = 1; cell <= CELLS; ++cell) {
-        look_at(start + cell * h, look, s, work, &b);
+        look_at(1, start + cell * h, look, s, work, &b);
         bound_seen(&a, &b, work->w);
         for (size_t k = 0; k != N_NARROW; ++k) {
             const double *bounds = work->w + W_NARROW + 4 * k;
