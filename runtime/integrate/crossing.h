@@ -796,11 +796,20 @@ static void sides_between(
     }
 }
 
-/* whether any side of those that are not 0 is, or is not, what it was */
-static int is_any(int same, const int *was, const int *now)
+/* whether any of those that had a side is on it now */
+static int any_on(const int *sides, const int *now)
 {
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
-        if (was[k] != 0 && (now[k] == was[k]) == same) return 1;
+        if (sides[k] != 0 && now[k] == sides[k]) return 1;
+    }
+    return 0;
+}
+
+/* whether any of those that had a side is off it now */
+static int any_off(const int *sides, const int *now)
+{
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        if (sides[k] != 0 && now[k] != sides[k]) return 1;
     }
     return 0;
 }
@@ -815,7 +824,7 @@ static double way_left(
     for (int i = 0; i != MOST_HALVINGS; ++i) {
         const double way = 0.5 * (near + last);
         sides_between(n, way, way, read, end, work, sides);
-        if (is_any(0, there, sides)) last = way;
+        if (any_off(there, sides)) last = way;
         else near = way;
     }
     return last;
@@ -842,12 +851,12 @@ static int is_window_at(double end, const Look *look, const State *s, Work *work
             sides_between(n, smaller(0.0, far), larger(0.0, far), node.read, end, work, sides);
             for (size_t k = 0; k != N_CROSSINGS; ++k) left[k] = sides[k] == there[k] ? 0 : there[k];
             sides_between(n, far, far, node.read, end, work, sides);
-            if (is_any(1, left, sides)) return 1;
-            if (!is_any(1, left, left)) continue;
+            if (any_on(left, sides)) return 1;
+            if (!any_on(left, left)) continue;
             const double way = ways[count++] = way_left(n, far, left, node.read, end, work);
             const double behind = way + copysign(apart, far);
             sides_between(n, behind, behind, node.read, end, work, sides);
-            if (fabs(behind) < most && is_any(1, left, sides)) return 1;
+            if (fabs(behind) < most && any_on(left, sides)) return 1;
         }
         if (count == 2 && ways[1] - ways[0] > apart) return 1;
     }

@@ -783,6 +783,16 @@ def sides_between(k: int, a: float, b: float, read: Array, end: float, look: Loo
     return side_at(TimeNode(end, read, *seen))[events:n]
 
 
+def any_on(sides: Array, now: Array) -> bool:
+    """Whether any of those that had a side is on it now."""
+    return bool(np.any((sides != 0.0) & (now == sides)))
+
+
+def any_off(sides: Array, now: Array) -> bool:
+    """Whether any of those that had a side is off it now."""
+    return bool(np.any((sides != 0.0) & (now != sides)))
+
+
 def way_left(k: int, far: float, there: Array, read: Array, end: float, look: Look) -> float:
     """How far a rate goes, towards so far, until the first function leaves the side it has there.
 
@@ -791,7 +801,7 @@ def way_left(k: int, far: float, there: Array, read: Array, end: float, look: Lo
     near, last = 0.0, far
     for _ in range(MOST_HALVINGS):
         way = 0.5 * (near + last)
-        if np.any((there != 0.0) & (sides_between(k, way, way, read, end, look) != there)):
+        if any_off(there, sides_between(k, way, way, read, end, look)):
             last = way
         else:
             near = way
@@ -815,14 +825,14 @@ def is_window_at(end: float, look: Look) -> bool:
         for far in (-most, most):
             all_along = sides_between(k, smaller(0.0, far), larger(0.0, far), read, end, look)
             left = np.where(all_along == there, 0.0, there)
-            if np.any((left != 0.0) & (sides_between(k, far, far, read, end, look) == there)):
+            if any_on(left, sides_between(k, far, far, read, end, look)):
                 return True
-            if not left.any():
+            if not any_on(left, left):
                 continue
             ways.append(way_left(k, far, left, read, end, look))
             behind = ways[-1] + math.copysign(apart, far)
             sides = sides_between(k, behind, behind, read, end, look)
-            if abs(behind) < most and np.any((left != 0.0) & (sides == left)):
+            if abs(behind) < most and any_on(left, sides):
                 return True
         if ways and ways[-1] - ways[0] > apart:
             return True
