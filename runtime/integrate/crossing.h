@@ -141,8 +141,8 @@ static void see_between(const double *a, const double *b, double time, double *w
 /* what is seen at a time where formulas read what the node has, known to a noise */
 static void see_at(const double *noise, double time, double *w, TimeNode *node)
 {
-    double a[ROOM(N_READ)], b[ROOM(N_READ)];
-    for (size_t k = 0; k < N_READ; ++k) {
+    double a[ROOM(N_READ)] = { 0.0 }, b[ROOM(N_READ)] = { 0.0 };
+    for (size_t k = 0; k != N_READ; ++k) {
         a[k] = node->read[k] - noise[k];
         b[k] = node->read[k] + noise[k];
     }
@@ -206,7 +206,9 @@ static void look_at(
         if (side_at(node, k) == 0) return;
     }
     noise_at(time, node->read, look, s, noise);
-    for (size_t k = 1; k < N_READ && !are_rates_exact; k += 2) noise[k] = look->noise[k];
+    for (size_t k = 0; k != N_MEASURES; ++k) {
+        if (!are_rates_exact) noise[2 * k + 1] = look->noise[2 * k + 1];
+    }
     see_at(noise, time, work->w, node);
 }
 
@@ -413,7 +415,9 @@ static double time_of(
     memcpy(noise, noise_of(k, look), sizeof noise);
     noise_at(last, b->read, look, s, there);
     /* rates may be in a window that is narrower */
-    for (size_t n = 1; (int)k >= EVENTS && n < N_READ; n += 2) noise[n] = there[n];
+    for (size_t n = 0; n != N_MEASURES; ++n) {
+        if ((int)k >= EVENTS) noise[2 * n + 1] = there[2 * n + 1];
+    }
     /* by the polynomial it is beyond zero, by less than that */
     look_closely(noise, last, look, s, work, &node);
     if (side_at(&node, k) != -side) memcpy(noise, look->rounding, sizeof noise);
@@ -588,7 +592,7 @@ static void rate_sides(
     TimeNode node;
     memcpy(node.read, read, sizeof node.read);
     noise_at(time, read, look, s, noise);
-    for (size_t k = 0; k < N_READ; k += 2) noise[k] = look->noise[k];
+    for (size_t k = 0; k != N_MEASURES; ++k) noise[2 * k] = look->noise[2 * k];
     see_at(noise, time, work->w, &node);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         sides[k] = (int)k < EVENTS || (int)k >= N_SWITCHING ? 0 : side_at(&node, k);
