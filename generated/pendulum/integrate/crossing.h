@@ -85,13 +85,13 @@ typedef struct {
  * least, whether samples leave open how narrow parts vary somewhere in it, whether it has an error,
  * whether it is kept if nothing cuts it, the event without a value right behind its start, counted
  * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
- * is, by what rates change in it, in the mean, by how much more at its end, and at most,
- * and what errors of steps may leave of rates, and rounding */
+ * is, by what rates change in it, in the mean, by how much more at its end, and at most, and what
+ * errors of steps may leave of them */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
     double pole_time, bend[ROOM(N_MEASURES)], lean[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
-    double error[ROOM(N_MEASURES)], grain[ROOM(N_MEASURES)];
+    double error[ROOM(N_MEASURES)];
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold, has_error;
     int is_kept, lost, pole;
 } Look;
@@ -118,16 +118,16 @@ static void read_at(double time, const Look *look, const State *s, Work *work, d
     read_of(time, work->scratch, work, read);
 }
 
-/* what is seen at a time where formulas read what the node has, known to a noise */
-static void see_at(const double *noise, double time, double *w, TimeNode *node)
+/* what is seen at a time where formulas read what is between */
+static void see_between(const double *a, const double *b, double time, double *w, TimeNode *node)
 {
     double *ranges = w + W_RANGES;
     node->time = ranges[0] = ranges[1] = time;
     for (size_t k = 0; k != N_MEASURES; ++k) {
         double *own = ranges + 2 + 6 * k;
         for (size_t n = 0; n != 2; ++n) {
-            own[2 * n] = node->read[2 * k + n] - noise[2 * k + n];
-            own[2 * n + 1] = node->read[2 * k + n] + noise[2 * k + n];
+            own[2 * n] = a[2 * k + n];
+            own[2 * n + 1] = b[2 * k + n];
         }
         own[4] = own[5] = 0.0;
     }
@@ -136,6 +136,17 @@ static void see_at(const double *noise, double time, double *w, TimeNode *node)
         node->least[k] = w[W_SEEN + 4 * k];
         node->most[k] = w[W_SEEN + 4 * k + 1];
     }
+}
+
+/* what is seen at a time where formulas read what the node has, known to a noise */
+static void see_at(const double *noise, double time, double *w, TimeNode *node)
+{
+    double a[ROOM(N_READ)] = { 0.0 }, b[ROOM(N_READ)] = { 0.0 };
+    for (size_t k = 0; k != N_READ; ++k) {
+        a[k] = node->read[k] - noise[k];
+        b[k] = node->read[k] + noise[k];
+    }
+    see_between(a, b, time, w, node);
 }
 
 /* what is seen at a time, where values are known to a noise */
@@ -157,7 +168,7 @@ static double change_at(size_t k, double time, const Look *look)
 {
     const double part = (time - look->start) / look->h, h = look->h;
     const double change = fabs(look->bend[k] + (2.0 * part - 1.0) * look->lean[k]);
-    return change - 2.0 * look->grain[k] / h;
+    return change - 2.0 * look->rounding[2 * k + 1] / h;
 }
 
 /* whether what is as fast, and is pulled at most so much, gets further than what it is known to */
@@ -178,7 +189,7 @@ static void noise_at(
         if (passes_by(speed, look->pull[k], noise[2 * k], look, s))
             noise[2 * k] = look->rounding[2 * k];
         const double known = smaller(noise[2 * k + 1], look->error[k]);
-        if (passes_by(change, jolt, known, look, s)) noise[2 * k + 1] = look->grain[k];
+        if (passes_by(change, jolt, known, look, s)) noise[2 * k + 1] = look->rounding[2 * k + 1];
     }
 }
 
@@ -195,7 +206,9 @@ static void look_at(
         if (side_at(node, k) == 0) return;
     }
     noise_at(time, node->read, look, s, noise);
-    for (size_t k = 0; k != N_READ && !are_rates_exact; k += 2) noise[k + 1] = look->noise[k + 1];
+    for (size_t k = 0; k != N_MEASURES; ++k) {
+        if (!are_rates_exact) noise[2 * k + 1] = look->noise[2 * k + 1];
+    }
     see_at(noise, time, work->w, node);
 }
 
@@ -251,15 +264,14 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
         look->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
         const double speed = larger(fabs(a[1]), fabs(b[1])), longest = larger(s->stride, h);
         const double fast = speed + SLOW * size / longest;
-        const double speeds = speed + size * larger(s->fastest, SLOW / longest);
-        look->error[k] = settings->tolerance * speeds;
+        const double been = speed + size * s->fastest;
+        look->error[k] = smaller(settings->tolerance * larger(been, fast), been);
         look->noise[2 * k + 1] = settings->tolerance * fast;
         look->bend[k] = (b[1] - a[1]) / h;
         look->lean[k] = bend_of(size, a, b, h);
         look->pull[k] = fabs(look->bend[k]) + fabs(look->lean[k]);
         look->rounding[2 * k] = SMALLEST * (size + most);
         look->rounding[2 * k + 1] = SMALLEST * fast;
-        look->grain[k] = smaller(SMALLEST * speeds, look->rounding[2 * k + 1]);
     }
 }
 
@@ -403,7 +415,9 @@ static double time_of(
     memcpy(noise, noise_of(k, look), sizeof noise);
     noise_at(last, b->read, look, s, there);
     /* rates may be in a window that is narrower */
-    for (size_t n = 0; n != N_READ && (int)k >= EVENTS; n += 2) noise[n + 1] = there[n + 1];
+    for (size_t n = 0; n != N_MEASURES; ++n) {
+        if ((int)k >= EVENTS) noise[2 * n + 1] = there[2 * n + 1];
+    }
     /* by the polynomial it is beyond zero, by less than that */
     look_closely(noise, last, look, s, work, &node);
     if (side_at(&node, k) != -side) memcpy(noise, look->rounding, sizeof noise);
@@ -570,8 +584,7 @@ static int why_stopped(double seen, const Look *look, State *s)
 }
 
 /* on which side functions are where formulas read this, by rates, which may be before a window:
- * places are known to the noise, and events are looked for until they are exact; of those it is
- * 0 */
+ * places are known to the noise, and events are looked for until they are exact, of those it is 0 */
 static void rate_sides(
     const double *read, double time, const Look *look, const State *s, Work *work, int *sides)
 {
@@ -579,7 +592,7 @@ static void rate_sides(
     TimeNode node;
     memcpy(node.read, read, sizeof node.read);
     noise_at(time, read, look, s, noise);
-    for (size_t k = 0; k != N_READ; k += 2) noise[k] = look->noise[k];
+    for (size_t k = 0; k != N_MEASURES; ++k) noise[2 * k] = look->noise[2 * k];
     see_at(noise, time, work->w, &node);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         sides[k] = (int)k < EVENTS || (int)k >= N_SWITCHING ? 0 : side_at(&node, k);
@@ -770,81 +783,86 @@ static double polished_cut(const Look *look, const State *s, Work *work)
     return look->cut;
 }
 
-/* what is seen where a rate is so far from what formulas read */
-static void sides_beside(
-    size_t n, double far, const double *read, double end, Work *work, TimeNode *node)
+/* on which side of zero what switches is where a rate is so far from what formulas read; 0 where it
+ * has none: the rate may be anything between these */
+static void sides_between(
+    size_t n, double a, double b, const double *read, double end, Work *work, int *sides)
 {
-    const double exact[ROOM(N_READ)] = { 0.0 };
-    memcpy(node->read, read, sizeof node->read);
-    node->read[2 * n + 1] += far;
-    see_at(exact, end, work->w, node);
-}
-
-/* what is seen all the way to there */
-static void sides_up_to(
-    size_t n, double far, const double *read, double end, Work *work, TimeNode *node)
-{
-    double half[ROOM(N_READ)] = { 0.0 };
-    memcpy(node->read, read, sizeof node->read);
-    node->read[2 * n + 1] += 0.5 * far;
-    half[2 * n + 1] = 0.5 * fabs(far);
-    see_at(half, end, work->w, node);
-}
-
-/* whether functions that leave sides towards a rate do so one behind the other */
-static int are_apart(
-    size_t n, double far, const int *there, const double *read, double end, Work *work)
-{
-    double near = 0.0, last = far;
+    double least[ROOM(N_READ)], most[ROOM(N_READ)];
     TimeNode node;
-    for (int i = 0; i != MOST_HALVINGS; ++i) {
-        const double way = 0.5 * (near + last);
-        int is_beyond = 0;
-        sides_beside(n, way, read, end, work, &node);
-        for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
-            if (there[k] && side_at(&node, k) != there[k]) is_beyond = 1;
-        }
-        if (is_beyond) last = way;
-        else near = way;
+    memcpy(least, read, sizeof least);
+    memcpy(most, read, sizeof most);
+    least[2 * n + 1] += a;
+    most[2 * n + 1] += b;
+    see_between(least, most, end, work->w, &node);
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        sides[k] = (int)k < EVENTS || (int)k >= N_SWITCHING ? 0 : side_at(&node, k);
     }
-    sides_beside(n, last, read, end, work, &node);
-    for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
-        if (there[k] && side_at(&node, k) == there[k]) return 1;
+}
+
+/* whether any of those that had a side is on it now */
+static int any_on(const int *sides, const int *now)
+{
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        if (sides[k] != 0 && now[k] == sides[k]) return 1;
     }
     return 0;
 }
 
+/* whether any of those that had a side is off it now */
+static int any_off(const int *sides, const int *now)
+{
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        if (sides[k] != 0 && now[k] != sides[k]) return 1;
+    }
+    return 0;
+}
+
+/* how far a rate goes, towards so far, until the first function leaves the side it has there; that
+ * is 0 for those that are not asked for */
+static double way_left(
+    size_t n, double far, const int *there, const double *read, double end, Work *work)
+{
+    double near = 0.0, last = far;
+    int sides[ROOM(N_SEEN)];
+    for (int i = 0; i != MOST_HALVINGS; ++i) {
+        const double way = 0.5 * (near + last);
+        sides_between(n, way, way, read, end, work, sides);
+        if (any_off(there, sides)) last = way;
+        else near = way;
+    }
+    return last;
+}
+
 /* whether formulas switch twice within what errors of steps may leave of a rate: what holds a
- * motion in such a window may lose it, or never meet it */
+ * motion in such a window may lose it, or never meet it. What is within rounding counts as one
+ * place */
 static int is_window_at(double end, const Look *look, const State *s, Work *work)
 {
-    double read[ROOM(N_READ)], every[ROOM(N_READ)] = { 0.0 };
-    TimeNode there, node;
+    double every[ROOM(N_READ)] = { 0.0 };
+    TimeNode node;
     int is_known = 1;
     for (size_t n = 0; n != N_MEASURES; ++n) every[2 * n + 1] = BANDS * look->error[n];
-    look_closely(every, end, look, s, work, &there);
-    memcpy(read, there.read, sizeof read);
-    for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) is_known = is_known && side_at(&there, k);
+    look_closely(every, end, look, s, work, &node);
+    for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) is_known = is_known && side_at(&node, k);
     for (size_t n = 0; n != N_MEASURES && !is_known; ++n) {
-        int ways = 0;
-        sides_beside(n, 0.0, read, end, work, &there);
+        const double most = every[2 * n + 1], apart = PASSING * look->rounding[2 * n + 1];
+        int there[ROOM(N_SEEN)], left[ROOM(N_SEEN)], sides[ROOM(N_SEEN)], count = 0;
+        double ways[2];
+        sides_between(n, 0.0, 0.0, node.read, end, work, there);
         for (int m = 0; m != 2; ++m) {
-            const double far = m == 0 ? -every[2 * n + 1] : every[2 * n + 1];
-            int leaves[ROOM(N_SEEN)] = { 0 }, any = 0;
-            sides_up_to(n, far, read, end, work, &node);
-            for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
-                leaves[k] = side_at(&node, k) != side_at(&there, k) ? side_at(&there, k) : 0;
-                any = any || leaves[k];
-            }
-            sides_beside(n, far, read, end, work, &node);
-            for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
-                if (leaves[k] && side_at(&node, k) == side_at(&there, k)) return 1;
-            }
-            if (!any) continue;
-            ways += 1;
-            if (are_apart(n, far, leaves, read, end, work)) return 1;
+            const double far = m == 0 ? -most : most;
+            sides_between(n, smaller(0.0, far), larger(0.0, far), node.read, end, work, sides);
+            for (size_t k = 0; k != N_CROSSINGS; ++k) left[k] = sides[k] == there[k] ? 0 : there[k];
+            sides_between(n, far, far, node.read, end, work, sides);
+            if (any_on(left, sides)) return 1;
+            if (!any_on(left, left)) continue;
+            const double way = ways[count++] = way_left(n, far, left, node.read, end, work);
+            const double behind = way + copysign(apart, far);
+            sides_between(n, behind, behind, node.read, end, work, sides);
+            if (fabs(behind) < most && any_on(left, sides)) return 1;
         }
-        if (ways > 1) return 1;
+        if (count == 2 && ways[1] - ways[0] > apart) return 1;
     }
     return 0;
 }

@@ -77,7 +77,7 @@ BANDS = 16.0
 #: What gets further than so many times what it is known to passes by, as fast as it is at a time:
 #: in the longest step, and before it comes to rest. So it is with rates, as fast as they change.
 PASSING = 16.0
-#: How often the way to where a rate switches is halved.
+#: How often the way of a rate to where formulas switch is halved.
 MOST_HALVINGS = 40
 
 
@@ -150,8 +150,8 @@ class Look:
         By how much more they do at its end than in the mean.
     pull : (n,) array
         By what they do at most.
-    error, grain : (n,) array
-        What errors of steps may leave of rates, and rounding.
+    error : (n,) array
+        What errors of steps may leave of rates.
     crosses, was_crossing : array of bool
         Which functions cross, and crossed where it was cut.
     is_untold : bool
@@ -182,7 +182,6 @@ class Look:
     lean: Array = field(init=False)
     pull: Array = field(init=False)
     error: Array = field(init=False)
-    grain: Array = field(init=False)
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
     is_untold: bool = False
@@ -245,8 +244,7 @@ def noise_at(time: float, read: Array, look: Look) -> Array:
     jolt = 2.0 * np.abs(look.lean) / look.h
     pulls = np.column_stack((look.pull, jolt))
     speeds = np.column_stack((np.abs(read[:, 1]), change_at(time, look)))
-    rounding = np.column_stack((look.rounding[:, 0], look.grain))
-    return np.where(passes_by(speeds, pulls, look), rounding, look.noise)
+    return np.where(passes_by(speeds, pulls, look), look.rounding, look.noise)
 
 
 def passes_by(speeds: Array, pulls: Array, look: Look) -> Flags:
@@ -261,7 +259,7 @@ def change_at(time: float, look: Look) -> Array:
     """How fast rates change at a time of a step, but for what rounding makes of it."""
     part, h = (time - look.start) / look.h, look.h
     change = np.abs(look.bend + (2.0 * part - 1.0) * look.lean)
-    known: Array = change - 2.0 * look.grain / h
+    known: Array = change - 2.0 * look.rounding[:, 1] / h
     return known
 
 
@@ -272,12 +270,18 @@ def look_closely(noise: Array, time: float, look: Look) -> TimeNode:
 
 def see_at(read: Array, noise: Array, time: float, w: Workspace) -> TimeNode:
     """Node at a time where formulas read this, known to a noise."""
+    least, most = see_between(read - noise, read + noise, time, w)
+    return TimeNode(time, read, least, most)
+
+
+def see_between(a: Array, b: Array, time: float, w: Workspace) -> Array:
+    """Least and most value of each function at a time where formulas read what is between."""
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = time
-    own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - noise, read + noise, 0.0
+    own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = a, b, 0.0
     w.run("crossing")
-    least, most = w.seen.reshape(-1, 4).T[:2].copy()
-    return TimeNode(time, read, least, most)
+    found: Array = w.seen.reshape(-1, 4).T[:2].copy()
+    return found
 
 
 def stage_beyond(seen: float, look: Look) -> float:
@@ -317,16 +321,15 @@ def look_into(
     look.bend = (last[:, 1] - first[:, 1]) / h
     look.lean = bend_of(sizes, first, last, h)
     look.pull = np.abs(look.bend) + np.abs(look.lean)
-    speeds = most[:, 1] + sizes * larger(state.fastest, SLOW / larger(state.stride, h))
-    look.error, look.grain = s.tolerance * speeds, SMALLEST * speeds
+    fast = most[:, 1] + SLOW * sizes / larger(state.stride, h)
     look.noise = np.empty_like(most)
     look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
-    fast = most[:, 1] + SLOW * sizes / larger(state.stride, h)
     look.noise[:, 1] = s.tolerance * fast
     look.rounding = np.empty_like(most)
     look.rounding[:, 0] = SMALLEST * (sizes + most[:, 0])
     look.rounding[:, 1] = SMALLEST * fast
-    look.grain = smallest(look.grain, look.rounding[:, 1])
+    been = most[:, 1] + sizes * state.fastest
+    look.error = smallest(s.tolerance * largest(been, fast), been)
 
 
 def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
@@ -767,39 +770,49 @@ def polished_cut(look: Look) -> float:
     return there
 
 
-def sides_beside(k: int, far: float, read: Array, end: float, look: Look) -> Array:
-    """Side of each function that switches where a rate is so far from what formulas read."""
-    there = read.copy()
-    there[k, 1] += far
+def sides_between(k: int, a: float, b: float, read: Array, end: float, look: Look) -> Array:
+    """Side of each function that switches where a rate is so far from what formulas read.
+
+    0 where it has none: a rate may be anything between these.
+    """
+    least, most = read.copy(), read.copy()
+    least[k, 1] += a
+    most[k, 1] += b
     events, n = len(look.work.scene.events), len(look.state.sides) - look.work.scene.n_poles
-    return side_at(see_at(there, np.zeros_like(read), end, look.work.w))[events:n]
+    seen = see_between(least, most, end, look.work.w)
+    return side_at(TimeNode(end, read, *seen))[events:n]
 
 
-def sides_up_to(k: int, far: float, read: Array, end: float, look: Look) -> Array:
-    """Side of each function that switches all the way to there, 0 where it has none."""
-    there, half = read.copy(), np.zeros_like(read)
-    there[k, 1] += 0.5 * far
-    half[k, 1] = 0.5 * abs(far)
-    events, n = len(look.work.scene.events), len(look.state.sides) - look.work.scene.n_poles
-    return side_at(see_at(there, half, end, look.work.w))[events:n]
+def any_on(sides: Array, now: Array) -> bool:
+    """Whether any of those that had a side is on it now."""
+    return bool(np.any((sides != 0.0) & (now == sides)))
 
 
-def are_apart(k: int, far: float, there: Array, read: Array, end: float, look: Look) -> bool:
-    """Whether functions that leave sides towards a rate do so one behind the other."""
+def any_off(sides: Array, now: Array) -> bool:
+    """Whether any of those that had a side is off it now."""
+    return bool(np.any((sides != 0.0) & (now != sides)))
+
+
+def way_left(k: int, far: float, there: Array, read: Array, end: float, look: Look) -> float:
+    """How far a rate goes, towards so far, until the first function leaves the side it has there.
+
+    That is 0 for those that are not asked for.
+    """
     near, last = 0.0, far
     for _ in range(MOST_HALVINGS):
         way = 0.5 * (near + last)
-        if np.any((there != 0.0) & (sides_beside(k, way, read, end, look) != there)):
+        if any_off(there, sides_between(k, way, way, read, end, look)):
             last = way
         else:
             near = way
-    return bool(np.any((there != 0.0) & (sides_beside(k, last, read, end, look) == there)))
+    return last
 
 
 def is_window_at(end: float, look: Look) -> bool:
     """Whether formulas switch twice within what errors of steps may leave of a rate.
 
-    What holds a motion in such a window may lose it, or never meet it.
+    What holds a motion in such a window may lose it, or never meet it. What is within rounding
+    counts as one place.
     """
     events, n = len(look.work.scene.events), len(look.state.sides) - look.work.scene.n_poles
     read, error = read_at(end, look), BANDS * look.error
@@ -807,19 +820,21 @@ def is_window_at(end: float, look: Look) -> bool:
     if side_at(see_at(read, every, end, look.work.w))[events:n].all():
         return False
     for k, most in enumerate(error.tolist()):
-        there = sides_beside(k, 0.0, read, end, look)
-        is_known, ways = there != 0.0, 0
+        there, ways = sides_between(k, 0.0, 0.0, read, end, look), []
+        apart = PASSING * float(look.rounding[k, 1])
         for far in (-most, most):
-            beyond = sides_beside(k, far, read, end, look)
-            leaves = is_known & (sides_up_to(k, far, read, end, look) != there)
-            if np.any(leaves & (beyond == there)):
+            all_along = sides_between(k, smaller(0.0, far), larger(0.0, far), read, end, look)
+            left = np.where(all_along == there, 0.0, there)
+            if any_on(left, sides_between(k, far, far, read, end, look)):
                 return True
-            if not leaves.any():
+            if not any_on(left, left):
                 continue
-            ways += 1
-            if are_apart(k, far, np.where(leaves, there, 0.0), read, end, look):
+            ways.append(way_left(k, far, left, read, end, look))
+            behind = ways[-1] + math.copysign(apart, far)
+            sides = sides_between(k, behind, behind, read, end, look)
+            if abs(behind) < most and any_on(left, sides):
                 return True
-        if ways > 1:
+        if ways and ways[-1] - ways[0] > apart:
             return True
     return False
 
