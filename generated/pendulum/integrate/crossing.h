@@ -584,7 +584,7 @@ static int why_stopped(double seen, const Look *look, State *s)
 }
 
 /* on which side functions are where formulas read this, by rates, which may be before a window:
- * places are known to the noise, and events are looked for until they are exact, of those it is 0 */
+ * places are known to the noise. Of events, which are looked for until they are exact, it is 0 */
 static void rate_sides(
     const double *read, double time, const Look *look, const State *s, Work *work, int *sides)
 {
