@@ -256,7 +256,7 @@ def _pose(
 
 
 def dense(lines: Sequence[ConstraintRow], count: int) -> Array:
-    """C_q in doubles."""
+    """C_q (m, n) in doubles, of C_q v = ν: columns δr [m], frame O, δθ′ [rad], principal frame."""
     found = np.zeros((len(lines), count))
     for k, line in enumerate(lines):
         for column, x in line.slopes.items():
