@@ -43,8 +43,8 @@ class KeptPlaces:
 class Momentum:
     """How far the momentum of a part changed, the largest of all rows that were written.
 
-    p = Σ m v and L = Σ (r − o) × m v + A I′ω′ (3,) in frame O, each along directions n: |p·n −
-    (p·n)₀|.
+    |p·n − (p·n)₀| with p = Σ m v, and of L = Σ (r − o) × m v + A I′ω′ (3,), frame O, along
+    directions n.
 
     Parameters
     ----------

@@ -90,9 +90,9 @@ def derive(package: str) -> Derivation:
 def newton_euler(body: BodyTerms) -> tuple[SymbolicMatrix, SymbolicMatrix]:
     """Matrix M (6, 6) and h (6,) of M (v̇, ω̇′) = h; three mass points, (matrix-form).
 
-    M = [[m I, −A c̃], [c̃ Aᵀ, I_A]] [kg, kg m, kg m²] and h = (F + A ω̃′c̃ ω′, N′ − ω̃′I_A ω′) [N,
-    N m] with the first moment c: force and v̇ in frame O, torque about the origin and ω̇′ in the
-    body frame.
+    M = [[m I, −A c̃], [c̃ Aᵀ, I_A]] in kg, kg m and kg m², h = (F + A ω̃′c̃ ω′, N′ − ω̃′I_A ω′) in
+    N and N m, with the first moment c [kg m] in the body frame: force and v̇ in frame O, torque
+    about the origin and ω̇′ in the body frame.
     """
     spin, arm = skew(symbol(OMEGA_B)), skew(body.moment)
     coupling = mul(A, arm)

@@ -97,8 +97,8 @@ class _Term:
 class Vector(_Term):
     """A vector (3,): ``+``, ``-``, ``*`` and ``/`` with numbers, ``dot``, ``cross``, ``[k]``.
 
-    Both operands are components in the same frame; :attr:`Body.A` takes from one to another, by a =
-    A a′. Its unit is a power of m.
+    Both operands are components in the same frame; :attr:`Body.A` changes it, a = A a′. Its unit is
+    a power of m.
 
     Parameters
     ----------
@@ -368,7 +368,7 @@ class Body:
 
     @property
     def s_b(self) -> Vector:
-        """A point s′ (3,) [m] from the origin, fixed in the body, body frame; lecture 8.2 (8.8)."""
+        """A point s′ (3,) [m] from the origin, fixed in the body, its frame; lecture 8.2, (8.8)."""
         return self.fixed("s", "m")
 
     def fixed(self, name: str, unit: str, meaning: str = "") -> Vector:

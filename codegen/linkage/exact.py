@@ -81,7 +81,7 @@ class Exact:
         return {name: [self.term(term, k) for term in terms] for k, name in enumerate(names)}
 
     def angles(self) -> dict[str, list[Any]]:
-        """Outputs of the kernel ``angles``, (links,): β, β̇, β̈ of (12) and (13)."""
+        """Outputs of the kernel ``angles``, (links,): β of (12) and (13), β̇ and β̈."""
         columns = [self._angle(link) for link in self.layout.assembly.scene.links]
         names = ("angle", "angle_dot", "angle_ddot")
         return {name: [column[k] for column in columns] for k, name in enumerate(names)}

@@ -86,7 +86,7 @@ def rotated(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
 
 
 def rotated_back(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
-    """Vector A(p)ᵀ a (3,), of any unit, in the principal frame, a in frame O; lecture 7.1 (4.3)."""
+    """Vector A(p)ᵀ a (3,), of any unit, principal frame, of a in frame O; lecture 7.1, (4.3)."""
     return rotated((p[0], -p[1], -p[2], -p[3]), a)
 
 

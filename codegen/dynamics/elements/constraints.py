@@ -64,14 +64,14 @@ ANYTHING = Contact(through=precise.ZERO, turns=True)
 
 @dataclass(frozen=True, slots=True)
 class BodiesAtRest:
-    """Two bodies at rest, as a constraint between them sees them: a = A a′, d of lecture 8.2 (8.8).
+    """Two bodies at rest, as a constraint between them sees them: a = A a′, d of (8.8).
 
     Parameters
     ----------
     axes : ((3,), (3,)) [-]
         a of body i and of body j in frame O; zero where it has none.
     d : (3,) [m]
-        From the point of body i to that of body j, frame O.
+        From the point of body i to that of body j, frame O; lecture 8.2, (8.8).
     length : number [m], optional
         Its given length.
     """

@@ -62,7 +62,7 @@ class SpringEffect:
     title: str = "spring and damper"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Accelerations of the coordinates (c, 1) of i and j; its power −c l̇² (1, 1) [W]."""
+        """Accelerations (c, 1) of the coordinates of i and j; power (1, 1) [W], −c l̇² if linear."""
         r_i, p_i, a_i, v_i, omega_i, inverse_mass_i = blocks[:6]
         r_j, p_j, a_j, v_j, omega_j, inverse_mass_j = blocks[6:12]
         share(trace, p_i, a_i)
