@@ -61,7 +61,8 @@ def _walk(way: Continuation, to: Array, residual: float) -> float:
         return residual
     run, division = way.run, way.division
     # One division, which ends at division 0: these inputs to the last digit.
-    way.run = replace(run, origin=to, span=span, turns=[0] * len(to), divisions=1, times=None)
+    inputs = {"origin": to.tolist(), "span": span.tolist(), "turns": [0] * len(to)}
+    way.run = replace(run, **inputs, divisions=1, times=None)
     try:
         way.motion_at(0)
         return way.advance(0, residual).residual

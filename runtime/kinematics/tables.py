@@ -169,8 +169,10 @@ class LinkageTables:
             nodes=tuple(data["nodes"]),
             links=tuple(Link(*link) for link in data["links"]),
             inputs=tuple(
-                Input(*given, start=start)
-                for given, start in zip(data["inputs"], data["run"]["origin"], strict=True)
+                Input(name, unit, scale, start)
+                for (name, unit, scale), start in zip(
+                    data["inputs"], data["run"]["origin"], strict=True
+                )
             ),
             unknowns=tuple(Unknown(*unknown) for unknown in data["unknowns"]),
             blocks=tuple(blocks),
