@@ -74,7 +74,7 @@ static int is_possible(const Run *run)
     }
     return (!run->times || run->first == 0) && run->divisions >= 1 && run->rows >= 1 &&
            run->start >= 0 && run->first >= run->start && run->max_iterations >= 1 &&
-           run->limit > 0.0;
+           run->limit > 0.0 && (run->method == 0 || run->method == 1);
 }
 
 const char *PUBLIC(digest)(void) { return DIGEST; }

@@ -245,6 +245,8 @@ def test_other_side_of_a_dead_centre_is_refused(analysed: Analysed) -> None:
         {"max_iterations": 0},
         {"limit": 0.0},
         {"limit": math.nan},
+        {"method": 2},
+        {"method": -1},
         {"origin": (math.nan,)},
         {"span": (math.inf,)},
         {"rate": (-math.inf,)},
