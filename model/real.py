@@ -1,8 +1,17 @@
-"""Real numbers as a type: doubles, and numbers of mpmath, which is untyped."""
+"""Real numbers as a type: doubles and arrays of them, and numbers of mpmath, which is untyped."""
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    import numpy as np
+    import numpy.typing as npt
+
+    #: Of all rooms but ``runtime``, whose integrator goes along without this file.
+    Array: TypeAlias = npt.NDArray[np.float64]
 
 
 class Real(Protocol):

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    Array: TypeAlias = npt.NDArray[np.float64]
+    from kousoku.runtime.integrate.arithmetic import Array
+
     Body: TypeAlias = Callable[..., tuple[list[Any], ...]]
     Call: TypeAlias = tuple[np.ufunc, tuple[Any, ...], "_Symbol"]
     Inputs: TypeAlias = Sequence[tuple[Array, tuple[int, ...]]]

@@ -11,15 +11,11 @@ from kousoku.runtime.notice import say_once
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import numpy as np
-    import numpy.typing as npt
-
     from kousoku.runtime.dynamics_targets import Memory
+    from kousoku.runtime.integrate.arithmetic import Array
     from kousoku.runtime.integrate.scene_solver import SceneSolver
     from kousoku.runtime.integrate.settings import Settings
     from kousoku.runtime.sources import Sources
-
-    Array = npt.NDArray[np.float64]
 
 #: Scenes with more coordinates than three bodies have are slow.
 SLOW = 21

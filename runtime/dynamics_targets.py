@@ -15,13 +15,9 @@ if TYPE_CHECKING:
     import types
     from collections.abc import Callable
 
-    import numpy as np
-    import numpy.typing as npt
-
     from kousoku.runtime.choice import Target
+    from kousoku.runtime.integrate.arithmetic import Array
     from kousoku.runtime.sources import Sources
-
-    Array = npt.NDArray[np.float64]
 
 #: The files of a scene's folder.
 C_SOURCE, NUMPY_SOURCE = "solver.c", "solver.py"

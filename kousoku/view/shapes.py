@@ -15,14 +15,11 @@ from kousoku.view.meshes import box_name, coarse, cylinder_name, mesh_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from numpy.typing import NDArray
-
     from kousoku.joint_shapes import Solid
     from kousoku.model.frames import BodyFrame
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body, Joint
-
-    Array = NDArray[np.float64]
 
 GROUND, METAL = 0, 1
 """Colours of the ground and of joints; those of bodies follow."""

@@ -18,10 +18,11 @@ from kousoku.runtime.integrate.given_start import THIN
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.assembly.jacobian import Array, PreciseJacobian
+    from kousoku.codegen.dynamics.assembly.jacobian import PreciseJacobian
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
     from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
     from kousoku.model.precise import High
+    from kousoku.model.real import Array
 
 DEPENDENT = 1e-11
 """Squares of singular values of C_q, in lengths, that belong to rows that depend on others: S has

@@ -19,9 +19,10 @@ from kousoku.model import precise
 from kousoku.model.precise import IDENTITY, ZERO
 
 if TYPE_CHECKING:
-    from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
+    from kousoku.codegen.dynamics.assembly.jacobian import Places
     from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
+    from kousoku.model.real import Array
 
 FIRST_DAMPING, LEAST_DAMPING = 1e-3, 1e-12
 """Damping of the first step, and what is as good as none."""

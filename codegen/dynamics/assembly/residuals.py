@@ -27,12 +27,12 @@ from kousoku.model.multibody import RelativeCoordinate
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
+    from kousoku.codegen.dynamics.assembly.jacobian import Places
     from kousoku.codegen.dynamics.assembly.pose import Pose
     from kousoku.model.kernel import Kernel
     from kousoku.model.multibody import Instance, MovingBody, System
     from kousoku.model.precise import High
-
+    from kousoku.model.real import Array
 
 WIDTH = 2 * COLUMNS
 

@@ -11,7 +11,7 @@ once.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,8 +27,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Task
     from kousoku.model.graph import OperationNode
     from kousoku.model.kernel import Kernel
-
-    Array = np.ndarray[Any, np.dtype[np.float64]]
+    from kousoku.model.real import Array
 
 #: u, the rounding of a double.
 ROUNDING = 2.0**-53
