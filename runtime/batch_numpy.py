@@ -21,8 +21,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from kousoku.runtime.integrate.arithmetic import Array
-
+    Array: TypeAlias = npt.NDArray[np.float64]
     Body: TypeAlias = Callable[..., tuple[list[Any], ...]]
     Call: TypeAlias = tuple[np.ufunc, tuple[Any, ...], "_Symbol"]
     Inputs: TypeAlias = Sequence[tuple[Array, tuple[int, ...]]]
