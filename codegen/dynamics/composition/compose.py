@@ -246,8 +246,8 @@ class _ProgramComposer:
     def _move(self) -> None:
         self.recorder.begin("move")
         laws: dict[int, SlotMatrix] = {}
-        # Without rows nothing corrects q. Where parameters are changed bodies are moved aside, to see
-        # whether rows hold that nobody solves for: continuation.h.
+        # Without rows nothing corrects q. Where parameters are changed bodies are moved aside, to
+        # see whether rows hold that nobody solves for: continuation.h.
         has_others = self.left_out or (self.satisfied and self.system.parameters)
         is_corrected = self.joints or has_others
         dq = self.dq if is_corrected else zeros(self.dq.height, 1)
