@@ -11,7 +11,6 @@ from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Patter
 from kousoku.codegen.dynamics.operations.characteristic_length import extent
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
 from kousoku.model import precise
-from kousoku.model.digits import CONTEXT
 from kousoku.model.errors import AssemblyError
 from kousoku.runtime.integrate.given_start import THIN
 
@@ -69,7 +68,7 @@ class Metric:
     def norm(self, step: Sequence[High]) -> High:
         """Norm √(dᵀ W d), a length [m]."""
         terms = (x * x / w for x, w in zip(step, self.inverse, strict=True))
-        return CONTEXT.sqrt(sum(terms, precise.ZERO[0]))
+        return precise.sqrt(sum(terms, precise.ZERO[0]))
 
     def lengths(self, residuals: Residuals) -> list[High]:
         """Factors that make rows lengths, one for each."""

@@ -181,7 +181,8 @@ class Residuals:
         if coordinate < 0 or not self.coordinates[coordinate].counts_turns:
             return value
         turn = 2 * CONTEXT.pi
-        return value + turn * CONTEXT.nint((near[coordinate] - value) / turn)
+        whole: High = turn * CONTEXT.nint((near[coordinate] - value) / turn)
+        return value + whole
 
     def _column(self, source: Instance | RelativeCoordinate, column: int) -> int:
         """Column of the system for one of an instance, −1 where there is none."""
