@@ -90,6 +90,12 @@ def triple(values: Iterable[float]) -> Triple:
     return number(x), number(y), number(z)
 
 
+def quadruple(values: Iterable[float]) -> Quadruple:
+    """Four doubles as numbers of 50 digits: Euler parameters."""
+    w, x, y, z = values
+    return number(w), number(x), number(y), number(z)
+
+
 def add(a: Triple, b: Triple) -> Triple:
     """Sum a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
