@@ -224,7 +224,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "curvature of a coordinate": (
         *("rich", coordinates.CoordinateGamma, "__call__"),
-        *('(found["gamma"][0],)', '(trace.graph.neg(found["gamma"][0]),)'),
+        *('[found["gamma"][0]]', '[trace.graph.neg(found["gamma"][0])]'),
     ),
     # joints
     "gamma of joints": (

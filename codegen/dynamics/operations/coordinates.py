@@ -118,7 +118,7 @@ class CoordinateGamma:
         names = ("v_i", "omega_i_b", "v_j", "omega_j_b")
         motion = dict(zip(names, blocks[-len(names) :], strict=True))
         found = _inline(trace, "rates", self, blocks[: -len(names)], motion)
-        return (Matrix.of(trace.graph, found["gamma"][:1]),)
+        return (Matrix.of(trace.graph, [found["gamma"][0]]),)
 
 
 @dataclass(frozen=True, slots=True)
