@@ -20,15 +20,11 @@ from .trust import CheckedRows, trust_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from typing import TypeAlias
 
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .initial import Evaluate
     from .initial_given import Initial
     from .scene_solver import SceneSolver
-
-    Array: TypeAlias = npt.NDArray[np.float64]
 
 
 class Alone:
