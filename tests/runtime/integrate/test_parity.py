@@ -10,6 +10,8 @@ import pytest
 
 FOLDER = Path(__file__).parents[3] / "runtime" / "integrate"
 BOTH = sorted(path.stem for path in FOLDER.glob("*.h") if path.with_suffix(".py").exists())
+#: Headers without a file of NumPy; ``lacking`` says what a scene lacks, it has no thresholds.
+ONLY_C = sorted({path.stem for path in FOLDER.glob("*.h")} - set(BOTH))
 #: What NumPy has, or what Python says in the line where it is wanted.
 IN_C = {"substitute_back", "multiply_rows", "set_order", "inverse_mass", "sign_of"}
 IN_C |= {"are_changed", "largest_residual", "are_finite"}
@@ -28,9 +30,21 @@ def functions_in_python(name: str) -> set[str]:
     return {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
 
 
+def thresholds_in_c(name: str) -> dict[str, float]:
+    text = (FOLDER / f"{name}.h").read_text(encoding="utf-8")
+    found = re.findall(r"^#define ([A-Z_]+) \(?([^\s()]+)\)?$", text, re.MULTILINE)
+    found += re.findall(r"^enum \{ ([A-Z_]+) = (\d+) \};$", text, re.MULTILINE)
+    return {key: float(value) for key, value in found}
+
+
+def thresholds_in_python(name: str) -> dict[str, float]:
+    text = (FOLDER / f"{name}.py").read_text(encoding="utf-8")
+    found = re.findall(r"^([A-Z_]+) = ([-\d.e]+)$", text, re.MULTILINE)
+    return {key: float(value) for key, value in found}
+
+
 def test_each_part_is_there_in_both_languages() -> None:
-    only_c = {path.stem for path in FOLDER.glob("*.h")} - set(BOTH)
-    assert only_c == {"integrate", "lacking", "memory", "calls"}
+    assert set(ONLY_C) == {"integrate", "lacking", "memory", "calls"}
     assert len(BOTH) >= 8
 
 
@@ -41,11 +55,19 @@ def test_both_have_the_same_functions(name: str) -> None:
 
 @pytest.mark.parametrize("name", BOTH)
 def test_both_have_the_same_thresholds(name: str) -> None:
-    text = (FOLDER / f"{name}.h").read_text(encoding="utf-8")
-    in_c = dict(re.findall(r"^#define ([A-Z_]+) \(?([^\s()]+)\)?$", text, re.MULTILINE))
-    in_c |= dict(re.findall(r"^enum \{ ([A-Z_]+) = (\d+) \};$", text, re.MULTILINE))
-    text = (FOLDER / f"{name}.py").read_text(encoding="utf-8")
-    in_python = dict(re.findall(r"^([A-Z_]+) = ([-\d.e]+)$", text, re.MULTILINE))
-    assert {key: float(x) for key, x in in_c.items()} == {
-        key: float(x) for key, x in in_python.items()
-    }
+    assert thresholds_in_c(name) == thresholds_in_python(name)
+
+
+ALONE = [(name, key) for name in ONLY_C if name != "lacking" for key in thresholds_in_c(name)]
+
+
+@pytest.mark.parametrize(("name", "threshold"), ALONE)
+def test_a_threshold_of_c_alone_stands_in_one_file_of_python(name: str, threshold: str) -> None:
+    files = [thresholds_in_python(path.stem) for path in FOLDER.glob("*.py")]
+    found = [numbers[threshold] for numbers in files if threshold in numbers]
+    assert found == [thresholds_in_c(name)[threshold]]
+
+
+def test_thresholds_of_c_alone_are_found() -> None:
+    found = {threshold for _, threshold in ALONE}
+    assert found >= {"CLEARLY", "LEAST_TOLERANCE", "NOTHING_MOVES", "NO_TIME", "BENT"}
