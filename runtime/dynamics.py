@@ -20,7 +20,7 @@ from kousoku.runtime.integrate.given import (
 from kousoku.runtime.integrate.given_start import Moved
 from kousoku.runtime.integrate.motion import Layout
 from kousoku.runtime.integrate.state import fields_of
-from kousoku.runtime.momenta import KeptPlaces
+from kousoku.runtime.momenta import ConservedPlaces
 from kousoku.runtime.options import ALL_OPTIONS, options_of, with_values
 from kousoku.runtime.run import Run
 from kousoku.runtime.saved import SavedRun, checked
@@ -61,8 +61,8 @@ class DynamicsSolver:
         The same of constraints that depend on others and are not solved for.
     reduced : tuple of (str, str)
         The same of constraints that hold by themselves: bodies are put onto these joints.
-    kept : tuple of KeptPlaces
-        Parts of the scene that keep some momentum.
+    conserved : tuple of ConservedPlaces
+        Parts of the scene that conserve some momentum.
     parameters : tuple of (str, float)
         What a run may change, and its value in the scene.
     is_driven : bool
@@ -90,7 +90,7 @@ class DynamicsSolver:
     rows: tuple[tuple[str, str], ...]
     left_out: tuple[tuple[str, str], ...]
     reduced: tuple[tuple[str, str], ...]
-    kept: tuple[KeptPlaces, ...]
+    conserved: tuple[ConservedPlaces, ...]
     parameters: tuple[tuple[str, float], ...]
     is_driven: bool
     is_weighed: bool
@@ -359,7 +359,7 @@ def open_dynamics(sources: Sources, target: Target) -> DynamicsSolver:
         rows=tuple((joint, unit) for joint, unit in data["rows"]),
         left_out=tuple((joint, unit) for joint, unit in data["left_out"]),
         reduced=tuple((joint, unit) for joint, unit in data["reduced"]),
-        kept=tuple(map(KeptPlaces.from_data, data["kept"])),
+        conserved=tuple(map(ConservedPlaces.from_data, data["kept"])),
         parameters=tuple((name, value) for name, value in data["parameters"]),
         is_driven=data["is_driven"],
         is_weighed=data["is_weighed"],

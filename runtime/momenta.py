@@ -13,8 +13,10 @@ SHOWN = 3
 
 
 @dataclass(frozen=True, slots=True)
-class KeptPlaces:
-    """What a part of a scene keeps: bodies that joints and forces connect, the ground left out.
+class ConservedPlaces:
+    """Directions along which a part of a scene conserves its momenta.
+
+    A part are bodies that joints and forces connect, the ground left out.
 
     Parameters
     ----------
@@ -33,7 +35,7 @@ class KeptPlaces:
     is_central: bool = True
 
     @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> KeptPlaces:
+    def from_data(cls, data: Mapping[str, Any]) -> ConservedPlaces:
         """Momenta of a part from ``motion.json``."""
         linear, angular = (tuple(map(tuple, data[name])) for name in ("linear", "angular"))
         return cls(tuple(data["bodies"]), linear, angular, data["is_central"])
@@ -80,19 +82,21 @@ class Momentum:
         return f"momentum of {named}: largest change {', '.join(texts)}"
 
 
-def momenta_of(kept: Sequence[KeptPlaces], changes: Sequence[float]) -> tuple[Momentum, ...]:
+def momenta_of(
+    conserved: Sequence[ConservedPlaces], changes: Sequence[float]
+) -> tuple[Momentum, ...]:
     """Changes by part.
 
     Parameters
     ----------
-    kept : sequence of KeptPlaces
+    conserved : sequence of ConservedPlaces
         The parts.
     changes : sequence of float
         Part by part, first linear, then angular.
     """
     found = []
     at = 0
-    for one in kept:
+    for one in conserved:
         turn = at + len(one.linear)
         end = turn + len(one.angular)
         linear, angular = (

@@ -346,7 +346,7 @@ def ledger_of(
         energy=single["energy"] if solver.is_weighed else None,
         energy_error=single["energy_error"] if options.checks and solver.is_weighed else None,
         works=Named(works),
-        momenta=momenta_of(solver.kept, changes) if options.checks else (),
+        momenta=momenta_of(solver.conserved, changes) if options.checks else (),
         violations=Named(violations),
         missed=Named({x: one[:2] for x, one in missed.items() if one.part > MISSES}),
         released=released(missed, layout),

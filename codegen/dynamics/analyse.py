@@ -49,7 +49,7 @@ from kousoku.model.varying import fixed_system
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Kept
+    from kousoku.codegen.dynamics.recording.program import ConservedMomenta, ConstraintEquation
     from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
     from kousoku.codegen.dynamics.simplification.outline import Outline
     from kousoku.model.multibody import System
@@ -131,8 +131,8 @@ class Analysed:
         return shares_out(len(self.solved), len(self.left_out))
 
     @property
-    def momenta(self) -> tuple[Kept, ...]:
-        """Momenta that parts of it keep, in the axes of the plane."""
+    def momenta(self) -> tuple[ConservedMomenta, ...]:
+        """Momenta that parts of it conserve, in the axes of the plane."""
         return conserved_momenta(in_xy_plane(self).system, is_planar=self.outline.is_planar)
 
 

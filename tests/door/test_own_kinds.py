@@ -417,7 +417,7 @@ def test_no_momentum_is_said_to_be_kept(restated: list[Derivation]) -> None:
     mine = f'{head}type = "stick"\ns_i_b = [0, 0, 0]\ns_j_b = [0, 0, 0]\nlength = 2\n'
     theirs = f'{head}type = "rod"\npoints = [[0, 0, 0], [0, 0, 0]]\nlength = 2\n'
     own, shipped = (compose_scene(read(text, *restated), ()).program for text in (mine, theirs))
-    assert shipped.kept and not own.kept
+    assert shipped.conserved and not own.conserved
     assert shipped.is_planar and own.is_planar
 
 

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import json
 
-from kousoku.runtime.momenta import KeptPlaces, Momentum, momenta_of
+from kousoku.runtime.momenta import ConservedPlaces, Momentum, momenta_of
 
 ALONG = (1.0, 0.0, 0.0)
 
 
 def test_changes_are_told_by_part_the_largest_of_all_directions() -> None:
     parts = [
-        KeptPlaces(("a", "b"), (ALONG, ALONG), (ALONG,)),
-        KeptPlaces(("c",), (ALONG,), ()),
-        KeptPlaces(("d",), (), (ALONG,)),
+        ConservedPlaces(("a", "b"), (ALONG, ALONG), (ALONG,)),
+        ConservedPlaces(("c",), (ALONG,), ()),
+        ConservedPlaces(("d",), (), (ALONG,)),
     ]
     found = momenta_of(parts, [1e-9, 3e-9, 2e-6, 4e-3, 5e-2])
     assert found == (
@@ -43,10 +43,10 @@ def test_it_is_ready_for_json() -> None:
 
 def test_what_motion_json_says_of_a_part_is_taken_over() -> None:
     data = {"bodies": ["a"], "linear": [[1, 0, 0]], "angular": [], "is_central": False}
-    assert KeptPlaces.from_data(data) == KeptPlaces(("a",), ((1, 0, 0),), (), False)
+    assert ConservedPlaces.from_data(data) == ConservedPlaces(("a",), ((1, 0, 0),), (), False)
 
 
 def test_what_the_angular_momentum_is_about_is_told() -> None:
-    (found,) = momenta_of([KeptPlaces(("a",), (), (ALONG,), is_central=False)], [2e-6])
+    (found,) = momenta_of([ConservedPlaces(("a",), (), (ALONG,), is_central=False)], [2e-6])
     assert str(found).endswith("2.0e-06 kg m²/s about a point of the ground")
     assert found.as_data()["about"] == "a point of the ground"

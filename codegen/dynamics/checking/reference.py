@@ -126,7 +126,7 @@ def _known(program: Program, system: System, written: System) -> GivenSolver:
         [one.name for one in system.carried if one.carrier in part.bodies]
         if system.carried
         else [system.bodies[k].name for k in part.bodies]
-        for part in program.kept
+        for part in program.conserved
     ]
     return GivenSolver(
         system=fixed_system(written),
@@ -140,7 +140,7 @@ def _known(program: Program, system: System, written: System) -> GivenSolver:
         },
         momenta=[
             (own, part.linear, part.angular, part.about)
-            for own, part in zip(names, program.kept, strict=True)
+            for own, part in zip(names, program.conserved, strict=True)
         ],
         is_weighed=program.is_weighed,
     )

@@ -47,7 +47,7 @@ from kousoku.codegen.dynamics.operations.mechanics import (
     PoseRate,
 )
 from kousoku.codegen.dynamics.operations.sums import summed
-from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Kept, Program
+from kousoku.codegen.dynamics.recording.program import ON_DEMAND, ConservedMomenta, Program
 from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix, column, zeros
 from kousoku.codegen.dynamics.redundancy.redundant_rows import by_instance
 from kousoku.codegen.dynamics.simplification.axis_permutation import permuted_back, shift_of
@@ -165,16 +165,16 @@ class _ProgramComposer:
                 record()
         if "energies" in self.wanted:
             record_energies(self.recorder, self.system, self.bodies, self.forces)
-        kept = self.analysed.momenta if "checks" in self.wanted else ()
-        if kept:
-            record_momenta(self.recorder, self.system, kept, self.body)
+        conserved = self.analysed.momenta if "checks" in self.wanted else ()
+        if conserved:
+            record_momenta(self.recorder, self.system, conserved, self.body)
         if "checks" in self.wanted:
             self._check()
             self._where_rank_drops()
         record_switching(self.recorder, self.system, self.parameters, self.forces)
-        return self._program(kept)
+        return self._program(conserved)
 
-    def _program(self, kept: tuple[Kept, ...]) -> Program:
+    def _program(self, conserved: tuple[ConservedMomenta, ...]) -> Program:
         """Program of all that was recorded."""
         pairs = zip(self.system.bodies, self.bodies, strict=True)
         places = tuple(coordinates(body, blocks) for body, blocks in pairs)
@@ -196,7 +196,7 @@ class _ProgramComposer:
             is_planar=self.is_planar,
             auxiliary=self.auxiliary.placed(self.q),
             parameters=tuple(value for _, value in self.system.parameters),
-            kept=kept,
+            conserved=conserved,
             design=design,
         )
 

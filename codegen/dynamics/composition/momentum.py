@@ -15,7 +15,7 @@ from kousoku.codegen.dynamics.recording.matrix import Matrix
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Kept
+    from kousoku.codegen.dynamics.recording.program import ConservedMomenta
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
@@ -86,7 +86,7 @@ class PartMomenta:
 def record_momenta(
     recorder: Recorder,
     system: System,
-    kept: Sequence[Kept],
+    conserved: Sequence[ConservedMomenta],
     body: Callable[[int], BodyBlocks],
 ) -> None:
     """Record the segment ``momentum``, which writes the region ``momenta`` part by part.
@@ -99,15 +99,15 @@ def record_momenta(
         The program.
     system : System
         The scene.
-    kept : sequence of Kept
+    conserved : sequence of ConservedMomenta
         What its parts conserve: there is one at least.
     body : callable
         Returns the blocks of a body by its index.
     """
-    target = recorder.region("momenta", sum(one.count for one in kept))
+    target = recorder.region("momenta", sum(one.count for one in conserved))
     recorder.begin("momentum")
     at = 0
-    for one in kept:
+    for one in conserved:
         origin = body(one.bodies[0])
         shares: list[SlotMatrix] = []
         for index in one.bodies:

@@ -109,7 +109,7 @@ def motion_data(
                 "angular": [list(vector) for vector in one.angular],
                 "is_central": one.about is None,
             }
-            for one in program.kept
+            for one in program.conserved
         ],
         **varying,
         "notes": list(about.notes),

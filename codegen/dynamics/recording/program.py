@@ -137,8 +137,8 @@ class Auxiliary:
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
-    """Momenta that a part of a system keeps; see ``composition.momentum``.
+class ConservedMomenta:
+    """Momenta that a part of a system conserves; see ``composition.momentum``.
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ class Program:
         Values in the region ``parameters`` unless a run has others.
     auxiliary : tuple of Auxiliary
         What stands in q after the coordinates of the bodies.
-    kept : tuple of Kept
+    conserved : tuple of ConservedMomenta
         The momenta of the region ``momenta``.
     on_demand : tuple of Segment
         What a run calls where it must: those of :data:`ON_DEMAND`.
@@ -246,7 +246,7 @@ class Program:
     rows: tuple[ConstraintEquation, ...]
     is_planar: bool
     auxiliary: tuple[Auxiliary, ...] = ()
-    kept: tuple[Kept, ...] = ()
+    conserved: tuple[ConservedMomenta, ...] = ()
     left_out: tuple[ConstraintEquation, ...] = ()
     reduced: tuple[ConstraintEquation, ...] = ()
     placed: tuple[int, ...] = ()

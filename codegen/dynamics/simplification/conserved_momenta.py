@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
-from kousoku.codegen.dynamics.recording.program import Kept
+from kousoku.codegen.dynamics.recording.program import ConservedMomenta
 from kousoku.codegen.dynamics.simplification.contacts import (
     AXES,
     Axes,
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 DOWN = (0.0, 0.0, -1.0)
 
 
-def conserved_momenta(system: System, *, is_planar: bool) -> tuple[Kept, ...]:
+def conserved_momenta(system: System, *, is_planar: bool) -> tuple[ConservedMomenta, ...]:
     """Momenta that the parts of a system conserve; parts that conserve none are not listed.
 
     Along directions n (3,) [-] of frame O: p·n = const. where no force acts, p = Σ m v [kg m/s],
@@ -71,7 +71,7 @@ def conserved_momenta(system: System, *, is_planar: bool) -> tuple[Kept, ...]:
             linear = tuple(one for one in linear if not one[2])
             angular = tuple(one for one in angular if one in (AXES[2], DOWN))
         if linear or angular:
-            found.append(Kept(bodies, linear, angular, axes.about if angular else None))
+            found.append(ConservedMomenta(bodies, linear, angular, axes.about if angular else None))
     return tuple(found)
 
 

@@ -46,14 +46,14 @@ def flying(mechanisms: SimpleNamespace) -> System:
 
 
 def counts(system: System) -> list[tuple[int, int, int]]:
-    kept = conserved_momenta(system, is_planar=False)
-    return [(len(one.bodies), len(one.linear), len(one.angular)) for one in kept]
+    found = conserved_momenta(system, is_planar=False)
+    return [(len(one.bodies), len(one.linear), len(one.angular)) for one in found]
 
 
 def test_gravity_leaves_momentum_across_it_and_all_angular_momentum(flying: System) -> None:
     assert counts(flying) == [(3, 2, 3)]
-    (kept,) = conserved_momenta(flying, is_planar=False)
-    assert kept.linear == (X, (0.0, -1.0, 0.0))
+    (found,) = conserved_momenta(flying, is_planar=False)
+    assert found.linear == (X, (0.0, -1.0, 0.0))
     assert counts(replace(flying, gravity=(0.0, 0.0, 0.0))) == [(3, 3, 3)]
     law = replace(flying, gravity=(0.0, 0.0, 0.0), gravity_law=("", "g", ""))
     assert counts(law) == [(3, 2, 3)]
@@ -68,13 +68,13 @@ def test_forces_of_the_ground_keep_what_is_across_them_or_about_their_point(
     flying: System, body: int
 ) -> None:
     tied = replace(flying, forces=(spring(1, 2), spring(GROUND_INDEX, body)))
-    (kept,) = conserved_momenta(tied, is_planar=False)
-    assert (kept.linear, kept.angular, kept.about) == ((), ((0.0, 0.0, -1.0),), (0.1, 0.2, 0.3))
+    (found,) = conserved_momenta(tied, is_planar=False)
+    assert (found.linear, found.angular, found.about) == ((), ((0.0, 0.0, -1.0),), (0.1, 0.2, 0.3))
     one = RelativeCoordinate("h", "n2", GROUND_INDEX, body, (("a_i_b", X), *NOWHERE))
     push = CoordinateForce("p", GROUND_INDEX, body, (("force", (1.0,)),), coordinate=0)
     pushed = replace(flying, coordinates=(one,), forces=(spring(1, 2), push))
-    (kept,) = conserved_momenta(pushed, is_planar=False)
-    assert (kept.linear, kept.angular, kept.about) == (((0.0, -1.0, 0.0),), (X,), None)
+    (found,) = conserved_momenta(pushed, is_planar=False)
+    assert (found.linear, found.angular, found.about) == (((0.0, -1.0, 0.0),), (X,), None)
 
 
 @pytest.mark.parametrize(
@@ -127,12 +127,12 @@ def test_a_scene_in_a_plane_keeps_what_is_in_the_plane(mechanisms: SimpleNamespa
     flying = replace(pendulum, constraints=tuple(x for x in pendulum.constraints if x.i >= 0))
     program = compose(all_rows(flying), ["checks", "energies"])
     assert program.is_planar
-    (kept,) = program.kept
-    assert kept.linear == (X,)
-    assert kept.angular == (Z,)
+    (found,) = program.conserved
+    assert found.linear == (X,)
+    assert found.angular == (Z,)
 
 
 def test_a_scene_that_stands_on_the_ground_has_no_momenta(mechanisms: SimpleNamespace) -> None:
     program = compose(all_rows(mechanisms.chain(2)), ["checks", "energies"])
-    assert program.kept == ()
+    assert program.conserved == ()
     assert "momentum" not in [segment.name for segment in program.segments]
