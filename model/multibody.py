@@ -277,7 +277,7 @@ class WrittenStart:
         Angular velocity.
     is_in_o : bool
         Whether its components are in frame O, not in the user's body frame.
-    weight : (11,)
+    mass_properties : (11,)
         Mass [kg], principal moments [kg m²], and of its own principal frame ``origin_b`` [m] and
         ``axes_b`` as of a :class:`MovingBody`, also where another body carries it.
     """
@@ -287,7 +287,7 @@ class WrittenStart:
     velocity: Vector
     spin: Vector
     is_in_o: bool
-    weight: tuple[float, ...]
+    mass_properties: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -70,7 +70,8 @@ def motion_data(
     varying: dict[str, object] = {"design": _design(program)} if program.design else {}
     if system.given:
         varying["given"] = [
-            asdict(replace(one, weight=tuple(_shown(program, one.weight)))) for one in system.given
+            asdict(replace(one, mass_properties=tuple(_shown(program, one.mass_properties))))
+            for one in system.given
         ]
     if any(one.is_driver for one in system.constraints):
         varying["driven"] = sorted(system.coordinates[place].name for place in _driven(system))

@@ -89,7 +89,7 @@ def shown_numbers(system: System) -> Iterator[float]:
     for one in shown:
         yield from (x for x in (*one.origin_b, *one.axes_b) if is_varying(x))
     for given in system.given:
-        yield from (x for x in given.weight if is_varying(x))
+        yield from (x for x in given.mass_properties if is_varying(x))
     yield from (value for _, value in system.positive)
 
 
