@@ -127,7 +127,7 @@ static int may_leap(double h, double before, double after, Position last, State 
     const int is_near = high > MOST_GROWTH * low && (before < 0.0) == (after < 0.0);
     const double way = h * size_of(last.y + NQ);
     if (is_near && !(way > FINEST_WAY)) s->is_near = 1.0;
-    const int is_long = HAS_REFINEMENT && way > LONGEST_WAY && low < LEVEL * high;
+    const int is_long = HAS_REFINEMENT && way > LONGEST_WAY && low < LEVEL_RATIO_PART * high;
     return is_long || (is_near && way > FINEST_WAY);
 }
 

@@ -37,7 +37,7 @@ from .projection import project, ratio_at
 from .row_switch import forget_trials
 from .settings import Status
 from .stepper import (
-    LEVEL,
+    LEVEL_RATIO_PART,
     energy_balance,
     energy_moved,
     meeting_part,
@@ -201,7 +201,7 @@ def may_leap(
     way = h * work.w.size_of(last.y[work.scene.nq :])
     if is_near and not way > FINEST_WAY:
         state.is_near = 1.0
-    is_long = way > LONGEST_WAY and low < LEVEL * high and work.scene.has_refinement
+    is_long = way > LONGEST_WAY and low < LEVEL_RATIO_PART * high and work.scene.has_refinement
     return is_long or (is_near and way > FINEST_WAY)
 
 

@@ -235,8 +235,10 @@ def test_a_planted_correction_is_found_and_the_rest_is_the_same(
         shutil.copytree(ROOT / name, tree / name, symlinks=True)
     stepper = tree / "runtime" / "integrate" / "stepper.h"
     text = stepper.read_text(encoding="utf-8")
-    assert text.count("#define INNER 1e-3") == 1
-    stepper.write_text(text.replace("#define INNER 1e-3", "#define INNER 1e-7"), encoding="utf-8")
+    assert text.count("#define STAGE_RESIDUAL 1e-3") == 1
+    stepper.write_text(
+        text.replace("#define STAGE_RESIDUAL 1e-3", "#define STAGE_RESIDUAL 1e-7"), encoding="utf-8"
+    )
     monkeypatch.setattr(commits, "QUICK_REPEATS", 1)
     monkeypatch.setattr(commits, "ROUNDS", 2)
     found = compare({"base": ROOT, "head": tree}, Size(), ["bricard", "rigid_body"])
