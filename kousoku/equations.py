@@ -19,7 +19,7 @@ import numpy as np
 from kousoku.codegen.dynamics.assembled import assemble_scene
 from kousoku.codegen.dynamics.assembly.residuals import unit_of
 from kousoku.codegen.dynamics.composition.equations import NUMBERS, system_equations
-from kousoku.codegen.dynamics.emission.view_numbers import row_of
+from kousoku.codegen.dynamics.emission.context_numbers import row_of
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter

@@ -8,7 +8,7 @@
 ``link``       the rows of the frozen link element
 ``kernels``    the segments of a block, composed of these
 ``outputs``    those of nodes and of angles of links
-``emit``       source text, by the templates and views of scenes of bodies
+``emit``       source text, by the templates and contexts of scenes of bodies
 ``data``       names and tables: ``motion.json``
 ``exact``      what segments must give, element by element
 ``solution``   the motion in 50 digits

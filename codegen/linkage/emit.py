@@ -6,14 +6,14 @@ from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.context_lines import ascii_of, plain
+from kousoku.codegen.dynamics.emission.context import enumerators, segment_text
 from kousoku.codegen.dynamics.emission.emit import MOTION_FILE, filled, package_of
-from kousoku.codegen.dynamics.emission.numpy_view import (
+from kousoku.codegen.dynamics.emission.numpy_context import (
     python_kernels,
     python_segment,
     regions_of,
 )
 from kousoku.codegen.dynamics.emission.slots import slots_of
-from kousoku.codegen.dynamics.emission.view import enumerators, segment_text
 from kousoku.codegen.emit import along, hashed, promise, template
 from kousoku.codegen.linkage.data import linkage_data
 from kousoku.codegen.linkage.layout import REGIONS
@@ -67,7 +67,7 @@ def emit_linkage(
     scene, regions, slots = layout.assembly.scene, regions_of(program), slots_of(program)
     title = scene.title or f"the linkage {scene.name}"
     sizes = [len(block.unknowns) for block in layout.blocks]
-    view = {
+    context = {
         "name": scene.name,
         "title": title,
         "title_ascii": ascii_of(plain(title)),
@@ -87,11 +87,11 @@ def emit_linkage(
     data, analysis = linkage_data(program, layout), along(LIBRARY, *SHARED)
     inputs = hashed(
         scene=to_text(data),
-        composition=repr((view, python)),
+        composition=repr((context, python)),
         templates="".join(map(template, (*TEMPLATES.values(), *PARTS))),
         runtime=repr(analysis),
     )
-    given = {"view": view, "mechanism": data, "python": python, "run": RUN, "listed": listed}
+    given = {"solver": context, "mechanism": data, "python": python, "run": RUN, "listed": listed}
     files = {**analysis, MOTION_FILE: to_text(data), **more}
     return filled(promise(package_of(scene.name, title), inputs), TEMPLATES, given, files)
 

@@ -22,8 +22,8 @@ import pytest
 import kousoku
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.emission.context_numbers import inverse_masses
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
-from kousoku.codegen.dynamics.emission.view_numbers import inverse_masses
 from kousoku.codegen.dynamics.generate import LEDGER, generate_dynamics
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter

@@ -18,8 +18,8 @@ import numpy as np
 from kousoku.codegen.dynamics.checking.independent import GivenSolver, independent_points
 from kousoku.codegen.dynamics.checking.rounding import run_and_keep, units
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS
+from kousoku.codegen.dynamics.emission.context_numbers import shift_slots
 from kousoku.codegen.dynamics.emission.motion_data import GIVEN, motion_data
-from kousoku.codegen.dynamics.emission.view_numbers import shift_slots
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter

@@ -1,4 +1,4 @@
 """From a program to the source text of its solver.
 
-``emit``, ``view``, ``view_numbers``, ``numpy_view``, ``runge_kutta``, ``motion_data``.
+``emit``, ``context``, ``context_numbers``, ``numpy_context``, ``slots``, ``motion_data``.
 """

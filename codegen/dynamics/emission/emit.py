@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import astuple
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.emission.context import method_text, solver_context
 from kousoku.codegen.dynamics.emission.motion_data import motion_data
-from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
-from kousoku.codegen.dynamics.emission.view import dynamics_view, method_text
+from kousoku.codegen.dynamics.emission.numpy_context import numpy_context
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.emit import along, environment, hashed, promise, template, with_manifest
 from kousoku.model.jsontext import to_text
@@ -74,21 +74,21 @@ def emit_dynamics(
     """
     length = characteristic_length(system)
     parts = tuple(part for name, part in PARTS_OF_ROWS.items() if name in outputs)
-    view = dynamics_view(program, system, length, parts)
-    lacked = OF_RANK * (not view.looks_at_rank) + OF_KINEMATICS * (not view.is_driven)
+    context = solver_context(program, system, length, parts)
+    lacked = OF_RANK * (not context.looks_at_rank) + OF_KINEMATICS * (not context.is_driven)
     integrator = {name: text for name, text in along("integrate").items() if name not in lacked}
     inputs = hashed(
         scene=repr(astuple(system)),
-        composition=repr(view),
+        composition=repr(context),
         templates="".join(map(template, PARTS)),
         runtime=repr(integrator),
     )
     given = {
-        "view": view,
-        "python": numpy_view(program, system, length, parts),
+        "solver": context,
+        "python": numpy_context(program, system, length, parts),
         "methods": tuple(map(method_text, METHODS)),
     }
-    motion = to_text(motion_data(program, system, parts, view.state, about))
+    motion = to_text(motion_data(program, system, parts, context.state, about))
     files = {**integrator, MOTION_FILE: motion, **(more or {})}
     package = package_of(system.name, f"the motion of {system.name}")
     return filled(promise(package, inputs), TEMPLATES, given, files)

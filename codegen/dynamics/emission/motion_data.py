@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.auxiliary import WORK
 from kousoku.codegen.dynamics.composition.least_norm import ORIGIN
-from kousoku.codegen.dynamics.emission.view_numbers import (
+from kousoku.codegen.dynamics.emission.context_numbers import (
     is_driven,
     row_of,
     start_places,

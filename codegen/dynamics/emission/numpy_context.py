@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.context_body import layout, live_nodes, output_text, straight_line
 from kousoku.codegen.context_names import Namer
-from kousoku.codegen.dynamics.emission.slots import Slots, slots_of
-from kousoku.codegen.dynamics.emission.view import (
+from kousoku.codegen.dynamics.emission.context import (
     contents_of,
     in_lines,
     mass_of,
 )
-from kousoku.codegen.dynamics.emission.view_numbers import (
+from kousoku.codegen.dynamics.emission.context_numbers import (
     Table,
     added,
     counted_turns,
@@ -28,6 +27,7 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
     tables,
     works,
 )
+from kousoku.codegen.dynamics.emission.slots import Slots, slots_of
 from kousoku.codegen.dynamics.recording.program import levels, meaning_of
 from kousoku.codegen.printers import NUMPY, Printer
 from kousoku.model.graph import Op, literal
@@ -112,7 +112,7 @@ class PythonSegment:
 
 
 @dataclass(frozen=True, slots=True)
-class NumpyView:
+class NumpyContext:
     """What the text of the solver in Python is made of.
 
     Parameters
@@ -138,9 +138,9 @@ class NumpyView:
     tables: Mapping[str, str]
 
 
-def numpy_view(
+def numpy_context(
     program: Program, system: System, length: float, parts: Sequence[str] = ()
-) -> NumpyView:
+) -> NumpyContext:
     """Context of the template of the solver in Python.
 
     Parameters
@@ -174,7 +174,7 @@ def numpy_view(
         for name, table in tables(program, system, length, parts).items()
         if name != "parts"
     }
-    return NumpyView(
+    return NumpyContext(
         name=program.name,
         numbers=tuple(
             (name, python_literal(value))

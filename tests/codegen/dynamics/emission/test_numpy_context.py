@@ -13,7 +13,7 @@ import pytest
 
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
-from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
+from kousoku.codegen.dynamics.emission.numpy_context import numpy_context
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.recording.program import SEGMENTS
@@ -74,7 +74,7 @@ def test_equal_tasks_of_a_level_run_together(mechanisms: SimpleNamespace) -> Non
 def test_a_kernel_unpacks_only_what_it_reads(mechanisms: SimpleNamespace) -> None:
     system = mechanisms.heavy_top()
     program = inline(compose(all_rows(system)), limit=100_000)
-    for kernel in numpy_view(program, system, 1.0).kernels:
+    for kernel in numpy_context(program, system, 1.0).kernels:
         read = " ".join((*(text for _, text in kernel.statements), *kernel.results))
         assert all(name in read for name in kernel.inputs)
         assert len(kernel.inputs) < program.size

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.emission.view import COME_WITH
+from kousoku.codegen.dynamics.emission.context import COME_WITH
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.dynamics.recording.program import REGIONS
 from kousoku.codegen.generate import write_tree

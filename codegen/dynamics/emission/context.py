@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, get_type_hints
 
 from kousoku.codegen.context_body import layout, output_text, straight_line
 from kousoku.codegen.context_names import Namer
-from kousoku.codegen.dynamics.emission.slots import SCRATCH, Slots, slots_of
-from kousoku.codegen.dynamics.emission.view_numbers import (
+from kousoku.codegen.dynamics.emission.context_numbers import (
     Table,
     counted_turns,
     has_drivers,
@@ -22,6 +21,7 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
     tables,
     works,
 )
+from kousoku.codegen.dynamics.emission.slots import SCRATCH, Slots, slots_of
 from kousoku.codegen.dynamics.recording.program import REGIONS, meaning_of
 from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.printers import C
@@ -154,7 +154,7 @@ class MethodText:
 
 
 @dataclass(frozen=True, slots=True)
-class DynamicsView:
+class SolverContext:
     """All that the solver's text is made of.
 
     Parameters
@@ -362,9 +362,9 @@ def task_rows(tasks: Sequence[Task]) -> Iterator[tuple[str, str]]:
             yield task.owner, " ".join(f"{slot}," for slot in (*task.inputs, *task.outputs))
 
 
-def dynamics_view(
+def solver_context(
     program: Program, system: System, length: float, parts: Sequence[str] = ()
-) -> DynamicsView:
+) -> SolverContext:
     """Context of the templates of a solver.
 
     Parameters
@@ -397,7 +397,7 @@ def dynamics_view(
     repeated = {kernel for one in segments for kernel, run in runs_of(one.tasks) if len(run) > 1}
     state = {"NY": counts["NQ"] + counts["NV"], "DENSE": DENSE, **counts}
     state["RANGED"] = counts["NQ"] + shown
-    return DynamicsView(
+    return SolverContext(
         name=program.name,
         features=features,
         sizes=enumerators(_of_features(counts, features) | {"ROW_SIZE": row}),
