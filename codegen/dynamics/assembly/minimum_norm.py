@@ -71,9 +71,9 @@ class Metric:
         return CONTEXT.sqrt(sum(terms, precise.ZERO[0]))
 
     def lengths(self, residuals: Residuals) -> list[High]:
-        """Factors that make rows lengths, one for each."""
-        one, size = precise.number(1.0), precise.number(self.size)
-        return [one if is_length else size for is_length in residuals.in_metres]
+        """Factors that make rows lengths, one for each, and combinations as large as others."""
+        sizes = np.where(residuals.in_metres, 1.0, self.size) / residuals.ratios(self.size)
+        return [precise.number(x) for x in sizes.tolist()]
 
 
 def _weights(body: MovingBody, mass: float, size: float, thin: float) -> list[float]:
