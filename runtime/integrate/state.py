@@ -158,6 +158,8 @@ class State:
     short_steps = Number("-", "steps in a row that are very short beside it")
     unresolved = Number("-", "steps over which bounds do not tell how formulas vary")
     unresolved_time = Number("s", "when the last of them was")
+    impulse = Number("1/s", "of forces that are infinite where they switch, what is not known")
+    impulse_time = Number("s", "when the last of them was")
     branch_points = Number("-", "steps that may have ended on another branch")
     branch_point_time = Number("s", "when the first of them was")
     meetings = Number("-", "steps straight on where branches meet, or nearer than rounding tells")
