@@ -300,6 +300,7 @@ static void tell_works(const Settings *settings, double end, double weak, size_t
     Work *work, WorkEstimate *told)
 {
     const double *y = position_at(1, work).y;
+    look_at_misses(settings, work);
     if (n > 1) told->error = sum_works(settings, end, weak, n == 4, s, work, &told->is_told);
     else if (WORKS > 0) energy(work->w);
     if (WORKS == 0) return;
@@ -309,7 +310,8 @@ static void tell_works(const Settings *settings, double end, double weak, size_t
 }
 
 /* keeps a position, at or behind the time that is asked for */
-static void accept_position(double end, double asked, Work *work, State *s)
+static void accept_position(
+    const Settings *settings, double end, double asked, Work *work, State *s)
 {
     const double h = end - s->time;
     const Position last = position_at(1, work);
@@ -317,6 +319,7 @@ static void accept_position(double end, double asked, Work *work, State *s)
     s->time_before = end > asked ? s->time : end;
     s->time = end;
     s->steps += 1;
+    note_misses(settings, work, s);
     note_motion(h, last.y, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(f_before, s->f, NY * sizeof *s->y);
@@ -435,7 +438,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         s->step_size = larger(is_last ? s->step_size : 0.0, factor * whole);
         s->error = told.is_told ? error : 0.0;
         s->balance = told.balance;
-        accept_position(end, asked, work, s);
+        accept_position(settings, end, asked, work, s);
         return GOOD;
     }
 }

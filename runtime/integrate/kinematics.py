@@ -34,7 +34,7 @@ from .pivot_monitor import (
     pivot_ratio,
 )
 from .projection import project, ratio_at
-from .row_switch import forget_trials
+from .row_switch import forget_trials, look_at_misses, note_misses
 from .settings import Status
 from .stepper import (
     LEVEL,
@@ -388,6 +388,7 @@ def tell_works(
     """Sum the works of a step better unless it leaps, and tell what its energy says of them."""
     scene, last = work.scene, position_at(1, work)
     error, is_told = 0.0, False
+    look_at_misses(s, work)
     if parts is not LEAP:
         error, is_told = sum_works(s, end, weak, state, work, has_nodes=parts is NODES)
     elif scene.works > 0:
@@ -399,12 +400,13 @@ def tell_works(
     return WorkEstimate(error, is_told, energy_balance(last.y, work, state), moved)
 
 
-def accept_position(end: float, asked: float, state: State, work: Work) -> None:
+def accept_position(s: Settings, end: float, asked: float, state: State, work: Work) -> None:
     """Keep a position, at or behind the time that is asked for."""
     h, last, f_before = end - state.time, position_at(1, work), state.f.copy()
     state.time_before = state.time if end > asked else end
     state.time = end
     state.steps += 1
+    note_misses(s, work, state)
     note_motion(h, last.y, state, work)
     state.y_before[:] = state.y
     state.y[:] = last.y
@@ -515,5 +517,5 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     state.step_size = larger(state.step_size if is_last else 0.0, factor * whole)
     state.error = error if told.is_told else 0.0
     state.balance = told.balance
-    accept_position(end, asked, state, work)
+    accept_position(s, end, asked, state, work)
     return Status.GOOD

@@ -434,6 +434,7 @@ static void accept(const Attempts *tried, const Trial *trial, Work *work, State 
     s->usual_ratio = larger(s->usual_ratio, trial->end_ratio);
     note_motion(h, work->y, s);
     note_extent(work->y, work->w, s);
+    note_misses(tried->settings, work, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(s->y, work->y, NY * sizeof *s->y);
     memcpy(s->low, work->low, NY * sizeof *s->y);
@@ -509,6 +510,7 @@ static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s
     if (is_kept(trial)) {
         note_largest_pivot(work, s);
         coordinate(work->w);
+        look_at_misses(settings, work);
     }
 }
 

@@ -43,7 +43,7 @@ from .projection import (
     ratio_at,
     take_normal_part,
 )
-from .row_switch import forget_trials
+from .row_switch import forget_trials, look_at_misses, note_misses
 from .settings import NOTHING_MOVES, Status
 
 if TYPE_CHECKING:
@@ -578,6 +578,7 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     state.usual_ratio = larger(state.usual_ratio, trial.end_ratio)
     note_motion(h, work.y, state, work)
     note_extent(work.y, work, state)
+    note_misses(tried.s, work, state)
     state.y_before[:] = state.y
     state.y[:] = work.y
     state.low[:] = work.low
@@ -645,6 +646,7 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     if is_kept(trial):
         note_largest_pivot(work, state)
         work.w.run("coordinate")
+        look_at_misses(s, work)
 
 
 def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:

@@ -51,7 +51,7 @@ class Tried:
     def pivot_ratio(self, *_: Any) -> float:
         return self.ratios.pop(0) if self.ratios else 1.0
 
-    def accept_position(self, end: float, asked: float, *_: Any) -> None:
+    def accept_position(self, _: Any, end: float, asked: float, *__: Any) -> None:
         self.kept = end, asked
 
 
