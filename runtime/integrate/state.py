@@ -179,6 +179,7 @@ class State:
     pole = Number("-", "1 + the function that is zero where a force is infinite; 0: none")
     potential = Number("J", "potential energy at the start")
     energy_moved = Number("J", "kinetic energy, change of potential, works: largest sum")
+    moved = Number("J", "the same at ends of steps: errors of works are compared with it")
     row_drift = Number("-", "largest correction of a row between steps, relative to LENGTH")
     not_finite = Number("-", "rows with numbers that are not finite, those passed left out")
     not_finite_time = Number("s", "when the first of them was")

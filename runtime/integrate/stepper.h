@@ -62,6 +62,9 @@
  * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves, in
  * the longest step so far: in a short one rates of what does move are no larger */
 #define PART 0.05
+/* errors of works are compared with what moves, but with no less than this part of the energy of all
+ * bodies at the usual rate */
+#define LEAST_MOVED 1e-6
 /* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
  * the whole time */
 #define FIRST 0.01
@@ -155,6 +158,15 @@ static void note_extent(const double *end, const double *w, State *s)
 /* the energy of all bodies where they move at such a rate */
 static double usual_energy(double rate) { return MASS * (LENGTH * rate) * (LENGTH * rate) / 2.0; }
 
+/* the energy that errors of works are compared with, where so much has moved at the end of a step.
+ * It is no more than that of all bodies at a usual rate, and may be far less: where one of them is
+ * fast heavy ones may stand */
+static double energy_of_works(double rate, double moved, const State *s)
+{
+    const double usual = usual_energy(rate);
+    return larger(LEAST_MOVED * usual, smaller(usual, larger(s->moved, moved)));
+}
+
 /* the change of energy since the start that no work explains; works are in q */
 static double energy_balance(const double *w, const double *q, const State *s)
 {
@@ -193,7 +205,7 @@ static double estimate(const Method *m, const double *row, const Trial *trial, c
         }
     }
     for (size_t i = NQ - WORKS; i != NQ; ++i) { /* compared with the energy that moves */
-        const double least = usual_energy(rate) + work->w[W_ENERGIES];
+        const double least = energy_of_works(rate, trial->moved, s) + work->w[W_ENERGIES];
         const double size = least + larger(fabs(now[i]), fabs(end[i]));
         sum += (error[i] / size) * (error[i] / size);
     }
@@ -419,7 +431,8 @@ static void accept(const Attempts *tried, const Trial *trial, Work *work, State 
     if (!trial->is_last || next < s->step_size) s->step_size = next;
     s->error = larger(error, 1e-4);
     s->drift = larger(s->drift, trial->drift);
-    s->energy_moved = larger(s->energy_moved, trial->moved);
+    s->moved = larger(s->moved, trial->moved);
+    if (tried->settings->checks) s->energy_moved = larger(s->energy_moved, trial->moved);
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, trial->last_ratio);
     note_pivot_ratio(trial->least_ratio, s->time + 0.5 * h, s);
     s->time_before = s->time;
@@ -494,8 +507,10 @@ static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s
     const Method *m = tried->m;
     const Settings *settings = tried->settings;
     if (tried->is_fixed) trial->drift = larger(trial->drift, norm_error(m, trial->h, s, work));
-    if (WORKS > 0 || settings->checks) energy(work->w);
-    if (settings->checks) trial->moved = energy_moved(work->w, work->y, s);
+    if (WORKS > 0 || settings->checks) {
+        energy(work->w);
+        trial->moved = energy_moved(work->w, work->y, s);
+    }
     if (tried->is_fixed) {
         trial->is_vague = N_SEEN > 0 && !(local_error(m, trial, 0, s, work, LEAST_PART) <= 1.0);
     } else {

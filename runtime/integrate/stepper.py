@@ -119,6 +119,9 @@ SAFETY = 0.8
 #: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves,
 #: in the longest step so far: in a short one rates of what does move are no larger.
 PART = 0.05
+#: Errors of works are compared with what moves, but with no less than this part of the energy of all
+#: bodies at the usual rate.
+LEAST_MOVED = 1e-6
 #: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
 #: moves yet, in the whole time.
 FIRST = 0.01
@@ -138,7 +141,7 @@ class Trial:
     drift, error : float
         Largest correction, negative where a stage is impossible; error in units of the tolerance.
     moved : float [J]
-        The energy that has moved at its end, where rows are checked.
+        The energy that has moved at its end, where rows are checked or there are works.
     least_ratio, most_ratio, last_ratio : float
         Of the pivot ratios of its stages, and that of the end.
     end_ratio, top_ratio : float
@@ -281,6 +284,16 @@ def usual_energy(rate: float, scene: SceneTables) -> float:
     return scene.mass * (scene.length * rate) * (scene.length * rate) / 2.0
 
 
+def energy_of_works(rate: float, moved: float, state: State, scene: SceneTables) -> float:
+    """Energy that errors of works are compared with, where so much has moved at the end of a step.
+
+    It is no more than that of all bodies at a usual rate, and may be far less: where one of them is
+    fast heavy ones may stand.
+    """
+    usual = usual_energy(rate, scene)
+    return larger(LEAST_MOVED * usual, smaller(usual, larger(state.moved, moved)))
+
+
 def energy_balance(q: Array, work: Work, state: State) -> float:
     """Change of energy since the start that no work explains; works are in q."""
     balance = work.w.energies[0] + work.w.energies[1] - state.energy
@@ -323,7 +336,7 @@ def estimate(
     errors[0] /= scene.lengths
     errors[1] /= rate * scene.lengths + np.maximum(np.abs(now[nq:]), np.abs(end[nq:]))
     done = slice(nq - scene.works, nq)  # work is compared with the energy that moves
-    least = usual_energy(rate, scene) + work.w.energies[0]
+    least = energy_of_works(rate, trial.moved, state, scene) + work.w.energies[0]
     size = least + np.maximum(np.abs(now[done]), np.abs(end[done]))
     every = np.concatenate((errors.ravel(), error[done] / size))
     return math.sqrt(mean_square(every, 2 * nv)) / tolerance
@@ -565,7 +578,8 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         state.step_size = following
     state.error = larger(error, 1e-4)
     state.drift = larger(state.drift, trial.drift)
-    state.energy_moved = larger(state.energy_moved, trial.moved)
+    state.moved = larger(state.moved, trial.moved)
+    state.energy_moved = larger(state.energy_moved, trial.moved if tried.s.checks else 0.0)
     state.largest_pivot_ratio = larger(state.largest_pivot_ratio, trial.last_ratio)
     note_pivot_ratio(trial.least_ratio, state.time + 0.5 * h, state)
     state.time_before = state.time
@@ -631,7 +645,6 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         trial.drift = larger(trial.drift, norm_error(m, trial.h, state, work))
     if work.scene.works > 0 or s.checks:
         work.w.run("energy")
-    if s.checks:
         trial.moved = energy_moved(work.y, work, state)
     if tried.is_fixed:
         is_seen = work.scene.sees
