@@ -40,9 +40,10 @@ from .stepper import (
     LEVEL,
     energy_balance,
     energy_moved,
+    energy_of_works,
     meeting_part,
     note_motion,
-    usual_energy,
+    note_moved,
     usual_rate,
 )
 
@@ -296,8 +297,14 @@ def find_between(end: float, weak: float, state: State, work: Work) -> bool:
 def least_size_of_works(h: float, state: State, work: Work) -> float:
     """Size that errors of works are compared with in a step of length h, beside the works [J]."""
     work.w.run("energy")
-    rate = usual_rate(h, position_at(1, work).y, state, work)
-    return usual_energy(rate, work.scene) + float(work.w.energies[0])
+    return moving_energy(h, state, work)
+
+
+def moving_energy(h: float, state: State, work: Work) -> float:
+    """Energy that errors of works are compared with, where that at its end is in the workspace."""
+    end = position_at(1, work).y
+    rate, moved = usual_rate(h, end, state, work), energy_moved(end, work, state)
+    return energy_of_works(rate, moved, state, work.scene) + float(work.w.energies[0])
 
 
 def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:
@@ -312,8 +319,8 @@ def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:
         return 0.0
     done = slice(scene.nq - scene.works, scene.nq)
     left = abs(energy_balance(end, work, state) - state.balance)
-    moving = usual_energy(usual_rate(h, end, state, work), scene) + float(w.energies[0])
-    size = moving + float(np.max(np.maximum(np.abs(state.y[done]), np.abs(end[done]))))
+    most = float(np.max(np.maximum(np.abs(state.y[done]), np.abs(end[done]))))
+    size = moving_energy(h, state, work) + most
     known = CERTAIN * larger(abs(w.energies[1]), abs(state.energy))
     blur = blur_of(work, state)  # velocities are known to as much of the way to another branch
     return left / ((s.tolerance + blur * blur / BLURRED) * size + known)
@@ -396,7 +403,7 @@ def tell_works(
     if scene.works == 0:
         return WorkEstimate(error, is_told)
     error = larger(unbalanced(s, end - state.time, state, work), error)
-    moved = energy_moved(last.y, work, state) if s.checks else 0.0
+    moved = energy_moved(last.y, work, state)
     return WorkEstimate(error, is_told, energy_balance(last.y, work, state), moved)
 
 
@@ -512,7 +519,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     note_branch(end, branch, state)
     note_ratios(ratio, end, state, work, is_deep=is_deep)
     state.drift = larger(state.drift, drift)
-    state.energy_moved = larger(state.energy_moved, told.moved)
+    note_moved(s, told.moved, state)
     state.untold += 0.0 if told.is_told else end - state.time
     state.step_size = larger(state.step_size if is_last else 0.0, factor * whole)
     state.error = error if told.is_told else 0.0

@@ -184,6 +184,13 @@ static double energy_moved(const double *w, const double *q, const State *s)
     return moved;
 }
 
+/* notes the energy that has moved at the end of a step that is kept */
+static void note_moved(const Settings *settings, double moved, State *s)
+{
+    s->moved = larger(s->moved, moved);
+    if (settings->checks) s->energy_moved = larger(s->energy_moved, moved);
+}
+
 /* the root mean square of one estimate of the error, in units of the tolerance */
 static double estimate(const Method *m, const double *row, const Trial *trial, const State *s,
     Work *work, double tolerance)
@@ -431,8 +438,7 @@ static void accept(const Attempts *tried, const Trial *trial, Work *work, State 
     if (!trial->is_last || next < s->step_size) s->step_size = next;
     s->error = larger(error, 1e-4);
     s->drift = larger(s->drift, trial->drift);
-    s->moved = larger(s->moved, trial->moved);
-    if (tried->settings->checks) s->energy_moved = larger(s->energy_moved, trial->moved);
+    note_moved(tried->settings, trial->moved, s);
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, trial->last_ratio);
     note_pivot_ratio(trial->least_ratio, s->time + 0.5 * h, s);
     s->time_before = s->time;

@@ -119,8 +119,8 @@ SAFETY = 0.8
 #: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves,
 #: in the longest step so far: in a short one rates of what does move are no larger.
 PART = 0.05
-#: Errors of works are compared with what moves, but with no less than this part of the energy of all
-#: bodies at the usual rate.
+#: Errors of works are compared with what moves, but with no less than this part of the energy of
+#: all bodies at the usual rate.
 LEAST_MOVED = 1e-6
 #: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
 #: moves yet, in the whole time.
@@ -312,6 +312,13 @@ def energy_moved(q: Array, work: Work, state: State) -> float:
     for done in q[work.scene.nq - work.scene.works : work.scene.nq]:
         moved += abs(done)
     return float(moved)
+
+
+def note_moved(s: Settings, moved: float, state: State) -> None:
+    """Note the energy that has moved at the end of a step that is kept."""
+    state.moved = larger(state.moved, moved)
+    if s.checks:
+        state.energy_moved = larger(state.energy_moved, moved)
 
 
 def estimate(
@@ -578,8 +585,7 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         state.step_size = following
     state.error = larger(error, 1e-4)
     state.drift = larger(state.drift, trial.drift)
-    state.moved = larger(state.moved, trial.moved)
-    state.energy_moved = larger(state.energy_moved, trial.moved if tried.s.checks else 0.0)
+    note_moved(tried.s, trial.moved, state)
     state.largest_pivot_ratio = larger(state.largest_pivot_ratio, trial.last_ratio)
     note_pivot_ratio(trial.least_ratio, state.time + 0.5 * h, state)
     state.time_before = state.time
