@@ -211,7 +211,7 @@ static int find_between(double end, double weak, State *s, Work *work)
 static double moving_energy(double h, const State *s, Work *work)
 {
     const double *end = position_at(1, work).y, moved = energy_moved(work->w, end, s);
-    return energy_of_works(usual_rate(h, end, s), moved, s) + work->w[W_ENERGIES];
+    return energy_of_works(h, end, moved, s) + work->w[W_ENERGIES];
 }
 
 /* what errors of works are compared with in a step of length h, beside the works [J] */

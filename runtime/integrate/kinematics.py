@@ -44,7 +44,6 @@ from .stepper import (
     meeting_part,
     note_motion,
     note_moved,
-    usual_rate,
 )
 
 if TYPE_CHECKING:
@@ -303,8 +302,8 @@ def least_size_of_works(h: float, state: State, work: Work) -> float:
 def moving_energy(h: float, state: State, work: Work) -> float:
     """Energy that errors of works are compared with, where that at its end is in the workspace."""
     end = position_at(1, work).y
-    rate, moved = usual_rate(h, end, state, work), energy_moved(end, work, state)
-    return energy_of_works(rate, moved, state, work.scene) + float(work.w.energies[0])
+    moved = energy_moved(end, work, state)
+    return energy_of_works(h, end, moved, state, work) + float(work.w.energies[0])
 
 
 def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:

@@ -62,9 +62,6 @@
  * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves, in
  * the longest step so far: in a short one rates of what does move are no larger */
 #define PART 0.05
-/* errors of works are compared with what moves, but with no less than this part of the energy of all
- * bodies at the usual rate */
-#define LEAST_MOVED 1e-6
 /* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
  * the whole time */
 #define FIRST 0.01
@@ -158,13 +155,14 @@ static void note_extent(const double *end, const double *w, State *s)
 /* the energy of all bodies where they move at such a rate */
 static double usual_energy(double rate) { return MASS * (LENGTH * rate) * (LENGTH * rate) / 2.0; }
 
-/* the energy that errors of works are compared with, where so much has moved at the end of a step.
- * It is no more than that of all bodies at a usual rate, and may be far less: where one of them is
- * fast heavy ones may stand */
-static double energy_of_works(double rate, double moved, const State *s)
+/* the energy that errors of works are compared with, where so much has moved in a step of length h:
+ * that of all bodies at the usual rate, and maybe far less where they move at all: where one of them
+ * is fast heavy ones may stand */
+static double energy_of_works(double h, const double *end, double moved, const State *s)
 {
-    const double usual = usual_energy(rate);
-    return larger(LEAST_MOVED * usual, smaller(usual, larger(s->moved, moved)));
+    const double usual = usual_energy(usual_rate(h, end, s));
+    const double least = usual_energy(NOTHING_MOVES / larger(s->stride, h));
+    return smaller(usual, larger(least, larger(s->moved, moved)));
 }
 
 /* the change of energy since the start that no work explains; works are in q */
@@ -211,8 +209,12 @@ static double estimate(const Method *m, const double *row, const Trial *trial, c
             sum += (u[i] / size) * (u[i] / size);
         }
     }
-    for (size_t i = NQ - WORKS; i != NQ; ++i) { /* compared with the energy that moves */
-        const double least = energy_of_works(rate, trial->moved, s) + work->w[W_ENERGIES];
+    /* compared with the energy that moves: where the polynomial has an order less works between steps
+     * are no better */
+    for (size_t i = NQ - WORKS; i != NQ; ++i) {
+        const double moving = m->order == 5 ? energy_of_works(trial->h, end, trial->moved, s)
+                                            : usual_energy(rate);
+        const double least = moving + work->w[W_ENERGIES];
         const double size = least + larger(fabs(now[i]), fabs(end[i]));
         sum += (error[i] / size) * (error[i] / size);
     }

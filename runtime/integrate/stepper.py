@@ -119,9 +119,6 @@ SAFETY = 0.8
 #: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves,
 #: in the longest step so far: in a short one rates of what does move are no larger.
 PART = 0.05
-#: Errors of works are compared with what moves, but with no less than this part of the energy of
-#: all bodies at the usual rate.
-LEAST_MOVED = 1e-6
 #: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
 #: moves yet, in the whole time.
 FIRST = 0.01
@@ -284,14 +281,15 @@ def usual_energy(rate: float, scene: SceneTables) -> float:
     return scene.mass * (scene.length * rate) * (scene.length * rate) / 2.0
 
 
-def energy_of_works(rate: float, moved: float, state: State, scene: SceneTables) -> float:
-    """Energy that errors of works are compared with, where so much has moved at the end of a step.
+def energy_of_works(h: float, end: Array, moved: float, state: State, work: Work) -> float:
+    """Energy that errors of works are compared with, where so much has moved in a step of length h.
 
-    It is no more than that of all bodies at a usual rate, and may be far less: where one of them is
-    fast heavy ones may stand.
+    It is that of all bodies at the usual rate, and may be far less where they move at all: where
+    one of them is fast heavy ones may stand.
     """
-    usual = usual_energy(rate, scene)
-    return larger(LEAST_MOVED * usual, smaller(usual, larger(state.moved, moved)))
+    usual = usual_energy(usual_rate(h, end, state, work), work.scene)
+    least = usual_energy(NOTHING_MOVES / larger(state.stride, h), work.scene)
+    return smaller(usual, larger(least, larger(state.moved, moved)))
 
 
 def energy_balance(q: Array, work: Work, state: State) -> float:
@@ -343,7 +341,10 @@ def estimate(
     errors[0] /= scene.lengths
     errors[1] /= rate * scene.lengths + np.maximum(np.abs(now[nq:]), np.abs(end[nq:]))
     done = slice(nq - scene.works, nq)  # work is compared with the energy that moves
-    least = energy_of_works(rate, trial.moved, state, scene) + work.w.energies[0]
+    moving = usual_energy(rate, scene)
+    if m.order == 5:  # its polynomial has one less: works between steps are no better
+        moving = energy_of_works(trial.h, end, trial.moved, state, work)
+    least = moving + work.w.energies[0]
     size = least + np.maximum(np.abs(now[done]), np.abs(end[done]))
     every = np.concatenate((errors.ravel(), error[done] / size))
     return math.sqrt(mean_square(every, 2 * nv)) / tolerance
