@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
+from kousoku.model.decode import LARGEST
 from kousoku.model.errors import SolveError, printable
 from kousoku.runtime.integrate.events import EventLog
 from kousoku.runtime.integrate.motion import Layout, Motion
@@ -400,7 +401,7 @@ def _trajectory(about: KeptTrajectory, arrays: Mapping[str, Any]) -> Trajectory:
 def _checked(
     arrays: Mapping[str, Array], name: str, shape: tuple[int | None, ...], known: int | None
 ) -> Array:
-    """Array of doubles of a shape; the first columns, or all, have to be finite.
+    """Array of doubles of a shape; the first columns, or all, have to be finite and possible.
 
     Raises
     ------
@@ -415,4 +416,6 @@ def _checked(
         raise ValueError(f"{name} is {found.dtype} {found.shape}; wanted doubles, {shape}")
     if not np.isfinite(found[..., :known]).all():
         raise ValueError(f"{name} has numbers that are not finite")
+    if not (np.abs(found[..., :known]) <= LARGEST).all():
+        raise ValueError(f"{name} has numbers that are too large; wanted at most {LARGEST:g}")
     return found

@@ -35,12 +35,12 @@ AWAY = 0.5
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """What is told of a scene.
+    """Facts about a scene that a user may not expect.
 
     Parameters
     ----------
     notes : tuple of str
-        What its user may not expect, one line each.
+        One line each.
     duration : float [s], optional
         How long it moves unless a run says so.
     jumps : tuple of str

@@ -314,6 +314,8 @@ def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
         problem = "is too large" if abs(value) < inf else "is not a finite number"
         shown = _got(value).removeprefix("the number ")
         return _failed(f"{shown} {problem}; wanted at most {LARGEST:g}", key, problems)
+    if isinstance(value, str) and any("\ud800" <= mark <= "\udfff" for mark in value):
+        return _failed(f"{_got(value)} has half of a character", key, problems)
     try:
         leaf: object = msgspec.convert(value, kind)
     except msgspec.ValidationError:

@@ -21,7 +21,7 @@ class Op(enum.Enum):
     ``ADD`` of a formula takes two operands or more. A power whose exponent is a whole number is a
     product, one with a half in it a square root of one; any other is exp(b log a) and wants a
     positive a. ``SIGN`` is −1, 0 or 1. No text has the last two, log(eᵃ + eᵇ) and eˣ/(1 + eˣ):
-    they are what others are bounded by. Counts of operations are told in this order.
+    they are what others are bounded by. Counts of operations are listed in this order.
     """
 
     CONST = "const"

@@ -139,7 +139,7 @@ class Instance:
     constants : tuple of (str, tuple of float)
         The inputs of the kernels that are fixed: ``a_i_b``, ``s_i_b``, ``a_j_b``, ``s_j_b`` in the
         principal frames (frame O for the ground), ``length``. Axes have norm one. Of a kind of
-        one's own ``s_i_b`` and ``s_j_b`` are where its force is told and its kernels take the
+        one's own ``s_i_b`` and ``s_j_b`` are the points of its force, and its kernels take the
         frames that it is stated in, and its own inputs: see :mod:`kousoku.model.own_kind`.
     terms : tuple of Term
         Of a combination, what is added; i and j are then the bodies of the first.

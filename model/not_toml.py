@@ -28,17 +28,17 @@ def toml_problem(error: ValueError, text: str) -> Problem:
     text : str
         The file.
     """
-    told = str(error)
-    at = _AT.search(told)
+    message = str(error)
+    at = _AT.search(message)
     if at is None:  # at the end of the file
-        return Problem(f"is not valid TOML: {told}")
+        return Problem(f"is not valid TOML: {message}")
     line, column = int(at[1]), int(at[2])
-    if told.startswith(_TWICE) and (twice := twice_given(text)) is not None:
+    if message.startswith(_TWICE) and (twice := twice_given(text)) is not None:
         path, first, second = twice
         where = "twice in this line" if first == second else f"in line {first}, too"
         return Problem(f"stands {where}; give each key once", dotted(path), second)
     hint = _of_value(text.splitlines()[line - 1] if line <= text.count("\n") + 1 else "", column)
-    return Problem(f"is not valid TOML: {told}{hint}", line=line)
+    return Problem(f"is not valid TOML: {message}{hint}", line=line)
 
 
 def _of_value(line: str, column: int) -> str:

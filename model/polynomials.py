@@ -118,10 +118,12 @@ def square_part(formula: Expression) -> Squares | None:
     if not parts:
         return None
 
-    def told(terms: Terms) -> Expression:
+    def expression_of(terms: Terms) -> Expression:
         return Polynomial(found.variables, terms).expression()
 
-    return Squares(told(rest), tuple((told(terms), count) for terms, count in parts))
+    return Squares(
+        expression_of(rest), tuple((expression_of(terms), count) for terms, count in parts)
+    )
 
 
 def _even_power(part: Expression) -> tuple[Expression, int] | None:

@@ -177,9 +177,9 @@ def _bounded(node: Any) -> Any:
 
 def _or_text(node: dict[str, Any], text: dict[str, Any]) -> Any:
     """Schema of a number: within its limits, or the text of a formula or an angle."""
-    told = {key: node[key] for key in ("description", "default") if key in node}
-    number = {key: item for key, item in node.items() if key not in told}
-    return _bounded({key: item for key, item in told.items() if item is not None}) | {
+    notes = {key: node[key] for key in ("description", "default") if key in node}
+    number = {key: item for key, item in node.items() if key not in notes}
+    return _bounded({key: item for key, item in notes.items() if item is not None}) | {
         "anyOf": [_bounded(number), text]
     }
 
@@ -191,10 +191,10 @@ def _shared(node: Any) -> Any:
     if not isinstance(node, dict):
         return node
     found = {key: _shared(item) for key, item in node.items()}
-    told = {key: found[key] for key in ("description", "default") if key in found}
-    rest = {key: item for key, item in found.items() if key not in told}
+    notes = {key: found[key] for key in ("description", "default") if key in found}
+    rest = {key: item for key, item in found.items() if key not in notes}
     name = next((name for name, shape in SHARED.items() if rest == shape), None)
-    return found if name is None else {"$ref": f"#/$defs/{name}"} | told
+    return found if name is None else {"$ref": f"#/$defs/{name}"} | notes
 
 
 if __name__ == "__main__":

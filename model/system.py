@@ -91,7 +91,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     unit = precise.number(METRES[scene.unit])
     frames = {GROUND: GROUND_FRAME}
     bodies = tuple(_bodies(scene, frames, unit))
-    kept = [held_of(name, body, frames[name], unit) for name, body in scene.bodies.items()]
+    held_by_body = [held_of(name, body, frames[name], unit) for name, body in scene.bodies.items()]
     check_zero_directions(scene, frames)
     coordinates = CoordinateList(scene, frames, unit)
     start_values(scene, coordinates)
@@ -106,7 +106,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     places = tuple(coordinates.place(name) for name in shown)
     needed = len(coordinates.records)
     held = (
-        *chain.from_iterable(places for places, _ in kept),
+        *chain.from_iterable(places for places, _ in held_by_body),
         *held_coordinates(scene, coordinates),
     )
     return System(
@@ -117,7 +117,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         gravity=gravity_of(scene, unit),
         gravity_law=gravity_law(scene),
         held=held,
-        held_rates=tuple(chain.from_iterable(rates for _, rates in kept)),
+        held_rates=tuple(chain.from_iterable(rates for _, rates in held_by_body)),
         forces=forces,
         coordinates=coordinates.records,
         shown=places,

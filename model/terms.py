@@ -190,7 +190,7 @@ def apply(op: Op, *args: Expression) -> Expression:
 def ordered(expression: Expression) -> tuple[Expression, ...]:
     """Parts of a formula, each once and after its own parts, the formula last.
 
-    Parts are told apart by identity: a formula that is shared is one part.
+    Parts are distinguished by identity: a formula that is shared is one part.
     """
     done: dict[int, Expression] = {}
     stack = [expression]

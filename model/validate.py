@@ -33,7 +33,7 @@ MOST_ITERATIONS = 100_000
 """Largest limit of iterations in one step that is accepted."""
 
 MOST_CLOSURE = 0.01
-"""Largest ``closure_tolerance``: ten times that is told from what joints do not imply."""
+"""Largest ``closure_tolerance``: ten times that is distinguished from what joints do not imply."""
 
 LONGEST_TITLE = 120
 """Characters of the longest title, which becomes one line of generated text."""

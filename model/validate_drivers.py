@@ -89,10 +89,10 @@ def _check_turn(scene: Scene, driver: Driver, key: str) -> None:
     """Check that an angle which says which turn it is in is driven in that one."""
     if driver.value is None:
         return
-    told = DRIVERS[only_one(driver, tuple(DRIVERS), key)].near(scene, driver)
-    if told is None:
+    turn = DRIVERS[only_one(driver, tuple(DRIVERS), key)].near(scene, driver)
+    if turn is None:
         return
-    name, near = told
+    name, near = turn
     start = _check_law(scene, driver.value, key)
     if abs(near - start) > pi:
         raise SceneError(

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from kousoku.model.spatial import Body, Joint
 
 PARALLEL = 1e-9
-"""Sine of the smallest angle between two directions that are told apart."""
+"""Sine of the smallest angle between two directions that are distinguished."""
 
 OF_ONES_OWN = "kind of your own comes with kinds=[...], see docs/own_kind.md"
 """What is said of a type that is unknown, behind the nearest one."""

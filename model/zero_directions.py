@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Scene
 
 PARALLEL = 1e-9
-"""Sine of the smallest angle between two directions that are told apart."""
+"""Sine of the smallest angle between two directions that are distinguished."""
 
 
 def check_zero_directions(scene: Scene, frames: Mapping[str, BodyFrame]) -> None:

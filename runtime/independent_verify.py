@@ -30,7 +30,10 @@ KERNEL = "newton_euler"
 
 
 def independent_rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
-    """Worst error of each sort of numbers over all states.
+    """Worst error of each sort of numbers over all states, of M v̇ + C_qᵀλ = f and C_q v̇ = γ.
+
+    SI units: r̈ (3,) of bodies in frame O and ω̇′ (3,) in their frames, coordinates, energies [J],
+    powers [W], momenta, and force [N] and moment [N m] of joints about the origin of frame O.
 
     Parameters
     ----------

@@ -110,8 +110,8 @@ def _differences(
 def _motion_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iterator[str]:
     """Problems with the motions that a solver gives.
 
-    Both methods are run as the scene says, and once more with other rates, from another turn on
-    where the inputs turn; each row that is known is compared.
+    Both methods are run as the scene says, once more with other rates, from another turn on where
+    the inputs turn, and from the inputs of a row on the way; each row that is known is compared.
     """
     rows, divisions = solution["rows"], solution["divisions"]
     exact = {name: np.array(solution[name], dtype=np.float64) for name in OF_NODES}
@@ -124,6 +124,10 @@ def _motion_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iter
         where = f"solver by {solver.target.name}, {method}"
         yield from _problems(where, solver, run, rows, exact)
         yield from _problems(f"{where}, at other rates", solver, other, rows, wanted)
+        k = len(rows) // 3  # half a turn does not tell signs
+        there = replace(run, origin=run.counted_inputs(rows[k]), rows=1)
+        one = {name: values[k : k + 1] for name, values in exact.items()}
+        yield from _problems(f"{where}, from another origin", solver, there, [0], one)
 
 
 def _at_other_rates(

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.compressed import content, stored
-from kousoku.model.errors import CacheError, LoadError
+from kousoku.model.errors import CacheError, LoadError, printable
 from kousoku.model.manifest import PLAIN, Manifest
 from kousoku.runtime.given import folder_of
 from kousoku.runtime.integrate.result import shown
@@ -86,7 +86,7 @@ class Sources:
         if digest != wanted.digest:
             raise LoadError(
                 f"{folder / name} has the digest {digest}, the manifest beside it {wanted.digest}:"
-                f" they are of two packages\ngenerate the package again: {wanted.regenerate}"
+                f" they are of two packages\n{regenerated(wanted)}"
             )
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -154,8 +154,7 @@ def read_manifest(folder: Path) -> Manifest:
         ) from None
     if not is_as_written:
         raise LoadError(
-            f"{path} was edited: its digest is not over what it says\n"
-            f"generate the package again: {manifest.regenerate}"
+            f"{path} was edited: its digest is not over what it says\n{regenerated(manifest)}"
         )
     return manifest
 
@@ -188,7 +187,10 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
         if hashlib.sha256(files[name]).hexdigest() != digest:
             problems.append(f"{folder / name} was edited: its SHA-256 is not the manifest's")
     if problems:
-        raise LoadError(
-            "\n".join(problems) + f"\ngenerate the package again: {manifest.regenerate}"
-        )
+        raise LoadError("\n".join([*problems, regenerated(manifest)]))
     return files
+
+
+def regenerated(manifest: Manifest) -> str:
+    """Line that says by what command a package is generated again."""
+    return f"generate the package again: {printable(str(manifest.regenerate)[:200])}"

@@ -73,9 +73,10 @@ RATES = ("c_dot", "s_dot", "gamma_c", "gamma_s")
 
 
 def derive(_: str) -> Derivation:
-    """Derivation of ``angle``: θ = atan2(s, c) [rad], from two outputs of n1, lecture 8.2, (8.9).
+    """Derivation of ``angle``: θ = atan2(s, c) (1,) [rad], two outputs of n1, lecture 8.2, (8.9).
 
-    c = a_i·a_j and s = b_i·a_j; a_i and b_i are vectors of body i, across the axis, frame O.
+    c = a_i·a_j and s = b_i·a_j [-]; a_i and b_i (3,) are vectors of body i, across the axis, a_j
+    one of body j, all in frame O.
     """
     return derive_constraint(_angle())
 

@@ -48,14 +48,15 @@ A = {body: OrientationMatrix(SYMBOLS[f"p_{body}"]) for body in BODIES}
 
 @dataclass(frozen=True, slots=True)
 class JacobianColumns:
-    """A block of columns of a Jacobian: three coordinates of one body.
+    """A block of columns of a Jacobian: three coordinates of one body, as in lecture 7.1, (7.19).
 
     Parameters
     ----------
     name : str
         ``r_i`` or ``θ_i``.
-    delta, velocity, acceleration : Letter
-        δr or δθ′, and what stands for it when δ is d/dt, once and twice.
+    delta, velocity, acceleration : Letter (3, 1)
+        δr [m] in frame O or δθ′ [rad] in the body frame, and what stands for it when δ is d/dt,
+        once and twice: lecture 7.1, (variation-and-rate).
     """
 
     name: str
@@ -100,7 +101,10 @@ SPINS = (*COMPONENTS["omega_i_b"], *COMPONENTS["omega_j_b"])
 
 
 def unit_flows() -> tuple[Flow, ...]:
-    """Derivatives along δr^i, δθ′^i, δr^j, δθ′^j, one for each component."""
+    """Derivatives (12,) along δr^i, δθ′^i, δr^j, δθ′^j, one for each component.
+
+    δr [m] is in frame O, δθ′ [rad] in the body frame: δp = ½ p∘(0, δθ′), by lecture 7.1, (7.16).
+    """
     flows: list[Flow] = []
     for body in BODIES:
         r, p = COMPONENTS[f"r_{body}"], COMPONENTS[f"p_{body}"]
@@ -112,7 +116,10 @@ def unit_flows() -> tuple[Flow, ...]:
 
 
 def motion_flow() -> Flow:
-    """Time derivative on the component level at constant v and ω′."""
+    """Time derivative [1/s] on the component level at constant v and ω′; lecture 7.1, (5.16).
+
+    ṙ = v (3,) [m/s] in frame O, ṗ = ½ p∘(0, ω′) (4,) with ω′ [rad/s] in the body frame.
+    """
     change: dict[Any, Any] = {}
     for body in BODIES:
         change.update(zip(COMPONENTS[f"r_{body}"], COMPONENTS[f"v_{body}"], strict=True))

@@ -1,4 +1,4 @@
-"""What a derivation must hold before it is proved and emitted, each mistake told in one message."""
+"""What a derivation must hold before it is proved and emitted, each mistake in one message."""
 
 from __future__ import annotations
 

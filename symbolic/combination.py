@@ -85,7 +85,12 @@ GAMMA = add(_combined([symbol(GAMMAS[k]) for k in BOTH]), symbol(LAW_DDOT))
 
 
 def derive(_: str) -> Derivation:
-    """Derivation of ``linear_combination``: c₁ u₁ + c₂ u₂ + b − f(t) = 0 (1,) of coordinates u."""
+    """Derivation of ``linear_combination``: c₁ u₁ + c₂ u₂ + c₀ − f(t) = 0 (1,) of coordinates u.
+
+    u and f are lengths [m] or angles [rad]. The Jacobian J (1, 12) of each has columns δr in frame
+    O and δθ′ in the body frame, of both its bodies. ν = ḟ, γ = c₁ γ₁ + c₂ γ₂ + f̈ with the γ of ü =
+    J v̇ − γ.
+    """
     functions = (_constraint(), _rates(), _reaction())
     return Derivation(
         "linear_combination", "linear_combination", TITLE, SOURCE, _steps(), functions

@@ -47,12 +47,12 @@ def rotate_back(p: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
 
 
 def dot(u: Sequence[Scalar], v: Sequence[Scalar]) -> Scalar:
-    """Sum of products of the elements, uᵀv, of two columns in one frame."""
+    """Scalar product uᵀv of two columns (n,) in one frame, in the product of their units."""
     return sum((a * b for a, b in zip(u, v, strict=True)), S.Zero)
 
 
 def cross(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
-    """Elements (3,) of u × v, of two vectors (3,) in one frame."""
+    """Vector product ũ v = u × v (3,) of vectors (3,) in one frame; its unit is that of u v."""
     return [
         u[1] * v[2] - u[2] * v[1],
         u[2] * v[0] - u[0] * v[2],
@@ -61,12 +61,12 @@ def cross(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
 
 
 def subtract(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
-    """Elements of u − v."""
+    """Difference u − v (n,) of columns (n,) in one frame, of the same unit."""
     return [a - b for a, b in zip(u, v, strict=True)]
 
 
 def plus(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
-    """Elements of u + v."""
+    """Sum u + v (n,) of columns (n,) in one frame, of the same unit."""
     return [a + b for a, b in zip(u, v, strict=True)]
 
 
@@ -98,12 +98,13 @@ def half_turn(p: Sequence[Scalar], theta: Sequence[Scalar]) -> list[Scalar]:
 
 
 class Flow:
-    """The derivative along a direction: of r along δr, of p along ½ p∘(0, δθ′).
+    """The derivative along a direction: of r along δr, of p along ½ p∘(0, δθ′), by (7.16).
 
     Parameters
     ----------
     direction : Mapping
-        The derivative of each symbol that changes.
+        The derivative of each symbol that changes: of r (3,) [m] in frame O, of p (4,) by δθ′ [rad]
+        in the body frame; or rates, by v [m/s] and ω′ [rad/s].
     expand_in : Sequence
         Symbols; a sum that holds no others is multiplied out, which keeps the elements of A short.
     """

@@ -27,7 +27,12 @@ __all__ = ["Constraint", "derive_constraint"]
 
 
 def derive_constraint(c: Constraint) -> Derivation:
-    """Derivation of a constraint: Jacobian, right-hand sides, reaction.
+    """Derivation of a constraint C = 0 (m,): Jacobian, right-hand sides, reaction.
+
+    C_q (m, 12) has the columns δr_i, δθ′_i, δr_j, δθ′_j: δr [m] in frame O, δθ′ [rad] in the body
+    frame, by δA = A δθ̃′, lecture 7.1, (7.16). Ċ = C_q v − ν and C̈ = C_q v̇ − γ. The reaction
+    C_qᵀλ (12,) has a force [N] in frame O and a torque [N m] in the body frame for each body; its
+    derivative at fixed λ is (12, 12), in the same columns.
 
     Raises
     ------

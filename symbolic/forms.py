@@ -43,9 +43,9 @@ class Plain:
     Parameters
     ----------
     jacobian, second
-        As of :class:`ClosedForm`.
-    gamma : SymbolicMatrix
-        γ.
+        As of :class:`ClosedForm`: columns δr [m] in frame O, δθ′ [rad] in the body frame.
+    gamma : SymbolicMatrix (1, 1)
+        γ of C̈ = C_q v̇ − γ [unit of C/s²].
     """
 
     jacobian: tuple[SymbolicMatrix, ...]
@@ -57,14 +57,15 @@ class Plain:
 class ClosedForm:
     """Short forms of the derivatives of a value that is no polynomial.
 
-    What the product rule leaves of it is longer, and loses digits. The multiplier comes last in
-    the reaction, so that no number is rounded to a subnormal one and then multiplied.
+    What the product rule leaves of it is longer, and loses digits. The multiplier comes last in the
+    reaction, so that no number is rounded to a subnormal one and then multiplied.
 
     Parameters
     ----------
-    jacobian : tuple of SymbolicMatrix
-        The coefficients of δr^i, δθ′^i, δr^j, δθ′^j.
-    second : tuple of tuple of SymbolicMatrix
+    jacobian : tuple of SymbolicMatrix (1, 3)
+        The coefficients of δr^i, δθ′^i, δr^j, δθ′^j in δC = C_q δq: δr [m] in frame O, δθ′ [rad] in
+        the body frame.
+    second : tuple of tuple of SymbolicMatrix (3, 3)
         δ of each of them, transposed, by the same four.
     rules : tuple of str
         Why the Jacobian equals what is left of δC; what its variation rests on.
@@ -72,7 +73,7 @@ class ClosedForm:
         What they are proved by.
     lines : tuple of Step
         On the way to γ.
-    through : tuple of SymbolicMatrix
+    through : tuple of SymbolicMatrix (1, 1)
         Forms between γ and its plain one.
     """
 
@@ -86,7 +87,10 @@ class ClosedForm:
 
 @dataclass(frozen=True, slots=True)
 class Constraint:
-    """A constraint equation C = 0 between bodies i and j, on both levels.
+    """A constraint equation C = 0 (m,) between bodies i and j, on both levels.
+
+    It is of positions r (3,) [m] in frame O, Euler parameters p (4,) and vectors in the body
+    frames.
 
     Parameters
     ----------
@@ -96,16 +100,17 @@ class Constraint:
         Unit of C: ``m``, or ``-`` where C is a product of axes.
     steps : tuple of Step
         From the lecture's equation to ``value``.
-    value : SymbolicMatrix
+    value : SymbolicMatrix (m, 1)
         C, a column.
-    components : tuple of sympy.Expr
+    components : tuple of sympy.Expr, (m,)
         C as polynomials of the input components.
     names : tuple of NamedMatrix
         What ``value`` abbreviates.
     rule : callable, optional
         A rewriting of products that holds for this constraint, applied to the Jacobian blocks.
     gamma : Step, optional
-        γ in a form that keeps more digits than what the product rule leaves, and why it is equal.
+        γ of C̈ = C_q v̇ − γ in a form that loses fewer digits than what the product rule leaves,
+        and why it is equal.
     inputs : tuple of Quantity
         What the constraint takes beside the arrays of both bodies, e.g. a given angle; constant in
         time. ``symbolic.matrices`` gives the ``symbol`` and the ``elements`` of each.
@@ -133,26 +138,27 @@ class Constraint:
 
     @property
     def lam(self) -> Quantity:
-        """The multipliers, dual to C."""
+        """The multipliers λ (m,) [N or N m], dual to C: λᵀδC is work, and C_qᵀλ the reaction."""
         unit = "N" if self.unit == "m" else "N m"
         return Quantity("lam", (len(self.components),), unit, "multipliers, one for each row of C")
 
 
 @dataclass(frozen=True, slots=True)
 class Forms:
-    """The matrix level of a constraint, collected.
+    """The matrix level of a constraint, collected: δr [m] in frame O, δθ′ [rad] in the body frame.
 
     Parameters
     ----------
-    variation, rate, acceleration : SymbolicMatrix
+    variation, rate, acceleration : SymbolicMatrix (m, 1)
         δC, Ċ and C̈ as the product rule leaves them.
-    collected, jacobian : tuple of SymbolicMatrix
+    collected, jacobian : tuple of SymbolicMatrix (m, 3)
         The coefficients of δr^i, δθ′^i, δr^j, δθ′^j, as they are left and as they are emitted.
-    nu, gamma : SymbolicMatrix
-        Ċ = C_q v − ν and C̈ = C_q v̇ − γ.
-    reaction : tuple of SymbolicMatrix
-        The blocks of C_qᵀλ.
-    stiffness : tuple of tuple of SymbolicMatrix
+    nu, gamma : SymbolicMatrix (m, 1)
+        Ċ = C_q v − ν [unit of C/s] and C̈ = C_q v̇ − γ [unit of C/s²].
+    reaction : tuple of SymbolicMatrix (3, 1)
+        The blocks of C_qᵀλ: force [N] in frame O and torque [N m] in the body frame, of i, then of
+        j.
+    stiffness : tuple of tuple of SymbolicMatrix (3, 3)
         For each block of the reaction its coefficients of δr^i, δθ′^i, δr^j, δθ′^j.
     """
 
@@ -168,7 +174,10 @@ class Forms:
 
 
 def collect(c: Constraint) -> Forms:
-    """Apply δ and d/dt to a constraint and collect the linear forms.
+    """Linear forms of a constraint: δ and d/dt applied to it, their coefficients collected.
+
+    δC = C_q δq, Ċ = C_q v − ν and C̈ = C_q v̇ − γ by the product rule and lecture 7.1, (7.16) and
+    (5.16); C_q in blocks (m, 3) by δr [m] in frame O and δθ′ [rad] in the body frame.
 
     Raises
     ------
@@ -227,7 +236,11 @@ def blocks_of(
 
 
 def curvature(x: SymbolicMatrix) -> SymbolicMatrix:
-    """Second rate d²x/dt² without accelerations, as the product rule leaves it."""
+    """Second rate d²x/dt² (n, 1) without accelerations, as the product rule leaves it.
+
+    Of C it is −γ [unit of C/s²], in the frame of x, at v [m/s] in frame O and ω′ [rad/s] in the
+    body frame.
+    """
     return without(RATE(RATE(x)), *(column.acceleration for column in COLUMNS))
 
 

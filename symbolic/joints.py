@@ -49,7 +49,10 @@ def derive(package: str) -> Derivation:
 
 
 def point_offset() -> list[Any]:
-    """Vector d from the point on i to the point on j, frame O [m], on the component level."""
+    """Vector d = r_j + A_j s_j′ − r_i − A_i s_i′ (3,) [m], frame O, on the component level.
+
+    It leads from the point on i to the point on j; lecture 8.2, (8.8).
+    """
     x = COMPONENTS
     ends = [plus(x[f"r_{body}"], rotate(x[f"p_{body}"], x[f"s_{body}_b"])) for body in "ij"]
     return subtract(ends[1], ends[0])
@@ -82,10 +85,10 @@ def own_point_drops(d: SymbolicMatrix, from_own_origin: Mapping[str, SymbolicMat
 
     Parameters
     ----------
-    d : SymbolicMatrix
-        The vector between the points.
-    from_own_origin : mapping of str to SymbolicMatrix
-        For each body d without its own point: from the origin of i, and to the origin of j.
+    d : SymbolicMatrix (3, 1) [m]
+        The vector between the points, frame O, lecture 8.2, (8.8).
+    from_own_origin : mapping of str to SymbolicMatrix (3, 1) [m]
+        For each body d without its own point, frame O: from the origin of i, to the origin of j.
     """
 
     def rule(x: SymbolicMatrix) -> SymbolicMatrix | None:
@@ -100,12 +103,12 @@ def own_point_drops(d: SymbolicMatrix, from_own_origin: Mapping[str, SymbolicMat
 
 
 def half_square_curvature() -> SymbolicMatrix:
-    """Right-hand side −γ of ½ d·d [m²/s²], v·(v + 2 w) + r·u + Ω·(s_i × w_j − s_j × w_i).
+    """Right-hand side −γ of ½ d·d [m²/s²], v·(v + 2 w) + r·u + Ω·(s_i × w_j − s_j × w_i), (1, 1).
 
     v and r belong to the origins, s = A s′, w = A ω̃′s′ and u = A ω̃′ω̃′s′ to the points, Ω to the
-    orientations; those without an index are of body j less those of body i. Each term is small
-    where the bodies move together, and none holds what a point far from its own origin adds to
-    ḋ·ḋ and takes from d·d̈, so that no digits cancel.
+    orientations, in frame O as of :func:`parts_of_motion`; those without an index are of body j
+    less those of body i. Each term is small where the bodies move together, and none holds what a
+    point far from its own origin adds to ḋ·ḋ and takes from d·d̈, so that no digits cancel.
     """
     motion = relative_motion()
     v, w = motion["v"], motion["w"]
@@ -113,7 +116,10 @@ def half_square_curvature() -> SymbolicMatrix:
 
 
 def turning_curvature() -> SymbolicMatrix:
-    """Curvature without v, r·u + Ω·(s_i × w_j − s_j × w_i): all that turning leaves."""
+    """Curvature without v, r·u + Ω·(s_i × w_j − s_j × w_i) (1, 1) [m²/s²]: all that turning leaves.
+
+    The vectors (3,) are in frame O, as of :func:`parts_of_motion`.
+    """
     of_body, motion = {body: parts_of_motion(body) for body in BODIES}, relative_motion()
     s, w = ({body: parts[name] for body, parts in of_body.items()} for name in "sw")
     arm = add(mul(skew(s["i"]), w["j"]), neg(mul(skew(s["j"]), w["i"])))
@@ -142,7 +148,10 @@ def parts_of_motion(body: str) -> dict[str, SymbolicMatrix]:
 
 
 def relative_motion() -> dict[str, SymbolicMatrix]:
-    """Motion of body j less that of body i, the parts as of :func:`parts_of_motion`."""
+    """Motion of body j less that of body i, in frame O: r_j − r_i (3,) [m] and so on.
+
+    The parts and their units are those of :func:`parts_of_motion`.
+    """
     i, j = (parts_of_motion(body) for body in BODIES)
     return {name: NamedMatrix(name, add(j[name], neg(i[name]))) for name in i}
 

@@ -74,7 +74,7 @@ OWN_POINT_DROPS = own_point_drops(D, FROM_OWN_ORIGIN)
 
 
 def derive(_: str) -> Derivation:
-    """Derivation of ``length``: l = |d| (1,) [m], d from the point on i to that on j, (8.8)."""
+    """Derivation of ``length``: l = |d| (1,) [m], d (8.8) in frame O from the point on i to j's."""
     return derive_constraint(_length())
 
 

@@ -45,7 +45,11 @@ TITLE = "planar link element"
 
 
 def derive(package: str) -> Derivation:
-    """Derivation of ``link``."""
+    """Derivation of ``link``: ε = 0 (3,) [m] of Yamada and Tatsumi (1981), (5)–(7), D and Ḋ.
+
+    x = (x1, y1, β1, x2, y2, β2) [m, rad] are the ends in frame O, (2); D = ∂ε/∂x (3, 6) [-, m/rad],
+    (15).
+    """
     return Derivation(
         name=package,
         kind="link",

@@ -48,7 +48,10 @@ BETA_RATE = NamedScalar("beta_dot", Dot(ACROSS, D_RATE) / L)
 
 
 def variations() -> tuple[SymbolicMatrix, SymbolicMatrix, SymbolicMatrix]:
-    """Variations δε1, δε2, δε3 (1, 1) [length], (5) to (7): δl = nᵀδd and l δβ = tᵀδd."""
+    """Variations δε1, δε2, δε3 (1, 1) [m], (5) to (7): δl = nᵀδd and l δβ = tᵀδd.
+
+    d (2,) [m] leads from end 1 to end 2, n along it and t a quarter turn on, in frame O.
+    """
     delta_d = mul(NamedMatrix("N", ENDS), DELTA_X)
     angle = mul(L0 / L, transpose(ACROSS), delta_d)
     first, second = (
@@ -59,12 +62,15 @@ def variations() -> tuple[SymbolicMatrix, SymbolicMatrix, SymbolicMatrix]:
 
 
 def jacobian() -> SymbolicMatrix:
-    """Jacobian D (3, 6) = ∂ε/∂x of Yamada and Tatsumi (1981), by collecting δx."""
+    """Jacobian D (3, 6) = ∂ε/∂x [-, m/rad] of Yamada and Tatsumi (1981), by collecting δx.
+
+    x (6,) [m, rad] are the ends in frame O, (2); at the reference, l = l0, it is (15).
+    """
     return as_matrix(BlockMatrix([[coefficient(row, DELTA_X)] for row in variations()]))
 
 
 def jacobian_rate() -> SymbolicMatrix:
-    """Rate Ḋ (3, 6) [1/s] with ṅ = β̇ t, ṫ = −β̇ n, l̇ = nᵀḋ, l β̇ = tᵀḋ."""
+    """Rate Ḋ (3, 6) [1/s, m/s/rad], frame O, with ṅ = β̇ t, ṫ = −β̇ n, l̇ = nᵀḋ, l β̇ = tᵀḋ."""
     ends = NamedMatrix("N", ENDS)
     turned = add(mul(BETA_RATE, transpose(ALONG)), mul(L_RATE / L, transpose(ACROSS)))
     row = mul(L0 / L, turned, ends)

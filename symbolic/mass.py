@@ -53,19 +53,19 @@ A = OrientationMatrix(symbol(P))
 
 @dataclass(frozen=True, slots=True)
 class BodyTerms:
-    """The matrix level of what moves.
+    """The matrix level of what moves; equations of three mass points.
 
     Parameters
     ----------
-    mass : NamedScalar
-        Total mass.
-    moment : NamedMatrix
-        First moment, mass times r_AG, body frame.
-    inertia : NamedMatrix
-        About the origin, body frame.
-    force, torque : NamedMatrix
-        Resultants, frame O and body frame.
-    second : NamedMatrix, optional
+    mass : NamedScalar [kg]
+        Total mass, Σ m, (total-mass).
+    moment : NamedMatrix (3, 1) [kg m]
+        First moment, mass times r_AG, body frame, (centre-of-mass).
+    inertia : NamedMatrix (3, 3) [kg m²]
+        About the origin, body frame, Σ m s̃′ᵀs̃′, (inertia).
+    force, torque : NamedMatrix (3, 1) [N], [N m]
+        Resultants, frame O and body frame, (resultants).
+    second : NamedMatrix (3, 3) [kg m²], optional
         Second moment K = Σ m s′s′ᵀ, where it is known: I = tr(K) − K, and ω̃′Iω′ = −ω̃′Kω′ without
         the trace, which cancels.
     """
@@ -88,7 +88,12 @@ def derive(package: str) -> Derivation:
 
 
 def newton_euler(body: BodyTerms) -> tuple[SymbolicMatrix, SymbolicMatrix]:
-    """Matrix M (6, 6) and h (6,) of M (v̇, ω̇′) = h: force [N], frame O, then torque, body frame."""
+    """Matrix M (6, 6) and h (6,) of M (v̇, ω̇′) = h; three mass points, (matrix-form).
+
+    M = [[m I, −A c̃], [c̃ Aᵀ, I_A]] in kg, kg m and kg m², h = (F + A ω̃′c̃ ω′, N′ − ω̃′I_A ω′) in
+    N and N m, with the first moment c [kg m] in the body frame: force and v̇ in frame O, torque
+    about the origin and ω̇′ in the body frame.
+    """
     spin, arm = skew(symbol(OMEGA_B)), skew(body.moment)
     coupling = mul(A, arm)
     matrix = BlockMatrix(
@@ -143,7 +148,11 @@ def _centrifugal_components(moment: Sequence[Any]) -> list[Any]:
 
 
 def derive_rigid_body() -> Derivation:
-    """Derivation of a body given by mass, centre and inertia."""
+    """Derivation of a body given by mass, centre and inertia: three mass points, (matrix-form).
+
+    M (v̇, ω̇′) = h, (6, 6) and (6,), in the units and frames of :func:`newton_euler`, of the mass
+    [kg], the centre (3,) [m] and the inertia (3, 3) [kg m²] about the origin, body frame.
+    """
     body = BodyTerms(
         symbol(MASS),
         NamedMatrix("c", mul(symbol(MASS), symbol(R_AG_B))),
@@ -189,6 +198,10 @@ def _form_steps(matrix: SymbolicMatrix, right: SymbolicMatrix) -> tuple[Step, ..
 
 def derive_mass_points(n: int) -> Derivation:
     """Derivation of ``n`` mass points that are fixed in frame A.
+
+    F = Σ f_k and N′ = Σ s̃′_k Aᵀ f_k (3,) [N, N m], I_A = Σ m_k s̃′_kᵀ s̃′_k (3, 3) [kg m²]: three
+    mass points, (total-force), (torque-definition), (inertia); f_k in frame O, s′_k, N′ and I_A in
+    the body frame.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ def balance_steps(
     orientation: OrientationMatrix,
     omega_b: Quantity,
 ) -> tuple[Step, ...]:
-    """Steps from one point to the sums over all points."""
+    """Steps from one point, (position), to the sums over all points, (moment-balance)."""
     omega, omega_dot = symbol(omega_b), MatrixSymbol("omega_b_dot", 3, 1)
     rate = Variation({R: V, V: ACCELERATION, omega: omega_dot}, {orientation.p: omega})
     positions = [add(R, mul(orientation, s)) for s in places]
@@ -47,7 +47,7 @@ def balance_steps(
 def motion_steps(
     body: BodyTerms, orientation: OrientationMatrix, omega_b: Quantity
 ) -> tuple[Step, ...]:
-    """Steps of a body given by mass, centre and inertia."""
+    """Steps of a body given by mass, centre and inertia, up to (moment-balance)."""
     omega, omega_dot = symbol(omega_b), MatrixSymbol("omega_b_dot", 3, 1)
     rate = Variation({R: V, V: ACCELERATION, omega: omega_dot}, {orientation.p: omega})
     centre = add(R, mul(orientation, MatrixSymbol("r_AG_b", 3, 1)))
@@ -176,7 +176,7 @@ def reduction_steps(
     torque: SymbolicMatrix,
     omega_b: Quantity,
 ) -> tuple[Step, ...]:
-    """Steps to the form where the origin is the centre of mass, r_AG = 0."""
+    """Steps to the form where the origin is the centre of mass, r_AG = 0: (reduced-matrix-form)."""
     omega, zero = symbol(omega_b), ZeroMatrix(3, 3)
     return (
         Step(

@@ -55,9 +55,10 @@ if TYPE_CHECKING:
 
 
 class OrientationMatrix(MatrixExpr):
-    """Matrix A(p) = (e0² − e·e) I + 2 e eᵀ + 2 e0 ẽ, body components to frame O.
+    """Matrix A(p) = (e0² − e·e) I + 2 e eᵀ + 2 e0 ẽ (3, 3) [-], body components to frame O.
 
-    The Euler parameters ``p`` (4, 1), scalar first, may have any norm: A Aᵀ = (p·p)² I.
+    The Euler parameters ``p`` (4, 1), scalar first, may have any norm: A Aᵀ = (p·p)² I; of norm one
+    it is lecture 7.1, (4.3).
     """
 
     def __new__(cls, p: SymbolicMatrix) -> Any:
@@ -71,7 +72,7 @@ class OrientationMatrix(MatrixExpr):
 
 
 class Skew(MatrixExpr):
-    """ṽ, the skew-symmetric matrix of a vector (3, 1): ṽ w = v × w."""
+    """ṽ (3, 3), the skew-symmetric matrix of a vector (3, 1): ṽ w = v × w, frame and unit of v."""
 
     def __new__(cls, v: SymbolicMatrix) -> Any:
         return Basic.__new__(cls, v)
@@ -102,7 +103,7 @@ class NamedMatrix(MatrixExpr):
 
 
 class Dot(Expr):
-    """The number uᵀv of two vectors, as a scalar factor."""
+    """The number uᵀv of two vectors (n, 1) in one frame, a scalar factor in the unit of u v."""
 
     is_commutative = True
 
@@ -243,7 +244,7 @@ def neg(x: SymbolicMatrix) -> SymbolicMatrix:
 
 
 def skew(v: SymbolicMatrix) -> SymbolicMatrix:
-    """Skew matrix ṽ with the scalar factor of v in front."""
+    """Skew matrix ṽ (3, 3) of v (3, 1), its frame and unit, the scalar factor of v in front."""
     if is_zero(v):
         return as_matrix(ZeroMatrix(3, 3))
     scalar, factors = coefficient_and_factors(v)

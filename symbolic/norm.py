@@ -35,7 +35,10 @@ REACTION_Q = coefficient(DELTA(REACTION), DELTA_P)
 
 
 def derive_norm() -> Derivation:
-    """Derivation of p·p − 1 = 0 (1,) [-], lecture 7.1, (4.3), by δp and dp/dt."""
+    """Derivation of p·p − 1 = 0 (1,) [-], lecture 7.1, (4.3), by δp and dp/dt.
+
+    p (4,) [-] takes components in the body frame to frame O by A(p).
+    """
     return Derivation(
         "norm", "norm", TITLE, SOURCE, _steps(), (_constraint(), _rates(), _reaction())
     )

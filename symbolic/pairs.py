@@ -94,20 +94,20 @@ def _choice(axis: str) -> Step:
 
 @dataclass(frozen=True, slots=True)
 class Turning:
-    """A vector of one body as the other one sees it turn.
+    """A vector of one body as the other one sees it turn: dy/dt = Ω × y, lecture 7.1, (7.15).
 
     All are in the frame of the one that sees, and divided by the squares of the Euler parameters
     where these would count, so that p may have any norm.
 
     Parameters
     ----------
-    y : SymbolicMatrix
-        The vector.
-    w : SymbolicMatrix
-        Its rate by the turning of its own body alone.
-    own : SymbolicMatrix
+    y : SymbolicMatrix (3, 1) [-]
+        The vector, y = A_iᵀA_j a′ seen from i.
+    w : SymbolicMatrix (3, 1) [1/s]
+        Its rate by the turning of its own body alone, A_iᵀA_j ω̃′a′.
+    own : SymbolicMatrix (3, 1) [rad/s]
         Angular velocity of the body that sees.
-    omega : SymbolicMatrix
+    omega : SymbolicMatrix (3, 1) [rad/s]
         Ω, that of the other body less this one. It is found before anything is multiplied with it,
         so that no digits cancel where the bodies turn together.
     """
@@ -119,7 +119,7 @@ class Turning:
 
 
 def turning_seen_from(body: str) -> Turning:
-    """Vector a of the other body as it turns in the frame of ``body``."""
+    """Vector a (3,) [-] of the other body as it turns in the frame of ``body``: dy/dt = Ω × y."""
     (other,) = set(BODIES) - {body}
     axis, spin, own = (SYMBOLS[x] for x in (f"a_{other}_b", f"omega_{other}_b", f"omega_{body}_b"))
     p, q = SYMBOLS[f"p_{body}"], SYMBOLS[f"p_{other}"]
@@ -135,9 +135,10 @@ def turning_seen_from(body: str) -> Turning:
 
 
 def n1_gamma(vector: SymbolicMatrix, body: str) -> SymbolicMatrix:
-    """γ of n1 for a vector b of ``body`` and a of the other, Ω·(b × w − y × (ω × b)).
+    """γ (1, 1) [1/s²] of n1 for a vector b of ``body`` and a of the other, Ω·(b × w − y × (ω × b)).
 
-    It is seen from ``body``, where nothing is lost of what stands along its own axes.
+    b (3,) [-] is in the frame of ``body``, from which it is seen: nothing is lost there of what
+    stands along its own axes. The condition is lecture 8.2, (8.9).
     """
     seen = turning_seen_from(body)
     arm = add(mul(skew(vector), seen.w), neg(mul(skew(seen.y), skew(seen.own), vector)))

@@ -54,7 +54,11 @@ SOURCE = "lecture 7.1"
 
 
 def derive(package: str) -> Derivation:
-    """Derivation of ``rotation``, lecture 7.1: A(p) (3, 3), δA = A δθ̃′ (7.16), ṗ = ½ p∘(0, ω′)."""
+    """Derivation of ``rotation``, lecture 7.1: A(p) (3, 3), δA = A δθ̃′ (7.16), ṗ = ½ p∘(0, ω′).
+
+    A [-] takes components in the body frame to frame O; δθ′ (3,) [rad] and ω′ (3,) [rad/s], (5.16),
+    are in the body frame.
+    """
     return Derivation(
         name=package,
         kind="rotation",

@@ -86,7 +86,11 @@ ENERGY = Rational(1, 2) * symbol(STIFFNESS) * ELONGATION**2
 
 
 def derive(_: str) -> Derivation:
-    """Derivation of ``spring_damper``: T = k (l − l⁰) + c dl/dt [N] along d, (8.8), by −T δl."""
+    """Derivation of ``spring_damper``: T = k (l − l⁰) + c dl/dt [N] along d, (8.8), by −T δl.
+
+    Length l = |d| (1,) [m]; generalised force (12,): of i, then of j, a force [N] in frame O and a
+    torque [N m] in the body frame.
+    """
     return Derivation(
         "spring_damper", "spring_damper", TITLE, SOURCE, _steps(), (_length(), _law(), _force())
     )
@@ -95,10 +99,10 @@ def derive(_: str) -> Derivation:
 def length_rate() -> tuple[SymbolicMatrix, SymbolicMatrix]:
     """Rate dl/dt = h l / d·d, zero where d is, and h / l; h = d·v + r·w + s_i·(Ω_i × s_j).
 
-    Without an index is what j has less what i has; Ω_i is what i turns more than j, seen from j, so
-    that nothing is lost of what turns about the line to the point. Each term is small where the
-    bodies move together, and none holds what a point far from its own origin adds to d·ḋ and takes
-    from it.
+    The rate is (1, 1) [m/s], the vectors (3,) are in frame O. Without an index is what j has less
+    what i has; Ω_i is what i turns more than j, seen from j, so that nothing is lost of what turns
+    about the line to the point. Each term is small where the bodies move together, and none holds
+    what a point far from its own origin adds to d·ḋ and takes from it.
     """
     # Named, so that it does not wait for the angular velocity.
     seen = NamedMatrix("s_seen", mul(transpose(A["j"]), OF_BODY["i"]["s"]))
@@ -110,10 +114,10 @@ def length_rate() -> tuple[SymbolicMatrix, SymbolicMatrix]:
 
 
 def generalised_forces() -> tuple[SymbolicMatrix, ...]:
-    """Force on i in frame O, torque in the frame of i, and those of j.
+    """Force on i in frame O, torque in the frame of i, and those of j: −T ∂l/∂q, (3, 1) [N], [N m].
 
-    In a torque the point's own arm drops out, (A s′)ᵀA s̃′ = 0, and with it digits where the point
-    is far from its origin.
+    In a torque T s̃′Aᵀd / l the point's own arm drops out, (A s′)ᵀA s̃′ = 0, and with it digits
+    where the point is far from its origin.
     """
     found = []
     tension = symbol(TENSION)

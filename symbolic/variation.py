@@ -51,14 +51,16 @@ if TYPE_CHECKING:
 class Variation:
     """The operator δ (or d/dt): a linear map that obeys the product rule.
 
+    What it is applied to keeps shape, frame and unit, of d/dt per second.
+
     Parameters
     ----------
     vectors : Mapping
         The variation of each vector that varies, e.g. r → δr; others are constant.
     rotations : Mapping
-        For Euler parameters p the virtual rotation δθ′ in the body frame: δA(p) = A δθ̃′ (7.16).
-        With δp = ½ p∘(0, δθ′), p·δp is zero, so that p·p is constant. A symbol (3, 3) instead
-        of δθ′ stands for δA itself, before the rule is applied.
+        For Euler parameters p the virtual rotation δθ′ (3, 1) [rad] in the body frame: δA(p) = A
+        δθ̃′, lecture 7.1, (7.16). With δp = ½ p∘(0, δθ′), p·δp is zero, so that p·p is constant. A
+        symbol (3, 3) instead of δθ′ stands for δA itself, before the rule is applied.
     """
 
     vectors: Mapping[SymbolicMatrix, SymbolicMatrix]
@@ -117,7 +119,7 @@ class Variation:
         )
 
     def of_scalar(self, x: Scalar) -> SymbolicMatrix:
-        """Variation δx (1, 1) of a scalar factor, by the chain rule."""
+        """Variation δx (1, 1) of a scalar factor, by the chain rule δf = Σ ∂f/∂u δu; unit of x."""
         match x:
             case Dot() if x.args[0] == x.args[1]:
                 u = x.args[0]
@@ -261,7 +263,10 @@ def without(x: SymbolicMatrix, *symbols: SymbolicMatrix) -> SymbolicMatrix:
 
 
 def orthogonality(x: SymbolicMatrix) -> SymbolicMatrix | None:
-    """Apply A(p)ᵀA(p) = (p·p)² I, true for Euler parameters of any norm, where it stands in x."""
+    """Identity A(p)ᵀA(p) = (p·p)² I, for Euler parameters of any norm, put in where it stands in x.
+
+    A (3, 3) [-] takes body components to frame O; of norm one it is lecture 7.1, (orthogonality).
+    """
     if not isinstance(x, MatMul):
         return None
     scalar, factors = coefficient_and_factors(x)

@@ -97,7 +97,8 @@ class _Term:
 class Vector(_Term):
     """A vector (3,): ``+``, ``-``, ``*`` and ``/`` with numbers, ``dot``, ``cross``, ``[k]``.
 
-    Both operands are components in the same frame; :attr:`Body.A` takes from one to another.
+    Both operands are components in the same frame; :attr:`Body.A` changes it, a = A a′. Its unit is
+    a power of m.
 
     Parameters
     ----------
@@ -111,7 +112,7 @@ class Vector(_Term):
     parts: Mapping[str, tuple[Scalar, ...]] = field(default_factory=dict, compare=False)
 
     def dot(self, other: Vector) -> Number:
-        """Scalar product."""
+        """Scalar product uᵀv, in the product of the units."""
         self._require_same_frame(other, f"{self.text} is multiplied by")
         return Number(
             mul(transpose(self.matrix), other.matrix),
@@ -221,7 +222,7 @@ class Vector(_Term):
 class Number(_Term):
     """A number that varies with the motion, or a constant: ``+``, ``-``, ``*``, powers.
 
-    It can be divided by constants.
+    It can be divided by constants. Its unit is a power of m; it is uᵀv of vectors in one frame.
 
     Parameters
     ----------
@@ -295,7 +296,9 @@ class Number(_Term):
 
 @dataclass(frozen=True, slots=True)
 class Rotation:
-    """The orientation A of a body, or its transpose: ``A @ v``, ``A.T @ v``.
+    """The orientation A (3, 3) [-] of a body, or its transpose: ``A @ v``, ``A.T @ v``.
+
+    a = A a′ of body components a′ is in frame O; lecture 7.1, (orthogonality): A Aᵀ = I.
 
     Parameters
     ----------
@@ -335,7 +338,10 @@ class Rotation:
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """Body i or j of a constraint, and the lecture's vectors of it.
+    """Body i or j of a constraint, and the lecture's vectors of it, (3,), with frame and unit.
+
+    A prime marks components in the body frame: a = A a′ in frame O, lecture 8.2,
+    (known-components).
 
     Parameters
     ----------
@@ -347,33 +353,33 @@ class Body:
 
     @property
     def r(self) -> Vector:
-        """Position of the origin of the body frame, frame O [m]."""
+        """Position r (3,) [m] of the origin of the body frame, frame O; lecture 7.1, (4.28)."""
         return _vector(_SHARED[f"r_{self.name}"], "O")
 
     @property
     def A(self) -> Rotation:
-        """Orientation, from components in the body frame to frame O."""
+        """Orientation A (3, 3) [-], components in the body frame to frame O; lecture 7.1, (4.3)."""
         return Rotation(self.name)
 
     @property
     def a_b(self) -> Vector:
-        """An axis fixed in the body, a′, components in the body frame [-]."""
+        """An axis a′ (3,) [-] fixed in the body, body frame; lecture 8.2, (8.9)."""
         return self.fixed("a", "-")
 
     @property
     def s_b(self) -> Vector:
-        """A point fixed in the body, s′ from the origin, components in the body frame [m]."""
+        """A point s′ (3,) [m] from the origin, fixed in the body, its frame; lecture 8.2, (8.8)."""
         return self.fixed("s", "m")
 
     def fixed(self, name: str, unit: str, meaning: str = "") -> Vector:
-        """Components in the body frame of a vector that is fixed in the body.
+        """Components (3,) in the body frame of a vector that is fixed in the body, a′ or s′.
 
         Parameters
         ----------
         name : str
             The input is called so, with the body: ``b`` of body i is ``b_i_b``.
         unit : {"m", "-"}
-            Of a point, or of a direction.
+            Of a point [m], or of a direction.
         meaning : str
             What it is, in a few words, for the generated files.
         """
@@ -384,11 +390,11 @@ class Body:
         return _vector(quantity, self.name)
 
     def axis(self, name: str = "a") -> Vector:
-        """Axis a = A a′, fixed in the body, components in frame O [-]."""
+        """Axis a = A a′ (3,) [-], fixed in the body, in frame O; lecture 8.2, (a-i-turned)."""
         return (self.A @ self.fixed(name, "-")).named(f"{name}_{self.name}")
 
     def point(self, name: str = "s") -> Vector:
-        """Point r + A s′, fixed in the body, in frame O [m]."""
+        """Point r + A s′ (3,) [m], fixed in the body, in frame O; lecture 7.1, (4.28)."""
         return self.r + self.A @ self.fixed(name, "m")
 
     if not TYPE_CHECKING:  # which tells what there is by itself
@@ -454,7 +460,9 @@ def number_of(x: Any, where: str) -> Number:
 
 
 def constraint_of(name: str, C: Any, *, title: str = "", source: str = "") -> Constraint:
-    """Constraint C = 0 that an expression states, or several, one below the other.
+    """Constraint C = 0 (m,) that an expression states, or several, one below the other.
+
+    Vectors in one of them are in one frame, frame O or that of a body.
 
     Parameters
     ----------

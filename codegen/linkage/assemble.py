@@ -66,7 +66,7 @@ class Affine:
 
 @dataclass(frozen=True, slots=True)
 class LinkElement:
-    """A link with its place in the assembly.
+    """A link with its place in the assembly; Yamada and Tatsumi (1981).
 
     Parameters
     ----------
@@ -76,11 +76,12 @@ class LinkElement:
         Its first and second node; where a rotation is shared or prescribed at one end only, that
         end comes first.
     length : Fraction [unit of the scene]
-        Design length l0.
-    ends : (6,) of Affine
-        x1 y1 β1 x2 y2 β2, (1).
+        Design length l0, (8).
+    ends : (6,) of Affine [unit of the scene, rad]
+        x1 y1 β1 x2 y2 β2, frame O, (1).
     rows : tuple of int
-        Which of ε1, ε2, ε3 must vanish; all but those that a link of the frame fulfils by itself.
+        Which of ε1, ε2, ε3, (5) to (7), must vanish; all but those that a link of the frame fulfils
+        by itself.
     """
 
     name: str

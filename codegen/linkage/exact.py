@@ -28,7 +28,10 @@ _ZERO = Fraction(0)
 
 
 class Exact:
-    """The blocks and outputs of a linkage at one motion.
+    """The blocks and outputs of a linkage at one motion: D ẋ = ν, D ẍ = γ.
+
+    Equations are those of Yamada and Tatsumi (1981). Lengths are in the unit of the scene, angles
+    in rad, nodes in frame O.
 
     Parameters
     ----------
@@ -55,7 +58,7 @@ class Exact:
         self.constant = constant
 
     def block(self, number: int, order: int) -> dict[str, list[Any]]:
-        """Outputs of one kernel of a block: position, velocity or acceleration."""
+        """Outputs of a block by the order: ε (n,), (5)–(7), and D (n, n); ν (n,), (22); γ, (23)."""
         block = self.layout.blocks[number]
         rows = [(self.layout.assembly.elements[element], row) for element, row in block.rows]
         if order == 0:
@@ -72,19 +75,19 @@ class Exact:
         return {"gamma": [-(c + b) for c, b in zip(carried, bent, strict=True)]}
 
     def nodes(self) -> dict[str, list[Any]]:
-        """Outputs of the kernel ``nodes``."""
+        """Outputs of the kernel ``nodes``, (2 nodes,): positions, and (24), (25)."""
         terms = [term for _, x, y in self.layout.assembly.nodes for term in (x, y)]
         names = ("position", "velocity", "acceleration")
         return {name: [self.term(term, k) for term in terms] for k, name in enumerate(names)}
 
     def angles(self) -> dict[str, list[Any]]:
-        """Outputs of the kernel ``angles``."""
+        """Outputs of the kernel ``angles``, (links,): β of (12) and (13), β̇ and β̈."""
         columns = [self._angle(link) for link in self.layout.assembly.scene.links]
         names = ("angle", "angle_dot", "angle_ddot")
         return {name: [column[k] for column in columns] for k, name in enumerate(names)}
 
     def term(self, term: Affine, order: int) -> Any:
-        """Term offset + factor · coordinate, or a time derivative of it."""
+        """Term offset + factor · coordinate, a number, or a time derivative of it."""
         coordinate = self.layout.assembly.coordinates[term.coordinate]
         if not self.layout.is_moving(term):
             fixed = term.factor * coordinate.start if coordinate.role is Role.FIXED else _ZERO

@@ -26,6 +26,9 @@ PAPER = "Yamada and Tatsumi 1981"
 def block_kernels(layout: WorkspaceLayout, number: int) -> tuple[Kernel, Kernel, Kernel]:
     """Kernels of one block: its residual and matrix, and its right-hand sides.
 
+    Equations are those of Yamada and Tatsumi (1981), nodes in frame O, lengths in the unit of the
+    scene.
+
     Parameters
     ----------
     layout : WorkspaceLayout

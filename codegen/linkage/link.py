@@ -14,14 +14,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class LinkRow:
-    """One of ε1, ε2, ε3.
+    """One of ε1, ε2, ε3 of Yamada and Tatsumi (1981), (5) to (7).
 
     Parameters
     ----------
     deformation : Kernel
-        ``epsilon`` () and its row of ``D`` (6,), at ``x``, ``length`` and ``offset``.
+        ``epsilon`` () [m] and its row of ``D`` (6,), (15), at ``x`` in frame O, ``length``,
+        ``offset``.
     rate : Kernel
-        Its element of ``D_dot_x_dot`` (), at ``x``, ``length`` and ``x_dot``.
+        Its element of ``D_dot_x_dot`` () [m/s²], at ``x``, ``length`` and ``x_dot``.
     """
 
     deformation: Kernel

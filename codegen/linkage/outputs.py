@@ -23,7 +23,7 @@ MOTIONS = (
 def node_kernel(layout: WorkspaceLayout) -> Kernel:
     """Kernel of the motion of all nodes: position, velocity, acceleration, (24), (25).
 
-    Each output is (nodes, 2), in frame O, in the order of the scene.
+    Each output is (nodes, 2), in frame O, in the order of the scene, in its unit, per s and s².
     """
     graph = Graph()
     assembly = layout.assembly
@@ -49,10 +49,10 @@ def node_kernel(layout: WorkspaceLayout) -> Kernel:
 
 
 def angle_kernel(layout: WorkspaceLayout) -> Kernel:
-    """Kernel of the angles β of all links, their first and second derivatives.
+    """Kernel of the angles β of all links, their first and second derivatives [rad, per s and s²].
 
-    Each output is (links,), counter-clockwise from +x, from the first node of the link to the
-    second, (10)-(13); the angle is in (−π, π].
+    Each output is (links,), counter-clockwise from +x of frame O, from the first node of the link
+    to the second, (10)-(13); the angle is in (−π, π].
     """
     graph = Graph()
     columns = [_angle(layout, graph, name) for name in layout.assembly.scene.links]

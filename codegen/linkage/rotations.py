@@ -17,13 +17,16 @@ if TYPE_CHECKING:
 class NodeRotation:
     """A rotation at a node: of one link where it is hinged, of several where they are rigid.
 
+    β of each link in frame O, Yamada and Tatsumi (1981), (10) and (11), is that of the first + its
+    angle.
+
     Parameters
     ----------
     node : str
         Where.
     links : tuple of str
         The links that turn together; the angle of the first is the coordinate.
-    angles : tuple of Fraction [rad]
+    angles : tuple of Fraction [rad], (links,)
         Angle from the first link to each, counter-clockwise, seen from the node.
     input : str
         The input that prescribes the angle of the first link, empty where it is unknown.
@@ -106,7 +109,7 @@ def _from_base(scene: Scene, key: str, link: str) -> Fraction:
 
 
 def direction(scene: Scene, link: str, node: str) -> Fraction:
-    """Angle of a link, seen from one of its nodes, at the positions of the scene."""
+    """Angle atan2(Δy, Δx), a number [rad], of a link from a node, frame O, as the scene has it."""
     x1, y1 = map(Fraction, scene.nodes[node].at)
     x2, y2 = map(Fraction, scene.nodes[scene.links[link].other(node)].at)
     return heading(x2 - x1, y2 - y1)

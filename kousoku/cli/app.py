@@ -127,6 +127,13 @@ for _name, _command, _line in COMMANDS:
     app.command(_name, short_help=_line)(_command)
 
 
+def text_of(error: KousokuError | OSError) -> str:
+    """Text of an expected error, which begins with its place: for one of the system, a path."""
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"{os.fsdecode(error.filename)}: {error.strerror}"
+    return str(error)
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run one command; every expected error is one message on stderr and an exit code."""
     for stream in (sys.stdout, sys.stderr):
@@ -135,7 +142,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     try:
         app(args=arguments)
     except (KousokuError, OSError) as error:
-        print(f"kousoku: {as_typed(str(error))}", file=sys.stderr)
+        print(f"kousoku: {as_typed(text_of(error))}", file=sys.stderr)
         raise SystemExit(BAD_INPUT) from None
     except KeyboardInterrupt:
         raise SystemExit(INTERRUPTED) from None

@@ -20,13 +20,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class CoordinateForce(ForceElement):
-    """A force ``force`` [N or N m] along a coordinate; a formula of it may depend on the motion."""
+    """A force τ (1,) [N or N m] along a coordinate u: Jᵀτ on its bodies, with u̇ = J v.
+
+    J (1, 12) has the columns δr in frame O, δθ′ in the body frame. ``force`` of ``constants`` is τ;
+    a formula of it may depend on the motion.
+    """
 
     kind: str = field(init=False, default="along")
 
 
 class Along(ForceKind):
-    """A force or moment along a coordinate."""
+    """A force or moment τ (1,) [N or N m] along a coordinate u: see :class:`CoordinateForce`."""
 
     title = "a force or moment along a coordinate"
     keys = ("coordinate", "force")
@@ -41,7 +45,7 @@ class Along(ForceKind):
         require_one(force.force, f"{key}.force", f", that increases {force.coordinate}")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Element of the force."""
+        """Element of the force: one number τ (1,) in SI units, Jᵀτ."""
         assert force.coordinate is not None
         assert not isinstance(force.force, tuple)
         place = given.coordinates.place(force.coordinate)

@@ -28,7 +28,11 @@ PARALLEL = 1e-6
 
 
 class Bushing(ForceKind):
-    """Springs and dampers along and about three directions."""
+    """Springs and dampers along and about three directions a: τ = −k u − c u̇ by each coordinate u.
+
+    Along a u = a_i·d [m], lecture 8.2, (8.12); about it u = a_i·a_j [-], (8.9), the sine of the
+    turn. The directions (3,) are given in frame O and fixed in body i; τ [N, N m] acts by Jᵀτ.
+    """
 
     title = "springs and dampers along and about three directions"
     keys = ("bodies", "points", "at", "axes", "stiffness", "damping")
@@ -65,7 +69,7 @@ class Bushing(ForceKind):
                 raise SceneError("are parallel; wanted two directions", key=f"{key}.axes")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Springs along three directions of body i, and about them by sines of the turns."""
+        """Springs along three directions (3,) of body i, and about them by sines of the turns."""
         from kousoku.model.measures import PreciseMeasure
 
         assert force.bodies is not None

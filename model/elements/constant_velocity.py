@@ -19,10 +19,10 @@ FOLDED = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class ConstantVelocity(JointKind):
-    """A point in common, and shafts that turn equally fast whatever the bend."""
+    """A point in common, d = 0 (3,) [m], and shafts that turn equally fast whatever the bend."""
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Combination x_i·y_j − y_i·x_j, where x, y and the shaft are the frame of each body."""
+        """Combination C = x_i·y_j − y_i·x_j (1,) [-], frame O; x, y (3,) are across each shaft."""
         from kousoku.model import precise
         from kousoku.model.combinations import combination
         from kousoku.model.digits import CONTEXT

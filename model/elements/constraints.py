@@ -75,19 +75,20 @@ class CoordinateKind(ConstraintKind, ABC):
 
     @abstractmethod
     def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
-        """Value of the coordinate, in rad or in the unit of the ends.
+        """Value u of the coordinate, a scalar in rad or in the unit of the ends.
 
         Parameters
         ----------
-        axes : mapping of str to (3,)
-            Its axes by the names of the inputs, of norm one, frame O.
+        axes : mapping of str to (3,) [-]
+            Its axes a = A a′ by the names of the inputs, of norm one, frame O.
         ends : ((3,), (3,)), optional
-            Its points on body i and on body j, frame O.
+            Its points r + A s′ on body i and on body j, frame O; d of lecture 8.2, (8.8), is
+            between them.
         """
 
 
 class AngleKind(CoordinateKind):
-    """Angle from a_i to a_j about a_i × b_i, within half a turn."""
+    """Angle from a_i to a_j about a_i × b_i [rad], within half a turn; frame O."""
 
     counts_turns = True
 
@@ -100,17 +101,17 @@ class AngleKind(CoordinateKind):
 
 
 class CosineKind(CoordinateKind):
-    """Cosine of the angle between two axes."""
+    """Cosine of the angle between two axes [-], frame O; lecture 8.2, (8.9)."""
 
     def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
-        """Product a_i · a_j."""
+        """Product a_i · a_j [-]."""
         from kousoku.model import precise
 
         return precise.cleaned(precise.dot(axes["a_i_b"], axes["a_j_b"]), 1)
 
 
 class LengthKind(CoordinateKind):
-    """Distance of two points."""
+    """Distance of two points, |d| of lecture 8.2, (8.8), frame O."""
 
     def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
         """Length |d| [unit of the ends]."""
@@ -121,7 +122,7 @@ class LengthKind(CoordinateKind):
 
 
 class DisplacementKind(CoordinateKind):
-    """Displacement along an axis of body i."""
+    """Displacement along an axis of body i, a_i · d, frame O; lecture 8.2, (8.12)."""
 
     def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
         """Product a_i · d [unit of the ends]."""

@@ -19,10 +19,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class CoordinateSpring(ForceElement):
-    """A spring and damper against a coordinate.
+    """A spring and damper against a coordinate u: τ = −k (u − u⁰) − c u̇ (1,) [N or N m], by Jᵀτ.
 
-    Of ``constants`` ``stiffness`` and ``damping`` by the coordinate and its rate, then ``free``
-    [m or rad]; with a law of its own ``moment``, its unit, and ``free``.
+    Of ``constants`` ``stiffness`` k [N/m or N m/rad] and ``damping`` c [N s/m or N m s/rad] by the
+    coordinate and its rate, then ``free`` u⁰ [m or rad]; with a law of its own ``moment``, its
+    unit, and ``free``. J (1, 12) has the columns δr in frame O, δθ′ in the body frame.
     """
 
     kind: str = field(init=False, default="coordinate_spring")
@@ -40,7 +41,7 @@ def linear_spring(
     given: Lowering,
     free: Value | High = 0.0,
 ) -> CoordinateSpring:
-    """Linear spring against a coordinate.
+    """Linear spring against a coordinate: τ = −k (u − u⁰) − c u̇ (1,) [N or N m].
 
     Parameters
     ----------
@@ -49,11 +50,11 @@ def linear_spring(
     place : int
         Of the coordinate.
     law : (float or str, float or str)
-        Stiffness and damping as in the scene; None is zero.
+        Stiffness k and damping c in the unit of the scene; None is zero.
     given : Lowering
         The scene.
     free : float or str [m or rad]
-        Where it has no force.
+        u⁰, where it has no force.
     """
     from kousoku.model import precise
 
@@ -67,7 +68,7 @@ def linear_spring(
 def spring_against(
     name: str, place: int, numbers: Mapping[str, tuple[Any, High]], given: Lowering, law: str = ""
 ) -> CoordinateSpring:
-    """Spring of these numbers, each with its unit, and perhaps a law of its own."""
+    """Spring against a coordinate, τ = τ(u, u̇) (1,) [N or N m]: of numbers with units, or a law."""
     one = given.coordinates.record(place)
     constants, formulas = scalars(numbers)
     return CoordinateSpring(name, one.i, one.j, constants, law, formulas, place)

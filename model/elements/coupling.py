@@ -66,5 +66,5 @@ class Coupling:
         """
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Combination of the coupling, zero at the positions as they are written."""
+        """Combination C = Σ c u + c₀ = 0 (1,) [m or rad], zero at the positions as written."""
         raise NotImplementedError(f"no row of {joint.type}")

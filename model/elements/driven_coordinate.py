@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class DrivenCoordinate(DriverKind):
-    """A coordinate as a function of time."""
+    """A coordinate as a function of time: C = u − f(t) = 0 (1,) [m or rad]."""
 
     title = "a coordinate as a function of time"
     keys = ("coordinate", "value")
@@ -45,7 +45,7 @@ class DrivenCoordinate(DriverKind):
     def laws(
         self, name: str, driver: Driver, coordinates: CoordinateList
     ) -> Iterator[tuple[int, Value]]:
-        """Coordinate and its law."""
+        """Coordinate u and its law f(t), in the unit of the scene or rad."""
         assert driver.coordinate is not None
         assert driver.value is not None
         yield coordinates.place(driver.coordinate), driver.value

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class DrivenJoint(DriverKind):
-    """The angle or the displacement of a joint as a function of time."""
+    """The angle or displacement of a joint as a function of time: u − f(t) = 0 (1,) [rad or m]."""
 
     title = "the angle or the displacement of a joint as a function of time"
     keys = ("joint", "of", "value")
@@ -31,7 +31,7 @@ class DrivenJoint(DriverKind):
     def laws(
         self, name: str, driver: Driver, coordinates: CoordinateList
     ) -> Iterator[tuple[int, Value]]:
-        """Coordinate that the joint leaves free, and its law."""
+        """Coordinate u that the joint leaves free, and its law f(t) [rad or unit of the scene]."""
         assert driver.joint is not None
         assert driver.value is not None
         yield coordinates.of_joint(driver.joint, driver.of), driver.value

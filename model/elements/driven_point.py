@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class DrivenPoint(DriverKind):
-    """A point on a path, three functions of time."""
+    """A point on a path, three functions of time: r + A s′ − f(t) = 0 (3,) [m], frame O."""
 
     title = "a point on a path, three functions of time"
     keys = ("body", "point", "path")
@@ -35,7 +35,7 @@ class DrivenPoint(DriverKind):
     def laws(
         self, name: str, driver: Driver, coordinates: CoordinateList
     ) -> Iterator[tuple[int, Value]]:
-        """Places along the axes of frame O, each with its law."""
+        """Places along the axes of frame O, each with its law f(t), in the unit of the scene."""
         from kousoku.model import precise
         from kousoku.model.frames import DIRECTIONS
         from kousoku.model.measures import place_measure

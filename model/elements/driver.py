@@ -64,7 +64,10 @@ class DriverKind(ABC):
     def laws(
         self, name: str, driver: Driver, coordinates: CoordinateList
     ) -> Iterator[tuple[int, Value]]:
-        """Places of coordinates and their laws; the coordinates are added to the list."""
+        """Places of coordinates u and their laws, u = f(t) (1,) in rad or the unit of the scene.
+
+        The coordinates are added to the list.
+        """
 
     def of_joint(self, scene: Scene, driver: Driver) -> tuple[str, str | None] | None:
         """Joint that it drives, and which of what that leaves free, if it does."""

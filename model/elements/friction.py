@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Friction(ForceKind):
-    """Viscous friction in a joint."""
+    """Viscous friction in a joint: τ = −c u̇ (1,) [N or N m] by each coordinate u that is free."""
 
     title = "viscous friction in a joint"
     keys = ("joint", "of", "damping")
@@ -37,7 +37,7 @@ class Friction(ForceKind):
         require_one(force.damping, f"{key}.damping")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Damper against each coordinate that the joint leaves free."""
+        """Damper against each coordinate u that the joint leaves free, c [N s/m or N m s/rad]."""
         assert force.joint is not None
         assert not isinstance(force.damping, tuple)
         leaves = leaves_of(given.scene.joints[force.joint].type)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Gear(Coupling):
-    """The angles of two joints, in a ratio."""
+    """The angles of two joints, in a ratio: C = θ₂ − ratio θ₁ + c₀ = 0 (1,) [rad]."""
 
     title = "the angles of two joints, in a ratio"
     wanted: ClassVar = {
@@ -26,7 +26,7 @@ class Gear(Coupling):
     aliases = ("gears",)
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Combination second angle − ratio · the first."""
+        """Combination second angle − ratio · the first [rad]."""
         from kousoku.model import precise
         from kousoku.model.combinations import as_written
 

@@ -109,7 +109,7 @@ class JointKind:
         """
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Row of a joint that combines coordinates.
+        """Row C = Σ c u + c₀ = 0 (1,) [m, rad or -] of a joint that combines coordinates u.
 
         Raises
         ------
@@ -119,12 +119,13 @@ class JointKind:
         raise NotImplementedError(f"no row of coordinates of {joint.type}")
 
     def measure(self, joint: Joint, sort: str, ends: tuple[BodyFrame, BodyFrame]) -> PreciseMeasure:
-        """Measure that it leaves free: an angle or a displacement.
+        """Measure that it leaves free: an angle [rad] or a displacement [m].
 
-        The angle is that of the zero direction of body j, counted from the zero direction of body i
-        counter-clockwise about the axis of body i. The displacement is that of the point of j, from
-        the point of i along the axis of i; in a plane it is along the zero direction of i, and the
-        second one along axis × zero direction.
+        The angle atan2(b_i·a_j, a_i·a_j) is that of the zero direction of body j, counted from the
+        zero direction of body i counter-clockwise about the axis of body i. The displacement a_i·d,
+        lecture 8.2, (8.12), is that of the point of j, from the point of i along the axis of i; in
+        a plane it is along the zero direction of i, and the second one along axis × zero direction.
+        The vectors (3,) are fixed in the body frames.
         """
         from kousoku.model.frames import joint_points, joint_vectors
         from kousoku.model.measures import PreciseMeasure

@@ -98,7 +98,8 @@ class ForceKind(ABC):
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
         """Elements that a checked force is made of: SI units, principal frames, rounded once.
 
-        It imports what computes in 50 digits itself: scenes are read and checked without.
+        Points s′ (3,) and vectors become a′ in A a′; each class gives its law. It imports what
+        computes in 50 digits itself: scenes are read and checked without.
         """
 
     def line(self, force: Force) -> tuple[tuple[str, str], Points] | None:

@@ -24,7 +24,7 @@ the scene."""
 
 
 class LinearCoupling(Coupling):
-    """The sum of coordinates, each multiplied by a factor."""
+    """The sum of coordinates u, each multiplied by a factor: C = Σ c u + c₀ = 0 (1,) [m or rad]."""
 
     title = "the sum of coordinates, each multiplied by a factor"
     wanted: ClassVar = {

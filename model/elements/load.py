@@ -27,9 +27,10 @@ AXES = "xyz"
 class Load(ForceElement):
     """A force or torque on body j; i is the ground.
 
-    Of ``constants`` ``s_j_b`` [m] is the point of a force; all others are vectors that are added
-    up: ``force`` [N] or ``torque`` [N m], and a further one for each component that is a formula,
-    such as ``force_x``. Formulas may depend on the motion.
+    Of ``constants`` ``s_j_b`` (3,) [m] is the point of a force; all others are vectors (3,) that
+    are added up: ``force`` F [N] or ``torque`` N [N m], and a further one for each component that
+    is a formula, such as ``force_x``. Formulas may depend on the motion. A force has the torque
+    s̃′AᵀF about the centre of mass; three mass points, (torque-definition).
 
     Parameters
     ----------
@@ -57,7 +58,7 @@ class Load(ForceElement):
 
     @property
     def vectors(self) -> tuple[Vector, ...]:
-        """What it is the sum of, but for the values of formulas."""
+        """What it is the sum of, (n, 3) [N or N m], but for the values of formulas."""
         given = (values for name, values in self.constants if name != "s_j_b")
         return tuple((x, y, z) for x, y, z in given)
 
@@ -101,10 +102,10 @@ class OnBody(ForceKind):
     def vectors(
         self, force: Force, kind: str, frame: BodyFrame, unit: High
     ) -> tuple[Constants, Formulas]:
-        """Vectors that it is the sum of, and the formulas of some of them.
+        """Vectors (3,) [N or N m] that it is the sum of, and the formulas of some of them.
 
         Components that are numbers make one vector. Each that is a formula stands beside the
-        direction that it belongs to, in frame O or in the principal frame.
+        direction that it belongs to, in frame O or in the principal frame: F = F₀ + Σ f e.
         """
         from kousoku.model import precise
         from kousoku.model.frames import to_vector
@@ -127,7 +128,7 @@ class OnBody(ForceKind):
 
 
 class ForceOnBody(OnBody):
-    """A force on a point of a body."""
+    """A force F (3,) [N] on a point of a body, in frame O or the body's: F and s̃′AᵀF."""
 
     name = "force"
     title = "a force on a body"
@@ -141,7 +142,7 @@ class ForceOnBody(OnBody):
         require_only_point(force.body or "", force.point, f"{key}.point")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Element of the force."""
+        """Element of the force: s′ (3,) [m] in the principal frame, F (3,) [N] in its frame."""
         from kousoku.model import precise
 
         frame = given.frames[force.body or ""]
@@ -153,7 +154,7 @@ class ForceOnBody(OnBody):
 
 
 class TorqueOnBody(OnBody):
-    """A torque on a body."""
+    """A torque N (3,) [N m] on a body, N′ = AᵀN where it is given in frame O."""
 
     name = "torque"
     title = "a torque on a body"
@@ -163,7 +164,7 @@ class TorqueOnBody(OnBody):
         raise SceneError("a point does not turn; wanted a body", key=f"{key}.body")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Element of the torque."""
+        """Element of the torque: N (3,) [N m] in its frame."""
         frame = given.frames[force.body or ""]
         kind = self.kind_of(force)
         vectors, formulas = self.vectors(force, kind, frame, given.unit * given.unit)

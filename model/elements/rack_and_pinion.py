@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class RackAndPinion(Coupling):
-    """The angle of one joint and the displacement of another."""
+    """The angle of one joint and the displacement of another: x − radius θ + c₀ = 0 (1,) [m]."""
 
     title = "the angle of one joint and the displacement of another"
     wanted: ClassVar = {
@@ -26,7 +26,7 @@ class RackAndPinion(Coupling):
     aliases = ("rack", "rackpin")
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Combination displacement of the rack − radius · the angle of the pinion."""
+        """Combination displacement of the rack − radius · the angle of the pinion [m]."""
         from kousoku.model import precise
         from kousoku.model.combinations import as_written
 

@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class RodJoint(JointKind):
-    """All that keeps the distance of two points, ``length``, or that of their positions."""
+    """All that keeps the distance of two points, ``length``, or that of their positions.
+
+    C = (d·d − l²)/(2 l) = 0 (1,) [m], d in frame O of lecture 8.2, (8.8).
+    """
 
     @property
     def point_keys(self) -> tuple[str, ...]:

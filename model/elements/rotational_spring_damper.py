@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class RotationalSpringDamper(ForceKind):
-    """A spring and damper against an angle."""
+    """A spring and damper against an angle: moment τ = −k (θ − θ⁰) − c θ̇ (1,) [N m]."""
 
     title = "a spring and damper against an angle"
     keys = ("joint", "of", "coordinate", "stiffness", "damping", "moment", "free_angle")
@@ -55,7 +55,7 @@ class RotationalSpringDamper(ForceKind):
             )
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Spring against the coordinate."""
+        """Spring against the coordinate θ [rad]."""
         from kousoku.model import precise
 
         assert not isinstance(force.stiffness, tuple)

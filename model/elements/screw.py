@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Screw(JointKind):
-    """A turn about an axis and, with it, a displacement along it."""
+    """A turn about an axis and, with it, a displacement: C = x − pitch θ / 2π + c₀ = 0 (1,) [m]."""
 
     def check_numbers(self, joint: Joint, key: str) -> None:
         """Refuse a screw without a pitch, and one that does not advance."""
@@ -32,7 +32,7 @@ class Screw(JointKind):
             )
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-        """Combination displacement − pitch / 2π · angle."""
+        """Combination displacement − pitch / 2π · angle [m]."""
         from kousoku.model import precise
         from kousoku.model.combinations import as_written
         from kousoku.model.digits import CONTEXT

@@ -23,11 +23,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class PointSpring(ForceElement):
-    """A spring and damper between a point of body i and one of body j.
+    """A spring and damper between two points: tension T = k (l − l⁰) + c l̇ (1,) [N] along d.
 
-    Of ``constants`` ``s_i_b`` and ``s_j_b`` [m] are its ends, then come ``stiffness`` [N/m],
-    ``damping`` [N s/m] and ``free_length`` [m]; with a law of its own ``unit`` [m], that of the
-    scene, in place of stiffness and damping.
+    Of ``constants`` ``s_i_b`` and ``s_j_b`` (3,) [m] are its ends in the principal frames, then
+    come ``stiffness`` k [N/m], ``damping`` c [N s/m] and ``free_length`` l⁰ [m]; with a law of its
+    own ``unit`` [m], that of the scene, in place of stiffness and damping. l = |d|, lecture 8.2,
+    (8.8).
     """
 
     kind: str = field(init=False, default="spring_damper")
@@ -39,7 +40,10 @@ class PointSpring(ForceElement):
 
 
 class SpringDamper(ForceKind):
-    """A spring and damper between two points."""
+    """A spring and damper between two points: tension T = k (l − l⁰) + c l̇ (1,) [N].
+
+    See :class:`PointSpring`; l = |d|, d (3,) [m] in frame O.
+    """
 
     title = "a spring and damper between two points"
     keys = ("bodies", "points", "stiffness", "damping", "tension", "free_length")
@@ -63,7 +67,7 @@ class SpringDamper(ForceKind):
         yield from unused_free(force, "free_length", "tension")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Element of the spring."""
+        """Element of the spring: ends (3,) [m], l⁰ = |d| as written where it is not given."""
         from kousoku.model import precise
 
         assert force.bodies is not None

@@ -15,13 +15,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Universal(JointKind):
-    """Turns about the two arms of a cross, each fixed in one of the bodies."""
+    """Turns about the arms of a cross, each fixed in one of the bodies: a_i·a_j = 0, (8.9).
+
+    a_i and a_j (3,) [-] are the arms in frame O.
+    """
 
     def measure(self, joint: Joint, sort: str, ends: tuple[BodyFrame, BodyFrame]) -> PreciseMeasure:
-        """Turn of the cross about one of its arms.
+        """Turn of the cross about one of its arms [rad].
 
         The angle is that of the arm of j, seen from body i, about the arm of i. The second is that
-        of body j about its own arm: against it the arm of i turns the other way.
+        of body j about its own arm: against it the arm of i turns the other way. Each is
+        atan2(b_i·a_j, a_i·a_j) of vectors (3,) in the body frames.
         """
         from kousoku.model import precise
         from kousoku.model.digits import CONTEXT

@@ -75,8 +75,10 @@ NO_WAY = 1e-6
 #: further away tells nothing of how near it comes between.
 BANDS = 16.0
 #: What gets further than so many times what it is known to passes by, as fast as it is at a time:
-#: in the longest step, and before it comes to rest.
+#: in the longest step, and before it comes to rest. So it is with rates, as fast as they change.
 PASSING = 16.0
+#: How often the way of a rate to where formulas switch is halved.
+MOST_HALVINGS = 40
 
 
 def largest(a: Array, b: Array) -> Array:
@@ -144,8 +146,12 @@ class Look:
         What values are known to, in the motion and in its polynomial.
     bend : (n,) array
         By what rates change in it, in the mean.
+    lean : (n,) array
+        By how much more they do at its end than in the mean.
     pull : (n,) array
         By what they do at most.
+    error : (n,) array
+        What errors of steps may leave of rates.
     crosses, was_crossing : array of bool
         Which functions cross, and crossed where it was cut.
     is_untold : bool
@@ -173,7 +179,9 @@ class Look:
     noise: Array = field(init=False)
     rounding: Array = field(init=False)
     bend: Array = field(init=False)
+    lean: Array = field(init=False)
     pull: Array = field(init=False)
+    error: Array = field(init=False)
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
     is_untold: bool = False
@@ -213,23 +221,46 @@ def read_at(time: float, look: Look) -> Array:
     return read_of(time, look.work.scratch, look.work.w)
 
 
-def look_at(time: float, look: Look) -> TimeNode:
+def look_at(time: float, look: Look, *, are_rates_exact: bool = True) -> TimeNode:
     """Node at a time of the motion.
 
-    Of what passes by there its polynomial tells where it is, however far off that may be, so that
-    nothing that is narrower is passed over. Where a force may be infinite places are known to the
-    noise.
+    Of what passes by there its polynomial tells where it is, however far off that may be, and of a
+    rate that does what it is, so that nothing that is narrower is passed over. Where a force may be
+    infinite places are known to the noise.
     """
     read, n, n_poles = read_at(time, look), len(look.state.sides), look.work.scene.n_poles
     if n_poles:
         node = see_at(read, look.noise, time, look.work.w)
         if not side_at(node)[n - n_poles : n].all():
             return node
-    noise, speed = look.noise.copy(), np.abs(read[:, 1])
-    far = PASSING * noise[:, 0]
-    passes = (speed * larger(look.state.stride, look.h) > far) & (speed * speed > far * look.pull)
-    noise[:, 0] = np.where(passes, look.rounding[:, 0], noise[:, 0])
+    noise = noise_at(time, read, look)
+    if not are_rates_exact:
+        noise[:, 1] = look.noise[:, 1]
     return see_at(read, noise, time, look.work.w)
+
+
+def noise_at(time: float, read: Array, look: Look) -> Array:
+    """Noise of what formulas read at a time: of what passes by there only rounding."""
+    jolt = 2.0 * np.abs(look.lean) / look.h
+    pulls = np.column_stack((look.pull, jolt))
+    speeds = np.column_stack((np.abs(read[:, 1]), change_at(time, look)))
+    return np.where(passes_by(speeds, pulls, look), look.rounding, look.noise)
+
+
+def passes_by(speeds: Array, pulls: Array, look: Look) -> Flags:
+    """Whether what is as fast, and is pulled at most so much, gets further than it is known to."""
+    known = np.column_stack((look.noise[:, 0], smallest(look.noise[:, 1], look.error)))
+    far = PASSING * known
+    found: Flags = speeds * larger(look.state.stride, look.h) > far
+    return found & (speeds * speeds > far * pulls)
+
+
+def change_at(time: float, look: Look) -> Array:
+    """How fast rates change at a time of a step, but for what rounding makes of it."""
+    part, h = (time - look.start) / look.h, look.h
+    change = np.abs(look.bend + (2.0 * part - 1.0) * look.lean)
+    known: Array = change - 2.0 * look.rounding[:, 1] / h
+    return known
 
 
 def look_closely(noise: Array, time: float, look: Look) -> TimeNode:
@@ -239,12 +270,18 @@ def look_closely(noise: Array, time: float, look: Look) -> TimeNode:
 
 def see_at(read: Array, noise: Array, time: float, w: Workspace) -> TimeNode:
     """Node at a time where formulas read this, known to a noise."""
+    least, most = see_between(read - noise, read + noise, time, w)
+    return TimeNode(time, read, least, most)
+
+
+def see_between(a: Array, b: Array, time: float, w: Workspace) -> Array:
+    """Least and most value of each function at a time where formulas read what is between."""
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = time
-    own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - noise, read + noise, 0.0
+    own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = a, b, 0.0
     w.run("crossing")
-    least, most = w.seen.reshape(-1, 4).T[:2].copy()
-    return TimeNode(time, read, least, most)
+    found: Array = w.seen.reshape(-1, 4).T[:2].copy()
+    return found
 
 
 def stage_beyond(seen: float, look: Look) -> float:
@@ -282,26 +319,30 @@ def look_into(
     first, last = read_at(state.time, look), read_at(state.time + h, look)
     most = largest(np.abs(first), np.abs(last))
     look.bend = (last[:, 1] - first[:, 1]) / h
-    look.pull = np.abs(look.bend) + bend_of(sizes, first, last, h)
+    look.lean = bend_of(sizes, first, last, h)
+    look.pull = np.abs(look.bend) + np.abs(look.lean)
+    fast = most[:, 1] + SLOW * sizes / larger(state.stride, h)
     look.noise = np.empty_like(most)
     look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
-    fast = most[:, 1] + SLOW * sizes / larger(state.stride, h)
     look.noise[:, 1] = s.tolerance * fast
     look.rounding = np.empty_like(most)
     look.rounding[:, 0] = SMALLEST * (sizes + most[:, 0])
     look.rounding[:, 1] = SMALLEST * fast
+    been = most[:, 1] + sizes * state.fastest
+    look.error = smallest(s.tolerance * largest(been, fast), been)
 
 
 def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
-    """By how much second derivatives are further from their mean than those of parabolas.
+    """By how much second derivatives at the end of h are above their mean, as those of cubics.
 
-    Values and rates at both ends of h tell. What reads a coordinate are numbers as large as its
+    Values and rates at both ends tell. What reads a coordinate are numbers as large as its
     size, however small it is.
     """
     (x, v), (y, u) = a.T, b.T
     rounding = 6.0 * SMALLEST * (sizes + np.abs(x) + np.abs(y)) / h
-    off = np.abs(3.0 * (v + u) - 6.0 * (y - x) / h)
-    return largest(np.zeros_like(off), off - rounding) / h
+    off = 3.0 * (v + u) - 6.0 * (y - x) / h
+    found: Array = np.copysign(largest(np.zeros_like(off), np.abs(off) - rounding) / h, off)
+    return found
 
 
 def bound_seen(a: TimeNode, b: TimeNode, look: Look) -> Array:
@@ -310,7 +351,7 @@ def bound_seen(a: TimeNode, b: TimeNode, look: Look) -> Array:
     (x, v), (y, u) = a.read.T, b.read.T
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = a.time, b.time
-    mean, bend = (u - v) / h, bend_of(look.work.scene.measure_sizes, a.read, b.read, h)
+    mean, bend = (u - v) / h, np.abs(bend_of(look.work.scene.measure_sizes, a.read, b.read, h))
     own[:, 4], own[:, 5] = mean - DOUBT * bend, mean + DOUBT * bend
     reach_between(v, u, own[:, 4], own[:, 5], h, own[:, 2:4])
     reach_between(x, y, own[:, 2], own[:, 3], h, own[:, :2])
@@ -425,7 +466,9 @@ def time_of(k: int, a: TimeNode, b: TimeNode, look: Look) -> float:
     side.
     """
     side, first, last = -float(side_at(b)[k]), a.time, b.time
-    is_event, noise = k < len(look.work.scene.events), noise_of(k, look)
+    is_event, noise = k < len(look.work.scene.events), noise_of(k, look).copy()
+    if not is_event:  # rates may be in a window that is narrower
+        noise[:, 1] = noise_at(last, b.read, look)[:, 1]
     # by the polynomial it is beyond zero, by less than that
     if side_at(look_closely(noise, last, look))[k] != -side:
         noise = look.rounding
@@ -484,6 +527,37 @@ def first_left(a: TimeNode, b: TimeNode, look: Look) -> float:
     return first
 
 
+def rate_sides(read: Array, time: float, look: Look) -> Array:
+    """Side of each function where formulas read this, by rates, which may be before a window.
+
+    Places are known to the noise, and events are looked for until they are exact: of those it is 0.
+    """
+    noise, n = look.noise.copy(), len(look.state.sides)
+    noise[:, 1] = noise_at(time, read, look)[:, 1]
+    found = side_at(see_at(read, noise, time, look.work.w))
+    found[: len(look.work.scene.events)] = found[n - look.work.scene.n_poles :] = 0.0
+    return found
+
+
+def note_left(a: TimeNode, look: Look) -> None:
+    """Note on which side functions are where a step starts: of rates some left it in the noise."""
+    sides = look.state.sides
+    by_rates = rate_sides(a.read, a.time, look)[: len(sides)]
+    sides[:] = np.where(by_rates == -sides, by_rates, sides)
+
+
+def are_crossed(sides: Array, b: TimeNode, look: Look) -> Flags:
+    """Whether functions that were on sides are beyond zero at a node.
+
+    Where a step was cut for one it is there as far as rates are known.
+    """
+    crosses: Flags = (sides != 0.0) & (side_at(b)[: len(sides)] == -sides)
+    if b.time == look.cut and crosses.any():
+        known = look_at(b.time, look, are_rates_exact=False)
+        crosses &= ~look.was_crossing | (side_at(known)[: len(sides)] == -sides)
+    return crosses
+
+
 def seen_end(end: float, look: Look) -> float:
     """Time at which a step to an end must end: where a function first crosses, or what was seen."""
     sides = look.state.sides
@@ -499,13 +573,14 @@ def seen_end(end: float, look: Look) -> float:
     valued_end(a, a, look)
     if look.lost:
         return end
+    note_left(a, look)
     for _ in range(MOST_LOOKS):
         if not a.time < end:
             break
         b = look_at(a.time + width if a.time + 1.0000001 * width < end else end, look)
         sides[:] = np.where(sides == 0.0, side_at(a)[:n], sides)
         now = np.where(passed, -sides, sides)
-        look.crosses = (now != 0.0) & (side_at(b)[:n] == -now)
+        look.crosses = are_crossed(now, b, look)
         passes = look.crosses & is_pole
         look.crosses &= ~is_pole
         valued, is_lost = valued_end(a, b, look), np.zeros(n, dtype=bool)
@@ -695,11 +770,81 @@ def polished_cut(look: Look) -> float:
     return there
 
 
+def sides_between(k: int, a: float, b: float, read: Array, end: float, look: Look) -> Array:
+    """Side of each function that switches where a rate is so far from what formulas read.
+
+    0 where it has none: a rate may be anything between these.
+    """
+    least, most = read.copy(), read.copy()
+    least[k, 1] += a
+    most[k, 1] += b
+    events, n = len(look.work.scene.events), len(look.state.sides) - look.work.scene.n_poles
+    seen = see_between(least, most, end, look.work.w)
+    return side_at(TimeNode(end, read, *seen))[events:n]
+
+
+def any_on(sides: Array, now: Array) -> bool:
+    """Whether any of those that had a side is on it now."""
+    return bool(np.any((sides != 0.0) & (now == sides)))
+
+
+def any_off(sides: Array, now: Array) -> bool:
+    """Whether any of those that had a side is off it now."""
+    return bool(np.any((sides != 0.0) & (now != sides)))
+
+
+def way_left(k: int, far: float, there: Array, read: Array, end: float, look: Look) -> float:
+    """How far a rate goes, towards so far, until the first function leaves the side it has there.
+
+    That is 0 for those that are not asked for.
+    """
+    near, last = 0.0, far
+    for _ in range(MOST_HALVINGS):
+        way = 0.5 * (near + last)
+        if any_off(there, sides_between(k, way, way, read, end, look)):
+            last = way
+        else:
+            near = way
+    return last
+
+
+def is_window_at(end: float, look: Look) -> bool:
+    """Whether formulas switch twice within what errors of steps may leave of a rate.
+
+    What holds a motion in such a window may lose it, or never meet it. What is within rounding
+    counts as one place.
+    """
+    events, n = len(look.work.scene.events), len(look.state.sides) - look.work.scene.n_poles
+    read, error = read_at(end, look), BANDS * look.error
+    every = np.column_stack((np.zeros_like(error), error))
+    if side_at(see_at(read, every, end, look.work.w))[events:n].all():
+        return False
+    for k, most in enumerate(error.tolist()):
+        there, ways = sides_between(k, 0.0, 0.0, read, end, look), []
+        apart = PASSING * float(look.rounding[k, 1])
+        for far in (-most, most):
+            all_along = sides_between(k, smaller(0.0, far), larger(0.0, far), read, end, look)
+            left = np.where(all_along == there, 0.0, there)
+            if any_on(left, sides_between(k, far, far, read, end, look)):
+                return True
+            if not any_on(left, left):
+                continue
+            ways.append(way_left(k, far, left, read, end, look))
+            behind = ways[-1] + math.copysign(apart, far)
+            sides = sides_between(k, behind, behind, read, end, look)
+            if abs(behind) < most and any_on(left, sides):
+                return True
+        if ways and ways[-1] - ways[0] > apart:
+            return True
+    return False
+
+
 def note_crossings(end: float, look: Look) -> None:
     """Note what a step that is kept has crossed: one that was cut, also what is zero there."""
     state, events = look.state, look.work.scene.events
     sides, now = state.sides.copy(), side_at(look_at(end, look))
     is_near = (now == 0.0) | (side_at(look_closely(look.noise, end, look)) == 0.0)
+    is_near &= (now == 0.0) | (rate_sides(read_at(end, look), end, look) == 0.0)
     for k, side in enumerate(sides.tolist()):
         is_there = is_near[k] and end == look.cut and look.was_crossing[k]
         if side == 0.0 or not (now[k] == -side or is_there):

@@ -1,4 +1,4 @@
-/* Assembly: the first position, from the approximate one of the scene. */
+/* Assembly: the position of the scene, from its approximate one. */
 #ifndef KOUSOKU_KINEMATICS_ASSEMBLY_H
 #define KOUSOKU_KINEMATICS_ASSEMBLY_H
 
@@ -24,7 +24,7 @@ static int damped_step(size_t number, Workspace *w, double *correction, double r
     return NOT_ASSEMBLED;
 }
 
-/* one block at the first position, and its assembly mode; the blocks before are assembled */
+/* one block at the position of the scene, and its assembly mode; the blocks before are assembled */
 static int assemble_block(const Run *run, size_t number, Workspace *w, Convergence *convergence)
 {
     const size_t n = blocks[number].size;
@@ -57,7 +57,7 @@ static int assemble_block(const Run *run, size_t number, Workspace *w, Convergen
     return fabs(given) > 0.01 && given * pivot < 0.0 ? OTHER_SIDE : GOOD;
 }
 
-/* the first position, block after block */
+/* the position of the scene, block after block */
 static int assemble(Run *run, Workspace *w, Convergence *convergence)
 {
     int status = GOOD;

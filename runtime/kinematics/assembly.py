@@ -1,4 +1,4 @@
-"""Assembly: the first position, from the approximate one of the scene."""
+"""Assembly: the position of the scene, from its approximate one."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def assemble(newton: Newton, position: LinkageCoordinates) -> float:
-    """Find the first position by damped Newton, block after block, in ``position.x``.
+    """Find the position of the scene by damped Newton, block after block, in ``position.x``.
 
     Returns
     -------
@@ -39,7 +39,7 @@ def assemble(newton: Newton, position: LinkageCoordinates) -> float:
 
 
 def _assemble_block(newton: Newton, number: int) -> float:
-    """Find the first position of a block, and its assembly mode; return the largest residual."""
+    """Find the position of a block, and its assembly mode; return the largest residual."""
     block = newton.blocks[number]
     given, size = _approach(newton, number)
     try:
@@ -59,7 +59,7 @@ def _assemble_block(newton: Newton, number: int) -> float:
 
 
 def _approach(newton: Newton, number: int) -> tuple[float, float]:
-    """Come near the first position of a block.
+    """Come near the position of a block.
 
     Returns
     -------

@@ -156,4 +156,46 @@ static int advance(Run *run, Workspace *w, long long row, Convergence *convergen
     return GOOD;
 }
 
+/* derivatives in time for the row, and along the way for the next prediction: in time, too, or
+ * along one division */
+static void motion_at(
+    const Run *run, Workspace *w, long long division, double *x_dot, double *x_ddot)
+{
+    const double none[INPUTS] = { 0.0 };
+    double alpha[INPUTS], delta[INPUTS];
+    inputs_of(run, division, alpha, delta);
+    if (INPUTS > 1 || run->times) {
+        differentiate(w, w->rate, run->rate_dot, x_dot, x_ddot);
+        for (size_t i = 0; i < UNKNOWNS; ++i) {
+            w->x1[i] = x_dot[i];
+            w->x2[i] = x_ddot[i];
+        }
+        if (!run->times) {
+            differentiate(w, delta, none, w->x1, w->x2);
+        }
+        return;
+    }
+    /* one input: both follow from the derivatives by it */
+    const double one[INPUTS] = { 1.0 }, rate = run->rate[0], rate_dot = run->rate_dot[0];
+    differentiate(w, one, none, w->x1, w->x2);
+    for (size_t i = 0; i < UNKNOWNS; ++i) {
+        x_dot[i] = w->x1[i] * rate;
+        x_ddot[i] = w->x2[i] * rate * rate + w->x1[i] * rate_dot;
+        w->x1[i] *= delta[0];
+        w->x2[i] *= delta[0] * delta[0];
+    }
+}
+
+/* whether unknowns are those of the position, angles up to whole turns; two assemblies are not as
+ * near as that where pivots are above SINGULAR */
+static int is_at(const Workspace *w, const double *x)
+{
+    double off[UNKNOWNS];
+    for (size_t i = 0; i < UNKNOWNS; ++i) {
+        off[i] = w->x[i] - x[i];
+        off[i] -= unknowns[i].is_angle ? TWO_PI * rint(off[i] / TWO_PI) : 0.0;
+    }
+    return largest_correction(UNKNOWNS, off, unknowns) <= SETTLED * LENGTH;
+}
+
 #endif

@@ -30,7 +30,7 @@ class Continuation:
     Attributes
     ----------
     position : LinkageCoordinates
-        Where it is.
+        Where it is: at first near where the scene is assembled.
     division : int
         The division, or the row, that its inputs are next to.
     time, rate : float, (inputs,) array
@@ -47,7 +47,8 @@ class Continuation:
         # Whole turns lead to the same inputs: the first position may be that of any.
         self.division = run.start - run.start % run.divisions if run.is_periodic else 0
         self.time = 0.0
-        alpha, self.rate = run.laws_at(0.0)
+        _, self.rate = run.laws_at(0.0)
+        alpha = np.array([given.start for given in mechanism.inputs])
         x = np.array([unknown.start for unknown in mechanism.unknowns])
         self.position = LinkageCoordinates(alpha, x)
         self.x1, self.x2 = np.zeros_like(x), np.zeros_like(x)

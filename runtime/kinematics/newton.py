@@ -53,8 +53,8 @@ class Newton:
     Attributes
     ----------
     orientation : list of float
-        The assembly mode of each block: its smallest pivot at the first position, with the sign of
-        the determinant; 0 while either side is good.
+        The assembly mode of each block: its smallest pivot at the position of the scene, with the
+        sign of the determinant; 0 while either side is good.
     at : int
         The block that was worked on last.
     """

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .approach import approach
 from .assembly import assemble
 from .continuation import Continuation
 from .equations import LinkageCoordinates, segments_of
@@ -90,7 +91,7 @@ class _Analysis:
         """Write all rows, or all until the mechanism stops and where it did."""
         rows, way = self.rows, self.way
         try:
-            self._follow(assemble(way.newton, way.position))
+            self._follow(approach(way, assemble(way.newton, way.position)))
         except StopError as stop:
             rows.status = stop.status
         rows.reached = way.counted_inputs
@@ -106,6 +107,7 @@ class _Analysis:
         run, rows, way = self.run, self.rows, self.way
         iterations, begin, home = 0, way.division, way.position.x
         if run.times is not None:
+            way.motion_at(begin)
             iterations, residual = way.advance(0, residual)
         while True:
             x_dot, x_ddot = way.motion_at(way.division)

@@ -26,11 +26,22 @@ class Link(NamedTuple):
 
 
 class Input(NamedTuple):
-    """A prescribed coordinate: its name, its unit, and the length that a change by 1 moves."""
+    """A prescribed coordinate.
+
+    Parameters
+    ----------
+    name, unit : str
+        Its name and its unit.
+    scale : float
+        The length that a change by 1 moves.
+    start : float
+        Its value where the unknowns have theirs.
+    """
 
     name: str
     unit: str
     scale: float
+    start: float
 
 
 class Unknown(NamedTuple):
@@ -41,7 +52,7 @@ class Unknown(NamedTuple):
     name : str
         Node and direction, such as ``O2.x``.
     start : float
-        Its value near the first position.
+        Its value near the position of the scene.
     scale : float
         The length that a change by 1 moves.
     is_angle : bool
@@ -157,7 +168,12 @@ class LinkageTables:
             outputs=tuple(data["outputs"]),
             nodes=tuple(data["nodes"]),
             links=tuple(Link(*link) for link in data["links"]),
-            inputs=tuple(Input(*given) for given in data["inputs"]),
+            inputs=tuple(
+                Input(name, unit, scale, start)
+                for (name, unit, scale), start in zip(
+                    data["inputs"], data["run"]["origin"], strict=True
+                )
+            ),
             unknowns=tuple(Unknown(*unknown) for unknown in data["unknowns"]),
             blocks=tuple(blocks),
             work_size=data["work_size"],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -119,6 +120,17 @@ def test_a_full_disk_is_told_of_what_is_printed(arguments: list[str]) -> None:
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     told = "kousoku: standard output: cannot be written: No space left on device\n"
     assert (done.returncode, done.stderr) == (2, told)
+
+
+def test_what_the_system_refuses_begins_with_its_path(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(tmp_path / "kernels.c"))
+
+    monkeypatch.setattr("kousoku.codegen.generate.write_tree", refuse)
+    code, _, told = run("generate", "n1", "--out", tmp_path)
+    assert (code, told) == (2, f"kousoku: {tmp_path / 'kernels.c'}: {os.strerror(errno.ENOSPC)}\n")
 
 
 @pytest.mark.parametrize(

@@ -47,6 +47,7 @@ def test_what_is_no_number_is_refused_by_what_it_is(value: object, got: str) -> 
         ({"at": [0, 0], "fixed": 1}, Node, "fixed: the number 1 .* true or false is wanted"),
         ({"at": "A", "links": "ab"}, Rigid, "links: the text 'ab' stands where a list is wanted"),
         ({"at": 3, "links": []}, Rigid, "at: the number 3 stands where a text is wanted"),
+        ({"at": "A\ud800", "links": []}, Rigid, r"at: the text 'A.ud800' has half of a character"),
     ],
 )
 def test_a_value_of_the_wrong_type_is_refused(

@@ -123,6 +123,73 @@ def test_both_targets_meet_narrow_walls_with_the_same_bits(solver_of: Callable[.
         assert runs[0].velocity["cart"][-1, 0] == pytest.approx(-10.0, rel=1e-3)
 
 
+#: A cart is pushed with 10 N, and held by as much as it is faster than 5 - w m/s.
+HELD = """
+name = "held"
+unit = "m"
+outputs = ["energies"]
+parameters = { w = 1e-7 }
+[bodies]
+cart = { position = [0, 0, 0], mass = 1, inertia = { xx = 1, yy = 1, zz = 1 } }
+[joints]
+rail = { type = "prismatic", bodies = ["ground", "cart"], at = [0, 0, 0], axis = [1, 0, 0] }
+[coordinates]
+x = { joint = "rail" }
+[forces.brake]
+type = "along"
+coordinate = "x"
+force = "10 - 20*max(0, 1 - abs(x_dot - 5)/w)"
+"""
+#: Runs into windows of a speed that are narrower than, as narrow as and wider than it is known to.
+WINDOWS = [10.0**k for k in range(-9, -3)]
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-12])
+def test_no_motion_is_trusted_that_passed_a_narrow_window_of_its_speed(
+    solver_of: Callable[..., Any], method: str, tolerance: float
+) -> None:
+    solver = solver_of(HELD)
+    for w in WINDOWS:
+        settings = {"method": method, "tolerance": tolerance, "most_steps": 2000}
+        try:
+            run = solver.simulate(2.0, samples=2, parameters={"w": w}, **settings)
+        except MotionError as error:  # it is held, by as many steps as that takes
+            assert "steps are made" in str(error)
+            continue
+        is_held = abs(run.velocity["cart"][-1, 0] - (5.0 - w / 2)) < w
+        assert is_held or not run.ledger.trust.is_trusted, (w, run.velocity["cart"][-1])
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_events_of_narrow_windows_of_a_speed_are_counted(
+    solver_of: Callable[..., Any], target: Any, method: str
+) -> None:
+    event = '[events]\ninside = { when = "abs(x_dot - 5) - w" }\n'
+    force = HELD[HELD.index("10 - ") : HELD.rindex('"')]
+    solver = solver_of(HELD.replace(force, "10") + event, target)
+    for tolerance in (1e-6, 1e-9, 1e-12):
+        for w in WINDOWS:
+            settings = {"method": method, "tolerance": tolerance, "parameters": {"w": w}}
+            run = solver.simulate(2.0, samples=2, **settings)
+            assert run.events["inside"].count == 2, (tolerance, w)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_both_targets_meet_narrow_windows_of_a_speed_with_the_same_bits(
+    solver_of: Callable[..., Any], method: str
+) -> None:
+    states = []
+    for target in ("c", "numpy"):
+        run = solver_of(HELD, target).begin([0.0, 2.0], method=method, parameters={"w": 1e-7})
+        run.advance(max_steps=150)
+        states.append(run.save())
+    assert states[0].state.tobytes() == states[1].state.tobytes()
+
+
 @pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize("target", ["c", "numpy"])
 def test_no_pulse_whose_rate_is_zero_times_infinity_is_missed(

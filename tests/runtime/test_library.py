@@ -187,6 +187,14 @@ def test_edited_manifest_is_named_with_the_command_that_makes_it_again(tiny: Pat
     )
 
 
+def test_the_command_of_an_edited_manifest_stays_on_one_line(tiny: Path) -> None:
+    path = tiny / "manifest.json"
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("kousoku generate", "kousoku\u2028generate"), encoding="utf-8")
+    with pytest.raises(LoadError, match=r"kousoku\\u2028generate tiny$"):
+        load(tiny)
+
+
 def test_manifest_of_another_package_does_not_fit_the_sources(tiny: Path) -> None:
     """One whose own digest is right is still not what the module was emitted with."""
     path = tiny / "manifest.json"

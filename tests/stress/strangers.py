@@ -171,6 +171,8 @@ def taken(read: Callable[[], ks.Scene], emit: bool, *begins: str) -> bool:
     try:
         with watched():
             scene = read()
+            # a scene does not know what file it is from: what composing it refuses is named in it
+            begins = (*begins, scene.name, *scene.__struct_fields__)
             tree = generated(scene) if emit else {}
     except KousokuError as error:
         refused_well(error, begins=begins)

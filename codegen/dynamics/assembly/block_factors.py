@@ -52,7 +52,7 @@ class Pattern:
 
 
 class BlockFactors:
-    """L D Lᵀ of A Aᵀ + damping.
+    """L D Lᵀ of A Aᵀ + damping (m, m).
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class BlockFactors:
         return self._smallest > REGULAR * self._largest
 
     def solve(self, right: Array) -> Array:
-        """Solution x of (A Aᵀ + damping) x = right."""
+        """Solution x (m,) of (A Aᵀ + damping) x = right."""
         first = self._pattern.first
         parts = [right[a:b].copy() for a, b in pairwise(first)]
         for pivot in self._pattern.order:

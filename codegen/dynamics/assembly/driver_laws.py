@@ -36,12 +36,12 @@ NOISE = 1e-30
 
 @dataclass(frozen=True, slots=True)
 class LawStart:
-    """A formula of the time at t = 0, multiplied by its unit.
+    """A formula of the time at t = 0, multiplied by its unit: f, ḟ and f̈.
 
     Parameters
     ----------
-    value, rate, second : number
-        In 50 digits: metres or radians, per second, per second squared.
+    value, rate, second : number [m or rad, per s, per s²]
+        In 50 digits.
     """
 
     value: High = precise.ZERO[0]
@@ -50,7 +50,9 @@ class LawStart:
 
 
 def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) -> LawStart:
-    """Values of the formula of a driver at t = 0; zeros where there is none.
+    """Values f, ḟ, f̈ of the formula of a driver at t = 0, numbers [m or rad, per s, per s²].
+
+    They are zeros where there is none.
 
     Parameters
     ----------
@@ -102,7 +104,7 @@ def _kernels(law: str, names: tuple[str, ...]) -> tuple[Kernel, ...]:
 
 
 def fixed_law(one: Instance, parameters: Sequence[str]) -> float:
-    """Value of a law that never changes, 0 where there is none, else infinity."""
+    """Value f(t), a number [m or rad], of a law that never changes, 0 for none, else infinity."""
     if not one.is_driver:
         return 0.0
     graph, names = Graph(), (TIME, *parameters)

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 
 class PreciseJacobian:
-    """C_q of a system in 50 digits, by its elements that are not zero.
+    """C_q of a system in 50 digits, by its elements that are not zero: δC = C_q (δr, δθ′).
+
+    δr [m] is in frame O, δθ′ [rad] in the principal frame of each body.
 
     Parameters
     ----------
@@ -35,13 +37,16 @@ class PreciseJacobian:
         self._shape = shape
 
     def elements(self) -> tuple[Places, Places, Array]:
-        """Rows, columns and values of the elements in doubles; those of one place add up."""
+        """Rows, columns and values (n,) of the elements in doubles; those of one place add up."""
         rows = np.array([row for row, _, _ in self._elements], int)
         columns = np.array([column for _, column, _ in self._elements], int)
         return rows, columns, np.array([float(value) for _, _, value in self._elements])
 
     def of_displacement(self, d: Sequence[High]) -> PreciseJacobian:
-        """Derivative by a displacement d so far, whose turns are rotation vectors."""
+        """Derivative C_d = C_q T (m, n) by a displacement d so far, its turns rotation vectors.
+
+        δθ′ = T dw, by :func:`~kousoku.codegen.dynamics.assembly.pose.rates_of_turn`.
+        """
         turns = range(3, len(d), COLUMNS)
         rates = {k: rates_of_turn((d[k], d[k + 1], d[k + 2])) for k in turns}
         elements: list[tuple[int, int, High]] = []
@@ -56,21 +61,21 @@ class PreciseJacobian:
         return PreciseJacobian(elements, self._shape)
 
     def dense(self) -> Array:
-        """Matrix in doubles."""
+        """Matrix (m, n) in doubles."""
         matrix = np.zeros(self._shape)
         rows, columns, values = self.elements()
         np.add.at(matrix, (rows, columns), values)
         return matrix
 
     def times(self, v: Sequence[High]) -> list[High]:
-        """C_q v."""
+        """C_q v (m,)."""
         product = [precise.ZERO[0]] * self._shape[0]
         for row, column, value in self._elements:
             product[row] += value * v[column]
         return product
 
     def transposed_times(self, lam: Sequence[High]) -> list[High]:
-        """Forces C_qᵀ λ."""
+        """Forces C_qᵀ λ (n,) [N, N m]."""
         product = [precise.ZERO[0]] * self._shape[1]
         for row, column, value in self._elements:
             product[column] += value * lam[row]

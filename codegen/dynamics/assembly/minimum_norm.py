@@ -42,7 +42,10 @@ moments count as they are, as in a run."""
 
 
 class Metric:
-    """What a displacement weighs: masses and moments, relative to those of the system.
+    """What a displacement d = (δr, δθ′) weighs: masses and moments, relative to the system's.
+
+    W (n,) is m/m̄ [-] of δr [m] in frame O, I/m̄ [m²] of δθ′ [rad] in the principal frame, m̄ the
+    mean mass.
 
     Parameters
     ----------
@@ -71,7 +74,10 @@ class Metric:
         return CONTEXT.sqrt(sum(terms, precise.ZERO[0]))
 
     def lengths(self, residuals: Residuals) -> list[High]:
-        """Factors that make rows lengths, one for each, and combinations as large as others."""
+        """Factors (m,) that make rows lengths, one for each: 1, or the size [m] for an angle.
+
+        Rows that combine coordinates count by the largest of their ratios.
+        """
         sizes = np.where(residuals.in_metres, 1.0, self.size) / residuals.ratios(self.size)
         return [precise.number(x) for x in sizes.tolist()]
 
@@ -95,7 +101,9 @@ def _size(system: System) -> float:
 
 
 class MinimumNormSolver:
-    """S = C_q W⁻¹ C_qᵀ in doubles, and its solutions of least norm.
+    """S = C_q W⁻¹ C_qᵀ (m, m) in doubles, and its solutions of least norm d = W⁻¹ C_qᵀ λ.
+
+    d (n,) is δr [m] in frame O and δθ′ [rad] in the principal frame of each body.
 
     Parameters
     ----------
@@ -128,11 +136,11 @@ class MinimumNormSolver:
         return other
 
     def step(self, wanted: Sequence[High], damping: float) -> list[High]:
-        """Displacement that changes the rows about as wanted, damped."""
+        """Displacement d (n,) that changes the rows about as wanted, damped."""
         return self._displacement(self._multipliers(wanted, damping))
 
     def displacement(self, wanted: Sequence[High]) -> list[High]:
-        """Minimum-norm d with C_q d = wanted, in 50 digits as far as the rows allow it."""
+        """Minimum-norm d (n,) with C_q d = wanted, in 50 digits as far as the rows allow it."""
         lam = [precise.ZERO[0]] * len(wanted)
         d, missing = self._displacement(lam), wanted
         enough = ENOUGH * max(map(abs, wanted), default=0)

@@ -23,10 +23,10 @@ NEAR = 1024.0
 
 
 def brought_near(system: System, size: float) -> tuple[System, Vector]:
-    """System moved as a whole to the origin, and by which vector it is to be moved back.
+    """System moved as a whole to the origin, and by which vector (3,) [m] it is to be moved back.
 
-    It moves along the axes on which all of its positions keep all of their digits, the ground's
-    points too: what is spread from the origin to far away stays.
+    It moves along the axes of frame O on which all of its positions keep all of their digits, the
+    ground's points too: what is spread from the origin to far away stays.
 
     Parameters
     ----------

@@ -51,12 +51,12 @@ DIFFERENCE, RIGHT = 1e-6, 1e-5
 
 @dataclass(frozen=True, slots=True)
 class DoublePose:
-    """Positions of all bodies in doubles, the ground last.
+    """Positions of all bodies in doubles, the ground last, as of a pose: points are at r + A(p) s′.
 
     Parameters
     ----------
     r, p : (bodies + 1, 3) [m] and (bodies + 1, 4)
-        As of a pose; p of norm one.
+        Centres of mass in frame O and Euler parameters of the principal frames; p of norm one.
     near : (coordinates,)
         Where the coordinates are counted from.
     """
@@ -79,7 +79,7 @@ class DoublePose:
         return Pose((*r, ZERO), (*p, IDENTITY), near)
 
     def moved(self, step: Array) -> DoublePose:
-        """Positions after a displacement (δr, δθ′) of each body, finite rotations."""
+        """Positions after a displacement (δr, δθ′) of each body: p ∘ (cos θ/2, δθ′ sin(θ/2)/θ)."""
         by_body = step.reshape(-1, COLUMNS)
         r, p = self.r.copy(), self.p.copy()
         r[:-1] += by_body[:, :3]
@@ -91,7 +91,7 @@ class DoublePose:
         return DoublePose(r, p, self.near)
 
     def since(self, start: DoublePose) -> Array:
-        """Displacement (δr, δθ′) of each body from ``start`` to here."""
+        """Displacement (δr, δθ′) (6 bodies,) from ``start`` to here; p̄ ∘ p is the turn by δθ′."""
         back = start.p[:-1] * (1.0, -1.0, -1.0, -1.0)
         relative = _quaternion_product(back, self.p[:-1])
         relative = np.where(relative[:, :1] < 0, -relative, relative)
@@ -102,7 +102,9 @@ class DoublePose:
 
 
 class GaussNewton:
-    """Steps of least norm towards positions at which rows have wanted values.
+    """Steps of least norm towards positions at which rows have wanted values, C + C_q d = wanted.
+
+    d (n,) is δr [m] in frame O and δθ′ [rad] in the principal frame of each body.
 
     Parameters
     ----------
@@ -118,7 +120,7 @@ class GaussNewton:
         self._roots = np.sqrt(np.array([float(x) for x in metric.inverse]))
 
     def missing(self, place: DoublePose, wanted: Array | float = 0.0) -> Array:
-        """Residual wanted − C, as lengths."""
+        """Residual wanted − C (m,), as lengths [m]."""
         missing: Array = wanted - self._rows.residuals(place.r, place.p, place.near)
         return missing * self._lengths
 

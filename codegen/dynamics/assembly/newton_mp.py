@@ -67,7 +67,9 @@ MOST_STAGES, MOST_HALVINGS = 64, 5
 
 
 def nearest_pose(system: System, rows: Residuals, metric: Metric) -> Pose:
-    """Positions nearest to those of a system at which all rows hold.
+    """Positions nearest to those of a system at which all rows hold: least dᵀ W d with C = 0 (m,).
+
+    d is δr [m] in frame O and a rotation vector [rad] in the principal frame of each body.
 
     Raises
     ------

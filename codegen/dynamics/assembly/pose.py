@@ -22,7 +22,7 @@ _UNIT = (_ONE, _NONE, _NONE), (_NONE, _ONE, _NONE), (_NONE, _NONE, _ONE)
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Positions of all bodies; that of the ground stands last, where its index −1 finds it.
+    """Positions of all bodies, points are at r + A(p) s′; that of the ground stands last, at −1.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class Pose:
         return cls((*r, ZERO), (*p, IDENTITY), near)
 
     def moved(self, step: Sequence[High]) -> Pose:
-        """Positions after a displacement (δr, δθ′) of each body, finite rotations."""
+        """Positions after a displacement (δr, δθ′) (6 bodies,): p ∘ (cos θ/2, δθ′ sin(θ/2)/θ)."""
         r, p = [], []
         for k, (dr, turn) in enumerate(_by_body(step)):
             r.append(precise.add(self.r[k], dr))
@@ -57,12 +57,12 @@ class Pose:
         return Pose((*r, ZERO), (*p, IDENTITY), self.near)
 
     def shifted(self, offset: Sequence[float]) -> Pose:
-        """Positions of all bodies but the ground, moved by the same vector [m]."""
+        """Positions r + offset of all bodies but the ground, moved by the same vector (3,) [m]."""
         by = precise.triple(offset)
         return Pose((*(precise.add(r, by) for r in self.r[:-1]), ZERO), self.p, self.near)
 
     def since(self, start: Pose) -> list[High]:
-        """Displacement (δr, δθ′) of each body from ``start`` to here."""
+        """Displacement (δr, δθ′) (6 bodies,) from ``start`` to here; p̄ ∘ p is the turn by δθ′."""
         step: list[High] = []
         for k in range(len(self.r) - 1):
             step += precise.subtract(self.r[k], start.r[k])
@@ -77,7 +77,7 @@ def _by_body(step: Sequence[High]) -> Iterator[tuple[Triple, Triple]]:
 
 
 def normalised(values: Sequence[float]) -> Quadruple:
-    """Euler parameters of norm one."""
+    """Euler parameters p/|p| (4,) [-] of norm one, from a body frame to frame O."""
     w, x, y, z = (precise.number(value) for value in values)
     size = precise.length((w, x, y, z))
     return w / size, x / size, y / size, z / size
@@ -93,9 +93,9 @@ def _from_turn(turn: Triple) -> Quadruple:
 
 
 def rates_of_turn(turn: Triple) -> tuple[Triple, Triple, Triple]:
-    """Matrix T with δθ′ = T dw of a rotation vector w that changes by dw.
+    """Matrix T (3, 3) [-] with δθ′ = T dw of a rotation vector w (3,) [rad] that changes by dw.
 
-    T = 1 − (1 − cos|w|)/|w|² w̃ + (|w| − sin|w|)/|w|³ w̃².
+    T = 1 − (1 − cos|w|)/|w|² w̃ + (|w| − sin|w|)/|w|³ w̃², all in the body frame.
     """
     angle = precise.length(turn)
     if angle == 0:

@@ -60,7 +60,10 @@ class _Piece:
 
 
 class Residuals:
-    """The rows of some constraints between the bodies of a system.
+    """The rows C (m,) [m or rad] of some constraints between the bodies of a system.
+
+    δC = C_q (δr, δθ′): C_q (m, 6 bodies) has columns δr [m] in frame O, δθ′ [rad] in the principal
+    frame; each kind has its equation of lecture 8.2.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def wound_as_driven(system: System) -> System:
-    """System whose driven angles count from the turn on which their drivers start.
+    """System whose driven angles θ + 2πk [rad] count from the turn on which their drivers start.
 
     The angle of the scene and what the driver prescribes at t = 0 are the same place up to whole
     turns. An angle that other combinations need, too, such as those of gears, counts as it is

@@ -26,18 +26,23 @@ WORTH_NAMING = 1e-6
 def violations(
     rows: Residuals, pose: Pose, at_least: float, length: float
 ) -> dict[str, tuple[float, float]]:
-    """Violations in metres and in radians, the largest by each key, the worst first.
+    """Violations |C|, the largest by each key, the worst first.
 
     Parameters
     ----------
     rows : Residuals
         What should hold.
     pose : Pose
-        Where the bodies are.
+        Where the bodies are, frame O.
     at_least : float
         Joints below it, as a part of the length or in radians, are left out.
     length : float [m]
         A length of the system.
+
+    Returns
+    -------
+    dict of str to (float, float) [m, rad]
+        By the dotted key, the largest row that is a length and the largest that is an angle.
     """
     found: dict[str, list[float]] = {}
     values, _ = rows.at(pose)

@@ -75,13 +75,13 @@ class GivenSolver:
         The scene after assembly, before anything is simplified, its numbers fixed.
     layout : Layout
         Where the solver has its bodies.
-    q, v : array
+    q, v : array (n,) [m, -], (m,) [m/s, rad/s]
         Its start.
     turning : dict of int to str
         Entries of q that are angles with their turns, and the coordinates.
     momenta : sequence of (names, linear, angular, about)
-        Which momenta it computes: bodies, directions, and the point of the ground, None for the
-        centre of mass.
+        Which momenta it computes: bodies, directions (3,) of frame O, and the point (3,) [m] of the
+        ground, None for the centre of mass.
     is_weighed : bool
         Whether masses are those of the scene.
     """
@@ -96,7 +96,10 @@ class GivenSolver:
 
 
 def independent_points(given: GivenSolver) -> list[dict[str, object]]:
-    """States of a scene, and what a solver must compute there.
+    """States of a scene, and what a solver must compute there: M v̇ + C_qᵀλ = f, C_q v̇ = γ.
+
+    These are solved for each body by itself: m v̇ = F [N] in frame O, I′ω̇′ = N′ − ω̃′I′ω′ [N m] in
+    the principal frame, three mass points, (newton-euler-force) and (newton-euler-moment).
 
     Parameters
     ----------
@@ -106,10 +109,10 @@ def independent_points(given: GivenSolver) -> list[dict[str, object]]:
     Returns
     -------
     list of dict
-        For each state ``label``, ``time``, ``q``, ``v`` of the solver, and ``values``: by name of
-        what is compared the ``names`` of its numbers, ``high``, and one ``unit`` of error for all.
-        Numbers that the motion does not determine are None. Empty where no state near the start is
-        away from places where rows become dependent.
+        For each state ``label``, ``time`` [s], ``q`` (n,), ``v`` (m,) of the solver, and
+        ``values``: by name of what is compared the ``names`` of its numbers, ``high`` in SI units,
+        and one ``unit`` of error for all. Numbers that the motion does not determine are None.
+        Empty where no state near the start is away from places where rows become dependent.
     """
     finder = _States(given)
     found = []
@@ -256,7 +259,7 @@ def _pose(
 
 
 def dense(lines: Sequence[ConstraintRow], count: int) -> Array:
-    """C_q in doubles."""
+    """C_q (m, n) in doubles, of C_q v = ν: columns δr [m], frame O, δθ′ [rad], principal frame."""
     found = np.zeros((len(lines), count))
     for k, line in enumerate(lines):
         for column, x in line.slopes.items():

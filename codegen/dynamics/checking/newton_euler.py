@@ -44,13 +44,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class BodyState:
-    """Where a body is, and how it moves.
+    """Where a body is, and how it moves: ṗ = ½ p ∘ (0, ω′), lecture 7.1, (5.16).
 
     Parameters
     ----------
-    r, v : (3,)
+    r, v : (3,) [m], [m/s]
         Centre of mass and its velocity, frame O.
-    p, omega_b : (4,), (3,)
+    p, omega_b : (4,) [-], (3,) [rad/s]
         Euler parameters of the principal frame, of norm one, and the angular velocity there.
     """
 
@@ -61,7 +61,10 @@ class BodyState:
 
 
 def quaternion_product(p: Sequence[Any], q: Sequence[Any]) -> tuple[Any, ...]:
-    """Product p ∘ q of Euler parameters, of jets or numbers."""
+    """Product p ∘ q (4,) of Euler parameters [-], of jets or numbers: the rotation q, then p.
+
+    It is (p₀ q₀ − p·q, p₀ q + q₀ p + p × q); q takes a frame to the one that p takes to frame O.
+    """
     x, y, z = cross(p[1:], q[1:])
     return (
         p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
@@ -72,7 +75,10 @@ def quaternion_product(p: Sequence[Any], q: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def rotated(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
-    """Matrix A(p) a for p of norm one, of jets or numbers: a + 2 e₀ (e × a) + 2 e × (e × a)."""
+    """Vector A(p) a (3,) for p of norm one, of jets or numbers: a + 2 e₀ (e × a) + 2 e × (e × a).
+
+    a (3,), of any unit, is in the principal frame, A a in frame O; lecture 7.1, (4.3).
+    """
     t = cross(p[1:], a)
     u = cross(p[1:], t)
     x, y, z = (a[k] + (p[0] * t[k] + u[k]) + (p[0] * t[k] + u[k]) for k in range(3))
@@ -80,17 +86,17 @@ def rotated(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
 
 
 def rotated_back(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
-    """A(p)ᵀ a."""
+    """Vector A(p)ᵀ a (3,), of any unit, principal frame, of a in frame O; lecture 7.1, (4.3)."""
     return rotated((p[0], -p[1], -p[2], -p[3]), a)
 
 
 class Course:
-    """A body on its way: r(t) and p(t) to second order.
+    """A body on its way: r(t) and p(t) to second order, ṗ = ½ p ∘ (0, ω′).
 
     Parameters
     ----------
-    r, p : (3,), (4,) of Jet
-        Centre of mass, and Euler parameters of the principal frame.
+    r, p : (3,) [m], (4,) [-] of Jet
+        Centre of mass in frame O, and Euler parameters of the principal frame.
     """
 
     def __init__(self, r: Sequence[Jet], p: Sequence[Jet]) -> None:
@@ -115,23 +121,23 @@ class Course:
         return Course.of(here, rates, [0] * 6)
 
     def vector(self, a: Sequence[Real]) -> JetVector:
-        """Body-fixed vector in frame O."""
+        """Body-fixed vector A a′ (3,) in frame O."""
         return rotated(self.p, [Jet(x) for x in a])
 
     def point(self, s: Sequence[Real]) -> JetVector:
-        """Place of a body-fixed point in frame O."""
+        """Place r + A s′ (3,) [m] of a body-fixed point in frame O."""
         x, y, z = (a + b for a, b in zip(self.r, self.vector(s), strict=True))
         return x, y, z
 
 
 @dataclass(slots=True)
 class Found:
-    """What acts at a state.
+    """What acts at a state: f of M v̇ + C_qᵀλ = f.
 
     Parameters
     ----------
-    force : list
-        F in frame O and N′ about the centre of mass for each body, (n,).
+    force : list (n,) [N, N m]
+        F in frame O and N′ about the centre of mass, in the principal frame, for each body.
     potential, kinetic : number [J]
         Energies.
     powers : dict of str to number [W]
@@ -149,16 +155,16 @@ class Found:
 
 @dataclass(slots=True)
 class ConstraintRow:
-    """One row of the constraints.
+    """One row of the constraints: Ċ = C_q v − ν, C̈ = C_q v̇ − γ.
 
     Parameters
     ----------
     instance : Instance
         The joint or driver.
-    value, nu, gamma : number
+    value, nu, gamma : number [m or rad, per s, per s²]
         C, and what C_q v and C_q v̇ are.
     slopes : dict of int to number
-        C_q by column.
+        C_q by column: δr [m] in frame O, δθ′ [rad] in the principal frame.
     """
 
     instance: Instance
@@ -169,7 +175,11 @@ class ConstraintRow:
 
 
 class BodyEquations:
-    """The equations of all bodies of a system that was not simplified.
+    """The equations of all bodies of an unsimplified system: M v̇ + C_qᵀλ = f, C_q v̇ = γ.
+
+    Columns (n,) are δr [m] in frame O and δθ′ [rad] in the principal frame of each body, rows f [N]
+    and [N m] in the same frames: m v̇ = F, I′ω̇′ = N′ − ω̃′I′ω′, three mass points,
+    (newton-euler-force) and (newton-euler-moment).
 
     Parameters
     ----------
@@ -199,19 +209,19 @@ class BodyEquations:
         return range(self.starts[body], self.starts[body + 1])
 
     def inertia(self) -> list[Real]:
-        """Diagonal of M."""
+        """Diagonal of M (n,) [kg, kg m²]: m and the principal moments."""
         parts = ([b.mass] * 3 + ([] if b.is_point else list(b.inertia)) for b in self.bodies)
         return self._numbers([x for part in parts for x in part])
 
     def rates(self, poses: Sequence[BodyState]) -> list[Real]:
-        """Velocities v of all bodies, (δr, δθ′) of each."""
+        """Velocities v (n,) [m/s, rad/s] of all bodies, (ṙ, ω′) of each."""
         pairs = zip(self.bodies, poses, strict=True)
         return [x for body, one in pairs for x in (*one.v, *(() if body.is_point else one.omega_b))]
 
     def course(
         self, body: int, pose: BodyState, rates: Sequence[Real], second: Sequence[Real]
     ) -> Course:
-        """Course of a body, given the rates of all."""
+        """Course of a body, given v (n,) and v̇ (n,) of all."""
         own = self.own(body)
         parts = [[values[k] for k in own] + [0] * (6 - len(own)) for values in (rates, second)]
         return Course.of(pose, *parts)
@@ -231,7 +241,7 @@ class BodyEquations:
     # What is measured.
 
     def coordinate(self, place: int, at: Mapping[int, Course]) -> Jet:
-        """Value of a coordinate: an angle with its turns, a displacement, a distance, a cosine."""
+        """Value u [m, rad or -]: an angle with its turns, a displacement, a distance, a cosine."""
         one = self.system.coordinates[place]
         own = {name: self._numbers(values) for name, values in one.constants}
         i, j = at[one.i], at[one.j]
@@ -285,7 +295,7 @@ class BodyEquations:
     # The constraints.
 
     def lines(self, poses: Sequence[BodyState], time: Real) -> list[ConstraintRow]:
-        """Rows of all joints and drivers, those too that depend on others."""
+        """Rows C, ν, γ, C_q of all joints and drivers, those too that depend on others."""
         rates, rest = self.rates(poses), [self.digits.number(0)] * self.count
         found: list[ConstraintRow] = []
         for one in self.system.constraints:
@@ -316,7 +326,7 @@ class BodyEquations:
     # The forces.
 
     def loads(self, poses: Sequence[BodyState], time: Real) -> Found:
-        """Forces, applied less velocity forces, and the energies."""
+        """Forces f (n,), applied less velocity forces ω̃′I′ω′, and the energies [J]."""
         rates, rest = self.rates(poses), [self.digits.number(0)] * self.count
         found = Found([*rest])
         at = self.courses(range(len(poses)), poses, rates, rest)
@@ -392,7 +402,7 @@ class BodyEquations:
     def push(
         self, body: int, at: Course, arm: Sequence[Real], force: Sequence[Real], found: Found
     ) -> None:
-        """Add a force in frame O that acts on a point of a body: F, and s′ × Aᵀ F."""
+        """Add a force F (3,) [N] in frame O that acts on a point s′ (3,) [m]: F, and s′ × AᵀF."""
         if body == GROUND_INDEX:
             return
         own = self.own(body)
@@ -401,7 +411,7 @@ class BodyEquations:
             found.force[k] += x
 
     def turn(self, body: int, at: Course, torque: Sequence[Real], found: Found) -> Real:
-        """Add a torque in frame O that acts on a body; return its power."""
+        """Add a torque N (3,) [N m] in frame O that acts on a body, AᵀN; return its power N·ω."""
         p = [x.x for x in at.p]
         own = self.own(body)[3:] if body != GROUND_INDEX else range(0)
         turning = rotated_back(p, torque)
@@ -416,7 +426,11 @@ class BodyEquations:
     def origins(
         self, at: Mapping[int, Course], second: Sequence[Real]
     ) -> Iterator[tuple[list[Real], tuple[Real, ...]]]:
-        """Accelerations r̈ of the origins of the bodies' own frames, frame O, and dω′/dt."""
+        """Accelerations r̈ (3,) [m/s²], frame O, of the origins of bodies' own frames, and dω′/dt.
+
+        That is in the own frame, (3,) [rad/s²]; the origin is at r + A s′ with s′ in the principal
+        frame.
+        """
         for k, body in enumerate(self.bodies):
             place = at[k].point(self._numbers(body.origin_b))
             alpha = [second[column] for column in self.own(k)[3:]]
@@ -426,7 +440,10 @@ class BodyEquations:
     def momentum(
         self, bodies: Sequence[int], poses: Sequence[BodyState], about: Sequence[float] | None
     ) -> tuple[list[Real], list[Real]]:
-        """Momentum Σ m v, and Σ (r − o) × m v + A I′ω′ about a point o, or the centre of mass."""
+        """Momentum Σ m v, and Σ (r − o) × m v + A I′ω′ about a point o, or the centre of mass.
+
+        (3,) [kg m/s] and (3,) [kg m²/s], frame O.
+        """
         masses = {k: self.digits.number(self.bodies[k].mass) for k in bodies}
         mass = sum(masses.values())
         linear = [sum(masses[k] * poses[k].v[n] for k in bodies) for n in range(3)]

@@ -27,12 +27,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class WeightedRows:
-    """Add weighted rows. Blocks: what is added to, then factor and row in turn."""
+    """Sum of weighted rows, total + Σ c row. Blocks: what is added to, then factor and row in turn.
+
+    Rows are values (1, 1) of coordinates, or Jacobians (1, c): columns δr in frame O, δθ′ in the
+    principal frame.
+    """
 
     title: str = "linear combination"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Sum."""
+        """Sum, in the unit [m or rad] of the combination."""
         total, *pairs = blocks
         for factor, row in zip(pairs[::2], pairs[1::2], strict=True):
             total = factor @ row + total
@@ -41,7 +45,7 @@ class WeightedRows:
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """A formula of the time, or a derivative of it. Blocks: unit, t, the parameters.
+    """A formula f(t) of the time, or a derivative of it. Blocks: unit, t, the parameters.
 
     Parameters
     ----------
@@ -50,7 +54,7 @@ class Law:
     parameters : tuple of str
         Names that it may use beside the time.
     order : int
-        Which derivative by the time.
+        Which derivative by the time [s].
     """
 
     law: str
@@ -63,7 +67,7 @@ class Law:
         return f"driver, derivative {self.order}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Unit · law (1,)."""
+        """Unit · law (1,), dᵏf/dtᵏ [m or rad per sᵏ]."""
         unit, time, parameters = (block.flat for block in blocks)
         names = (TIME, *self.parameters)
         expression = rate_of(parse_expression(self.law, names), TIME, self.order)
@@ -74,7 +78,7 @@ class Law:
 
 @dataclass(frozen=True, slots=True)
 class Combinations:
-    """What records the rows of combinations.
+    """What records the rows of combinations, C = Σ c u + c₀ − f(t) [m or rad] of coordinates u.
 
     Parameters
     ----------
@@ -82,7 +86,7 @@ class Combinations:
         Where they are recorded.
     coordinates : CoordinateRecorder
         What is combined.
-    time, parameters : SlotMatrix
+    time, parameters : SlotMatrix (1, 1), (n, 1)
         What laws depend on.
     names : tuple of str
         The parameters' names.
@@ -95,7 +99,7 @@ class Combinations:
     names: tuple[str, ...]
 
     def residual(self, one: Instance) -> SlotMatrix:
-        """Record C (1,)."""
+        """Residual C (1,) of a combination, recorded."""
         total = self.recorder.constant((one.offset,))
         if one.is_driver:
             law = self.law(one, 0)
@@ -104,19 +108,19 @@ class Combinations:
         return self._weighted(one, total, values)
 
     def slopes(self, one: Instance, index: int, body: BodyBlocks) -> SlotMatrix:
-        """Record the Jacobian by the columns of a body, one row."""
+        """Jacobian Σ c J (1, c) by the columns δr, frame O, and δθ′ of a body, recorded."""
         found = [self.coordinates.slopes(term.coordinate).get(index) for term in one.terms]
         return self._weighted(one, zeros(1, len(body.columns)), found)
 
     def rate(self, one: Instance, output: str) -> SlotMatrix:
-        """Record ``nu`` or ``gamma`` (1,)."""
+        """Right-hand side ``nu`` = ḟ or ``gamma`` = Σ c γ + f̈ (1,) [per s or s²], recorded."""
         if output == "nu":
             return self.law(one, 1)
         gammas = [self.coordinates.gamma(term.coordinate) for term in one.terms]
         return self._weighted(one, self.law(one, 2), gammas)
 
     def law(self, one: Instance, order: int) -> SlotMatrix:
-        """Record a derivative of a law, in the unit of the row (1,); zero where there is none."""
+        """Derivative dᵏf/dtᵏ (1,) of a law, recorded in the unit of the row; zero without a law."""
         if not one.is_driver:
             return column((0,))
         unit = self.recorder.constant((one.law_unit,))

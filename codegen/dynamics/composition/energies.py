@@ -21,7 +21,10 @@ if TYPE_CHECKING:
 def record_energies(
     recorder: Recorder, system: System, bodies: Sequence[BodyBlocks], forces: ForceRecorder
 ) -> None:
-    """Record the energies of bodies, and of forces that have a potential.
+    """Record the energies (2,) [J] of bodies, and of forces that have a potential.
+
+    T = Σ ½ m v·v + ½ ω′·I′ω′ and V = −Σ m g·r + Σ V_f, with v, g, r in frame O, ω′ and I′ in the
+    principal frames.
 
     Parameters
     ----------

@@ -37,15 +37,17 @@ NUMBERS = 11
 
 @dataclass(frozen=True, slots=True)
 class SystemEquations:
-    """The equations of a system as a program.
+    """The equations of a system as a program: M v̇ + C_qᵀλ = f, C_q v = ν, C_q v̇ = γ.
+
+    Columns are δr [m] in frame O and δθ′ [rad] in the principal frame of each body.
 
     Parameters
     ----------
     program : Program
         The segment ``masses`` fills the region of that name, :data:`NUMBERS` for each body;
         ``geometry`` all others: ``C``; ``slopes``, what C_q has body by body; ``minus_nu`` and
-        ``minus_gamma``; ``forces``, what acts on each body at its centre of mass, in the order of
-        v, weight too.
+        ``minus_gamma``; ``forces`` [N, N m], what acts on each body at its centre of mass, in the
+        order of v, weight too.
     places : tuple of (int, int)
         Row and column in C_q of each number of ``slopes``; columns in the order of v.
     """
@@ -55,7 +57,10 @@ class SystemEquations:
 
 
 def system_equations(system: System) -> SystemEquations:
-    """Program of all equations of a system in space.
+    """Program of all equations of a system in space, as :class:`SystemEquations` has them.
+
+    SI units; six columns (n,) for each body, three for a point: M v̇ + C_qᵀλ = f, about the centre
+    of mass, in frame O and the principal frames.
 
     Parameters
     ----------

@@ -29,7 +29,9 @@ if TYPE_CHECKING:
 
 
 class JointCoordinates:
-    """The bodies that are reduced, none of them unless there are some.
+    """The bodies that are reduced, v = R u + β, none of them unless there are some.
+
+    v (c,) [m/s, rad/s] has the columns δr in frame O, δθ′ in the principal frame; R (c, f), u (f,).
 
     Parameters
     ----------
@@ -71,7 +73,7 @@ class JointCoordinates:
         return tuple(k for k, one in self.tasks.items() if one.one.is_placed)
 
     def geometry(self, bodies: list[BodyBlocks]) -> None:
-        """Record R, and put it into the blocks of the bodies."""
+        """Record R (c, f), and put it into the blocks of the bodies."""
         for k, one in self.tasks.items():
             basis, inverse = one.geometry()
             bodies[k] = replace(bodies[k], basis=basis, inverse=inverse)
@@ -79,7 +81,7 @@ class JointCoordinates:
     def project_velocity(
         self, by_body: list[SlotMatrix]
     ) -> tuple[dict[int, SlotMatrix], dict[int, SlotMatrix]]:
-        """Record velocities that fit, and put u into ``by_body``; return what v lacks, and β."""
+        """Record velocities that fit, put u into ``by_body``; return what v lacks, and β, (c,)."""
         lacks, beta = {}, {}
         for k, one in self.tasks.items():
             by_body[k], lacks[k], beta[k] = one.project_velocity()
@@ -94,7 +96,7 @@ class JointCoordinates:
         return drifts
 
     def keep(self, free: Sequence[SlotMatrix]) -> None:
-        """Record M⁻¹f into a region of its own: forces of joints are told from it."""
+        """Record M⁻¹f (c,) in a region of its own: forces of joints follow from it."""
         if self.tasks:
             whole = self.recorder.region("free", sum(free[k].height for k in self.tasks))
             for part, k in zip(self._parts(whole), self.tasks, strict=True):
@@ -107,7 +109,7 @@ class JointCoordinates:
         v_dot: Sequence[SlotMatrix],
         coordinates: CoordinateRecorder,
     ) -> dict[tuple[str, int], SlotMatrix]:
-        """Record what joints with the ground and their drivers do to bodies, by name and body."""
+        """Forces M v̇ − f + Σ C_qᵀλ of joints with the ground and drivers, by name and body."""
         found: dict[tuple[str, int], SlotMatrix] = {}
         if not self.tasks:
             return found
@@ -140,7 +142,7 @@ class JointCoordinates:
         *,
         is_whole: bool,
     ) -> list[tuple[str, SlotMatrix]]:
-        """Record the power of each driver of a joint with the ground, by its name [W].
+        """Power (1,) [W] of each driver of a joint with the ground, by its name, recorded.
 
         Unless it is the whole, what the multipliers add to it.
         """

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 class JointBlocks:
     """A joint in the workspace; the Jacobians are put in when the geometry is recorded.
 
+    δC = C_q (δr, δθ′): δr [m] in frame O, δθ′ [rad] in the principal frame of each body.
+
     Parameters
     ----------
     name : str
@@ -34,12 +36,12 @@ class JointBlocks:
     constants : tuple of tuple of SlotMatrix
         What each part needs; nothing of a combination.
     first, count : int
-        Its rows.
-    jacobian, scaled : dict of int to SlotMatrix
+        Its rows, n of them.
+    jacobian, scaled : dict of int to SlotMatrix (n, c)
         C_q and C_q M⁻¹ by body; C_q R and C_q R (Rᵀ M R)⁻¹ of a body that is reduced.
-    whole : dict of int to SlotMatrix
+    whole : dict of int to SlotMatrix (n, c)
         C_q by body.
-    own : SlotMatrix
+    own : SlotMatrix (n, n)
         C_q M⁻¹ C_qᵀ.
     """
 

@@ -64,7 +64,7 @@ class Shared:
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """How forces and torques are weighed against each other.
+    """How forces and torques are weighed against each other: Σ |F|² + |N|²/ℓ² is least, frame O.
 
     Parameters
     ----------
@@ -99,8 +99,9 @@ def merged(groups: Iterable[Sequence[str]]) -> list[frozenset[str]]:
 class MultiplierWrench:
     """Force and torque / ℓ of a joint at its point for each of its multipliers, in frame O.
 
-    Blocks: C_q of the body that they act on, its A, and the way from the joint's point to its
-    centre of mass: r or zero, A and s′ of body j with r − A s′; 1/ℓ.
+    F = C_rᵀ and N = A C_θ′ᵀ + (r − r_P) × F [N, N m] for λ = 1. Blocks: C_q (n, c) of the body that
+    they act on, its A, and the way from the joint's point to its centre of mass: r (3,) [m] or
+    zero, A and s′ of body j with r − A s′; 1/ℓ.
 
     Parameters
     ----------
@@ -138,6 +139,9 @@ class MultiplierWrench:
 class LeastNorm:
     """The multipliers of joints whose rows depend on each other.
 
+    λ_K − Xᵀ μ of the rows that are kept, μ of the others, with (Σ BᵀB) μ = Σ Bᵀw: least Σ |F|² +
+    |N|²/ℓ² of forces [N] and torques [N m] (3,) in frame O, at the points of the joints.
+
     Parameters
     ----------
     recorder : Recorder
@@ -167,7 +171,7 @@ class LeastNorm:
         self.scale = scale
 
     def share_out(self, reactions: Sequence[Reaction]) -> None:
-        """Record the multipliers of the joints of one set."""
+        """Record the multipliers λ (n,) of the joints of one set."""
         left_out = [one.left_out for one in reactions if one.left_out]
         count = sum(rows.count for rows in left_out)
         if count > MOST_ROWS:
@@ -286,11 +290,11 @@ class LeastNorm:
         self.recorder.call(Couple(), zeros(x.height, 1), x, little, into=(into,))
 
     def wrench(self, one: Reaction, into: SlotMatrix) -> None:
-        """Write force and torque / ℓ of a joint at its point, as its multipliers are."""
+        """Write force and torque / ℓ (6,) of a joint at its point, as its multipliers are."""
         self._sum(one, {id(rows): self._units(one, rows) for rows in one.parts}, into)
 
     def height(self, one: Reaction) -> int:
-        """Number of components of force and torque."""
+        """Number of components of force and torque: 6, in the plane 3."""
         return (
             len(IN_PLANE) if MultiplierWrench(self.body(one.end).columns).is_in_plane else COLUMNS
         )

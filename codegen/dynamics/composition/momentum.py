@@ -24,10 +24,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class BodyMomentum:
-    """What a body has of the momenta of its part.
+    """What a body has of the momenta of its part, in frame O.
 
-    Blocks: r, A, v and ω′, mass and moments; then r and v of the first body of the part, from where
-    places and velocities are counted, so that few digits cancel.
+    Blocks: r (3,) [m], A (3, 3), v (3,) [m/s] and ω′ (3,) [rad/s] in the principal frame, mass [kg]
+    and moments (3,) [kg m²]; then r and v of the first body of the part, from where places and
+    velocities are counted, so that few digits cancel.
     """
 
     title: str = "momentum"
@@ -50,10 +51,10 @@ class BodyMomentum:
 
 @dataclass(frozen=True, slots=True)
 class PartMomenta:
-    """Momenta along directions.
+    """Momenta [kg m/s] and [kg m²/s] along directions of frame O.
 
-    Blocks: the sum of those of all bodies, 1/mass, r and v of the first body of the part, the point
-    of the ground, then the directions.
+    Blocks: the sum (12,) of those of all bodies, 1/mass, r (3,) and v (3,) of the first body of the
+    part, the point (3,) [m] of the ground, then the directions (3,).
 
     Parameters
     ----------
@@ -94,6 +95,8 @@ def record_momenta(
 ) -> None:
     """Record the segment ``momentum``, which writes the region ``momenta`` part by part.
 
+    p·n (k,) [kg m/s] with p = Σ m v, then L·n [kg m²/s] with L = Σ (r − o) × m v + A I′ω′, frame O.
+
     Parameters
     ----------
     recorder : Recorder
@@ -101,7 +104,7 @@ def record_momenta(
     system : System
         The scene.
     kept : sequence of Kept
-        What its parts keep: there is one at least.
+        What its parts conserve: there is one at least.
     body : callable
         Returns the blocks of a body by its index.
     """

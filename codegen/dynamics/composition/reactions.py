@@ -92,6 +92,9 @@ def record_reactions(
 ) -> None:
     """Record force and torque of each joint on the bodies that :func:`ends_of` gives.
 
+    They are −C_qᵀλ (c,): force [N] in frame O, torque [N m] about the centre of mass in the
+    principal frame.
+
     Parameters
     ----------
     recorder : Recorder
@@ -163,9 +166,10 @@ def record_wrenches(
 ) -> None:
     """Record what joints do with any multipliers of all rows: the segment ``wrench``.
 
-    It gives reactions as :func:`record_reactions` does, and at its point force and torque / ℓ of
-    each joint, whose squares are least where reactions are not unique; behind them a little of the
-    multipliers of constraints that have idle rows. Parameters are those of that function.
+    It gives reactions −C_qᵀλ (c,) [N, N m] as :func:`record_reactions` does, and at its point force
+    and torque / ℓ (6,) of each joint, frame O, whose squares are least where reactions are not
+    unique; behind them a little of the multipliers of constraints that have idle rows. Parameters
+    are those of that function.
     """
     joints, left_out = rows
     found = reactions_of(joints, left_out)

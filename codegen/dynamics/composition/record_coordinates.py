@@ -26,9 +26,10 @@ NOTHING = column(())
 
 
 class CoordinateRecorder:
-    """Coordinates of a program.
+    """Coordinates u [m or rad] of a program: u̇ = J v, ü = J v̇ − γ.
 
-    What ``geometry`` has recorded is read by the segments after it.
+    J (1, c) has the columns δr in frame O, δθ′ in the principal frame of each body. What
+    ``geometry`` has recorded is read by the segments after it.
 
     Parameters
     ----------
@@ -60,16 +61,16 @@ class CoordinateRecorder:
         self._known: dict[tuple[str, str, int], tuple[SlotMatrix, ...]] = {}
 
     def value(self, place: int) -> SlotMatrix:
-        """Value, turns counted (1,)."""
+        """Value u (1,) [m or rad], turns counted, recorded."""
         return self._once("value", place, self._value)[0]
 
     def slopes(self, place: int) -> dict[int, SlotMatrix]:
-        """Jacobian by body, one row each; the ground's is empty."""
+        """Jacobian J by body, one row (1, c) each, recorded; the ground's is empty."""
         one = self.all[place]
         return dict(zip((one.i, one.j), self._once("slopes", place, self._slopes), strict=True))
 
     def gamma(self, place: int) -> SlotMatrix:
-        """Right-hand side γ: the second derivative of the coordinate is J v̇ − γ (1,)."""
+        """Right-hand side γ (1,) [m/s² or rad/s²] of ü = J v̇ − γ, recorded."""
         return self._once("gamma", place, self._gamma)[0]
 
     def rate(
@@ -79,7 +80,7 @@ class CoordinateRecorder:
         less: SlotMatrix | None = None,
         into: SlotMatrix | None = None,
     ) -> SlotMatrix:
-        """Rates J x − less for x in the order of v, body by body (1,)."""
+        """Rate J x − less (1,), for x in the order of v, body by body, recorded."""
         pairs = [
             block
             for body, slopes in self.slopes(place).items()
@@ -90,7 +91,7 @@ class CoordinateRecorder:
         return rate
 
     def count_turns(self, q_moved: SlotMatrix, laws: Mapping[int, SlotMatrix]) -> None:
-        """Record φ of a position that was moved: what the angle is counted to there.
+        """Record φ (1,) [rad] of a position that was moved: what the angle is counted to there.
 
         ``laws`` has what drivers make of angles that they set; those are counted from that.
         """
@@ -107,7 +108,7 @@ class CoordinateRecorder:
                 )
 
     def turn(self, q_dot: SlotMatrix, by_body: Sequence[SlotMatrix]) -> None:
-        """Record how fast the angles turn, for velocities in the order of v, body by body."""
+        """Record φ̇ = J v (1,) [rad/s] of all angles, for velocities v body by body."""
         for place, one in enumerate(self.all):
             if one.counts_turns:
                 target = self._auxiliary.of(q_dot, TURNS, one.name)
@@ -116,7 +117,7 @@ class CoordinateRecorder:
     def show(
         self, region: SlotMatrix, v: Sequence[SlotMatrix], v_dot: Sequence[SlotMatrix] | None
     ) -> None:
-        """Record value, rate and, with v̇ body by body, second derivative of those shown."""
+        """Record u, u̇ and, with v̇ body by body, ü of those shown, (1,) each."""
         count = 2 if v_dot is None else 3
         for k, place in enumerate(self.shown):
             value, rate, *second = (region.part(count * k + n, 1) for n in range(count))

@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 
 
 class ForceRecorder:
-    """Forces of a program.
+    """Forces of a program: what f of M v̇ + C_qᵀλ = f gives to accelerations.
+
+    f (c,) is force [N] in frame O and torque [N m] about the centre of mass in the principal frame.
 
     Parameters
     ----------
@@ -59,7 +61,7 @@ class ForceRecorder:
         self.names = names
 
     def effect(self, force: ForceElement) -> Effect:
-        """Record what a force adds to the accelerations of each body, and its power.
+        """M⁻¹f (c,) of a force on each body, and its power (1,) [W], recorded.
 
         The power is that of what is no potential energy, None where all is.
         """
@@ -69,13 +71,13 @@ class ForceRecorder:
         return added, found[2] if force.works else None
 
     def act(self, forces: Sequence[ForceElement], free: list[SlotMatrix]) -> dict[str, SlotMatrix]:
-        """Add what forces give to accelerations; return the power of those that work, by name.
+        """Add M⁻¹f of forces to accelerations; return the power of those that work, by name.
 
         Parameters
         ----------
         forces : sequence of ForceElement
             Those of the scene.
-        free : list of SlotMatrix
+        free : list of SlotMatrix (c,) [m/s², rad/s²]
             Accelerations by body, which are replaced by the sums.
         """
         shares = [[block] for block in free]
@@ -91,7 +93,7 @@ class ForceRecorder:
         return {name: summed(self.recorder, parts) for name, parts in powers.items()}
 
     def measure(self, system: System, one: Measure, value: SlotMatrix, rate: SlotMatrix) -> None:
-        """Record what formulas read of a state, in their units."""
+        """Record what formulas read of a state, x and ẋ (1,), in their units: (u − u⁰)/unit."""
         free = column((0,))
         if one.force < 0:
             (x, unit), (v, _) = self.names[one.name], self.names[one.rate]
@@ -101,7 +103,7 @@ class ForceRecorder:
         self.recorder.call(Relative(), v, column((0,)), unit, into=(rate,))
 
     def gravity(self, system: System) -> SlotMatrix:
-        """Acceleration of free fall (3,)."""
+        """Acceleration of free fall g (3,) [m/s²], frame O, recorded."""
         parts = [self.recorder.constant(system.gravity)]
         for k, text in enumerate(system.gravity_law):
             if text:
@@ -110,7 +112,7 @@ class ForceRecorder:
         return summed(self.recorder, parts)
 
     def weight(self, system: System, gravity: SlotMatrix, mass: High) -> SlotMatrix:
-        """Minus the weight of a body (3,)."""
+        """Minus the weight of a body, −m g (3,) [N], frame O, recorded."""
         if not any(system.gravity_law):
             return self.recorder.constant([-mass * Fraction(g) for g in system.gravity])
         return self.recorder.call(ScaledColumn(), gravity, self.recorder.constant((-mass,)))[0]

@@ -54,7 +54,9 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class JointCoordinateRecorder:
-    """What records one body.
+    """What records one body: v = R u + β, v̇ = R u̇ + η.
+
+    v (c,) [m/s, rad/s] has the columns δr in frame O, δθ′ in the principal frame, R is (c, f).
 
     Parameters
     ----------
@@ -89,18 +91,18 @@ class JointCoordinateRecorder:
 
     @property
     def point(self) -> SlotMatrix:
-        """The point of the joint in the body."""
+        """The point s′ (3,) [m] of the joint in the body."""
         return self._vector(self.one.joint_b)
 
     @property
     def axis_b(self) -> SlotMatrix:
-        """The axes that it turns about, by columns."""
+        """The axes a′ that it turns about, by columns (3, turns) [-]."""
         if self.one.turn == POINT:
             return SlotMatrix((1, 0, 0, 0, 1, 0, 0, 0, 1), 3, 3)
         return self._vector(self.one.axis_b) if self.one.turn != NOTHING else zeros(3, 0)
 
     def geometry(self) -> tuple[SlotMatrix, SlotMatrix]:
-        """Record the arm; return R of what is free and (Rᵀ M R)⁻¹."""
+        """R (c, f) of what is free and (Rᵀ M R)⁻¹ (f, f); the arm A (s′ × a′) is recorded."""
         arms = self._table(arms_of(self.one))
         (self.arm,) = self.recorder.call(JointArm(), self.blocks.orientation, arms)
         masses, free = mass_of(self.one, self.moving), self.one.free
@@ -110,7 +112,7 @@ class JointCoordinateRecorder:
     def project_position(
         self, dr: SlotMatrix, dtheta: SlotMatrix, into: SlotMatrix
     ) -> dict[int, SlotMatrix]:
-        """Record the position on the joint; return the formulas of drivers by their coordinates."""
+        """Record r = r_joint − A s′ + a x and p; return formulas of drivers by coordinates."""
         one, blocks, vector = self.one, self.blocks, self._vector
         drivers = [(led, self._law(led, 0)) for _, led in one.prescribed]
         turned = _compose(one.p, one.axis_b)
@@ -133,7 +135,7 @@ class JointCoordinateRecorder:
         }
 
     def project_velocity(self) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix]:
-        """Record u, what v lacks of R u + β, and β."""
+        """Velocities u (f,), what v lacks of R u + β, and β (c,), recorded."""
         one, blocks = self.one, self.blocks
         masses, moments = shares_of(one, self.moving)
         is_skew = one.turn == AXIS and not (one.prescribed_turn or is_principal(one, self.moving))
@@ -155,7 +157,7 @@ class JointCoordinateRecorder:
         return u, lacks, beta
 
     def bias_acceleration(self) -> SlotMatrix:
-        """Record η."""
+        """Bias acceleration η (c,) [m/s², rad/s²], recorded."""
         one, blocks = self.one, self.blocks
         operation = BiasAcceleration(
             blocks.columns, one.turn, bool(one.prescribed_turn), bool(one.prescribed_slide)
@@ -169,7 +171,7 @@ class JointCoordinateRecorder:
         return eta
 
     def reduce_forces(self, free: SlotMatrix, eta: SlotMatrix) -> SlotMatrix:
-        """Record u̇ of all freedoms, those that are driven too, under the acceleration M⁻¹f."""
+        """Accelerations u̇ of all freedoms, those that are driven too, under M⁻¹f, recorded."""
         one, (masses, moments) = self.one, shares_of(self.one, self.moving)
         (found,) = self.recorder.call(
             ReduceForces(self.blocks.columns, one.turn, one.slides),
@@ -183,13 +185,13 @@ class JointCoordinateRecorder:
         return column([values.entries[k] for k in self.one.free])
 
     def powers(self, values: SlotMatrix | None, others: SlotMatrix) -> list[tuple[str, SlotMatrix]]:
-        """Record the power of each driver: its name, and what :class:`DriverPower` gives.
+        """Power [W] of each driver: its name, and what :class:`DriverPower` gives, recorded.
 
         Parameters
         ----------
         values : SlotMatrix or None
             As :meth:`reduce_forces` returned it; without it only what others do counts.
-        others : SlotMatrix
+        others : SlotMatrix (c,) [N, N m]
             What other joints do to the body, −Σ C_qᵀλ.
         """
         whole, masses, found = self._columns(), mass_of(self.one, self.moving), []
@@ -209,13 +211,13 @@ class JointCoordinateRecorder:
         others: SlotMatrix,
         coordinates: CoordinateRecorder,
     ) -> dict[str, SlotMatrix]:
-        """Record what the joint and each of its drivers do to the body, by their names.
+        """Forces M v̇ − f + Σ C_qᵀλ of the joint and each of its drivers, by their names, recorded.
 
         Parameters
         ----------
-        second, free : SlotMatrix
+        second, free : SlotMatrix (c,) [m/s², rad/s²]
             v̇ and M⁻¹f of the body.
-        others : SlotMatrix
+        others : SlotMatrix (c,) [N, N m]
             What other joints do to the body, −Σ C_qᵀλ.
         coordinates : CoordinateRecorder
             What records the Jacobians of coordinates.

@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class JointRecorder:
-    """What records the rows of joints.
+    """What records the rows of joints: C (n,) [m, rad or -], δC = C_q (δr, δθ′).
+
+    δr [m] is in frame O, δθ′ [rad] in the principal frame of each body, C_q (n, c) by body.
 
     Parameters
     ----------
@@ -91,7 +93,7 @@ class JointRecorder:
         into: SlotMatrix | None,
         beyond: Mapping[int, SlotMatrix] | None = None,
     ) -> SlotMatrix:
-        """Record C_q x minus ν or γ of a joint, for x in the order of v, body by body.
+        """Difference C_q x − ν or C_q x − γ (n,) of a joint, for x in the order of v, recorded.
 
         With ``beyond`` it is x = R u + what that says of bodies that are reduced, and u is given.
         """
@@ -115,7 +117,7 @@ class JointRecorder:
     def powers(
         self, joints: Sequence[JointBlocks], multipliers: Sequence[SlotMatrix]
     ) -> dict[str, SlotMatrix]:
-        """Record what each driver does to the bodies, −λ·ν, by the name of the driver [W]."""
+        """Power −λ·ν [W] of each driver, by its name, recorded."""
         pairs: dict[str, list[SlotMatrix]] = {}
         for joint, solution in zip(joints, multipliers, strict=True):
             first = 0

@@ -35,7 +35,9 @@ CHUNK = 4
 
 
 class Schur:
-    """The factors L D Lᵀ of S, one pivot for each joint; or those of another symmetric matrix.
+    """The factors L D Lᵀ of S = C_q M⁻¹ C_qᵀ (m, m), one pivot for each joint.
+
+    Or those of another symmetric matrix.
 
     Parameters
     ----------
@@ -146,7 +148,7 @@ class Schur:
     def solve(
         self, right: Sequence[SlotMatrix], into: Sequence[SlotMatrix] | None = None
     ) -> list[SlotMatrix]:
-        """Record the solution of S λ = right, joint by joint; ``into`` says where to put it."""
+        """Solution λ of S λ = right (n,), joint by joint, recorded; ``into`` says where it goes."""
         products: list[list[Product]] = [[] for _ in right]
         scaled: dict[int, SlotMatrix] = {}
         for pivot in self.order:
@@ -176,7 +178,7 @@ class Schur:
     def gather(
         self, total: SlotMatrix, products: Sequence[Product], into: SlotMatrix | None = None
     ) -> SlotMatrix:
-        """Record total − Σ products; ``into`` says where to put it."""
+        """Difference total − Σ products (n,), recorded; ``into`` says where to put it."""
         total, rest = self._head(total, products)
         call = self.recorder.call
         return call(Gather(), total, *(x for pair in rest for x in pair), into=(into,))[0]

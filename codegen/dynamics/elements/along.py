@@ -25,26 +25,31 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class AlongEffect:
-    """M⁻¹f of a force along a coordinate, and its power.
+    """M⁻¹f of a force τ [N or N m] along a coordinate u, f = Jᵀτ, and its power.
 
-    Blocks: J and the diagonal of M⁻¹ of body i, those of body j, the rate u̇, τ.
+    Blocks: J (1, c) and the diagonal of M⁻¹ (1, c) of body i, columns δr in frame O and δθ′ in the
+    principal frame, those of body j, the rate u̇ [m/s or rad/s], τ.
     """
 
     title: str = "force along a coordinate"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Accelerations M⁻¹Jᵀτ of the coordinates of i and j; power τ u̇ [W]."""
+        """Accelerations M⁻¹Jᵀτ (c, 1) of the coordinates of i and j; power τ u̇ (1, 1) [W]."""
         left, inverse_mass_i, right, inverse_mass_j, rate, tau = blocks
         return left.scaled(inverse_mass_i).T @ tau, right.scaled(inverse_mass_j).T @ tau, rate @ tau
 
 
 class OnCoordinate(ForceFacets[E]):
-    """What forces along a coordinate and springs against it have in common."""
+    """What forces along a coordinate and springs against it have in common.
+
+    A force τ [N or N m] along u acts by Jᵀτ (c,), with u̇ = J v: δr in frame O, δθ′ in the
+    principal frame.
+    """
 
     is_carried = True
 
     def slopes(self, tasks: ForceRecorder) -> list[SlotMatrix]:
-        """Jacobian J and the diagonal of M⁻¹ of body i, then those of body j."""
+        """Jacobian J (1, c) and the diagonal of M⁻¹ (1, c) of body i, then those of body j."""
         slopes = tasks.coordinates.slopes(self.force.coordinate)
         return [
             block
@@ -53,7 +58,7 @@ class OnCoordinate(ForceFacets[E]):
         ]
 
     def rate(self, tasks: ForceRecorder) -> SlotMatrix:
-        """Rate u̇."""
+        """Rate u̇ = J v (1,) [m/s or rad/s]."""
         return tasks.coordinates.rate(self.force.coordinate, tasks.by_body)
 
     def leaves_plane(self, system: System, normal: int) -> bool:
@@ -82,7 +87,7 @@ class AlongFacets(OnCoordinate[CoordinateForce]):
     """A force along a coordinate."""
 
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
-        """Record M⁻¹Jᵀτ of both bodies, and τ u̇."""
+        """M⁻¹Jᵀτ of both bodies, and τ u̇, recorded."""
         constants = tasks.constants(self.force)
         ends = self.slopes(tasks)
         return tasks.recorder.call(AlongEffect(), *ends, self.rate(tasks), *constants)

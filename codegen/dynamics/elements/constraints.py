@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """What the ground does through one row, or one force.
+    """What the ground does through one row, or one force: −C_qᵀλ of the row C.
 
     Parameters
     ----------
@@ -64,14 +64,14 @@ ANYTHING = Contact(through=precise.ZERO, turns=True)
 
 @dataclass(frozen=True, slots=True)
 class BodiesAtRest:
-    """Two bodies at rest, as a constraint between them sees them.
+    """Two bodies at rest, as a constraint between them sees them: a = A a′, d of (8.8).
 
     Parameters
     ----------
-    axes : ((3,), (3,))
+    axes : ((3,), (3,)) [-]
         a of body i and of body j in frame O; zero where it has none.
     d : (3,) [m]
-        From the point of body i to that of body j, frame O.
+        From the point of body i to that of body j, frame O; lecture 8.2, (8.8).
     length : number [m], optional
         Its given length.
     """
@@ -91,7 +91,9 @@ class RelativeMotion(Enum):
 
 
 class ConstraintFacets(ABC):
-    """A kind of constraint or coordinate.
+    """A kind of constraint C = 0 or of coordinate u, by its definition: lecture 8.2, (8.8)–(8.16).
+
+    Axes a = A a′ (3,) [-] and the vector d (3,) [m] between the points are in frame O.
 
     Attributes
     ----------
@@ -106,20 +108,20 @@ class ConstraintFacets(ABC):
 
     @abstractmethod
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Residuals, zero where it holds, or the value that it measures, from moving bodies.
+        """Residuals (m,), zero where it holds, or the value that it measures, from moving bodies.
 
         Parameters
         ----------
         i, j : Course
             The bodies on their way.
         own : mapping of str to sequence of number
-            Its inputs.
+            Its inputs: axes (3,) and points (3,) [m] in the principal frames, a length [m].
         digits : FormulaArithmetic
             What numbers are computed with.
         """
 
     def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
-        """Gap that is left until it holds, and 0 for metres or 1 for radians."""
+        """Gap, a scalar, that is left until it holds, and 0 for metres or 1 for radians."""
         raise NotImplementedError(f"{type(self).__name__} is no constraint")
 
     @abstractmethod
@@ -128,10 +130,10 @@ class ConstraintFacets(ABC):
 
         Parameters
         ----------
-        axis : (3,), optional
-            Of the ground, or one of the body that stays parallel to one of the ground.
+        axis : (3,) [-], optional
+            Of the ground, or one of the body that stays parallel to one of the ground, frame O.
         point : (3,) [m], optional
-            Of the ground.
+            Of the ground, frame O.
         """
 
     def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
@@ -153,7 +155,7 @@ class ConstraintFacets(ABC):
         raise NotImplementedError(f"{type(self).__name__} is no coordinate")
 
     def direction(self, own: Mapping[str, Sequence[float]]) -> Triple | None:
-        """Direction along or about which it grows, in body i; None unless it has one for good."""
+        """Direction (3,) [-] along or about which it grows, in body i; None unless for good."""
         return None
 
 
@@ -166,12 +168,12 @@ class OfPoints(ConstraintFacets):
 
 
 class PointFacets(OfPoints):
-    """Two points coincide."""
+    """Two points coincide: d = 0 (3,) [m], lecture 8.2, (8.8)."""
 
     holds = frozenset({RelativeMotion.SLIDE, RelativeMotion.SHIFT})
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Vector d [m]."""
+        """Vector d = r_j + A_j s′_j − r_i − A_i s′_i (3,) [m]."""
         return _across(i, j, own)
 
     def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
@@ -180,7 +182,7 @@ class PointFacets(OfPoints):
 
 
 class LengthFacets(OfPoints):
-    """The distance of two points."""
+    """The distance of two points, |d| (1,) [m]."""
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
         """Length |d| [m]."""
@@ -193,7 +195,7 @@ class LengthFacets(OfPoints):
 
 
 class DistanceFacets(LengthFacets):
-    """Two points at a given distance."""
+    """Two points at a given distance: |d| = l (1,) [m]."""
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
         """Residual |d| − l [m]."""
@@ -214,7 +216,7 @@ class OfAxes(ConstraintFacets):
 
 
 class PerpendicularFacets(OfAxes):
-    """n1: two axes are perpendicular, or the cosine between them.
+    """n1: two axes are perpendicular, a_i·a_j = 0 (1,) [-], (8.9), or the cosine between them.
 
     Across an axis that another kind keeps parallel, as in joints, it holds the turn about that.
     """
@@ -222,7 +224,7 @@ class PerpendicularFacets(OfAxes):
     holds = frozenset({RelativeMotion.SPIN})
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Product a_i · a_j."""
+        """Product a_i · a_j (1,) [-]."""
         return (dot(i.vector(own["a_i_b"]), j.vector(own["a_j_b"])),)
 
     def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
@@ -241,26 +243,26 @@ class PerpendicularFacets(OfAxes):
 
 
 class ParallelFacets(OfAxes):
-    """p1: two axes are parallel."""
+    """p1: two axes are parallel, ã_i a_j = 0, (8.14); all three rows (3,) [-] of it."""
 
     holds = frozenset({RelativeMotion.TILT})
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Product a_i × a_j."""
+        """Product a_i × a_j (3,) [-]."""
         return cross(i.vector(own["a_i_b"]), j.vector(own["a_j_b"]))
 
     def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
-        """Angle between their lines."""
+        """Angle between their lines [rad]."""
         return CONTEXT.atan2(*_angle(seen)), 1
 
 
 class AngleFacets(ConstraintFacets):
-    """The angle from a_i to a_j, counted about a_i × b_i; without its turns."""
+    """The angle from a_i to a_j, counted about a_i × b_i (1,) [rad]; without its turns."""
 
     measures = RelativeMotion.SPIN
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Angle."""
+        """Angle atan2(b_i · a_j, a_i · a_j) (1,) [rad]."""
         a_j = j.vector(own["a_j_b"])
         sine, cosine = (dot(i.vector(own[name]), a_j) for name in ("b_i_b", "a_i_b"))
         return (atan2(sine, cosine, digits),)
@@ -274,17 +276,17 @@ class AngleFacets(ConstraintFacets):
         return max(_heights(one, normal)) > FLAT
 
     def direction(self, own: Mapping[str, Sequence[float]]) -> Triple | None:
-        """Axis a_i × b_i."""
+        """Axis a′_i × b′_i (3,) [-]."""
         return precise.cross(precise.triple(own["a_i_b"]), precise.triple(own["b_i_b"]))
 
 
 class InPlaneFacets(ConstraintFacets):
-    """n2: d is perpendicular to an axis of body i, or its component along that."""
+    """n2: d is perpendicular to an axis of body i, a_i·d = 0 (1,) [m], (8.12), or that product."""
 
     measures = RelativeMotion.SLIDE
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Product a_i · d [m]."""
+        """Product a_i · d (1,) [m]."""
         return (dot(i.vector(own["a_i_b"]), _across(i, j, own)),)
 
     def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
@@ -303,17 +305,17 @@ class InPlaneFacets(ConstraintFacets):
         return None if height >= 1.0 - FLAT else True
 
     def direction(self, own: Mapping[str, Sequence[float]]) -> Triple | None:
-        """Axis a_i."""
+        """Axis a′_i (3,) [-]."""
         return precise.triple(own["a_i_b"])
 
 
 class OnLineFacets(ConstraintFacets):
-    """p2: d is parallel to an axis of body i."""
+    """p2: d is parallel to an axis of body i, ã_i d = 0, (8.16); all three rows (3,) [m] of it."""
 
     holds = frozenset({RelativeMotion.SHIFT})
 
     def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Product a_i × d [m]."""
+        """Product a_i × d (3,) [m]."""
         return cross(i.vector(own["a_i_b"]), _across(i, j, own))
 
     def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:

@@ -32,9 +32,10 @@ if TYPE_CHECKING:
 class CoordinateSpringEffect:
     """M⁻¹f of a spring and damper against a coordinate, and the power of the damper.
 
-    Blocks: J and the diagonal of M⁻¹ of body i, those of body j, the value u and the rate u̇,
-    stiffness, damping and free value; of a law of its own its unit and the free value, then value
-    and unit of each name that it may depend on beside u − u⁰ and u̇.
+    f = Jᵀτ, τ = −k (u − u⁰) − c u̇ [N or N m]. Blocks: J (1, c), columns δr in frame O and δθ′ in
+    the principal frame, and the diagonal of M⁻¹ (1, c) of body i, those of body j, the value u [m
+    or rad] and the rate u̇, stiffness k, damping c and free value u⁰; of a law of its own its unit
+    and the free value, then value and unit of each name that it may depend on beside u − u⁰ and u̇.
 
     Parameters
     ----------
@@ -52,7 +53,7 @@ class CoordinateSpringEffect:
     title: str = "spring against a coordinate"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Accelerations M⁻¹Jᵀτ of the coordinates of i and j; its power [W]."""
+        """Accelerations M⁻¹Jᵀτ (c, 1) of the coordinates of i and j; its power (1, 1) [W]."""
         left, inverse_mass_i, right, inverse_mass_j, value, rate, *given = blocks
         if self.law:
             unit, free, *rest = given
@@ -78,7 +79,7 @@ class CoordinateSpringEnergy:
     title: str = "energy of a spring against a coordinate"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Energies (0, ½ k (u − u⁰)²) [J]."""
+        """Energies (0, ½ k (u − u⁰)²) (2,) [J]."""
         value, stiffness, _, free = blocks
         graph = trace.graph
         (energy,) = (stiffness @ (value - free) @ (value - free)).flat
@@ -86,10 +87,10 @@ class CoordinateSpringEnergy:
 
 
 class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
-    """A spring and damper against a coordinate."""
+    """A spring and damper against a coordinate: τ = −k (u − u⁰) − c u̇."""
 
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
-        """Record M⁻¹Jᵀτ of both bodies, and the power of what is no potential energy."""
+        """M⁻¹Jᵀτ of both bodies, and the power of what is no potential energy, recorded."""
         constants = tasks.constants(self.force)
         ends = self.slopes(tasks)
         rate = self.rate(tasks)
@@ -99,7 +100,7 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         return tasks.recorder.call(operation, *ends, value, rate, *constants, *given)
 
     def energy(self, tasks: ForceRecorder) -> SlotMatrix:
-        """Record ½ k (u − u⁰)²."""
+        """Energy (0, ½ k (u − u⁰)²) (2,) [J], recorded."""
         constants = tasks.constants(self.force)
         value = tasks.coordinates.value(self.force.coordinate)
         return tasks.recorder.call(CoordinateSpringEnergy(), value, *constants)[0]
@@ -107,7 +108,7 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
     def elongation(
         self, tasks: ForceRecorder
     ) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix, SlotMatrix]:
-        """Record u and u̇; u⁰ and 1, since both are in rad or m."""
+        """Value u and rate u̇, recorded; u⁰ and 1, since both are in rad or m: (1,) each."""
         _, free = tasks.constants(self.force)
         value = tasks.coordinates.value(self.force.coordinate)
         return value, self.rate(tasks), free, tasks.recorder.constant((1,))

@@ -34,7 +34,7 @@ class Applied:
 
     Parameters
     ----------
-    forces, torques : tuple of (3,), or None
+    forces, torques : tuple of (3,) [N, N m], or None
         Directions of frame O that it is along, whatever the position; None where it may be along
         any.
     """
@@ -46,8 +46,10 @@ class Applied:
 class ForceFacets(ABC, Generic[E]):
     """A force, and all that is asked of it after the scene is read.
 
-    What is not stated here is assumed to be as bad as it can be: a force leaves every plane, keeps
-    its bodies from being joined with others, and no momentum of a part that it acts on is constant.
+    What it does to a body is f = (F, N′) (6,): F [N] in frame O, N′ [N m] about the centre of mass
+    in the principal frame. What is not stated here is assumed to be as bad as it can be: a force
+    leaves every plane, keeps its bodies from being joined with others, and no momentum of a part
+    that it acts on is constant.
 
     Parameters
     ----------
@@ -69,7 +71,7 @@ class ForceFacets(ABC, Generic[E]):
 
     @abstractmethod
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
-        """Record what it adds to the accelerations of body i and of body j, then its power.
+        """M⁻¹f (c, 1) [m/s², rad/s²] of body i and of body j, then the power (1, 1) [W], recorded.
 
         The power is that of what is no potential energy; it may be missing where nothing
         :attr:`~kousoku.model.multibody.ForceElement.works`. What is added to the ground is not
@@ -77,13 +79,13 @@ class ForceFacets(ABC, Generic[E]):
         """
 
     def energy(self, tasks: ForceRecorder) -> SlotMatrix:
-        """Record (0, V), of a force that has a potential energy."""
+        """Energies (0, V) (2,) [J], recorded, of a force f = −∂V/∂q that has a potential energy."""
         raise NotImplementedError(f"no energy of a force of kind {self.force.kind}")
 
     def elongation(
         self, tasks: ForceRecorder
     ) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix, SlotMatrix]:
-        """Record what its law is of: a value, its rate, where it is free, and the unit of both."""
+        """Numbers (1,) that its law is of, recorded: a value, its rate, the free one, the unit."""
         raise NotImplementedError(f"no elongation of a force of kind {self.force.kind}")
 
     # In analyses.
@@ -101,15 +103,16 @@ class ForceFacets(ABC, Generic[E]):
         return True
 
     def seen_from(self, i: Placement, j: Placement) -> E:
-        """Force between the bodies that carry its own.
+        """Force between the bodies that carry its own: s′ → at + A s′, a′ → A a′.
 
-        ``s_i_b`` and ``s_j_b`` are points, what else ends in ``_i_b`` and ``_j_b`` vectors.
+        ``s_i_b`` and ``s_j_b`` are points (3,) [m], what else ends in ``_i_b`` and ``_j_b``
+        vectors.
         """
         constants = seen_from_carriers(self.force.constants, i, j)
         return replace(self.force, i=i.carrier, j=j.carrier, constants=constants)
 
     def resting_energy(self, i: Placement, j: Placement) -> Real:
-        """Potential energy [J] where both bodies are carried by one."""
+        """Potential energy V, a number [J], where both bodies are carried by one."""
         energy: Real = precise.number(0.0)
         return energy
 
@@ -132,10 +135,10 @@ class ForceFacets(ABC, Generic[E]):
         given: Mapping[str, Sequence[Real]],
         found: Found,
     ) -> tuple[Real, Real]:
-        """Add it to the equations of each body; return the power and the potential energy.
+        """Add f to the equations M v̇ = f of each body; return the power and the potential energy.
 
         What it does is stated again, from its geometric definition: no kernel, no operation and
-        nothing of :meth:`effect` has a part in it.
+        nothing of :meth:`effect` has a part in it. Power [W] and energy [J] are numbers.
 
         Parameters
         ----------
@@ -146,7 +149,8 @@ class ForceFacets(ABC, Generic[E]):
         names : mapping of str to Jet
             What formulas may name.
         given : mapping of str to sequence of number
-            Its constants, those that have a formula multiplied by it.
+            Its constants, those that have a formula multiplied by it: points (3,) [m] in the
+            principal frames, vectors in theirs.
         found : Found
             What acts.
         """

@@ -30,10 +30,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class LoadEffect:
-    """M⁻¹f of a force or torque, and its power.
+    """M⁻¹f of a force or torque f = (F, s̃′AᵀF) or (0, N′), and its power.
 
-    Blocks: p, A, v, ω′ and the diagonal of M⁻¹ of the body, of a force its point, then vectors that
-    are added up.
+    Blocks: p (4,), A (3, 3), v (3,) [m/s] in frame O, ω′ (3,) [rad/s] in the principal frame and
+    the diagonal of M⁻¹ (1, c) of the body, of a force its point s′ (3,) [m], then vectors (3,) [N
+    or N m] that are added up. The torque is that of three mass points, (torque-definition).
 
     Parameters
     ----------
@@ -55,7 +56,7 @@ class LoadEffect:
         return f"{self.kind} on a body"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Accelerations of the coordinates; power F·v + N′·ω′ [W] if wanted."""
+        """Accelerations of the coordinates (c, 1); power F·v + N′·ω′ (1, 1) [W] if wanted."""
         p, orientation, v, omega, inverse_mass, *constants = blocks
         share(trace, p, orientation)
         point = constants.pop(0) if self.kind in ("force", "force_b") else None
@@ -81,12 +82,15 @@ class LoadEffect:
 
 @dataclass(frozen=True, slots=True)
 class LoadEnergy:
-    """Potential energy of a constant force. Blocks: r and p of the body, the point, the force."""
+    """Potential energy of a constant force. Blocks: r and p of the body, the point, the force.
+
+    r (3,) [m] and F (3,) [N] are in frame O, the point s′ (3,) [m] in the principal frame.
+    """
 
     title: str = "energy of force"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Energies (0, V) [J]: V = −F·(r + A s′)."""
+        """Energies (0, V) (2,) [J]: V = −F·(r + A s′)."""
         graph = trace.graph
         r, p, point, force = blocks
         inputs = {"r": r.flat, "p": p.flat, "s_b": point.flat}
@@ -96,12 +100,12 @@ class LoadEnergy:
 
 
 class LoadFacets(ForceFacets[Load]):
-    """A force or torque on a body."""
+    """A force F at s′, f = (F, s̃′AᵀF), or a torque N, f = (0, AᵀN), on a body: (3,) [N, N m]."""
 
     is_carried = True
 
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
-        """Record M⁻¹f of body j, and the power."""
+        """M⁻¹f of body j, and the power, recorded."""
         j = tasks.body(self.force.j)
         blocks = (j.p, j.orientation, j.v_r, j.omega_b, j.inverse_mass)
         operation = LoadEffect(self.force.kind, j.columns, self.force.works)
@@ -109,7 +113,7 @@ class LoadFacets(ForceFacets[Load]):
         return (column(()), *tasks.recorder.call(operation, *blocks, *constants))
 
     def energy(self, tasks: ForceRecorder) -> SlotMatrix:
-        """Record −F·r of its point."""
+        """Energies (0, −F·(r + A s′)) (2,) [J], recorded."""
         constants, j = tasks.constants(self.force), tasks.body(self.force.j)
         return tasks.recorder.call(LoadEnergy(), j.r, j.p, *constants)[0]
 
@@ -128,7 +132,7 @@ class LoadFacets(ForceFacets[Load]):
         return replace(self.force, i=i.carrier, j=j.carrier, constants=constants)
 
     def resting_energy(self, i: Placement, j: Placement) -> Real:
-        """Energy −F·r of a force on the ground [J]."""
+        """Energy −F·(r + A s′) of a force on the ground [J]."""
         given = dict(self.force.constants)
         end = precise.triple(j.point(given["s_j_b"]))
         energy: Real = -precise.dot(precise.triple(given["force"]), end)
@@ -147,7 +151,7 @@ class LoadFacets(ForceFacets[Load]):
         given: Mapping[str, Sequence[Real]],
         found: Found,
     ) -> tuple[Real, Real]:
-        """Add F at its point, or N; return F·ṙ or N·ω, and −F·r of its point."""
+        """Add F at its point, or N; return F·ṙ_P or N·ω, and −F·r_P of its point."""
         force = self.force
         vectors = [values for name, values in given.items() if name != "s_j_b"]
         vector = [sum(parts) for parts in zip(*vectors, strict=True)]

@@ -36,9 +36,11 @@ ENDS, LAW = ("s_i_b", "s_j_b"), ("stiffness", "damping", "free_length")
 class SpringEffect:
     """M⁻¹f of a spring and damper, and the power of what is no potential energy.
 
-    Blocks: r, p, A, v, ω′ and the diagonal of M⁻¹ of body i, those of body j, then the two ends,
-    stiffness, damping and free length; of a law of its own unit and free length, then value and
-    unit of each name that it may depend on beside elongation and rate.
+    f = −T ∂l/∂q with T = k (l − l⁰) + c l̇ [N] and l = |d|, lecture 8.2, (8.8). Blocks: r (3,) [m],
+    p (4,), A (3, 3), v (3,) [m/s] in frame O, ω′ (3,) [rad/s] in the principal frame and the
+    diagonal of M⁻¹ of body i, those of body j, then the two ends s′ (3,) [m], stiffness, damping
+    and free length; of a law of its own unit and free length, then value and unit of each name that
+    it may depend on beside elongation and rate.
 
     Parameters
     ----------
@@ -60,7 +62,7 @@ class SpringEffect:
     title: str = "spring and damper"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Accelerations of the coordinates of i and j; its power [W]."""
+        """Accelerations (c, 1) of the coordinates of i and j; power (1, 1) [W], −c l̇² if linear."""
         r_i, p_i, a_i, v_i, omega_i, inverse_mass_i = blocks[:6]
         r_j, p_j, a_j, v_j, omega_j, inverse_mass_j = blocks[6:12]
         share(trace, p_i, a_i)
@@ -95,12 +97,16 @@ class SpringEffect:
 
 @dataclass(frozen=True, slots=True)
 class SpringLength:
-    """Length of a spring and its rate. Blocks: r, p, v and ω′ of both bodies, then the two ends."""
+    """Length of a spring and its rate. Blocks: r, p, v and ω′ of both bodies, then the two ends.
+
+    Units and frames are those of :class:`SpringEffect`: r [m] in frame O, s′ in the principal
+    frame.
+    """
 
     title: str = "length of a spring"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Length l and its derivative by time."""
+        """Length l = |d| (1,) [m] and its derivative by time l̇ = d·ḋ/l (1,) [m/s]."""
         ends = (f"{name}_{body}" for body in "ij" for name in ("r", "p", "v", "omega"))
         names = (name + "_b" if "omega" in name else name for name in (*ends, *ENDS))
         found = _inline(trace, "length", dict(zip(names, blocks, strict=True)))
@@ -109,12 +115,15 @@ class SpringLength:
 
 @dataclass(frozen=True, slots=True)
 class SpringEnergy:
-    """Potential energy of a spring. Blocks: r and p of both bodies, the constants."""
+    """Potential energy of a spring. Blocks: r and p of both bodies, the constants.
+
+    r (3,) [m] is in frame O, the ends s′ (3,) [m] in the principal frames; k [N/m], c, l⁰ [m].
+    """
 
     title: str = "energy of spring_damper"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Energies (0, V) [J]: V = ½ k (l − l⁰)²."""
+        """Energies (0, V) (2,) [J]: V = ½ k (l − l⁰)²."""
         zero = trace.graph.const(0)
         places = dict(zip(("r_i", "p_i", "r_j", "p_j", *ENDS), blocks[:6], strict=True))
         still = column_of(trace, zero, zero, zero)
@@ -126,12 +135,12 @@ class SpringEnergy:
 
 
 class SpringFacets(ForceFacets[PointSpring]):
-    """A spring and damper between two points."""
+    """A spring and damper between two points: T = k (l − l⁰) + c l̇ [N] draws them together."""
 
     is_carried = True
 
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
-        """Record M⁻¹f of both bodies, and the power of what is no potential energy."""
+        """M⁻¹f of both bodies, and the power of what is no potential energy, recorded."""
         constants = tasks.constants(self.force)
         i, j = tasks.body(self.force.i), tasks.body(self.force.j)
         ends = [
@@ -147,7 +156,7 @@ class SpringFacets(ForceFacets[PointSpring]):
         return tasks.recorder.call(operation, *ends, *constants, *given)
 
     def energy(self, tasks: ForceRecorder) -> SlotMatrix:
-        """Record ½ k (l − l⁰)²."""
+        """Energies (0, ½ k (l − l⁰)²) (2,) [J], recorded."""
         constants = tasks.constants(self.force)
         i, j = tasks.body(self.force.i), tasks.body(self.force.j)
         return tasks.recorder.call(SpringEnergy(), i.r, i.p, j.r, j.p, *constants)[0]
@@ -155,7 +164,7 @@ class SpringFacets(ForceFacets[PointSpring]):
     def elongation(
         self, tasks: ForceRecorder
     ) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix, SlotMatrix]:
-        """Record l and its rate; l⁰ and the unit of the scene."""
+        """Length l [m] and its rate [m/s], recorded; l⁰ and the unit of the scene: (1,) each."""
         start, end, unit, free = tasks.constants(self.force)
         bodies = (tasks.body(self.force.i), tasks.body(self.force.j))
         ends = [block for x in bodies for block in (x.r, x.p, x.v_r, x.omega_b)]

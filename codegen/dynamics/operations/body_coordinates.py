@@ -24,14 +24,21 @@ MOST_JOINTS = 64
 
 
 def shape(body: MovingBody, *, is_planar: bool) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Coordinates of a body: places in (r, p) and in (δr, δθ′)."""
+    """Coordinates of a body: places (c,) in (r, p) (7,) [m, -] and in (δr, δθ′) (6,) [m, rad].
+
+    r and δr are in frame O, δθ′ in the principal frame, δp = ½ p ∘ (0, δθ′); in the plane they are
+    x, y, and p₀, p_z or δθ′_z.
+    """
     if is_planar:
         return PLANAR_POINT if body.is_point else PLANAR
     return SPATIAL_POINT if body.is_point else SPATIAL
 
 
 def start(body: MovingBody) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Position (r, p) and velocity (v, ω′) at the start; a point does not turn."""
+    """Position (r, p) (7,) and velocity (v, ω′) (6,) at the start; a point does not turn.
+
+    r [m] and v [m/s] of the centre of mass in frame O, ω′ [rad/s] in the principal frame.
+    """
     if body.is_point:
         return (*body.r, *NO_TURN), (*body.v, 0.0, 0.0, 0.0)
     return (*body.r, *body.p), (*body.v, *body.omega_b)
@@ -67,7 +74,8 @@ def require_masses(system: System, *, is_planar: bool) -> None:
 def thickened(system: System) -> System:
     """System with bodies that can turn about any axis: thin ones get some thickness.
 
-    A motion in a plane, and what it takes to hold bodies in it, does not change by that.
+    Moments (3,) [kg m²] in the principal frame that are zero become max(I)/2, or 1. A motion in a
+    plane, and what it takes to hold bodies in it, does not change by that.
     """
     return replace(system, bodies=tuple(map(_thickened, system.bodies)))
 

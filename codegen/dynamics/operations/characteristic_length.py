@@ -26,10 +26,11 @@ def is_ground_point(source: Instance | RelativeCoordinate | ForceElement, name: 
 
 
 def characteristic_length(system: System) -> float:
-    """Length of a system that is the same wherever it stands, unless very far off [m].
+    """Length, a scalar [m], of a system that is the same wherever it stands, unless very far off.
 
-    The largest distance, along an axis, of a joint from the centre of mass of a body, or between
-    two points of the ground; where none is, that of :func:`extent`.
+    ℓ = max |s′_k| over the axes k of the body frames, of joints from the centre of mass of a body,
+    and the extent along an axis of frame O of points of the ground; where none is, that of
+    :func:`extent`.
     """
     sources: tuple[Instance | RelativeCoordinate, ...] = (*system.constraints, *system.coordinates)
     lengths, ground = [0.0], []
@@ -46,11 +47,12 @@ def characteristic_length(system: System) -> float:
 
 
 def extent(system: System) -> float:
-    """Extent of a system whose joints have no length [m].
+    """Extent, a scalar [m], of a system whose joints have no length.
 
-    The largest distance, along an axis, between centres of mass and points of the ground at the
-    start, or of a force from a centre of mass; where none is, the largest radius of gyration. It
-    is 1 where a point stands alone: nothing in the scene tells metres from other units then.
+    The largest distance, along an axis of frame O, between centres of mass and points of the ground
+    at the start, or along one of a body frame of a force from a centre of mass; where none is, the
+    largest radius of gyration √(I/m). It is 1 where a point stands alone: nothing in the scene
+    tells metres from other units then.
     """
     places = [tuple(map(float, body.r)) for body in system.bodies]
     lengths = [0.0]

@@ -25,9 +25,12 @@ TURNED = 6
 
 @dataclass(frozen=True, slots=True)
 class CoordinateValue:
-    """Value of a coordinate. Blocks: r, p and A of body i, those of body j, φ, the constants.
+    """Value u of a coordinate. Blocks: r, p and A of body i, those of body j, φ, the constants.
 
-    A may be without entries: then it is computed from p.
+    r (3,) [m] and A (3, 3) [-] are of frame O, p (4,), φ (1,) [rad], points and axes of the
+    principal frames. A may be without entries: then it is computed from p. u is C of its kind:
+    lecture 8.2, (8.9) of n1 and the angle, (8.12) of n2, |d| of (8.8). An angle is counted, Θ = φ +
+    wrap(θ − φ).
 
     Parameters
     ----------
@@ -61,14 +64,15 @@ class CoordinateValue:
 
 @dataclass(frozen=True, slots=True)
 class CoordinateJacobian:
-    """Jacobian of a coordinate. Blocks: as of :class:`CoordinateValue`, φ without entries.
+    """Jacobian J of a coordinate, u̇ = J v. Blocks: as of :class:`CoordinateValue`, φ left empty.
 
     Parameters
     ----------
     kind, constants
         As of :class:`CoordinateValue`.
     columns_i, columns_j : tuple of int
-        Columns of each body that are coordinates: none of the ground.
+        Columns of each body, δr in frame O and δθ′ in the principal frame, that are coordinates:
+        none of the ground.
     """
 
     kind: str
@@ -82,7 +86,7 @@ class CoordinateJacobian:
         return f"Jacobian of {self.kind}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """J of i and of j, each one row."""
+        """J of i and of j, each one row (1, c) [unit of u per m or rad]."""
         found = _inline(trace, "constraint", self, blocks)
         row = Matrix(trace.graph, (tuple(found["C_q"]),), 2 * COLUMNS)
         right = [COLUMNS + k for k in self.columns_j]
@@ -92,6 +96,8 @@ class CoordinateJacobian:
 @dataclass(frozen=True, slots=True)
 class CoordinateGamma:
     """γ of a coordinate. Blocks: as of :class:`CoordinateJacobian`, then v and ω′ of i and of j.
+
+    v (3,) [m/s] is in frame O, ω′ (3,) [rad/s] in the principal frame.
 
     Parameters
     ----------
@@ -108,7 +114,7 @@ class CoordinateGamma:
         return f"gamma of {self.kind}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Right-hand side γ (1,) of ü = J v̇ − γ."""
+        """Right-hand side γ (1,) [m/s² or rad/s²] of ü = J v̇ − γ."""
         names = ("v_i", "omega_i_b", "v_j", "omega_j_b")
         motion = dict(zip(names, blocks[-len(names) :], strict=True))
         found = _inline(trace, "rates", self, blocks[: -len(names)], motion)
@@ -117,12 +123,16 @@ class CoordinateGamma:
 
 @dataclass(frozen=True, slots=True)
 class CoordinateRate:
-    """Rate of a coordinate. Blocks: J and x of each body in turn, what is taken away last."""
+    """Rate of a coordinate. Blocks: J and x of each body in turn, what is taken away last.
+
+    J (1, c) and x (c,) have the columns δr in frame O, δθ′ in the principal frame: x is v [m/s,
+    rad/s], or v̇ and the last block γ.
+    """
 
     title: str = "rate"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Rate Σ J x minus the last block."""
+        """Rate Σ J x minus the last block, (1,): u̇ = J v or ü = J v̇ − γ."""
         *pairs, less = blocks
         total = -less
         for row, x in zip(pairs[::2], pairs[1::2], strict=True):

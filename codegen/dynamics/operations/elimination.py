@@ -68,10 +68,10 @@ def _updated(diagonal: Matrix, y: Matrix, x: Matrix) -> Matrix:
 
 @dataclass(frozen=True, slots=True)
 class Eliminate:
-    """Factorise a pivot and eliminate it from its neighbours.
+    """Factors L D Lᵀ of a pivot, which is eliminated from its neighbours: S_mn − Y_m X_nᵀ.
 
-    Blocks: the pivot; for each neighbour its block beside the pivot; for each pair of neighbours,
-    (0, 0), (1, 0), (1, 1), (2, 0) …, its block.
+    Blocks: the pivot (n, n); for each neighbour its block (m, n) beside the pivot; for each pair of
+    neighbours, (0, 0), (1, 0), (1, 1), (2, 0) …, its block (m, m).
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Eliminate:
         return f"eliminate {self.neighbours}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """L, D⁻¹, X of each neighbour, and the blocks of the pairs."""
+        """L (n, n), D⁻¹ (1, n), X = Y D⁻¹ (m, n) of each neighbour, and the blocks of the pairs."""
         pivot, *others = blocks
         lower, inverse = _factorise(pivot)
         y = [_panel(block, lower) for block in others[: self.neighbours]]
@@ -102,12 +102,12 @@ class Eliminate:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """One of many neighbours of a pivot. Blocks: L, D⁻¹, the block beside the pivot."""
+    """One of many neighbours of a pivot. Blocks: L, D⁻¹, the block S (m, n) beside the pivot."""
 
     title: str = "eliminate, neighbour"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Panels Y and X."""
+        """Panels Y = S L⁻ᵀ and X = Y D⁻¹, (m, n)."""
         lower, inverse, coupling = blocks
         y = _panel(coupling, lower)
         return y, y.scaled(inverse)
@@ -115,7 +115,7 @@ class Panel:
 
 @dataclass(frozen=True, slots=True)
 class Update:
-    """Eliminate a pivot from the block of two of its many neighbours. Blocks: it, Y_m, X_n.
+    """Block of two of a pivot's many neighbours, without the pivot. Blocks: it, Y_m, X_n.
 
     Parameters
     ----------
@@ -127,31 +127,34 @@ class Update:
     title: str = "eliminate, pair"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Block."""
+        """Block S_mn − Y_m X_nᵀ (m, n)."""
         block, y, x = blocks
         return (_updated(block, y, x) if self.is_diagonal else block - y @ x.T,)
 
 
 @dataclass(frozen=True, slots=True)
 class Couple:
-    """Couple two joints that share a body. Blocks: what couples them already, C_q M⁻¹, C_q."""
+    """Coupling of two joints that share a body. Blocks: what couples them already, C_q M⁻¹, C_q.
+
+    C_q (n, c) has the columns δr in frame O, δθ′ in the principal frame of that body.
+    """
 
     title: str = "couple"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Block + C_q M⁻¹ C_qᵀ."""
+        """Block + C_q M⁻¹ C_qᵀ (m, n) of the Schur complement S = C_q M⁻¹ C_qᵀ."""
         block, scaled, jacobian = blocks
         return (block + scaled @ jacobian.T,)
 
 
 @dataclass(frozen=True, slots=True)
 class Gather:
-    """Subtract products from a vector. Blocks: it, then matrix and vector of each product."""
+    """Vector less products. Blocks: it (n,), then matrix and vector of each product."""
 
     title: str = "gather"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Vector − Σ matrix · other."""
+        """Vector − Σ matrix · other (n,)."""
         total, *products = blocks
         for matrix, vector in zip(products[::2], products[1::2], strict=True):
             total -= matrix @ vector
@@ -168,7 +171,7 @@ class Forward:
     title: str = "forward"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Solutions z and D⁻¹ z."""
+        """Solutions z and D⁻¹ z, (n,)."""
         lower, inverse, *rest = blocks
         (total,) = Gather()(trace, *rest)
         graph = trace.graph
@@ -185,7 +188,7 @@ class Backward:
     title: str = "backward"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Solution L⁻ᵀ (D⁻¹ z − Σ Xᵀ λ)."""
+        """Solution λ = L⁻ᵀ (D⁻¹ z − Σ Xᵀ λ), (n,)."""
         lower, *rest = blocks
         (total,) = Gather()(trace, *rest)
         graph, upper = trace.graph, lower.T.rows

@@ -50,17 +50,17 @@ def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tu
 def accelerations(
     trace: Trace, forces: Sequence[int], columns: Sequence[int], inverse_mass: Matrix
 ) -> Matrix:
-    """Share of force and torque (F, N′) of a body in the accelerations of its columns.
+    """Share M⁻¹f (c, 1) [m/s², rad/s²] of force and torque f = (F, N′) in a body's accelerations.
 
     Parameters
     ----------
     trace : Trace
         Where it goes.
-    forces : (6,) nodes
+    forces : (6,) nodes [N, N m]
         Force in frame O, torque in the principal frame.
     columns : sequence of int
         Its coordinates.
-    inverse_mass : Matrix
+    inverse_mass : Matrix (1, c) [1/kg, 1/(kg m²)]
         The diagonal of M⁻¹ of these.
     """
     mul = trace.graph.mul

@@ -27,7 +27,10 @@ def is_level(heights: Sequence[float], sizes: Sequence[Sequence[float]]) -> bool
 
 
 def ends_of(system: System, one: ForceElement | RelativeCoordinate, normal: int) -> list[float]:
-    """Distances of the ends from the centres of their bodies and from each other."""
+    """Distances (n,) [m] of the ends from the centres of their bodies, s′·n, and from each other.
+
+    n is the axis ``normal`` of frame O, which is that of all principal frames.
+    """
     given = dict(one.constants)
     own = [
         given[f"s_{end}_b"][normal]
@@ -41,7 +44,7 @@ def ends_of(system: System, one: ForceElement | RelativeCoordinate, normal: int)
 def height(
     system: System, one: ForceElement | RelativeCoordinate | Instance, end: str, normal: int
 ) -> float:
-    """Coordinate of an end of a spring or a joint at the start."""
+    """Coordinate (r + A s′)·n, a scalar [m], frame O, of a spring's or joint's end at the start."""
     point = dict(one.constants)[f"s_{end}_b"]
     index = one.i if end == "i" else one.j
     if index == GROUND_INDEX:
@@ -53,7 +56,10 @@ def height(
 
 
 def at_start(system: System, one: RelativeCoordinate) -> float:
-    """Value of a coordinate at the start, of an angle up to whole turns."""
+    """Value u, a scalar [m or rad], of a coordinate at the start, of an angle up to whole turns.
+
+    It is C of its kind at r, p of the start in frame O: lecture 8.2, (8.9), (8.12) or |d| of (8.8).
+    """
     inputs: dict[str, Sequence[float]] = dict(one.constants)
     for end, index in (("i", one.i), ("j", one.j)):
         ground = (0.0, 0.0, 0.0, *NO_TURN)

@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 
 class Jet:
-    """A number x with ẋ and ẍ.
+    """A number x with ẋ and ẍ, in its unit, per s and per s².
 
     Parameters
     ----------
     x, d, dd : number
-        Value, first and second derivative.
+        Value, first and second derivative by time.
     """
 
     __slots__ = ("d", "dd", "x")
@@ -65,12 +65,12 @@ JetVector = tuple[Jet, Jet, Jet]
 
 
 def dot(a: Sequence[Jet], b: Sequence[Jet]) -> Jet:
-    """Scalar product a · b."""
+    """Scalar product a·b of vectors (n,) of jets in one frame; its unit is that of a b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Sequence[Any], b: Sequence[Any]) -> tuple[Any, Any, Any]:
-    """Vector product a × b, of jets or of numbers."""
+    """Vector product a × b (3,), of jets or of numbers, in one frame; its unit is that of a b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 

@@ -25,24 +25,29 @@ NOTHING, AXIS, POINT = "nothing", "an axis", "a point"
 
 @dataclass(frozen=True, slots=True)
 class JointArm:
-    """Velocity of the centre of mass for each turn. Blocks: A, s′ × a′ by columns."""
+    """Velocity of the centre of mass for each turn. Blocks: A, s′ × a′ by columns.
+
+    A (3, 3) [-] takes the principal frame to frame O; s′ × a′ (3, turns) [m] is in the principal
+    frame: d/dt(−A s′) = A (s′ × ω′) with ω′ = a′ u.
+    """
 
     title: str = "arm of a joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """A (s′ × a′)."""
+        """A (s′ × a′) (3, turns) [m], frame O."""
         orientation, arms = blocks
         return (orientation @ arms,)
 
 
 @dataclass(frozen=True, slots=True)
 class ProjectPosition:
-    """Position on the joint.
+    """Position on the joint: r = r_joint − A s′ + a x.
 
-    Blocks: r, p, δr, δθ′; as
+    Blocks: r (3,) [m], p (4,), δr [m], δθ′ [rad]; as
     :class:`~kousoku.codegen.dynamics.simplification.joint_coordinates.VelocityTransformation` has
     them the point of the joint in frame O and in the body, p and r at the start, vectors across the
-    axis in frame O, those beside p, p ∘ (0, a′), a; then what drives turn and displacement.
+    axis in frame O, those beside p, p ∘ (0, a′), a; then what drives turn [rad] and displacement x
+    [m].
 
     Parameters
     ----------
@@ -62,7 +67,7 @@ class ProjectPosition:
     title: str = "onto the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Position r, p that meets the joint, p of norm one."""
+        """Position r, p that meets the joint, p of norm one: its coordinates, (c,) [m, -]."""
         r, p, dr, dtheta, joint, joint_b, p_start, base, across, beside, p_turned, axis, *led = (
             blocks
         )
@@ -99,11 +104,11 @@ class ProjectPosition:
 
 @dataclass(frozen=True, slots=True)
 class ProjectVelocity:
-    """Velocities that fit the joint.
+    """Velocities v = R u + β that fit the joint, u = (Rᵀ M R)⁻¹ Rᵀ M (v − β).
 
-    Blocks: v, ω′, the arm, a′ and a by columns, the vectors across each of them, (Rᵀ M R)⁻¹ m of
-    the turns, and (Rᵀ M R)⁻¹ a′ᵀ I′ where the axis is skew; then the rates that drive turn and
-    displacement.
+    Blocks: v (3,) [m/s] in frame O, ω′ (3,) [rad/s] in the principal frame, the arm (3, turns) [m],
+    a′ and a by columns, the vectors across each of them, (Rᵀ M R)⁻¹ m [1/m²] of the turns, and (Rᵀ
+    M R)⁻¹ a′ᵀ I′ where the axis is skew; then the rates that drive turn and displacement.
 
     They are changed by the least in the metric of the masses, as all rows would do it: a turn is
     what both ω′ and v say of it.
@@ -129,7 +134,7 @@ class ProjectVelocity:
     title: str = "velocity on the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Velocities u, what v lacks of R u + β, and β."""
+        """Velocities u (f,), what v lacks of R u + β, and β, (c,) [m/s, rad/s]."""
         v, omega, arm, axis_b, axis, across_b, across, masses, *led = blocks
         graph, given = trace.graph, iter(led)
         free: list[Matrix] = []
@@ -169,10 +174,11 @@ class ProjectVelocity:
 
 @dataclass(frozen=True, slots=True)
 class BiasAcceleration:
-    """η: the acceleration that is there with u̇ = 0.
+    """η: the acceleration that is there with u̇ = 0, v̇ = R u̇ + η.
 
-    Blocks: ω′, the arm, A, a′, a in frame O, the point of the joint in the body; then the second
-    derivatives that drive turn and displacement.
+    Blocks: ω′ (3,) [rad/s], the arm (3, turns) [m] in frame O, A (3, 3), a′, a in frame O, the
+    point s′ (3,) [m] of the joint in the body; then the second derivatives that drive turn and
+    displacement. About a point it is A (ω′ × (s′ × ω′)), about an axis a × arm u².
 
     Parameters
     ----------
@@ -191,7 +197,7 @@ class BiasAcceleration:
     title: str = "acceleration on the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Bias acceleration η in the columns."""
+        """Bias acceleration η in the columns, (c,) [m/s², rad/s²]."""
         omega, arm, orientation, axis_b, axis, point, *led = blocks
         given = iter(led)
         zero = omega - omega
@@ -211,10 +217,11 @@ class BiasAcceleration:
 
 @dataclass(frozen=True, slots=True)
 class ReduceForces:
-    """u̇ of a body on which no other joint acts.
+    """u̇ (f,) of a body on which no other joint acts: Rᵀ M R u̇ = Rᵀ (f − M η).
 
-    Blocks: M⁻¹f in the columns, the arm, a, η in the columns, then (Rᵀ M R)⁻¹ m and
-    (Rᵀ M R)⁻¹ a′ᵀ I′ of the turns.
+    Blocks: M⁻¹f in the columns (c,) [m/s², rad/s²], δr in frame O and δθ′ in the principal frame,
+    the arm (3, turns) [m] and a (3,) in frame O, η in the columns, then (Rᵀ M R)⁻¹ m and (Rᵀ M R)⁻¹
+    a′ᵀ I′ of the turns.
 
     Parameters
     ----------
@@ -232,7 +239,7 @@ class ReduceForces:
     title: str = "free acceleration on the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Accelerations (Rᵀ M R)⁻¹ Rᵀ M (M⁻¹f − η) of all turns and the displacement."""
+        """Accelerations (Rᵀ M R)⁻¹ Rᵀ M (M⁻¹f − η) (f,) of all turns and the displacement."""
         free, arm, axis, eta, masses, moments = blocks
         if self.turn == POINT:  # else Rᵀ M η is zero for what is free
             free -= eta
@@ -254,8 +261,9 @@ class ReduceForces:
 class DriverPower:
     """Power of what drives a freedom.
 
-    Blocks: its mass, ü that it prescribes, u̇ without it, its column of R, what all other joints do,
-    −Σ C_qᵀλ, and the rate.
+    Blocks: its mass m (1, 1) [kg or kg m²], ü that it prescribes, u̇ without it, its column (c, 1)
+    of R, what all other joints do, −Σ C_qᵀλ (c,) [N in frame O, N m in the principal frame], and
+    the rate.
     """
 
     title: str = "power of a driver of a joint with the ground"
@@ -269,22 +277,24 @@ class DriverPower:
 
 @dataclass(frozen=True, slots=True)
 class JointWrench:
-    """What the joint and its drivers do to the body.
+    """What the joint and its drivers do to the body, of M v̇ + Σ C_qᵀλ = f + it.
 
-    Blocks: the diagonal of M, v̇, M⁻¹f, what all other joints do, −Σ C_qᵀλ.
+    Blocks: the diagonal of M (1, c) [kg, kg m²], v̇ (c,), M⁻¹f, what all other joints do, −Σ C_qᵀλ.
     """
 
     title: str = "force of a joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """M v̇ − f + Σ C_qᵀλ in the columns."""
+        """M v̇ − f + Σ C_qᵀλ in the columns, (c,): [N] in frame O, [N m] in the principal frame."""
         masses, second, free, others = blocks
         return ((second - free).T.scaled(masses).T - others,)
 
 
 @dataclass(frozen=True, slots=True)
 class DriverWrench:
-    """What a driver has of that. Blocks: it, the column of R, the Jacobian of the coordinate.
+    """What a driver has of that, Jᵀ (Rᵀ w). Blocks: it, the column of R, J of the coordinate.
+
+    w (c,) is [N] in frame O, [N m] in the principal frame.
 
     Parameters
     ----------
@@ -296,7 +306,7 @@ class DriverWrench:
     title: str = "force of a driver of a joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Wrench of the driver, and what is left for others."""
+        """Wrench of the driver, and what is left for others, (c,)."""
         wrench, column, slopes = blocks
         effort = column.T @ wrench
         own = slopes.T @ (effort if self.sign > 0 else -effort)
@@ -305,7 +315,7 @@ class DriverWrench:
 
 @dataclass(frozen=True, slots=True)
 class PrescribedValue:
-    """What a driver makes of a freedom. Blocks: its formula, what it is at the start.
+    """What a driver makes of a freedom, u = ±(f(t) − u₀). Blocks: its formula, that at the start.
 
     Parameters
     ----------
@@ -317,7 +327,7 @@ class PrescribedValue:
     title: str = "driven joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Turn or displacement since the start, or its rates where that is zero."""
+        """Turn or displacement (1,) [rad or m] since the start, or its rates where that is zero."""
         law, start = blocks
         difference = law - start
         return (difference if self.sign > 0 else -difference,)

@@ -25,7 +25,7 @@ def ends_of(bodies: Sequence[int]) -> tuple[int, ...]:
 
 
 def points_of(system: System) -> dict[str, Vector]:
-    """Point of each joint in the principal frame of body j, or in frame O.
+    """Point s′ (3,) [m], of r + A s′, of each joint in the principal frame of body j, or frame O.
 
     Joints without a point have their torque at the origin of that frame.
     """

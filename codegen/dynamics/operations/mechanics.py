@@ -37,7 +37,11 @@ def frozen(package: str, name: str) -> Kernel:
 
 
 def lengths_of(source: Instance | RelativeCoordinate) -> Iterator[tuple[str, tuple[float, ...]]]:
-    """Constants that are lengths [m], with ``i`` or ``j`` for points of a body, else ``""``."""
+    """Constants that are lengths [m], with ``i`` or ``j`` for points of a body, else ``""``.
+
+    Points s′ (3,) of lecture 8.2, (8.8), are in the principal frame of the body, frame O of the
+    ground.
+    """
     numbers, points = {"length"}, {"s_i_b", "s_j_b"}
     if is_own(source.kind):
         lengths = [one for one in frozen(source.kind, "constraint").inputs if one.unit == "m"]
@@ -86,17 +90,17 @@ class InstanceRows:
 
 @dataclass(frozen=True, slots=True)
 class BodyOrientation:
-    """A of one body. Blocks: p."""
+    """A of one body, body components to frame O: lecture 7.1, (4.3). Blocks: p (4,) [-]."""
 
     title: str = "orientation"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """A (3, 3)."""
+        """A (3, 3) [-]."""
         return (orientation_of(trace, blocks[0]),)
 
 
 def orientation_of(trace: Trace, p: Matrix) -> Matrix:
-    """Matrix A of a body."""
+    """Matrix A (3, 3) [-] of a body, p (4, 1): body components to frame O, lecture 7.1, (4.3)."""
     nodes = trace.inline(frozen("rotation", "orientation"), {"p": p.flat})["A"]
     return Matrix(trace.graph, tuple(tuple(nodes[k : k + 3]) for k in (0, 3, 6)), 3)
 
@@ -132,11 +136,12 @@ def _pick(trace: Trace, nodes: Sequence[int], part: InstanceRows, width: int) ->
 
 @dataclass(frozen=True, slots=True)
 class JointSystem:
-    """Residual, Jacobian, and the joint's own block of the Schur complement.
+    """Residual, Jacobian, and the joint's own block of the Schur complement S = C_q M⁻¹ C_qᵀ.
 
-    Blocks: r, p, A and the diagonal of M⁻¹ of body i, those of body j, that diagonal of the other
-    bodies, R of each body that is reduced, and what belongs to the parts. A body that is reduced
-    has (Rᵀ M R)⁻¹ for M⁻¹.
+    Blocks: r (3,) [m], p (4,), A (3, 3) and the diagonal of M⁻¹ (1, c) [1/kg, 1/(kg m²)] of body i,
+    those of body j, that diagonal of the other bodies, R of each body that is reduced, and what
+    belongs to the parts. A body that is reduced has (Rᵀ M R)⁻¹ for M⁻¹. C is that of the kinds,
+    lecture 8.2, (8.9) to (8.16); C_q has the columns δr in frame O, δθ′ in the principal frame.
 
     Parameters
     ----------
@@ -158,7 +163,7 @@ class JointSystem:
         return f"joint {_title(self.parts)}: C, C_q, C_q M^-1, C_q M^-1 C_q^T"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """C (n,), C_q of i, of j and of the others, C_q M⁻¹ of them, C_q M⁻¹ C_qᵀ (n, n).
+        """C (n,), C_q (n, c) of i, of j and of the others, C_q M⁻¹ of them, C_q M⁻¹ C_qᵀ (n, n).
 
         Of a body that is reduced it is C_q R and C_q R (Rᵀ M R)⁻¹; C_q itself stands last.
         """
@@ -186,7 +191,9 @@ class JointSystem:
 
 @dataclass(frozen=True, slots=True)
 class JointRows:
-    """Residual and Jacobian alone. Blocks: r, p, A of body i and j, what belongs to the parts.
+    """Residual C and Jacobian C_q alone, δC = C_q (δr, δθ′). Blocks: r, p, A of i and j, parts'.
+
+    Shapes, units, frames and the source are those of :class:`JointSystem`.
 
     Parameters
     ----------
@@ -205,7 +212,7 @@ class JointRows:
         return f"rows {_title(self.parts)}: C, C_q"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """C (n,), C_q of i, of j and of the others."""
+        """C (n,) [m, rad or -], C_q (n, c) of i, of j and of the others."""
         residuals, jacobians = rows_of_parts(trace, self.parts, self.columns, blocks)
         return residuals, *jacobians
 
@@ -216,7 +223,11 @@ def rows_of_parts(
     columns: Sequence[tuple[int, ...]],
     blocks: Sequence[Matrix],
 ) -> tuple[Matrix, list[Matrix]]:
-    """C and C_q by body of the parts of a joint."""
+    """C (n,) [m, rad or -] and C_q (n, c) by body of the parts of a joint: δC = C_q (δr, δθ′).
+
+    δr [m] is in frame O, δθ′ [rad] in the principal frame; each kind has its equation of lecture
+    8.2.
+    """
     r_i, p_i, a_i, r_j, p_j, a_j, *rest = blocks
     share(trace, p_i, a_i)
     share(trace, p_j, a_j)
@@ -262,16 +273,16 @@ def _dot(a: Matrix, b: Matrix, i: int, j: int) -> int:
 class Rates:
     """What a joint asks of velocities or accelerations.
 
-    Blocks: p, A, v and ω′ of body i, then what is multiplied by its Jacobian, and the Jacobian;
-    the same of body j; r of both; of each other body what is multiplied, and the Jacobian; then
-    what belongs to the parts.
+    Blocks: p, A, v (3,) [m/s] in frame O and ω′ (3,) [rad/s] in the principal frame of body i, then
+    what is multiplied by its Jacobian, and the Jacobian; the same of body j; r of both; of each
+    other body what is multiplied, and the Jacobian; then what belongs to the parts.
 
     Parameters
     ----------
     parts : tuple of InstanceRows
         What the joint is composed of.
     output : str
-        ``nu`` for C_q v − ν, ``gamma`` for C_q M⁻¹f − γ.
+        ``nu`` for C_q v − ν, ``gamma`` for C_q M⁻¹f − γ: Ċ = C_q v − ν and C̈ = C_q v̇ − γ.
     others : int
         Bodies beside i and j.
     """
@@ -286,7 +297,7 @@ class Rates:
         return f"{self.output} {_title(self.parts)}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Difference (n,)."""
+        """Difference (n,) [unit of C per s or s²]."""
         p_i, a_i, v_i, omega_i, x_i, left, p_j, a_j, v_j, omega_j, x_j, right = blocks[:12]
         r_i, r_j, *rest = blocks[12:]
         share(trace, p_i, a_i)
@@ -312,6 +323,9 @@ class Rates:
 class FreeAcceleration:
     """M⁻¹f of a body under gravity. Blocks: gravity, ω′, and (I₂ − I₃)/I₁ and its like.
 
+    Gravity (3,) [m/s²] is in frame O, ω′ (3,) [rad/s] and the ratios (3,) [-] in the principal
+    frame; three mass points, (newton-euler-moment).
+
     Parameters
     ----------
     columns : tuple of int
@@ -322,7 +336,7 @@ class FreeAcceleration:
     title: str = "free acceleration"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Acceleration of each coordinate, with I dω′/dt = −ω′ × I ω′."""
+        """Acceleration of each coordinate, (c,) [m/s², rad/s²], with I dω′/dt = −ω′ × I ω′."""
         gravity, omega, ratios = (block.flat for block in blocks)
         mul = trace.graph.mul
         spin = [
@@ -336,6 +350,9 @@ class FreeAcceleration:
 class PoseRate:
     """Time derivative of the coordinates. Blocks: p, v, ω′, as far as there are any.
 
+    p (4,) [-], v (3,) [m/s] in frame O, ω′ (3,) [rad/s] in the principal frame; lecture 7.1,
+    (5.16).
+
     Parameters
     ----------
     coordinates : tuple of int
@@ -346,7 +363,7 @@ class PoseRate:
     title: str = "motion"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Rates (v, ½ p ∘ (0, ω′)) at the coordinates."""
+        """Rates (v, ½ p ∘ (0, ω′)) at the coordinates, (c,) [m/s, 1/s]."""
         p, v, omega = blocks
         rates = trace.inline(
             frozen("rotation", "euler_rates"), {"p": p.flat, "omega_b": omega.flat}
@@ -359,6 +376,8 @@ class PoseRate:
 class Move:
     """Coordinates after a correction. Blocks: r, p, δr, δθ′.
 
+    r (3,), δr (3,) [m] are in frame O, δθ′ (3,) [rad] in the principal frame: updated on the right.
+
     Parameters
     ----------
     coordinates : tuple of int
@@ -369,7 +388,7 @@ class Move:
     title: str = "move"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Moved position: r + δr and w/|w|, w = p ∘ (1, ½ δθ′)."""
+        """Moved position: r + δr and w/|w|, w = p ∘ (1, ½ δθ′), its coordinates (c,) [m, -]."""
         r, p, dr, dtheta = blocks
         graph = trace.graph
         moved = list((r + dr).flat)
@@ -387,12 +406,16 @@ class Move:
 
 @dataclass(frozen=True, slots=True)
 class Energy:
-    """Energy of a body. Blocks: r, v, ω′, half the mass and moments, and minus the weight."""
+    """Energy of a body. Blocks: r, v, ω′, half the mass and moments, and minus the weight.
+
+    r (3,) [m], v (3,) [m/s] and −m g (3,) [N] are in frame O, ω′ (3,) [rad/s] in the principal
+    frame.
+    """
 
     title: str = "energy"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Kinetic and potential energy (2,): ½ m v·v + ½ ω′·I ω′, −m g·r."""
+        """Kinetic and potential energy (2,) [J]: ½ m v·v + ½ ω′·I ω′, −m g·r."""
         r, v, omega, halves, weight = (block.flat for block in blocks)
         graph = trace.graph
         kinetic = graph.sum(

@@ -38,7 +38,10 @@ RATES = (("v_{}", 3, "m/s"), ("omega_{}_b", 3, "rad/s"))
 
 
 def framed(package: Package, orientation: Kernel) -> Package:
-    """Constraint and rates of a package, for principal frames.
+    """Constraint and rates of a package, for principal frames: r = r_G + A s′, p = p_G ∘ p′.
+
+    The frame in which the package is stated is at s′ (3,) [m] in the principal frame, turned by p′
+    (4,).
 
     Parameters
     ----------

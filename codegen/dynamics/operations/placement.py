@@ -22,7 +22,7 @@ NOISE = CONTEXT.mpf(2) ** -51
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """Where the principal frame of a body is in the frame of what carries it.
+    """Where the principal frame of a body is in the frame of what carries it: s = at + A(turn) s′.
 
     Parameters
     ----------
@@ -39,29 +39,30 @@ class Placement:
     turn: Quadruple = IDENTITY
 
     def point(self, s: Sequence[float]) -> Vector:
-        """Point of the body in the frame of the carrier."""
+        """Point of the body (3,) [m] in the frame of the carrier, at + A s′."""
         own = precise.triple(s)
         size = precise.length(self.at) + precise.length(own)
         return rounded_vector(precise.add(self.at, precise.rotate(self.turn, own)), size)
 
     def vector(self, a: Sequence[float]) -> Vector:
-        """Components in the frame of the carrier of a vector of the body."""
+        """Components A a′ (3,) in the frame of the carrier of a vector of the body."""
         return rounded_vector(precise.rotate(self.turn, precise.triple(a)))
 
     def frame(self, axes: Sequence[float]) -> Quaternion:
-        """Euler parameters that take components of a frame of the body to the carrier."""
+        """Euler parameters turn ∘ p (4,), from a frame of the body to that of the carrier."""
         return rounded_turn(precise.compose(self.turn, _quadruple(axes)))
 
 
 def seen_from_carriers(
     constants: Constants, i: Placement, j: Placement, *, turning: bool = False
 ) -> Constants:
-    """Points and vectors in the frames of what carries their bodies.
+    """Points at + A s′ and vectors A a′ in the frames of what carries their bodies.
 
     Parameters
     ----------
     constants : tuple of (str, tuple of float)
-        ``s_i_b`` and ``s_j_b`` are points, what else ends in ``_i_b`` and ``_j_b`` vectors.
+        ``s_i_b`` and ``s_j_b`` are points (3,) [m], what else ends in ``_i_b`` and ``_j_b``
+        vectors.
     i, j : Placement
         Of bodies i and j.
     turning : bool
@@ -84,13 +85,13 @@ def _quadruple(p: Sequence[float]) -> Quadruple:
 
 
 def rounded_vector(values: Triple, size: High = 0) -> Vector:
-    """Vector, rounded once, without what is noise beside its size."""
+    """Vector (3,), rounded once in its frame and unit, without what is noise beside its size."""
     x, y, z = precise.rounded(values, size, NOISE)
     return x, y, z
 
 
 def rounded_turn(p: Quadruple) -> Quaternion:
-    """Euler parameters of norm one, rounded once."""
+    """Euler parameters p/|p| (4,) [-] of norm one, rounded once; of any two frames."""
     size = precise.length(p)
     w, x, y, z = precise.rounded([component / size for component in p], 1, NOISE)
     return w, x, y, z

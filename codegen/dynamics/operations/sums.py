@@ -18,7 +18,7 @@ CHUNK = 4
 
 @dataclass(frozen=True, slots=True)
 class VectorSum:
-    """Add vectors. Blocks: the vectors."""
+    """Sum of vectors. Blocks: the vectors (n,), of one frame and unit."""
 
     title: str = "sum"
 

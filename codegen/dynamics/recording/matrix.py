@@ -74,7 +74,7 @@ class Matrix:
         return Matrix(self.graph, rows, self.width)
 
     def cross(self, other: Matrix) -> Matrix:
-        """Vector product self × other; both are columns of three."""
+        """Vector product self × other (3, 1) of columns (3, 1) in one frame; its unit is a·b's."""
         graph, a, b = self.graph, self.flat, other.flat
         rows = []
         for k in range(3):

@@ -55,7 +55,11 @@ def can_permute(system: System) -> bool:
 
 
 def permuted(system: System, shift: int) -> System:
-    """System whose component k is what component k + shift was, counted in turn."""
+    """System whose component k is what component k + shift was, counted in turn.
+
+    It is turned by a rotation of frame O and all principal frames alike, P (3, 3): r → P r [m], A →
+    P A Pᵀ, I′ → P I′Pᵀ, so that every equation C = 0 stays what it is.
+    """
     if not shift:
         return system
     return replace(
@@ -76,7 +80,7 @@ def permuted(system: System, shift: int) -> System:
 
 
 def permuted_columns(columns: Sequence[int], shift: int) -> tuple[int, ...]:
-    """Columns of a body in a permuted system: places in (δr, δθ′)."""
+    """Columns (c,) of a body in a permuted system: places in δr, frame O, and δθ′, body frame."""
     return tuple(sorted(k // 3 * 3 + (k + shift) % 3 for k in columns))
 
 

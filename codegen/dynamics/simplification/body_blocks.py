@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class BodyBlocks:
-    """A body in the workspace.
+    """A body in the workspace: ṙ = v, ṗ = ½ p ∘ (0, ω′), in SI units.
 
     Parameters
     ----------
@@ -31,14 +31,15 @@ class BodyBlocks:
         Places in (δr, δθ′) that are.
     q, v : int
         Offsets in the regions.
-    r, p, v_r, omega_b : SlotMatrix
-        The whole vectors: what is no coordinate is a constant.
+    r, p, v_r, omega_b : SlotMatrix (3, 1) [m], (4, 1), (3, 1) [m/s], (3, 1) [rad/s]
+        The whole vectors: what is no coordinate is a constant. r and v in frame O, ω′ in the
+        principal frame.
     orientation : SlotMatrix
-        A, (3, 3).
-    inverse_mass : SlotMatrix
+        A, (3, 3), from the principal frame to frame O.
+    inverse_mass : SlotMatrix (1, c) [1/kg, 1/(kg m²)]
         Diagonal of M⁻¹ in the columns, one row.
     basis, inverse : SlotMatrix, optional
-        R and (Rᵀ M R)⁻¹ of a body that is reduced; see
+        R (c, f) and (Rᵀ M R)⁻¹ (f, f) of a body that is reduced; see
         :mod:`~kousoku.codegen.dynamics.simplification.joint_coordinates`.
     """
 
@@ -57,7 +58,7 @@ class BodyBlocks:
 
     @property
     def effective_inverse_mass(self) -> SlotMatrix:
-        """The inverse of the mass that other joints move."""
+        """The inverse of the mass that other joints move: (Rᵀ M R)⁻¹ or M⁻¹."""
         return self.inverse or self.inverse_mass
 
     def spread(self, entries: Sequence[int]) -> tuple[SlotMatrix, SlotMatrix]:
@@ -77,13 +78,20 @@ GROUND = BodyBlocks(
 
 
 def inverse_masses(body: MovingBody, columns: Sequence[int]) -> list[High]:
-    """Diagonal of M⁻¹ in the columns, exactly; zero where there is no mass."""
+    """Diagonal of M⁻¹ (c,) [1/kg, 1/(kg m²)], exactly; zero where there is no mass.
+
+    M = diag(m, m, m, I₁, I₂, I₃) about the centre of mass: frame O, then the principal frame.
+    """
     diagonal = [number(x) for x in (*(body.mass,) * 3, *body.inertia)]
     return [1 / diagonal[k] if diagonal[k] else Fraction(0) for k in columns]
 
 
 def gyroscopic_ratios(body: MovingBody, columns: Sequence[int]) -> list[High]:
-    """Gyroscopic ratios (I₂ − I₃)/I₁ and its like, exactly; zeros where the body cannot turn."""
+    """Gyroscopic ratios (I₂ − I₃)/I₁ and its like (3,) [-], exactly; zero where it cannot turn.
+
+    I′ω̇′ = −ω̃′I′ω′ in the principal frame is ω̇₁ = (I₂ − I₃)/I₁ ω₂ ω₃ and so on: three mass
+    points, (newton-euler-moment).
+    """
     moments = [number(moment) for moment in body.inertia]
     return [
         (moments[(k + 1) % 3] - moments[(k + 2) % 3]) / moments[k]
@@ -107,7 +115,11 @@ def _mixed(
 def body_blocks(
     system: System, recorder: Recorder, q: SlotMatrix, v: SlotMatrix, *, is_planar: bool
 ) -> list[BodyBlocks]:
-    """Blocks of all bodies; A is put in when the geometry is recorded."""
+    """Blocks of all bodies; A is put in when the geometry is recorded.
+
+    q (n,) [m, -] is r in frame O and p of each body, v (m,) [m/s, rad/s] is ṙ and ω′ in the
+    principal frame, M⁻¹ = diag(1/m, 1/I); what the plane lacks is constant.
+    """
     found = []
     at_q = at_v = 0
     for body in system.bodies:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def on_ground(body: MovingBody, ground: int) -> Placement:
-    """Placement of a body that stands still."""
+    """Placement of a body that stands still: r (3,) [m] and p (4,), s = r + A s′ in frame O."""
     r, p, _, _ = start_of(body)
     return Placement(ground, r, p)
 
@@ -38,6 +38,10 @@ def joined(
     bodies: Sequence[MovingBody], carrier: int, normal: int | None
 ) -> tuple[MovingBody, list[Placement]]:
     """Body that some bodies are together, and where each is in it.
+
+    m = Σ m_k, centre Σ m_k r_k / m (3,) [m], inertia Σ A_k I′_k A_kᵀ + m_k d̃ᵀd̃ (3, 3) [kg m²]
+    with d from the centre, in the frame of the first, and v = v_1 + ω × d: three mass points,
+    (total-mass), (centre-of-mass), (inertia).
 
     Parameters
     ----------

@@ -39,6 +39,9 @@ DOWN = (0.0, 0.0, -1.0)
 def conserved_momenta(system: System, *, is_planar: bool) -> tuple[Kept, ...]:
     """Momenta that the parts of a system conserve; parts that conserve none are not listed.
 
+    Along directions n (3,) [-] of frame O: p·n = const. where no force acts, p = Σ m v [kg m/s],
+    L·n = const. where no moment does, L = Σ (r − o) × m v + A I′ω′ [kg m²/s].
+
     Parameters
     ----------
     system : System

@@ -39,7 +39,10 @@ PARALLEL = 1e-9
 
 
 def contacts_of(system: System) -> Iterator[tuple[int, Contact]]:
-    """Contacts of bodies with the ground: which body, and what the ground can do."""
+    """Contacts of bodies with the ground: which body, and what the ground can do, −C_qᵀλ.
+
+    Points (3,) [m] and directions (3,) are in frame O.
+    """
     parallel = {
         (row.i, given["a_i_b"]): given["a_j_b"]
         for row in system.constraints
@@ -91,11 +94,11 @@ def _contact(one: Source, parallel: Mapping[tuple[int, Numbers], Numbers]) -> Co
 
 @dataclass(frozen=True, slots=True)
 class Axes:
-    """Directions along which the angular momentum of a part is constant.
+    """Directions along which the angular momentum of a part is constant, L·n = const.
 
     Parameters
     ----------
-    directions : tuple of (3,)
+    directions : tuple of (3,) [-]
         Of norm one, frame O.
     about : (3,) [m], optional
         The point of the ground that it is taken about; the centre of mass unless given.
@@ -106,7 +109,7 @@ class Axes:
 
 
 def free_of_force(contacts: Iterable[Contact], loads: Iterable[Vector]) -> tuple[Vector, ...]:
-    """Directions along which no force acts on a part.
+    """Directions n (3,) [-] along which no force acts on a part: F·n = 0, frame O.
 
     Parameters
     ----------
@@ -133,7 +136,7 @@ def free_of_moment(
     gravity: Iterable[Vector],
     torques: Iterable[Vector],
 ) -> Axes:
-    """Directions about which no moment acts on a part.
+    """Directions n (3,) [-] about which no moment acts on a part: n·((r − o) × F + N) = 0, frame O.
 
     The moment about an axis vanishes of forces along it, and of those that meet it. About the
     centre of mass gravity has none.
@@ -187,7 +190,7 @@ AXES: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0
 
 
 def across(vectors: Iterable[Triple]) -> tuple[Vector, ...]:
-    """Unit vectors perpendicular to all of some vectors and to each other."""
+    """Unit vectors n (3,) [-], n·a = 0 with all of some vectors and each other, in one frame."""
     span: list[Triple] = []
     for vector in vectors:
         rest = vector

@@ -72,7 +72,9 @@ class Prescribed:
 
 @dataclass(frozen=True, slots=True)
 class VelocityTransformation:
-    """A body on a joint with the ground: all vectors are rounded once.
+    """A body on a joint with the ground, v = R u + β: all vectors are rounded once.
+
+    R (6, f) has (A (s′ × a′), a′) of a turn and (a, 0) of a displacement.
 
     Parameters
     ----------
@@ -89,8 +91,8 @@ class VelocityTransformation:
     p : (4,)
         Euler parameters at the start.
     base : (3,) [m]
-        Where the centre of mass is there without displacement.
-    axis, axis_b : (3,)
+        Where the centre of mass is there without displacement, frame O.
+    axis, axis_b : (3,) [-]
         The axis in frame O, and in the body.
     across, across_b : (3,) and (3,)
         Two vectors perpendicular to each of them.
@@ -142,7 +144,9 @@ class VelocityTransformation:
 def velocity_transformations_of(
     system: System, rows: Mapping[int, Sequence[int]], *, is_planar: bool
 ) -> dict[int, VelocityTransformation]:
-    """Bodies that can be described by what their joint with the ground leaves free.
+    """Bodies that can be described by what their joint with the ground leaves free: v = R u + β.
+
+    v (6,) [m/s, rad/s] of a body has ṙ in frame O, ω′ in the principal frame.
 
     Parameters
     ----------

@@ -41,14 +41,15 @@ class PlaceholderMasses:
 
 
 def with_placeholder_masses(system: System, plane: Plane | None) -> PlaceholderMasses:
-    """System with drivers whose bodies weigh something: 1 kg, and 1 kg · length².
+    """System with drivers whose bodies weigh something: m = 1 kg, and I = m ℓ² (3,) [kg m²].
 
-    A system without drivers stays as it is, and so do masses and moments that are given.
+    A system without drivers stays as it is, and so do masses and moments that are given. I is in
+    the principal frame.
 
     Parameters
     ----------
     system : System
-        A scene.
+        A scene; ℓ [m] is its length.
     plane : Plane, optional
         Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planarity.plane_of` finds it.
     """

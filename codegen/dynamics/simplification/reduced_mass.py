@@ -22,21 +22,25 @@ if TYPE_CHECKING:
 
 
 def axes_of(one: VelocityTransformation) -> Square:
-    """Axes that a body turns about, in its frame, one below the other."""
+    """Axes a′ (turns, 3) [-] that a body turns about, ω′ = Σ a′ u, in its frame, row by row."""
     if one.turn == POINT:
         return [[Fraction(int(k == n)) for n in range(3)] for k in range(3)]
     return [] if one.turn == NOTHING else [[Fraction(x) for x in one.axis_b]]
 
 
 def arms_of(one: VelocityTransformation) -> Square:
-    """Arms s′ × a′ of each of these axes, by columns: the centre of mass moves along it."""
+    """Arms s′ × a′ (3, turns) [m] of these axes, body frame: the mass centre moves along them."""
     x, y, z = (Fraction(value) for value in one.joint_b)
     arms = [(y * c - z * b, z * a - x * c, x * b - y * a) for a, b, c in axes_of(one)]
     return [[arm[k] for arm in arms] for k in range(3)]
 
 
 def mass_of(one: VelocityTransformation, body: MovingBody) -> Square:
-    """Mass matrix Rᵀ M R of all freedoms, turns first, those too that are driven."""
+    """Mass matrix Rᵀ M R (f, f) of all freedoms, turns first, those too that are driven.
+
+    (s′ × a′)·m (s′ × b′) + a′·I′b′ [kg m²] of turns about a′ and b′, m [kg] of a displacement, body
+    frame.
+    """
     mass, moments = Fraction(body.mass), [Fraction(x) for x in body.inertia]
     axes = axes_of(one)
     arms = transposed(arms_of(one)) if axes else []
@@ -55,7 +59,10 @@ def mass_of(one: VelocityTransformation, body: MovingBody) -> Square:
 
 
 def shares_of(one: VelocityTransformation, body: MovingBody) -> tuple[Square, Square]:
-    """Shares (Rᵀ M R)⁻¹ m and (Rᵀ M R)⁻¹ a′ᵀ I′ of the turns."""
+    """Shares (Rᵀ M R)⁻¹ m and (Rᵀ M R)⁻¹ a′ᵀ I′ of the turns, (turns, turns) and (turns, 3).
+
+    Units are 1/m² and [-]; a′ and I′ are in the body frame.
+    """
     turns, whole = range(one.turns), mass_of(one, body)
     inverse = inverse_of([[whole[a][b] for b in turns] for a in turns])
     mass, moments = Fraction(body.mass), [Fraction(x) for x in body.inertia]
@@ -79,7 +86,7 @@ def transposed(rows: Sequence[Sequence[Fraction]]) -> Square:
 
 
 def inverse_of(matrix: Square) -> Square:
-    """Inverse of a symmetric positive definite matrix, by elimination."""
+    """Inverse (n, n) of a symmetric positive definite matrix, by elimination."""
     size = len(matrix)
     rows = [[*row, *(Fraction(int(k == n)) for n in range(size))] for k, row in enumerate(matrix)]
     for k in range(size):

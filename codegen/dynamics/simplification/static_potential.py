@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 
 def static_potential(system: System, placements: Mapping[int, Placement]) -> float:
-    """Potential energy of bodies that stand still and of forces in one body [J].
+    """Potential energy, a number [J], of bodies that stand still and of forces in one body.
+
+    V = −Σ m g·r + Σ V_f with g (3,) [m/s²] and r (3,) [m] in frame O.
 
     Parameters
     ----------

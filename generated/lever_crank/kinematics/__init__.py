@@ -10,7 +10,8 @@ Python NumPy, and imports nothing of kousoku but itself.
 ``lu``            LU factorisation
 ``equations``     residuals, Jacobians and derivatives of the blocks
 ``newton``        full and modified Newton method
-``assembly``      the first position
+``assembly``      the position of the scene
+``approach``      from there to where rows begin
 ``continuation``  predictor and corrector along the inputs
 ``certificate``   that a step leads to the branch it came from
 ``moving``        a call checked, and what went wrong told; in Python only

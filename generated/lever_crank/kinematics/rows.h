@@ -43,38 +43,8 @@ static void write_row(const Run *run, Workspace *w, long long division, size_t r
     if (run->residual) {
         run->residual[row] = convergence.residual;
     }
-    if (run->condition) {
-        run->condition[row] = condition_of(w);
-    }
-}
-
-/* derivatives in time for the row, and along the way for the next prediction: in time, too, or
- * along one division */
-static void motion_at(
-    const Run *run, Workspace *w, long long division, double *x_dot, double *x_ddot)
-{
-    const double none[INPUTS] = { 0.0 };
-    double alpha[INPUTS], delta[INPUTS];
-    inputs_of(run, division, alpha, delta);
-    if (INPUTS > 1 || run->times) {
-        differentiate(w, w->rate, run->rate_dot, x_dot, x_ddot);
-        for (size_t i = 0; i < UNKNOWNS; ++i) {
-            w->x1[i] = x_dot[i];
-            w->x2[i] = x_ddot[i];
-        }
-        if (!run->times) {
-            differentiate(w, delta, none, w->x1, w->x2);
-        }
-        return;
-    }
-    /* one input: both follow from the derivatives by it */
-    const double one[INPUTS] = { 1.0 }, rate = run->rate[0], rate_dot = run->rate_dot[0];
-    differentiate(w, one, none, w->x1, w->x2);
-    for (size_t i = 0; i < UNKNOWNS; ++i) {
-        x_dot[i] = w->x1[i] * rate;
-        x_ddot[i] = w->x2[i] * rate * rate + w->x1[i] * rate_dot;
-        w->x1[i] *= delta[0];
-        w->x2[i] *= delta[0] * delta[0];
+    if (run->condition) { /* where it stops there may be no factors */
+        run->condition[row] = convergence.residual < HUGE_VAL ? condition_of(w) : HUGE_VAL;
     }
 }
 
@@ -89,9 +59,6 @@ static int stop(Run *run, Workspace *w, int status)
         write_row(run, w, 0, run->done, none, none, (Convergence){ 0, HUGE_VAL });
         for (size_t i = 0; run->alpha && i < INPUTS; ++i) {
             run->alpha[INPUTS * run->done + i] = run->reached[i];
-        }
-        if (run->condition) {
-            run->condition[run->done] = HUGE_VAL;
         }
     }
     return status;

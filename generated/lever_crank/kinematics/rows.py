@@ -143,7 +143,7 @@ class RunRequest:
 
     @property
     def is_possible(self) -> bool:
-        """Whether counts, limit and inputs are such that an analysis can be made."""
+        """Whether counts, limit, method and inputs are such that an analysis can be made."""
         inputs = (*self.origin, *self.span, *self.rate, *self.rate_dot)
         times = np.zeros(1) if self.times is None else np.concatenate(([0.0], self.times))
         return (
@@ -154,6 +154,7 @@ class RunRequest:
             and 0 <= self.start <= self.first
             and self.max_iterations >= 1
             and self.limit > 0
+            and self.method in range(len(METHODS))
             and all(map(math.isfinite, inputs))
         )
 

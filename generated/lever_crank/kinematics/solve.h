@@ -21,27 +21,20 @@
 #error "kousoku: verified numbers need IEEE arithmetic; compile without -ffast-math and its parts"
 #endif
 
+#include "approach.h"
 #include "assembly.h"
 #include "rows.h"
-
-/* whether unknowns are those of the position, angles up to whole turns; two assemblies are not as
- * near as that where pivots are above SINGULAR */
-static int is_at(const Workspace *w, const double *x)
-{
-    double off[UNKNOWNS];
-    for (size_t i = 0; i < UNKNOWNS; ++i) {
-        off[i] = w->x[i] - x[i];
-        off[i] -= unknowns[i].is_angle ? TWO_PI * rint(off[i] / TWO_PI) : 0.0;
-    }
-    return largest_correction(UNKNOWNS, off, unknowns) <= SETTLED * LENGTH;
-}
 
 /* from division to division, beginning at that of w->x; rows are written from run->first on */
 static int follow(Run *run, Workspace *w, Convergence convergence)
 {
     double x_dot[UNKNOWNS], x_ddot[UNKNOWNS], home[UNKNOWNS];
     const long long begin = w->division;
-    int status = run->times ? advance(run, w, 0, &convergence) : GOOD;
+    int status = GOOD;
+    if (run->times) {
+        motion_at(run, w, begin, x_dot, x_ddot);
+        status = advance(run, w, 0, &convergence);
+    }
     for (size_t i = 0; i < UNKNOWNS; ++i) {
         home[i] = w->x[i];
     }
@@ -81,7 +74,7 @@ static int is_possible(const Run *run)
     }
     return (!run->times || run->first == 0) && run->divisions >= 1 && run->rows >= 1 &&
            run->start >= 0 && run->first >= run->start && run->max_iterations >= 1 &&
-           run->limit > 0.0;
+           run->limit > 0.0 && (run->method == 0 || run->method == 1);
 }
 
 const char *PUBLIC(digest)(void) { return DIGEST; }
@@ -103,13 +96,17 @@ int PUBLIC(solve)(Run *run, Workspace *workspace)
     }
     laws_at(run, 0.0, workspace->alpha, workspace->rate);
     workspace->time = 0.0;
-    workspace->step = HUGE_VAL;
     for (size_t i = 0; i < INPUTS; ++i) {
         is_periodic = is_periodic && run->turns[i];
     }
+    copy(workspace->alpha, defaults.origin, INPUTS); /* where the positions of the scene are */
+    int status = assemble(run, workspace, &convergence);
+    if (status == GOOD) {
+        status = approach(run, workspace, &convergence);
+    }
+    workspace->step = HUGE_VAL;
     /* whole turns lead to the same inputs: the first position may be that of any */
     workspace->division = is_periodic ? run->start - run->start % run->divisions : 0;
-    const int status = assemble(run, workspace, &convergence);
     if (status != GOOD) {
         return stop(run, workspace, status);
     }

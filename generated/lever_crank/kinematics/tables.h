@@ -6,7 +6,7 @@
 
 /* An unknown coordinate. */
 typedef struct Unknown {
-    double start; /* near the first position */
+    double start; /* near the position of the scene */
     double scale; /* length that a change by 1 moves */
     int is_angle;
 } Unknown;

@@ -36,13 +36,13 @@ class BodyPlaces:
         As in the scene.
     r, p, v, omega_b : tuple of int or float
         For each component its index in q or v, or its value: r and v in frame O [m, m/s], p the
-        Euler parameters of the principal frame, omega_b in the principal frame [rad/s]. A point
-        has no p and no omega_b.
+        Euler parameters of the principal frame, omega_b in the principal frame [rad/s], ṗ = ½ p ∘
+        (0, ω′). A point has no p and no omega_b.
     origin_b : (3,) [m]
         Origin of the user's body frame, in the principal frame.
     axes_b : (4,)
-        Euler parameters that take components in the user's frame to the principal frame. An
-        index of the design stands in place of a number that depends on parameters.
+        Euler parameters that take components in the user's frame to the principal frame. An index
+        of the design stands in place of a number that depends on parameters.
     """
 
     name: str
@@ -69,6 +69,9 @@ def body_tables(
     bodies: Sequence[BodyPlaces], q: Array, v: Array, v_dot: Array | None, unit: float
 ) -> dict[str, dict[str, Array]]:
     """Position, velocity and what else there is of each body, in the order of the scene.
+
+    Of the origin s′ of its frame r + A s′, ṙ + A ω̃′s′ and r̈ + A (ω̇̃′s′ + ω̃′ω̃′s′), in frame O;
+    ω′ and ω̇′ [rad/s, rad/s²] in its frame.
 
     Parameters
     ----------
@@ -107,7 +110,7 @@ def body_tables(
 def written_state(
     bodies: Sequence[BodyPlaces], q: Array, v: Array, unit: float
 ) -> tuple[Array, Array]:
-    """State as the scene is written, from coordinates and velocities of its solver.
+    """State as the scene is written, r + A s′ and p ∘ p′, from that of its solver.
 
     Parameters
     ----------
@@ -151,10 +154,10 @@ def solver_state(
     unit: float,
     start: tuple[Array, Array],
 ) -> tuple[Array, Array]:
-    """Coordinates and velocities of a solver from a state as the scene is written.
+    """Coordinates and velocities of a solver from a state as the scene is written, r − A s′.
 
-    What the solver does not have, such as a displacement out of the plane that it moves in, or
-    the place of a body beside that of another one that carries it, is not looked at:
+    What the solver does not have, such as a displacement out of the plane that it moves in, or the
+    place of a body beside that of another one that carries it, is not looked at:
     :func:`written_state` of what is returned tells whether it was as the solver has it.
 
     Parameters
@@ -265,7 +268,7 @@ def _rates(places: Sequence[Sequence[int | float]], columns: Array) -> Array:
 
 
 def crossed(a: Array, b: Array) -> Array:
-    """Product a × b, components first."""
+    """Product a × b (3, ·) of vectors in one frame, components first; its unit is that of a b."""
     return np.stack(
         [
             a[1] * b[2] - a[2] * b[1],
@@ -276,14 +279,20 @@ def crossed(a: Array, b: Array) -> Array:
 
 
 def rotated(p: Array, v: Array) -> Array:
-    """Vectors A(p) v for Euler parameters of norm one, components first."""
+    """Vectors A(p) v (3, ·) for Euler parameters of norm one, components first.
+
+    v, of any unit, is in the body frame, A v in frame O: v + 2 e₀ (e × v) + 2 e × (e × v).
+    """
     t = 2.0 * crossed(p[1:], v)
     turned: Array = v + p[0] * t + crossed(p[1:], t)
     return turned
 
 
 def composed(p: Array, q: Array) -> Array:
-    """Product p∘q of Euler parameters, components first, of these the scalar."""
+    """Product p∘q (4, ·) of Euler parameters [-], components first, of these the scalar.
+
+    It is (p₀ q₀ − p·q, p₀ q + q₀ p + p × q): q takes a frame to the one that p takes further.
+    """
     scalar = p[0] * q[0] - (p[1] * q[1] + p[2] * q[2] + p[3] * q[3])
     vector = p[0] * q[1:] + q[0] * p[1:] + crossed(p[1:], q[1:])
     return np.concatenate([scalar[np.newaxis], vector])

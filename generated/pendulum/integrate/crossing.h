@@ -52,8 +52,10 @@
  * further away tells nothing of how near it comes between */
 #define BANDS 16.0
 /* what gets further than so many times what it is known to passes by, as fast as it is at a time:
- * in the longest step, and before it comes to rest */
+ * in the longest step, and before it comes to rest. So it is with rates, as fast as they change */
 #define PASSING 16.0
+/* how often the way to where a rate switches is halved */
+#define MOST_HALVINGS 40
 
 enum {
     N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
@@ -83,11 +85,13 @@ typedef struct {
  * least, whether samples leave open how narrow parts vary somewhere in it, whether it has an error,
  * whether it is kept if nothing cuts it, the event without a value right behind its start, counted
  * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
- * is, by what rates change in it, in the mean, and at most */
+ * is, by what rates change in it, in the mean, by how much more at its end, and at most, and what
+ * errors of steps may leave of them */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
-    double pole_time, bend[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
+    double pole_time, bend[ROOM(N_MEASURES)], lean[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
+    double error[ROOM(N_MEASURES)];
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold, has_error;
     int is_kept, lost, pole;
 } Look;
@@ -114,16 +118,16 @@ static void read_at(double time, const Look *look, const State *s, Work *work, d
     read_of(time, work->scratch, work, read);
 }
 
-/* what is seen at a time where formulas read what the node has, known to a noise */
-static void see_at(const double *noise, double time, double *w, TimeNode *node)
+/* what is seen at a time where formulas read what is between */
+static void see_between(const double *a, const double *b, double time, double *w, TimeNode *node)
 {
     double *ranges = w + W_RANGES;
     node->time = ranges[0] = ranges[1] = time;
     for (size_t k = 0; k != N_MEASURES; ++k) {
         double *own = ranges + 2 + 6 * k;
         for (size_t n = 0; n != 2; ++n) {
-            own[2 * n] = node->read[2 * k + n] - noise[2 * k + n];
-            own[2 * n + 1] = node->read[2 * k + n] + noise[2 * k + n];
+            own[2 * n] = a[2 * k + n];
+            own[2 * n + 1] = b[2 * k + n];
         }
         own[4] = own[5] = 0.0;
     }
@@ -132,6 +136,17 @@ static void see_at(const double *noise, double time, double *w, TimeNode *node)
         node->least[k] = w[W_SEEN + 4 * k];
         node->most[k] = w[W_SEEN + 4 * k + 1];
     }
+}
+
+/* what is seen at a time where formulas read what the node has, known to a noise */
+static void see_at(const double *noise, double time, double *w, TimeNode *node)
+{
+    double a[ROOM(N_READ)] = { 0.0 }, b[ROOM(N_READ)] = { 0.0 };
+    for (size_t k = 0; k != N_READ; ++k) {
+        a[k] = node->read[k] - noise[k];
+        b[k] = node->read[k] + noise[k];
+    }
+    see_between(a, b, time, w, node);
 }
 
 /* what is seen at a time, where values are known to a noise */
@@ -148,10 +163,41 @@ static int side_at(const TimeNode *node, size_t k)
     return (node->least[k] > 0.0) - (node->most[k] < 0.0);
 }
 
+/* how fast a rate changes at a time of a step, but for what rounding makes of it */
+static double change_at(size_t k, double time, const Look *look)
+{
+    const double part = (time - look->start) / look->h, h = look->h;
+    const double change = fabs(look->bend[k] + (2.0 * part - 1.0) * look->lean[k]);
+    return change - 2.0 * look->rounding[2 * k + 1] / h;
+}
+
+/* whether what is as fast, and is pulled at most so much, gets further than what it is known to */
+static int passes_by(double speed, double pull, double noise, const Look *look, const State *s)
+{
+    const double far = PASSING * noise;
+    return speed * larger(s->stride, look->h) > far && speed * speed > far * pull;
+}
+
+/* what values that formulas read at a time are known to: what passes by there to rounding */
+static void noise_at(
+    double time, const double *read, const Look *look, const State *s, double *noise)
+{
+    memcpy(noise, look->noise, sizeof look->noise);
+    for (size_t k = 0; k != N_MEASURES; ++k) {
+        const double speed = fabs(read[2 * k + 1]), change = change_at(k, time, look);
+        const double jolt = 2.0 * fabs(look->lean[k]) / look->h;
+        if (passes_by(speed, look->pull[k], noise[2 * k], look, s))
+            noise[2 * k] = look->rounding[2 * k];
+        const double known = smaller(noise[2 * k + 1], look->error[k]);
+        if (passes_by(change, jolt, known, look, s)) noise[2 * k + 1] = look->rounding[2 * k + 1];
+    }
+}
+
 /* what is seen at a time of the motion: of what passes by there its polynomial tells where it is,
- * however far off that may be, so that nothing that is narrower is passed over. Where a force may
- * be infinite places are known to the noise */
-static void look_at(double time, const Look *look, const State *s, Work *work, TimeNode *node)
+ * however far off that may be, and of a rate that does what it is, so that nothing that is narrower
+ * is passed over. Where a force may be infinite places are known to the noise */
+static void look_at(
+    int are_rates_exact, double time, const Look *look, const State *s, Work *work, TimeNode *node)
 {
     double noise[ROOM(N_READ)];
     read_at(time, look, s, work, node->read);
@@ -159,11 +205,9 @@ static void look_at(double time, const Look *look, const State *s, Work *work, T
     for (size_t k = N_SWITCHING; k != N_CROSSINGS; ++k) {
         if (side_at(node, k) == 0) return;
     }
-    memcpy(noise, look->noise, sizeof noise);
-    for (size_t k = 0; k != N_READ; k += 2) {
-        const double speed = fabs(node->read[k + 1]), far = PASSING * look->noise[k];
-        const int is_slow = !(speed * larger(s->stride, look->h) > far);
-        if (!is_slow && speed * speed > far * look->pull[k / 2]) noise[k] = look->rounding[k];
+    noise_at(time, node->read, look, s, noise);
+    for (size_t k = 0; k != N_MEASURES; ++k) {
+        if (!are_rates_exact) noise[2 * k + 1] = look->noise[2 * k + 1];
     }
     see_at(noise, time, work->w, node);
 }
@@ -188,14 +232,14 @@ static double stage_beyond(double seen, const Look *look, const State *s, Work *
     return seen;
 }
 
-/* by how much a second derivative is further from the mean of a step than that of a parabola, as
- * value and rate at its ends tell. What reads a coordinate are numbers as large as its size,
+/* by how much a second derivative at the end of h is above its mean, as that of a cubic polynomial
+ * that value and rate at both ends tell. What reads a coordinate are numbers as large as its size,
  * however small it is */
 static double bend_of(double size, const double *a, const double *b, double h)
 {
     const double rounding = 6.0 * SMALLEST * (size + fabs(a[0]) + fabs(b[0])) / h;
-    const double off = fabs(3.0 * (a[1] + b[1]) - 6.0 * (b[0] - a[0]) / h);
-    return larger(0.0, off - rounding) / h;
+    const double off = 3.0 * (a[1] + b[1]) - 6.0 * (b[0] - a[0]) / h;
+    return copysign(larger(0.0, fabs(off) - rounding) / h, off);
 }
 
 /* makes the polynomial of a step from the state to y, whose rates at both ends are given */
@@ -218,10 +262,14 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
         const double size = measure_sizes[k], *a = first + 2 * k, *b = last + 2 * k;
         const double most = larger(fabs(a[0]), fabs(b[0]));
         look->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
-        const double fast = larger(fabs(a[1]), fabs(b[1])) + SLOW * size / larger(s->stride, h);
+        const double speed = larger(fabs(a[1]), fabs(b[1])), longest = larger(s->stride, h);
+        const double fast = speed + SLOW * size / longest;
+        const double been = speed + size * s->fastest;
+        look->error[k] = smaller(settings->tolerance * larger(been, fast), been);
         look->noise[2 * k + 1] = settings->tolerance * fast;
         look->bend[k] = (b[1] - a[1]) / h;
-        look->pull[k] = fabs(look->bend[k]) + bend_of(size, a, b, h);
+        look->lean[k] = bend_of(size, a, b, h);
+        look->pull[k] = fabs(look->bend[k]) + fabs(look->lean[k]);
         look->rounding[2 * k] = SMALLEST * (size + most);
         look->rounding[2 * k + 1] = SMALLEST * fast;
     }
@@ -250,7 +298,7 @@ static void bound_seen(const TimeNode *a, const TimeNode *b, double *w)
         const double *p = a->read + 2 * k, *q = b->read + 2 * k;
         double *own = ranges + 2 + 6 * k;
         const double mean = (q[1] - p[1]) / h;
-        const double bend = bend_of(measure_sizes[k], p, q, h);
+        const double bend = fabs(bend_of(measure_sizes[k], p, q, h));
         own[4] = mean - DOUBT * bend;
         own[5] = mean + DOUBT * bend;
         reach_between(p[1], q[1], own[4], own[5], h, own + 2);
@@ -362,12 +410,17 @@ static double time_of(
     size_t k, const TimeNode *a, const TimeNode *b, const Look *look, const State *s, Work *work)
 {
     const int side = -side_at(b, k);
-    const double *noise = noise_of(k, look);
-    double first = a->time, last = b->time;
+    double first = a->time, last = b->time, there[ROOM(N_READ)], noise[ROOM(N_READ)];
     TimeNode node;
+    memcpy(noise, noise_of(k, look), sizeof noise);
+    noise_at(last, b->read, look, s, there);
+    /* rates may be in a window that is narrower */
+    for (size_t n = 0; n != N_MEASURES; ++n) {
+        if ((int)k >= EVENTS) noise[2 * n + 1] = there[2 * n + 1];
+    }
     /* by the polynomial it is beyond zero, by less than that */
     look_closely(noise, last, look, s, work, &node);
-    if (side_at(&node, k) != -side) noise = look->rounding;
+    if (side_at(&node, k) != -side) memcpy(noise, look->rounding, sizeof noise);
     while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
         const double time = 0.5 * (first + last);
         if (!(first < time && time < last)) break;
@@ -530,6 +583,44 @@ static int why_stopped(double seen, const Look *look, State *s)
     return GOOD;
 }
 
+/* on which side functions are where formulas read this, by rates, which may be before a window:
+ * places are known to the noise. Of events, which are looked for until they are exact, it is 0 */
+static void rate_sides(
+    const double *read, double time, const Look *look, const State *s, Work *work, int *sides)
+{
+    double noise[ROOM(N_READ)];
+    TimeNode node;
+    memcpy(node.read, read, sizeof node.read);
+    noise_at(time, read, look, s, noise);
+    for (size_t k = 0; k != N_MEASURES; ++k) noise[2 * k] = look->noise[2 * k];
+    see_at(noise, time, work->w, &node);
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        sides[k] = (int)k < EVENTS || (int)k >= N_SWITCHING ? 0 : side_at(&node, k);
+    }
+}
+
+/* notes on which side functions are where a step starts: of rates some left it in the noise */
+static void note_left(const TimeNode *a, const Look *look, State *s, Work *work)
+{
+    int by_rates[ROOM(N_SEEN)];
+    rate_sides(a->read, a->time, look, s, work, by_rates);
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        if (by_rates[k] == -(int)s->sides[k]) s->sides[k] = by_rates[k];
+    }
+}
+
+/* whether a function that was on a side is beyond zero at a node; where a step was cut for it, it
+ * is there as far as rates are known */
+static int are_crossed(
+    size_t k, int side, const TimeNode *b, const Look *look, const State *s, Work *work)
+{
+    TimeNode known;
+    if (side == 0 || side_at(b, k) != -side) return 0;
+    if (b->time != look->cut || !look->was_crossing[k]) return 1;
+    look_at(0, b->time, look, s, work, &known);
+    return side_at(&known, k) == -side;
+}
+
 /* where a step to an end must end: where a function first crosses, or how far was looked */
 static double seen_end(double end, Look *look, State *s, Work *work)
 {
@@ -541,16 +632,17 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     double width = widest;
     TimeNode a, b;
     look->pole = 0;
-    look_at(look->start, look, s, work, &a);
+    look_at(1, look->start, look, s, work, &a);
     valued_end(&a, &a, look, s, work);
     if (look->lost) return end;
+    note_left(&a, look, s, work);
     for (size_t n = 0; n != MOST_LOOKS && a.time < end; ++n) {
         int is_known = 1, any = 0, is_lost = 0, may_be_infinite = 0;
-        look_at(a.time + 1.0000001 * width < end ? a.time + width : end, look, s, work, &b);
+        look_at(1, a.time + 1.0000001 * width < end ? a.time + width : end, look, s, work, &b);
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
             if (s->sides[k] == 0.0) s->sides[k] = side_at(&a, k);
             const int side = (int)s->sides[k];
-            look->crosses[k] = side != 0 && side_at(&b, k) == -side;
+            look->crosses[k] = are_crossed(k, side, &b, look, s, work);
             if (N_POLES > 0 && (int)k >= N_SWITCHING) {
                 const size_t pole = k - N_SWITCHING;
                 const int now = passed[pole] ? -side : side;
@@ -691,15 +783,101 @@ static double polished_cut(const Look *look, const State *s, Work *work)
     return look->cut;
 }
 
+/* on which side of zero what switches is where a rate is so far from what formulas read; 0 where it
+ * has none: the rate may be anything between these */
+static void sides_between(
+    size_t n, double a, double b, const double *read, double end, Work *work, int *sides)
+{
+    double least[ROOM(N_READ)], most[ROOM(N_READ)];
+    TimeNode node;
+    memcpy(least, read, sizeof least);
+    memcpy(most, read, sizeof most);
+    least[2 * n + 1] += a;
+    most[2 * n + 1] += b;
+    see_between(least, most, end, work->w, &node);
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        sides[k] = (int)k < EVENTS || (int)k >= N_SWITCHING ? 0 : side_at(&node, k);
+    }
+}
+
+/* whether any of those that had a side is on it now */
+static int any_on(const int *sides, const int *now)
+{
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        if (sides[k] != 0 && now[k] == sides[k]) return 1;
+    }
+    return 0;
+}
+
+/* whether any of those that had a side is off it now */
+static int any_off(const int *sides, const int *now)
+{
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        if (sides[k] != 0 && now[k] != sides[k]) return 1;
+    }
+    return 0;
+}
+
+/* how far a rate goes, towards so far, until the first function leaves the side it has there; that
+ * is 0 for those that are not asked for */
+static double way_left(
+    size_t n, double far, const int *there, const double *read, double end, Work *work)
+{
+    double near = 0.0, last = far;
+    int sides[ROOM(N_SEEN)];
+    for (int i = 0; i != MOST_HALVINGS; ++i) {
+        const double way = 0.5 * (near + last);
+        sides_between(n, way, way, read, end, work, sides);
+        if (any_off(there, sides)) last = way;
+        else near = way;
+    }
+    return last;
+}
+
+/* whether formulas switch twice within what errors of steps may leave of a rate: what holds a
+ * motion in such a window may lose it, or never meet it. What is within rounding counts as one
+ * place */
+static int is_window_at(double end, const Look *look, const State *s, Work *work)
+{
+    double every[ROOM(N_READ)] = { 0.0 };
+    TimeNode node;
+    int is_known = 1;
+    for (size_t n = 0; n != N_MEASURES; ++n) every[2 * n + 1] = BANDS * look->error[n];
+    look_closely(every, end, look, s, work, &node);
+    for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) is_known = is_known && side_at(&node, k);
+    for (size_t n = 0; n != N_MEASURES && !is_known; ++n) {
+        const double most = every[2 * n + 1], apart = PASSING * look->rounding[2 * n + 1];
+        int there[ROOM(N_SEEN)], left[ROOM(N_SEEN)], sides[ROOM(N_SEEN)], count = 0;
+        double ways[2];
+        sides_between(n, 0.0, 0.0, node.read, end, work, there);
+        for (int m = 0; m != 2; ++m) {
+            const double far = m == 0 ? -most : most;
+            sides_between(n, smaller(0.0, far), larger(0.0, far), node.read, end, work, sides);
+            for (size_t k = 0; k != N_CROSSINGS; ++k) left[k] = sides[k] == there[k] ? 0 : there[k];
+            sides_between(n, far, far, node.read, end, work, sides);
+            if (any_on(left, sides)) return 1;
+            if (!any_on(left, left)) continue;
+            const double way = ways[count++] = way_left(n, far, left, node.read, end, work);
+            const double behind = way + copysign(apart, far);
+            sides_between(n, behind, behind, node.read, end, work, sides);
+            if (fabs(behind) < most && any_on(left, sides)) return 1;
+        }
+        if (count == 2 && ways[1] - ways[0] > apart) return 1;
+    }
+    return 0;
+}
+
 /* notes what a step that is kept has crossed: one that was cut, also what is at zero there */
 static void note_crossings(double end, const Look *look, State *s, Work *work)
 {
     TimeNode last, known;
-    look_at(end, look, s, work, &last);
+    int by_rates[ROOM(N_SEEN)];
+    look_at(1, end, look, s, work, &last);
     look_closely(look->noise, end, look, s, work, &known);
+    rate_sides(known.read, end, look, s, work, by_rates);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         const int side = (int)s->sides[k], now = side_at(&last, k);
-        const int is_near = now == 0 || side_at(&known, k) == 0;
+        const int is_near = now == 0 || (side_at(&known, k) == 0 && by_rates[k] == 0);
         const int is_there = is_near && end == look->cut && look->was_crossing[k];
         if (side == 0 || !(now == -side || is_there)) continue;
         s->sides[k] = -side;
@@ -719,14 +897,14 @@ static int are_narrow_told(double start, double end, const Look *look, const Sta
     double change[ROOM(N_NARROW)], reach[ROOM(N_NARROW)], band[ROOM(N_NARROW)];
     const double h = (end - start) / CELLS;
     TimeNode a, b;
-    look_at(start, look, s, work, &a);
+    look_at(1, start, look, s, work, &a);
     for (size_t k = 0; k != N_NARROW; ++k) {
         least[k] = most[k] = low[k] = high[k] = middle(&a, N_CROSSINGS + k);
         band[k] = half_width(&a, N_CROSSINGS + k);
         change[k] = reach[k] = 0.0;
     }
     for (int cell = 1; cell <= CELLS; ++cell) {
-        look_at(start + cell * h, look, s, work, &b);
+        look_at(1, start + cell * h, look, s, work, &b);
         bound_seen(&a, &b, work->w);
         for (size_t k = 0; k != N_NARROW; ++k) {
             const double *bounds = work->w + W_NARROW + 4 * k;

@@ -193,8 +193,10 @@ def test_same_scene_gives_the_same_bytes() -> None:
     ("file", "right", "wrong"),
     [
         ("continuation.py", "first * rate, second * rate", "-first * rate, second * rate"),
-        ("rows.h", "x_dot[i] = w->x1[i] * rate;", "x_dot[i] = -w->x1[i] * rate;"),
-        ("rows.h", "+ w->x1[i] * rate_dot;", "- w->x1[i] * rate_dot;"),
+        ("continuation.h", "x_dot[i] = w->x1[i] * rate;", "x_dot[i] = -w->x1[i] * rate;"),
+        ("continuation.h", "+ w->x1[i] * rate_dot;", "- w->x1[i] * rate_dot;"),
+        ("approach.h", "way.origin[i] = to[i];", "way.origin[i] = -to[i];"),
+        ("approach.py", "to.tolist()", "(-to).tolist()"),
         ("newton.h", "            x[i] -= correction[i];", "            x[i] += correction[i];"),
         ("solve.h", "run->start - run->start", "run->start + run->start"),
         ("continuation.h", "TWO_PI * ((double)(part", "-TWO_PI * ((double)(part"),

@@ -82,7 +82,7 @@ def arm(length: float, place: int, ends: Any = ((), ())) -> tuple[Curve, Curve]:
 
 @dataclass(frozen=True)
 class FourBar:
-    """Lengths [cm], and the angles of coupler and rocker near the first position [rad]."""
+    """Lengths [cm], and the angles of coupler, rocker and crank near the first position [rad]."""
 
     crank: float
     coupler: float
@@ -90,6 +90,7 @@ class FourBar:
     frame: float
     phi: float
     psi: float
+    alpha: float = 0.0
 
     @property
     def mechanism(self) -> LinkageTables:
@@ -103,7 +104,7 @@ class FourBar:
             links=tuple(
                 Link(f"l{k + 1}", *nodes[k], length=length) for k, length in enumerate(lengths)
             ),
-            inputs=(Input("alpha", "rad", scale=self.crank),),
+            inputs=(Input("alpha", "rad", scale=self.crank, start=self.alpha),),
             unknowns=(
                 Unknown("A.x", start=self.crank, scale=1.0, is_angle=False),
                 Unknown("A.y", start=0.0, scale=1.0, is_angle=False),
@@ -206,7 +207,8 @@ def analysed(request: pytest.FixtureRequest, backend: str) -> Callable[..., Rows
         rows = empty_rows(bar.mechanism, run.rows)
         record = record_of(run, rows)
         assert library.test_run_size() == ctypes.sizeof(record)
-        memory = ctypes.create_string_buffer(library.test_workspace_size())
+        size = library.test_workspace_size()
+        memory = ctypes.create_string_buffer(b"\xff" * size, size)  # of no meaning: all are NaN
         rows.status = library.test_solve(ctypes.byref(record), memory)
         rows.done, rows.block = record.done, record.block
         rows.reached = np.array(record.reached[:])

@@ -68,7 +68,9 @@ static const Curve curves[] = {
     {1, 1, ROCKER, NONE, {4, 1.0}},
 };
 static const double input_scales[INPUTS] = {CRANK};
-static const Run defaults = {.max_iterations = 50, .limit = 1e-12, .divisions = 12, .rows = 13};
+static const Run defaults = {
+    .max_iterations = 50, .limit = 1e-12, .divisions = 12, .rows = 13, .origin = {ALPHA}, .turns = {1}
+};
 
 const char *test_digest(void);
 size_t test_run_size(void);

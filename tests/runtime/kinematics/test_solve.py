@@ -31,7 +31,7 @@ DRAG_LINK = bar(60.0, 70.0, 65.0, 30.0, phi=1.95, psi=1.5)
 #: Coupler and rocker are stretched before the crank is half around.
 STOPS = bar(60.0, 60.0, 70.0, 100.0, phi=1.0, psi=2.0)
 #: A change point, where all links lie on the frame.
-PARALLELOGRAM = bar(30.0, 100.0, 30.0, 100.0, phi=0.0, psi=1.0)
+PARALLELOGRAM = bar(30.0, 100.0, 30.0, 100.0, phi=0.0, psi=1.0) | {"alpha": 1.0}
 #: The first position would have to stretch them further than they reach.
 OPEN = bar(30.0, 20.0, 30.0, 100.0, phi=1.0, psi=2.0)
 
@@ -212,7 +212,7 @@ def test_linkage_that_does_not_reach_is_not_assembled(analysed: Analysed) -> Non
 
 
 def test_first_position_on_a_dead_centre_is_refused(analysed: Analysed) -> None:
-    rows = analysed(PARALLELOGRAM | {"psi": 0.0})
+    rows = analysed(PARALLELOGRAM | {"psi": 0.0, "alpha": 0.0})
     assert (rows.status, rows.block) == (AnalysisStatus.ON_DEAD_CENTRE, 1)
 
 
@@ -245,6 +245,8 @@ def test_other_side_of_a_dead_centre_is_refused(analysed: Analysed) -> None:
         {"max_iterations": 0},
         {"limit": 0.0},
         {"limit": math.nan},
+        {"method": 2},
+        {"method": -1},
         {"origin": (math.nan,)},
         {"span": (math.inf,)},
         {"rate": (-math.inf,)},
