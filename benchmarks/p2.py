@@ -13,7 +13,9 @@ import numpy as np
 from benchmarks.limits import aligned
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.model.dual import evaluate_dual
+from kousoku.symbolic.components import cross
 from kousoku.symbolic.kinds import derive
+from kousoku.symbolic.matrices import quadratic_form
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,12 +38,12 @@ def p2(
     C = S ã A_iᵀ (r_j + A_j s_j − r_i − A_i s_i), and with y = A_iᵀ (r_j + A_j s_j − r_i) the blocks
     of C_q are −S ã A_iᵀ, S ã ỹ, S ã A_iᵀ, −S ã A_iᵀ A_j s̃_j; S keeps the rows x and y.
     """
-    to_i, a_j = _transposed(_rotation(p_i)), _rotation(p_j)
+    to_i, a_j = _transposed(quadratic_form(p_i)), quadratic_form(p_j)
     far = [r + x - o for r, x, o in zip(r_j, _times(a_j, s_j), r_i, strict=True)]
     y = [_dot(row, far) for row in to_i]
     length = _dot(p_i, p_i)
     d = [x - length * length * s for x, s in zip(y, s_i, strict=True)]
-    moved = _transposed([_cross(row, s_j) for row in a_j])
+    moved = _transposed([cross(row, s_j) for row in a_j])  # A_j s̃_j
     c, rows = [], []
     for k in (0, 1):
         c.append(_row(a, k, d))
@@ -50,15 +52,6 @@ def p2(
         turn_j = [-_dot(block, column) for column in moved]
         rows.append([*(-x for x in block), *turn_i, *block, *turn_j])
     return c, rows
-
-
-def _rotation(p: Vector) -> list[Vector]:
-    e0, e1, e2, e3 = p
-    return [
-        [e0 * e0 + e1 * e1 - e2 * e2 - e3 * e3, 2 * (e1 * e2 - e0 * e3), 2 * (e1 * e3 + e0 * e2)],
-        [2 * (e1 * e2 + e0 * e3), e0 * e0 - e1 * e1 + e2 * e2 - e3 * e3, 2 * (e2 * e3 - e0 * e1)],
-        [2 * (e1 * e3 - e0 * e2), 2 * (e2 * e3 + e0 * e1), e0 * e0 - e1 * e1 - e2 * e2 + e3 * e3],
-    ]
 
 
 def _transposed(rows: list[Vector]) -> list[Vector]:
@@ -79,15 +72,6 @@ def _times(matrix: list[Vector], x: Vector) -> Vector:
 def _row(a: Vector, k: int, x: Vector) -> Any:
     """Row k of ã x."""
     return a[1] * x[2] - a[2] * x[1] if k == 0 else a[2] * x[0] - a[0] * x[2]
-
-
-def _cross(row: Vector, s: Vector) -> Vector:
-    """Row vector times s̃."""
-    return [
-        row[1] * s[2] - row[2] * s[1],
-        row[2] * s[0] - row[0] * s[2],
-        row[0] * s[1] - row[1] * s[0],
-    ]
 
 
 def _turned(a: Vector, k: int, y: Vector) -> Vector:

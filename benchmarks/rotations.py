@@ -7,10 +7,7 @@ from typing import TYPE_CHECKING
 from kousoku.runtime.integrate import body_tables
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 
 def rotated(p: Array, v: Array) -> Array:

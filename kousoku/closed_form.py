@@ -17,12 +17,9 @@ from kousoku.model.input_motion import input_values
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
     from kousoku.model.planar import Input, Slider
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
-
-    Array = NDArray[np.float64]
 
 _MP = MPContext()
 _MP.dps = 30

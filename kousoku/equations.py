@@ -50,10 +50,9 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
     from kousoku.model.multibody import Instance, MovingBody, System
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
-
-    Array = npt.NDArray[np.float64]
 
 #: Scenes whose equations are kept.
 KEPT = 8

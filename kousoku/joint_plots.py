@@ -23,12 +23,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.axes import Axes
-    from numpy.typing import NDArray
 
     from kousoku.joint_shapes import JointFreedom, JointPicture, Solid
     from kousoku.model.orientation import Vector
-
-    Array = NDArray[np.float64]
+    from kousoku.model.real import Array
 
 _COLORS = {"i": "#5b8db8", "j": "#e0a04d", "-": "#9a9a9a"}
 _SHIFT, _TURN, _AXIS = "#1a7a3c", "#8a2b8f", "#b02020"

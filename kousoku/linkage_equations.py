@@ -28,9 +28,8 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.linkage.assemble import LinkElement
     from kousoku.model.planar import Input, Slider
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
-
-    Array = npt.NDArray[np.float64]
 
 #: Where an element has its rotations, by the row that belongs to each.
 ROTATION = {1: 2, 2: 5}

@@ -29,11 +29,10 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.equations import CheckedState, EquationsAtState, SceneEquations
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.run_ledger import Violation
-
-    Array = npt.NDArray[np.float64]
 
 #: What is smaller, as a part of the largest singular value, is zero where λ is found.
 ZERO = 1e-9

@@ -16,19 +16,17 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from typing import Literal, Unpack
 
-    import numpy as np
     import numpy.typing as npt
     from matplotlib.figure import Figure
 
     from kousoku.matrices import Evaluation, Matrices
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
     from kousoku.runtime.integrate.result import Result
     from kousoku.runtime.options import RunOptions
     from kousoku.runtime.run import Run
     from kousoku.runtime.saved import SavedRun
     from kousoku.runtime.solver import Solver
-
-    Array = npt.NDArray[np.float64]
 
 
 class _Files(dict[str, str]):

@@ -19,9 +19,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from matplotlib.typing import RcKeyType
-    from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
+    from kousoku.model.real import Array
 
 STYLE: dict[RcKeyType, Any] = {
     "axes.grid": True,

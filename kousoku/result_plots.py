@@ -21,11 +21,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
+    from kousoku.model.real import Array
     from kousoku.runtime.integrate.result import Result
-
-    Array = NDArray[np.float64]
 
 #: Bodies and joints that are drawn where none is named.
 MOST_PARTS = 12

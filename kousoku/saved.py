@@ -21,12 +21,9 @@ from kousoku.runtime.saved import digest_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    import numpy.typing as npt
-
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
     from kousoku.runtime.integrate.result import Result
-
-    Array = npt.NDArray[np.float64]
 
 #: Begins the names of arrays that are no columns: no part of a scene has a name with it.
 OWN = "kousoku/"

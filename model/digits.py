@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import mpmath
 
 from kousoku.model.arithmetic import FormulaArithmetic
+
+if TYPE_CHECKING:
+    from kousoku.model.real import Real
 
 #: mpmath with 50 digits, apart from the context that other code may set.
 CONTEXT = mpmath.mp.clone()
@@ -28,7 +31,7 @@ def _number(value: Fraction | float) -> Any:
 
 
 #: Numbers of :data:`CONTEXT`; a double stands for its exact value.
-HIGH: FormulaArithmetic[Any] = FormulaArithmetic(
+HIGH: FormulaArithmetic[Real] = FormulaArithmetic(
     number=_number,
     sqrt=CONTEXT.sqrt,
     sin=CONTEXT.sin,

@@ -200,7 +200,7 @@ def _tangent(less: High, element: High) -> High:
         In the scene all axes are principal axes, and which ones are with others is not known.
     """
     if not any(less.values if isinstance(less, Traced) else (less,)):
-        return CONTEXT.mpf(1)
+        return precise.number(1.0)
     if not (at_scene(less) or at_scene(element)):
         raise SceneError(
             "has equal principal moments, and parameters that turn its axes once they differ;"

@@ -38,8 +38,8 @@ def _moves(system: System, index: int, name: str, values: tuple[float, ...]) -> 
     body = system.bodies[index]
     if not is_varying((*values, *body.origin_b, *body.axes_b)):
         return False
-    w, x, y, z = map(precise.number, body.axes_b)
+    axes = precise.quadruple(body.axes_b)
     seen = precise.triple(values)
     if is_point(name):
         seen = precise.subtract(seen, precise.triple(body.origin_b))
-    return any(isinstance(number, Traced) for number in precise.rotate_back((w, x, y, z), seen))
+    return any(isinstance(number, Traced) for number in precise.rotate_back(axes, seen))

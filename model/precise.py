@@ -13,13 +13,15 @@ from kousoku.model import traced
 from kousoku.model.angles import Angle
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.graph import Op
+from kousoku.model.real import Real
 from kousoku.model.traced import Traced, applied, at_scene
 from kousoku.model.varying import Varying
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
-High = Any  # a number of the context, or a traced one: mpmath is untyped
+High = Real  # a number of the context, a fraction, or a traced one
+_high: Callable[[Any], High] = CONTEXT.mpf
 Triple = tuple[High, High, High]
 Quadruple = tuple[High, High, High, High]
 Square = tuple[Triple, Triple, Triple]
@@ -39,7 +41,7 @@ def number(value: float | Fraction | High) -> High:
     Of a double that depends on parameters it is the number with its formula.
     """
     if type(value) is float:
-        return CONTEXT.mpf(value)
+        return _high(value)
     if isinstance(value, Angle):
         value = value.exact
     if isinstance(value, Varying):
@@ -48,7 +50,7 @@ def number(value: float | Fraction | High) -> High:
         return value
     if isinstance(value, Fraction):
         return HIGH.number(value)
-    return CONTEXT.mpf(value)
+    return _high(value)
 
 
 def double(value: High) -> float:
@@ -58,34 +60,40 @@ def double(value: High) -> float:
 
 def sqrt(value: High) -> High:
     """Root √value."""
-    return applied(Op.SQRT, value) if isinstance(value, Traced) else CONTEXT.sqrt(value)
+    return applied(Op.SQRT, value) if isinstance(value, Traced) else HIGH.sqrt(value)
 
 
 def atan2(y: High, x: High) -> High:
     """Angle of (x, y) [rad]."""
-    if isinstance(y, Traced) or isinstance(x, Traced):
-        return applied(Op.ATAN2, y, x)
-    return CONTEXT.atan2(y, x)
+    is_traced = isinstance(y, Traced) or isinstance(x, Traced)
+    return applied(Op.ATAN2, y, x) if is_traced else HIGH.atan2(y, x)
 
 
 def cleaned(value: High, size: High) -> High:
     """Value, or zero where it is only rounding of numbers of that size."""
     if isinstance(value, Traced):
         return value
-    return CONTEXT.mpf(0) if abs(value) <= NOISE * size else value
+    return ZERO[0] if abs(value) <= NOISE * size else value
 
 
 def total(values: Sequence[High]) -> High:
     """Sum, which is rounded once where no number is traced."""
     if any(isinstance(value, Traced) for value in values):
         return sum(values, ZERO[0])
-    return CONTEXT.fsum(values)
+    found: High = CONTEXT.fsum(values)
+    return found
 
 
 def triple(values: Iterable[float]) -> Triple:
     """Three doubles as numbers of 50 digits."""
     x, y, z = values
     return number(x), number(y), number(z)
+
+
+def quadruple(values: Iterable[float]) -> Quadruple:
+    """Four doubles as numbers of 50 digits: Euler parameters."""
+    w, x, y, z = values
+    return number(w), number(x), number(y), number(z)
 
 
 def add(a: Triple, b: Triple) -> Triple:

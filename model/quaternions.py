@@ -38,7 +38,7 @@ def quaternion(orientation: Orientation | None) -> Quadruple:
     if orientation.rotation_vector is not None:
         axis = precise.triple(orientation.rotation_vector)
         return _about(axis, precise.length(axis))
-    assert orientation.axis is not None
+    assert orientation.axis is not None and orientation.angle is not None
     return _about(precise.triple(orientation.axis), precise.number(orientation.angle))
 
 

@@ -20,11 +20,8 @@ from kousoku.runtime.run_stop import SHOWN
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    import numpy.typing as npt
-
     from kousoku.runtime.dynamics import DynamicsSolver
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.runtime.integrate.arithmetic import Array
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,15 +30,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    import numpy.typing as npt
-
     from kousoku.runtime.choice import Target
     from kousoku.runtime.dynamics_targets import SolverTarget
+    from kousoku.runtime.integrate.arithmetic import Array
     from kousoku.runtime.integrate.body_tables import BodyPlaces
     from kousoku.runtime.integrate.motion import Motion
     from kousoku.runtime.integrate.state import Field
-
-    Array = npt.NDArray[np.float64]
 
 #: Counts that are not said where there are none.
 SAID_IF_ANY = ("driver", "dependent row")

@@ -30,13 +30,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    import numpy.typing as npt
-
     from kousoku.runtime.choice import Target
     from kousoku.runtime.run import Run
     from kousoku.runtime.solver_verify import Data
-
-    Array = npt.NDArray[np.float64]
 
 HEADER = "solver.h"
 #: Regions with one number for each constraint.

@@ -12,12 +12,9 @@ from kousoku.runtime.integrate.result import shortly
 from kousoku.runtime.integrate.settings import KINEMATICS
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from kousoku.runtime.integrate.arithmetic import Array
     from kousoku.runtime.integrate.motion import Motion
     from kousoku.runtime.options import Options
-
-    Array = npt.NDArray[np.float64]
 
 #: The second run is made with a tolerance, or a fixed step, that is this part of the first one's;
 #: with a tenth errors of both methods have been seen that were nearly the same.

@@ -17,12 +17,10 @@ from kousoku.runtime.report import Row
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    import numpy.typing as npt
-
     from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.integrate.arithmetic import Array
     from kousoku.runtime.integrate.motion import Layout
 
-    Array = npt.NDArray[np.float64]
     Numbers = list[tuple[str, float]]
 
 #: What is said of such a row.

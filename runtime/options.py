@@ -23,11 +23,8 @@ from kousoku.runtime.integrate.settings import (
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    import numpy.typing as npt
-
     from kousoku.runtime.dynamics import DynamicsSolver
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.runtime.integrate.arithmetic import Array
 
 #: Methods of scenes that move freely.
 RUNGE_KUTTA = tuple(LEAST_TOLERANCES)

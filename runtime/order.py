@@ -28,12 +28,9 @@ if TYPE_CHECKING:
     from pathlib import Path
     from types import ModuleType
 
-    import numpy.typing as npt
-
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.integrate.methods import RungeKuttaMethod
 
-    Array = npt.NDArray[np.float64]
     Tree = tuple["Tree", ...]
 
 #: Orders of the polynomials inside of a step, and of what the estimates of errors leave out.

@@ -34,14 +34,11 @@ from kousoku.runtime.saved import SavedRun
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    import numpy.typing as npt
-
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.error_estimate import ErrorEstimate
+    from kousoku.runtime.integrate.arithmetic import Array
     from kousoku.runtime.integrate.initial import Evaluate
     from kousoku.runtime.options import Options
-
-    Array = npt.NDArray[np.float64]
 
 #: Instead of what is said of ``NOT_PROJECTED``, where steps have a length that was given.
 TOO_LONG = (

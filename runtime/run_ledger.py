@@ -16,16 +16,13 @@ from kousoku.runtime.run_stop import SHOWN
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    import numpy.typing as npt
-
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.error_estimate import ErrorEstimate
+    from kousoku.runtime.integrate.arithmetic import Array
     from kousoku.runtime.integrate.given_start import Moved
     from kousoku.runtime.integrate.trust import Trust
     from kousoku.runtime.momenta import Momentum
     from kousoku.runtime.options import Options
-
-    Array = npt.NDArray[np.float64]
 
 #: Fields of the state that are counts, and fields of the ledger.
 COUNTS = (

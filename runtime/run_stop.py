@@ -11,9 +11,7 @@ from kousoku.runtime.integrate.result import key_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy.typing as npt
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.runtime.integrate.arithmetic import Array
 
 #: Joints, or parts of a scene, that a text names.
 SHOWN = 3

@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics import DynamicsSolver
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.runtime.integrate.arithmetic import Array
 
 #: Numbers of a state that count something: those of the ledger, and others.
 COUNTED = (*COUNTS, "next_row", "event", "bent", "short_steps", "not_finite")

@@ -10,10 +10,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol
-from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.quantity import Quantity
-from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, Step
+from kousoku.symbolic.derivation import Derivation, Function, Step, output_of
 from kousoku.symbolic.matrices import (
     NamedMatrix,
     add,
@@ -130,10 +129,6 @@ def _steps() -> tuple[Step, ...]:
     )
 
 
-def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> DerivedOutput:
-    return DerivedOutput(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
-
-
 def _numbers(*quantities: Quantity) -> list[Any]:
     return [x for quantity in quantities for x in elements(quantity)]
 
@@ -142,10 +137,10 @@ def _constraint() -> Function:
     c_1, c_2, c_0, u_1, u_2, f = _numbers(*FACTORS.values(), OFFSET, *VALUES.values(), LAW)
     columns = "Jacobian; columns of coordinate 1, then those of coordinate 2"
     outputs = (
-        _output(
+        output_of(
             Quantity("C", (1,), "m, rad", "constraint"), VALUE, [c_1 * u_1 + c_2 * u_2 + c_0 - f]
         ),
-        _output(
+        output_of(
             Quantity("C_q", (1, 2 * COLUMNS), "-, m", columns),
             BlockMatrix([list(JACOBIAN)]),
             [c * x for c, k in ((c_1, 1), (c_2, 2)) for x in elements(ROWS[k])],
@@ -164,8 +159,8 @@ def _rates() -> Function:
     nu = Quantity("nu", (1,), "m/s, rad/s", "dC/dt = C_q v − nu")
     gamma = Quantity("gamma", (1,), "m/s^2, rad/s^2", "d²C/dt² = C_q dv/dt − gamma")
     outputs = (
-        _output(nu, NU, [first]),
-        _output(gamma, GAMMA, [c_1 * gamma_1 + c_2 * gamma_2 + second]),
+        output_of(nu, NU, [first]),
+        output_of(gamma, GAMMA, [c_1 * gamma_1 + c_2 * gamma_2 + second]),
     )
     inputs = (*FACTORS.values(), *GAMMAS.values(), LAW_DOT, LAW_DDOT)
     formula = "nu = df/dt, gamma = c_1 gamma_1 + c_2 gamma_2 + d²f/dt²"
@@ -176,7 +171,7 @@ def _reaction() -> Function:
     (lam,), c_1, c_2 = elements(LAM), *_numbers(*FACTORS.values())
     rows = [[mul(symbol(LAM)[0, 0], transpose(block))] for block in JACOBIAN]
     meaning = "C_qᵀλ: of the bodies of coordinate 1, then of those of coordinate 2"
-    output = _output(
+    output = output_of(
         Quantity("reaction", (2 * COLUMNS,), "N, N m", meaning),
         BlockMatrix(rows),
         [lam * c * x for c, k in ((c_1, 1), (c_2, 2)) for x in elements(ROWS[k])],

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from sympy import S, Symbol
 from sympy.matrices.expressions import BlockMatrix, MatrixSymbol
-from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.bodies import CONFIGURATION, MOTION, motion_flow, unit_flows
 from kousoku.symbolic.check import check_constraint, check_functions
-from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, output_of
 from kousoku.symbolic.forms import Constraint, Forms, collect, steps, with_abbreviations
 from kousoku.symbolic.matrices import elements, mul, symbol, transpose
 
@@ -54,15 +53,6 @@ def derive_constraint(c: Constraint) -> Derivation:
     return derivation
 
 
-def _output(
-    quantity: Quantity,
-    x: SymbolicMatrix,
-    scalars: Sequence[Any],
-    through: tuple[SymbolicMatrix, ...] = (),
-) -> DerivedOutput:
-    return DerivedOutput(quantity, x, ImmutableDenseMatrix(len(scalars), 1, list(scalars)), through)
-
-
 def _functions(c: Constraint, forms: Forms) -> tuple[Function, ...]:
     flows = unit_flows()
     jacobian = [flow(x) for x in c.components for flow in flows]
@@ -78,8 +68,8 @@ def _constraint(c: Constraint, forms: Forms, jacobian: Sequence[Any]) -> Functio
     unit = "-, m" if c.unit == "m" else "1/m, -"
     columns = "Jacobian; columns δr_i, δθ′_i, δr_j, δθ′_j"
     outputs = (
-        _output(Quantity("C", (m,), c.unit, "constraint"), c.value, c.components),
-        _output(
+        output_of(Quantity("C", (m,), c.unit, "constraint"), c.value, c.components),
+        output_of(
             Quantity("C_q", (m, 12), unit, columns),
             BlockMatrix([list(forms.jacobian)]),
             jacobian,
@@ -95,8 +85,8 @@ def _rates(c: Constraint, forms: Forms) -> Function:
     nu = Quantity("nu", (m,), f"{unit}/s", "dC/dt = C_q v − nu")
     gamma = Quantity("gamma", (m,), f"{unit}/s^2", "d²C/dt² = C_q dv/dt − gamma")
     outputs = (
-        _output(nu, forms.nu, [S.Zero] * m),
-        _output(
+        output_of(nu, forms.nu, [S.Zero] * m),
+        output_of(
             gamma,
             forms.gamma if c.gamma is None else c.gamma.right,
             [-motion(motion(x)) for x in c.components],
@@ -130,7 +120,7 @@ def _reaction(
     plain = None if c.closed is None else c.closed.plain
     number = symbol(c.lam)[0, 0]
     outputs = (
-        _output(
+        output_of(
             force,
             BlockMatrix([[f] for f in forms.reaction]),
             forces,
@@ -138,7 +128,7 @@ def _reaction(
             if plain is None
             else (BlockMatrix([[mul(number, transpose(x))] for x in plain.jacobian]),),
         ),
-        _output(
+        output_of(
             stiffness,
             BlockMatrix([list(row) for row in forms.stiffness]),
             [flow(f) for f in forces for flow in flows],

@@ -82,6 +82,19 @@ class DerivedOutput:
         return _line(f"<{_sized(quantity)} [{quantity.unit}]", f": {quantity.meaning}>")
 
 
+def output_of(
+    quantity: Quantity,
+    expression: Any,
+    scalars: Sequence[Any],
+    through: tuple[Any, ...] = (),
+) -> DerivedOutput:
+    """Output of its components, row-major; the other arguments are those of the record."""
+    from sympy.matrices.immutable import ImmutableDenseMatrix
+
+    column = ImmutableDenseMatrix(len(scalars), 1, list(scalars))
+    return DerivedOutput(quantity, expression, column, through)
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Function:
     """Outputs that are evaluated together: the source of one kernel.

@@ -19,7 +19,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import dot
-from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
+from kousoku.symbolic.derivation import Derivation, Function, output_of
 from kousoku.symbolic.link_element import (
     BETA_RATE,
     L0,
@@ -38,7 +38,6 @@ from kousoku.symbolic.matrices import elements, mul, neg, symbol
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 SOURCE = "Yamada and Tatsumi 1981"
 TITLE = "planar link element"
@@ -89,8 +88,8 @@ def _deformation() -> Function:
         f"{SOURCE}, (5)–(15)",
         (X, LENGTH, OFFSET),
         (
-            _output(Quantity("epsilon", (3,), "m", "deformations"), epsilon, components),
-            _output(
+            output_of(Quantity("epsilon", (3,), "m", "deformations"), epsilon, components),
+            output_of(
                 Quantity("D", (3, 6), "-, m/rad", "derivatives of epsilon by x"),
                 jacobian(),
                 _component_jacobian(),
@@ -115,24 +114,18 @@ def _rate() -> Function:
         f"{SOURCE}, (23)",
         (X, LENGTH, X_DOT),
         (
-            _output(
+            output_of(
                 Quantity("D_dot", (3, 6), "1/s, m/s/rad", "derivative of D along the motion"),
                 jacobian_rate(),
                 rates,
             ),
-            _output(
+            output_of(
                 Quantity("D_dot_x_dot", (3,), "m/s^2", "D_dot times x_dot"),
                 BlockMatrix([[first], [second], [neg(second)]]),
                 products,
             ),
         ),
     )
-
-
-def _output(
-    quantity: Quantity, expression: SymbolicMatrix, scalars: Sequence[Any]
-) -> DerivedOutput:
-    return DerivedOutput(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
 
 
 def _stretch() -> Any:

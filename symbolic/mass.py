@@ -18,7 +18,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 from kousoku.model.errors import DerivationError
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import Flow, cross, dot, half_turn, rotate, rotate_back
-from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, Step
+from kousoku.symbolic.derivation import Derivation, Function, Step, output_of
 from kousoku.symbolic.mass_steps import balance_steps, motion_steps, reduction_steps
 from kousoku.symbolic.matrices import (
     NamedMatrix,
@@ -110,10 +110,6 @@ def newton_euler(body: BodyTerms) -> tuple[SymbolicMatrix, SymbolicMatrix]:
     return matrix, right
 
 
-def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> DerivedOutput:
-    return DerivedOutput(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
-
-
 def _spin_flow() -> Flow:
     p = elements(P)
     change = dict(zip(p, half_turn(p, elements(OMEGA_B)), strict=True))
@@ -176,8 +172,8 @@ def derive_rigid_body() -> Derivation:
         f"{SOURCE}, (matrix-form)",
         (MASS, R_AG_B, I_A_B, P, OMEGA_B, FORCE, TORQUE_B),
         (
-            _output(MATRIX, matrix, _matrix_components(mass, moment, inertia)),
-            _output(RIGHT, right, [*forces, *torques]),
+            output_of(MATRIX, matrix, _matrix_components(mass, moment, inertia)),
+            output_of(RIGHT, right, [*forces, *torques]),
         ),
     )
     steps = (
@@ -231,8 +227,8 @@ def derive_mass_points(n: int) -> Derivation:
         f"{SOURCE}, (matrix-form)",
         (points.m, points.s_b, P, OMEGA_B, points.f),
         (
-            _output(MATRIX, matrix, points.matrix_components()),
-            _output(RIGHT, right, points.right_components()),
+            output_of(MATRIX, matrix, points.matrix_components()),
+            output_of(RIGHT, right, points.right_components()),
         ),
     )
     functions = (_inertia(points, body, title), _resultant(points, body, title), whole)
@@ -249,13 +245,13 @@ def _inertia(points: _Points, body: BodyTerms, title: str) -> Function:
         f"{SOURCE}, (total-mass), (centre-of-mass), (inertia)",
         (points.m, points.s_b),
         (
-            _output(MASS, body.mass, [total]),
-            _output(
+            output_of(MASS, body.mass, [total]),
+            output_of(
                 R_AG_B,
                 mul(1 / body.mass, body.moment),
                 [x / total for x in points.moment_components()],
             ),
-            _output(I_A_B, body.inertia, [x for row in points.inertia_components() for x in row]),
+            output_of(I_A_B, body.inertia, [x for row in points.inertia_components() for x in row]),
         ),
     )
 
@@ -268,8 +264,8 @@ def _resultant(points: _Points, body: BodyTerms, title: str) -> Function:
         f"{SOURCE}, (total-force), (torque-definition)",
         (points.s_b, P, points.f),
         (
-            _output(FORCE, body.force, points.force_components()),
-            _output(TORQUE_B, body.torque, points.torque_components()),
+            output_of(FORCE, body.force, points.force_components()),
+            output_of(TORQUE_B, body.torque, points.torque_components()),
         ),
     )
 

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import sympy
 from sympy import S
 from sympy.matrices.expressions import Identity, MatrixSymbol
-from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import dot
-from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, Step
+from kousoku.symbolic.derivation import Derivation, Function, Step, output_of
 from kousoku.symbolic.matrices import add, elements, mul, neg, symbol, transpose
 from kousoku.symbolic.variation import Variation, coefficient, without
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 TITLE, SOURCE = "norm, Euler parameters of norm one", "lecture 7.1, (4.3)"
 P = Quantity("p", (4,), "-", "Euler parameters, scalar first")
@@ -70,14 +66,10 @@ def _row() -> list[Any]:
     return [sympy.diff(_scalar(), e) for e in elements(P)]
 
 
-def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> DerivedOutput:
-    return DerivedOutput(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
-
-
 def _constraint() -> Function:
     outputs = (
-        _output(Quantity("C", (1,), "-", "constraint"), VALUE, [_scalar()]),
-        _output(Quantity("C_q", (1, 4), "-", "Jacobian; columns δp"), JACOBIAN, _row()),
+        output_of(Quantity("C", (1,), "-", "constraint"), VALUE, [_scalar()]),
+        output_of(Quantity("C_q", (1, 4), "-", "Jacobian; columns δp"), JACOBIAN, _row()),
     )
     title = f"{TITLE}: constraint and Jacobian"
     return Function("constraint", title, "C = p·p − 1", SOURCE, (P,), outputs)
@@ -87,8 +79,8 @@ def _rates() -> Function:
     velocity = dot(_row(), elements(P_DOT))
     gamma = -dot([velocity.diff(e) for e in elements(P)], elements(P_DOT))
     outputs = (
-        _output(Quantity("nu", (1,), "1/s", "velocity right-hand side"), NU, [S.Zero]),
-        _output(Quantity("gamma", (1,), "1/s^2", "acceleration right-hand side"), GAMMA, [gamma]),
+        output_of(Quantity("nu", (1,), "1/s", "velocity right-hand side"), NU, [S.Zero]),
+        output_of(Quantity("gamma", (1,), "1/s^2", "acceleration right-hand side"), GAMMA, [gamma]),
     )
     formula = "dC/dt = C_q p_dot − nu, d²C/dt² = C_q dp_dot/dt − gamma"
     return Function("rates", f"{TITLE}: right-hand sides", formula, SOURCE, (P_DOT,), outputs)
@@ -98,8 +90,8 @@ def _reaction() -> Function:
     forces = [elements(LAM)[0] * row for row in _row()]
     derivatives = [f.diff(e) for f in forces for e in elements(P)]
     outputs = (
-        _output(Quantity("reaction", (4,), "N m", "C_qᵀλ, dual to δp"), REACTION, forces),
-        _output(
+        output_of(Quantity("reaction", (4,), "N m", "C_qᵀλ, dual to δp"), REACTION, forces),
+        output_of(
             Quantity("reaction_q", (4, 4), "N m", "its derivative by p at fixed λ"),
             REACTION_Q,
             derivatives,

@@ -11,7 +11,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import Flow, compose, dot, half_turn, plus, rotate
-from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, Step
+from kousoku.symbolic.derivation import Derivation, Function, Step, output_of
 from kousoku.symbolic.matrices import (
     Dot,
     NamedMatrix,
@@ -78,12 +78,6 @@ def derive(package: str) -> Derivation:
     )
 
 
-def _output(
-    quantity: Quantity, expression: SymbolicMatrix, scalars: Sequence[Any]
-) -> DerivedOutput:
-    return DerivedOutput(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
-
-
 def _conjugate(p: Sequence[Any]) -> list[Any]:
     return [p[0], -p[1], -p[2], -p[3]]
 
@@ -102,7 +96,7 @@ def _orientation() -> Function:
     cells = [column[row] for row in range(3) for column in columns]
     quantity = Quantity("A", (3, 3), "-", "orientation, body components to frame O")
     formula = "A = (e0² − e·e) I + 2 e e^T + 2 e0 e~"
-    outputs = (_output(quantity, A, cells),)
+    outputs = (output_of(quantity, A, cells),)
     return Function("orientation", "orientation", formula, "lecture 7.1, (4.3)", (P,), outputs)
 
 
@@ -117,8 +111,10 @@ def _virtual_rotation() -> Function:
         "lecture 7.1, (7.16) and (7.15)",
         (P, DTHETA_B),
         (
-            _output(Quantity("dA", (3, 3), "-", "variation of the orientation"), DELTA(A), change),
-            _output(
+            output_of(
+                Quantity("dA", (3, 3), "-", "variation of the orientation"), DELTA(A), change
+            ),
+            output_of(
                 Quantity("dtheta", (3,), "rad", "virtual rotation, frame O"),
                 mul(A, symbol(DTHETA_B)),
                 [2 * x for x in spatial],
@@ -131,7 +127,7 @@ def _point() -> Function:
     quantity = Quantity("r_P", (3,), "m", "position of the point, frame O")
     scalars = plus(elements(R), rotate(elements(P), elements(S_B)))
     expression = add(symbol(R), mul(A, symbol(S_B)))
-    outputs = (_output(quantity, expression, scalars),)
+    outputs = (output_of(quantity, expression, scalars),)
     return Function(
         "point", "point of a body", "r_P = r + A s′", "lecture 7.1, (4.28)", (R, P, S_B), outputs
     )
@@ -154,7 +150,7 @@ def _virtual_displacement() -> Function:
         "δr_P = δr − A s′~ δθ′",
         "lecture 7.1, (7.19)",
         (DR, P, DTHETA_B, S_B),
-        (_output(quantity, _collected_displacement(), plus(elements(DR), moved)),),
+        (output_of(quantity, _collected_displacement(), plus(elements(DR), moved)),),
     )
 
 
@@ -168,7 +164,7 @@ def _orientation_rate() -> Function:
         "dA/dt = A ω′~",
         "lecture 7.1, (5.16)",
         (P, OMEGA_B),
-        (_output(quantity, RATE(A), scalars),),
+        (output_of(quantity, RATE(A), scalars),),
     )
 
 
@@ -191,12 +187,12 @@ def _angular_velocity() -> Function:
         "lecture 7.1, (5.16)",
         (P, P_DOT),
         (
-            _output(
+            output_of(
                 Quantity("omega_b", (3,), "rad/s", "angular velocity, body frame"),
                 mul(2 / norm, _spin(-1)),
                 [2 * x / square for x in body],
             ),
-            _output(
+            output_of(
                 Quantity("omega", (3,), "rad/s", "angular velocity, frame O"),
                 mul(2, _spin(1)),
                 [2 * x for x in frame],
@@ -221,7 +217,7 @@ def _euler_rates() -> Function:
         "lecture 7.1, (5.16)",
         (P, OMEGA_B),
         (
-            _output(
+            output_of(
                 quantity,
                 mul(Rational(1, 2), _turned(symbol(OMEGA_B))),
                 half_turn(elements(P), elements(OMEGA_B)),
@@ -247,7 +243,7 @@ def _update() -> Function:
         "p_new = w / |w|, w = p∘(cos(θ/2), δθ′ sin(θ/2)/θ), θ = |δθ′|",
         "lecture 7.1, (7.16)",
         (P, DTHETA_B),
-        (_output(quantity, mul(1 / norm, whole), [x / size for x in new]),),
+        (output_of(quantity, mul(1 / norm, whole), [x / size for x in new]),),
     )
 
 

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 import sympy
 from sympy import Rational
 from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol
-from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.bodies import (
@@ -30,7 +29,7 @@ from kousoku.symbolic.bodies import (
     unit_flows,
 )
 from kousoku.symbolic.components import dot
-from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, Step
+from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, Step, output_of
 from kousoku.symbolic.joints import parts_of_motion, point_offset, relative_motion
 from kousoku.symbolic.matrices import (
     Divisor,
@@ -49,8 +48,6 @@ from kousoku.symbolic.pairs import turning_seen_from
 from kousoku.symbolic.variation import coefficient
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 TITLE = "spring_damper, spring and damper between two points (TSDA)"
@@ -153,23 +150,13 @@ def _steps() -> tuple[Step, ...]:
     return tuple(steps)
 
 
-def _output(
-    quantity: Quantity,
-    expression: Any,
-    scalars: Sequence[Any],
-    through: tuple[SymbolicMatrix, ...] = (),
-) -> DerivedOutput:
-    column = ImmutableDenseMatrix(len(scalars), 1, list(scalars))
-    return DerivedOutput(quantity, expression, column, through)
-
-
 def _component_length() -> Any:
     offset = point_offset()
     return sympy.sqrt(dot(offset, offset))
 
 
 def _number(quantity: Quantity, expression: Any, component: Any) -> DerivedOutput:
-    return _output(quantity, mul(expression, Identity(1)), [component])
+    return output_of(quantity, mul(expression, Identity(1)), [component])
 
 
 def _zero_at_pole(output: DerivedOutput) -> DerivedOutput:
@@ -190,7 +177,7 @@ def _length() -> Function:
         (
             _zero_at_pole(_number(replace(LENGTH, shape=(1,)), L, length)),
             _zero_at_pole(
-                _output(replace(LENGTH_RATE, shape=(1,)), rate, components, (plain,)),
+                output_of(replace(LENGTH_RATE, shape=(1,)), rate, components, (plain,)),
             ),
         ),
     )
@@ -223,5 +210,9 @@ def _force() -> Function:
         "f = −T dl/d(δr, δθ′)",
         SOURCE,
         (*PLACES, TENSION),
-        (_zero_at_pole(_output(Quantity("force", (12,), "N, N m", meaning), forces, components)),),
+        (
+            _zero_at_pole(
+                output_of(Quantity("force", (12,), "N, N m", meaning), forces, components)
+            ),
+        ),
     )

@@ -30,7 +30,7 @@ from xdist.scheduler import LoadScopeScheduling
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
 from kousoku.model.errors import NoCompilerError
-from kousoku.runtime.dynamics_numpy import NumpySolver
+from kousoku.runtime.dynamics_targets import NumpySolver
 from kousoku.runtime.lock import locked
 from kousoku.runtime.toolchain import find_toolchain
 

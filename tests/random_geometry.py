@@ -4,6 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.model.real import Array
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
@@ -54,6 +62,12 @@ def rotation(e0: float, e: Vector) -> Matrix:
         rows.append([unit[m] + 2 * (e0 * turned[m] + twice[m]) / size for m in range(3)])
     first, second, third = ((row[0], row[1], row[2]) for row in rows)
     return transposed((first, second, third))
+
+
+def orientation_of(p: Sequence[float]) -> Array:
+    """A of Euler parameters, scalar first, as an array."""
+    w, x, y, z = p
+    return np.array(rotation(w, (x, y, z)))
 
 
 def turn(axis: Vector, angle: float) -> Matrix:

@@ -39,7 +39,7 @@ SHARED = {"angles", "quantity", "manifest", "errors", "cache", "compressed", "js
 LIBRARIES = ("integrate", "kinematics")
 #: Modules that import each other in a circle, at most: at the top of files; inside of functions,
 #: too; and for types alone. These numbers may only fall.
-MOST_IN_CYCLES = {"top": 0, "functions": 16, "types": 96}
+MOST_IN_CYCLES = {"top": 0, "functions": 14, "types": 95}
 HAND_WRITTEN = ("kousoku", "model", "symbolic", "ledger", "codegen", "runtime", "benchmarks")
 
 

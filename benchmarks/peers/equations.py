@@ -21,9 +21,7 @@ from kousoku.runtime.toolchain import find_toolchain
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    import numpy.typing as npt
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 #: A source that is longer [bytes] is compiled with -O1: gcc needs minutes for more.
 LONG_SOURCE = 4_000_000

@@ -16,11 +16,8 @@ from benchmarks.problems.tree import GROUND, frames, slopes
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import numpy.typing as npt
-
     from benchmarks.problems.tree import Point, Tree
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 #: Numerical damping of generalised alpha: 1 is none, and passes no singular position.
 SPECTRAL_RADIUS = 0.95

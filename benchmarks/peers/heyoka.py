@@ -11,11 +11,8 @@ from benchmarks.kit import required
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import numpy.typing as npt
-
     from benchmarks.peers.equations import StateEquations
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 
 def translated(expression: Any, x: Any) -> tuple[list[Any], list[Any]]:

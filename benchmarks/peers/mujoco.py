@@ -13,11 +13,8 @@ from benchmarks.problems.tree import GROUND
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import numpy.typing as npt
-
     from benchmarks.problems.tree import Point, Tree, TreeLink
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 #: How stiff its loops are: two steps are the shortest time constant that it takes.
 LOOPS = {"solref": (2.0, 1.0), "solimp": (0.9999, 0.9999, 0.001, 0.5, 2)}

@@ -13,11 +13,8 @@ from benchmarks.problems.tree import GROUND, placed, pulled
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import numpy.typing as npt
-
     from benchmarks.problems.tree import Tree, TreeLink
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 #: Of loops: how exact the proximal iterations are, their damping, and how many at most.
 PROXIMAL = (1e-14, 1e-10, 20)

@@ -10,12 +10,8 @@ from benchmarks.peers.equations import caller
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import numpy as np
-    import numpy.typing as npt
-
     from benchmarks.peers.equations import StateEquations
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 #: The least relative tolerance that it takes.
 LEAST = 3e-14

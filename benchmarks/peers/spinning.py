@@ -14,11 +14,9 @@ from benchmarks.peers.scipy import solved
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import numpy.typing as npt
-
     from benchmarks.problems.top import Top
+    from kousoku.model.real import Array
 
-    Array = npt.NDArray[np.float64]
     Runs = tuple[Callable[[], object], Callable[[], Array]]
 
 WEIGHT = 9.81

@@ -19,12 +19,9 @@ from benchmarks.problems.catalog import PROBLEMS
 from benchmarks.problems.problem import FOLDER, TIMES
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from benchmarks.peers.equations import StateEquations
     from benchmarks.problems.problem import BenchmarkProblem
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 TOLERANCE = 1e-26
 

@@ -19,12 +19,9 @@ from kousoku.runtime.integrate.motion import Motion
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    import numpy.typing as npt
-
     from benchmarks.problems.problem import BenchmarkProblem
     from kousoku.mechanism import Mechanism
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 #: How far states are moved; what errors of runs make of it is a part of 1e-3.
 MOVE = 1e-9

@@ -18,11 +18,8 @@ from benchmarks.problems.problem import SCENES
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import numpy.typing as npt
-
     from benchmarks.kit import Size
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 CONTEST, FILE = "linkage", SCENES / "stephenson_six_bar.toml"
 DIVISIONS = 60

@@ -16,14 +16,12 @@ from benchmarks.kit import Call, Case, Judged, Kind
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    import numpy.typing as npt
-
     from benchmarks.kit import Size
     from benchmarks.peers.equations import StateEquations
     from kousoku.mechanism import Mechanism
+    from kousoku.model.real import Array
     from kousoku.model.scene import Output
 
-    Array = npt.NDArray[np.float64]
     Runs = tuple[Callable[[], object], Callable[[], Array]]
 
 FOLDER = Path(__file__).with_name("digits")

@@ -12,15 +12,11 @@ from benchmarks.problems.problem import equation_cases
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    import numpy as np
-    import numpy.typing as npt
-
     from benchmarks.kit import Size
     from benchmarks.peers.equations import StateEquations
     from benchmarks.problems.problem import BenchmarkProblem, Runs
     from benchmarks.problems.tree import Tree
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 #: Tolerances; a Taylor series errs by more than its own where it is loose.
 STEPPERS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)

@@ -15,9 +15,7 @@ from benchmarks.kit import required
 from benchmarks.peers.equations import StateEquations, lagrange
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 Vector = tuple[float, float, float]
 JointType = Literal["x", "y", "z", "slide x", "slide y", "slide z"]

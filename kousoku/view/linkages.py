@@ -27,11 +27,8 @@ from kousoku.view.shapes import (
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
-
-    Array = NDArray[np.float64]
 
 OUT = np.array([0.0, 0.0, 1.0])
 UP = np.array([0.0, 1.0, 0.0])

@@ -27,11 +27,8 @@ from kousoku.view.shapes import DARK, LIGHT
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from numpy.typing import NDArray
-
+    from kousoku.model.real import Array
     from kousoku.view.picture import Picture
-
-    Array = NDArray[np.float64]
 
 FOLDER = Path(__file__).parent
 LARGEST = 32767

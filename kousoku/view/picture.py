@@ -16,10 +16,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
     from kousoku.view.shapes import Axis, Shapes
-
-    Array = NDArray[np.float64]
 
 MOST_NUMBERS, LEAST_FRAMES = 250_000, 200
 """Numbers of a motion that a page holds at most, unless these are fewer frames."""

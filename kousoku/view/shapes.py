@@ -10,19 +10,17 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from kousoku.joint_shapes import JOINT_PICTURES, Ball, BoxShape, CylinderShape
+from kousoku.runtime.integrate.body_tables import rotated
 from kousoku.view.meshes import box_name, coarse, cylinder_name, mesh_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from numpy.typing import NDArray
-
     from kousoku.joint_shapes import Solid
     from kousoku.model.frames import BodyFrame
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body, Joint
-
-    Array = NDArray[np.float64]
 
 GROUND, METAL = 0, 1
 """Colours of the ground and of joints; those of bodies follow."""
@@ -182,13 +180,9 @@ class Shapes:
 
 def rotation(p: Array) -> Array:
     """Matrix A(p) of Euler parameters of any length, (…, 3, 3) of (…, 4)."""
-    w, x, y, z = np.moveaxis(p / np.linalg.norm(p, axis=-1, keepdims=True), -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+    unit = np.moveaxis(p / np.linalg.norm(p, axis=-1, keepdims=True), -1, 0)
+    axes = np.eye(3).reshape(3, *(1,) * (p.ndim - 1), 3)
+    return np.moveaxis(rotated(unit[..., np.newaxis], axes), 0, -2)
 
 
 def across_of(axis: Array) -> Array:

@@ -19,12 +19,9 @@ from kousoku.view.shapes import LIGHT, METAL, rotation, vertices_of
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from numpy.typing import NDArray
-
+    from kousoku.model.real import Array
     from kousoku.view.picture import Picture
     from kousoku.view.shapes import MeshPart
-
-    Array = NDArray[np.float64]
 
 SHADES = 12
 """Steps from the dark to the light side of a colour."""

@@ -84,6 +84,8 @@ class SpringDamper(ForceKind):
         one = precise.number(1)
         law: dict[str, tuple[Value | High, High]] = {"unit": (1.0, given.unit)}
         if force.tension is None:
+            assert not isinstance(force.stiffness, tuple)
+            assert not isinstance(force.damping, tuple)
             linear = {"stiffness": force.stiffness, "damping": force.damping}
             law = {name: (value or 0.0, one) for name, value in linear.items()}
         numbers, formulas = scalars(law | {"free_length": (free, given.unit)})

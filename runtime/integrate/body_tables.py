@@ -13,10 +13,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    import numpy.typing as npt
-
-    Array = npt.NDArray[np.float64]
-
+    from .arithmetic import Array
 
 #: Numbers of one component that are computed together: more leave the fast part of the memory.
 TOGETHER = 8192

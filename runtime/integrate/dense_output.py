@@ -11,13 +11,10 @@ from .methods import row_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .methods import RungeKuttaMethod
     from .scene_tables import SceneTables, Work
     from .state import State
-
-    Array = npt.NDArray[np.float64]
 
 #: Where drivers determine the motion the powers at all stages are exact, and nothing but works has
 #: an error: powers at all nodes of the method of order 5 tell them at every time to an order more

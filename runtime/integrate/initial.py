@@ -18,11 +18,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from typing import TypeAlias
 
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .body_tables import BodyPlaces
-
-    Array: TypeAlias = npt.NDArray[np.float64]
 
     #: What a scene computes at q and v, time 0, by the names of ``places`` of ``motion.json``.
     Evaluate: TypeAlias = Callable[[Array, Array], Mapping[str, Array]]

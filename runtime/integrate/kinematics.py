@@ -49,13 +49,10 @@ from .stepper import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .scene_tables import Work
     from .settings import Settings
     from .state import State
-
-    Array = npt.NDArray[np.float64]
 
 #: What a prediction may miss: a part of the way of a step, and what always may.
 FAITHFUL = 0.02

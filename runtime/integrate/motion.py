@@ -15,14 +15,10 @@ from .result import Column, Coordinates, Named, Result, key_of, listed, missing,
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from typing import TypeAlias
 
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .result import Ledger
     from .trust import Trust
-
-    Array: TypeAlias = npt.NDArray[np.float64]
 
 #: The tables of a body, of a joint, of a coordinate, and the letters of their columns.
 BODY = {

@@ -12,9 +12,7 @@ from .settings import CLEARLY
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    import numpy.typing as npt
-
-    Array = npt.NDArray[np.float64]
+    from .arithmetic import Array
 
 #: What rows hold that is a smaller part of the most is not told with it.
 NEARLY = 1e-3

@@ -12,12 +12,9 @@ from .pivot_monitor import blur_of, pivot_ratio
 from .row_switch import accelerate_all_rows, drive, find_geometry, refine_all_rows, solve_rows
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .scene_tables import SceneTables, Work
     from .state import State
-
-    Array = npt.NDArray[np.float64]
 
 #: A correction this small, relative to a length of the scene, is rounding.
 ROUNDING = 4e-16

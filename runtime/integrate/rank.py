@@ -19,12 +19,9 @@ from .state import SINGLE
 from .tasks import numbers
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .scene_tables import SceneTables, Work
     from .state import State
-
-    Array = npt.NDArray[np.float64]
 
 #: What is left of rows that depend on others to rounding.
 HARDLY = 1e-11

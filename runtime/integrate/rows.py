@@ -17,14 +17,11 @@ from .settings import CLEARLY, Status
 from .stepper import energy_balance, energy_moved
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .methods import RungeKuttaMethod
     from .scene_tables import SceneTables, Work
     from .settings import Settings
     from .state import State
-
-    Array = npt.NDArray[np.float64]
 
 #: A row that is left out does not hold at the start, or later, when its residual is larger,
 

@@ -23,14 +23,11 @@ from .stepper import energy_balance, first_step, note_extent, step
 from .switching import even_end, meet_switches, resolved_step
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .methods import RungeKuttaMethod
     from .scene_tables import SceneTables
     from .settings import Settings
     from .state import State
-
-    Array = npt.NDArray[np.float64]
 
 #: The segments of an evaluation, in order: before the forces of joints, and behind.
 FOUND_FIRST = ("geometry", "position", "move", "velocity", "acceleration")

@@ -33,12 +33,9 @@ from .row_switch import forget_trials
 from .settings import BENT, NO_TIME, Status
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .scene_tables import Work, Workspace
     from .state import State
-
-    Array = npt.NDArray[np.float64]
 
 #: How many intervals a search looks at before the run goes on to where it came.
 MOST_INTERVALS = 4096

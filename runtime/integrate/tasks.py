@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    Array: TypeAlias = npt.NDArray[np.float64]
+    from .arithmetic import Array
+
     Slots: TypeAlias = npt.NDArray[np.intp]
     Values: TypeAlias = Sequence[Any] | Array
     Function: TypeAlias = Callable[[Values, "Functions"], list[Any]]

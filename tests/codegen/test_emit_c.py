@@ -23,11 +23,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
+    from kousoku.model.real import Array
     from kousoku.runtime.toolchain import Toolchain
 
-    Array = NDArray[np.float64]
     Wanted = tuple[int, ...]
 
 STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror"]

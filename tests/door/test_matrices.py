@@ -31,13 +31,10 @@ from tests.random_scenes import COUNT, numbered_scenes
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable
 
-    import numpy.typing as npt
-
     from kousoku.matrices import Evaluation, Matrices
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
-
-    Array = npt.NDArray[np.float64]
 
 SCENES = Path(__file__).parents[2] / "scenes"
 FILES = {path.stem: path for folder in (SCENES, SCENES / "adams") for path in folder.glob("*.toml")}

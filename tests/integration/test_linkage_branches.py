@@ -19,11 +19,9 @@ from kousoku.model.errors import MotionError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import numpy.typing as npt
-
+    from kousoku.model.real import Array
     from kousoku.runtime.linkage import LinkageSolver
 
-    Array = npt.NDArray[np.float64]
     Solver = Callable[[str], LinkageSolver]
     SolverIn = Callable[[str, str], LinkageSolver]
 

@@ -17,12 +17,10 @@ from kousoku.model.families import n_four_bar
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    import numpy.typing as npt
-
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
 
-    Array = npt.NDArray[np.float64]
     Mover = Callable[[str | Scene], DynamicsSolver]
 
 END = 10.0

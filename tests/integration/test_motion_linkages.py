@@ -16,13 +16,11 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import numpy.typing as npt
-
+    from kousoku.model.real import Array
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.integrate.motion import Motion
     from kousoku.runtime.linkage import LinkageSolver
 
-    Array = npt.NDArray[np.float64]
     Mover = Callable[..., DynamicsSolver]
 
 TOLERANCE = 1e-13

@@ -11,12 +11,10 @@ from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
 from kousoku.model.read import scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
+from tests.random_geometry import orientation_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from pathlib import Path
-
-    from numpy.typing import NDArray
 
     from kousoku.runtime.integrate.motion import Motion
 
@@ -121,7 +119,7 @@ START = np.array([1.0, 2.0, 3.0])
 def in_plane(folder: Path, **tables: Tree) -> Motion:
     """Motion of a box in a tilted plane, with its two displacements x and y."""
     joint: Tree = {"type": "planar", "bodies": ["ground", "box"], "axis": AXIS.tolist()}
-    zero = rotation((3, 1, -2, 1)).T @ FIRST
+    zero = orientation_of((3, 1, -2, 1)).T @ FIRST
     joint |= {"points": [START.tolist(), [0, 0, 0]], "zero": [FIRST.tolist(), zero.tolist()]}
     position = START + 0.5 * FIRST + 0.25 * SECOND
     box = {"orientation": TILTED, "boxes": [BOX | {"at": [0, 0, 0]}]}
@@ -134,14 +132,6 @@ def in_plane(folder: Path, **tables: Tree) -> Motion:
     }
     write_tree(folder, generate_dynamics(scene_from_dict(tree)))
     return load_dynamics(folder).simulate(2.0, samples=5, tolerance=1e-12)
-
-
-def rotation(quaternion: Sequence[float]) -> NDArray[np.float64]:
-    """Matrix A of Euler parameters, scalar first."""
-    e0, *e = np.array(quaternion) / np.linalg.norm(quaternion)
-    skew = np.cross(np.eye(3), e)
-    matrix: NDArray[np.float64] = np.eye(3) + 2 * e0 * skew + 2 * np.matmul(skew, skew)
-    return matrix
 
 
 def test_forces_along_displacements_in_a_plane_make_two_oscillations(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.interpret import evaluate
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
+from tests.random_geometry import orientation_of
 
 if TYPE_CHECKING:
     from kousoku.model.multibody import Instance, System
@@ -172,21 +173,9 @@ def test_a_constant_velocity_joint_holds_at_any_bend_and_turns_about_the_line_be
     found = [evaluate(kernel, {**state, **dict(c.constants)}, FLOAT) for c in system.coordinates]
     assert found[0]["C"][0] - found[1]["C"][0] == pytest.approx(0, abs=2e-15)
     torque_b = [x - y for x, y in zip(*(one["C_q"][9:] for one in found), strict=True)]
-    torque = [
-        sum(m * v for m, v in zip(line, torque_b, strict=True))
-        for line in _matrix(system.bodies[1].p)
-    ]
+    torque = orientation_of(system.bodies[1].p) @ torque_b
     both = [1 + shaft[0], shaft[1], shaft[2]]
     assert torque == pytest.approx([-x for x in both], abs=4e-15)
-
-
-def _matrix(p: tuple[float, ...]) -> list[list[float]]:
-    w, x, y, z = p
-    return [
-        [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
-    ]
 
 
 def test_shafts_that_are_folded_back_are_refused() -> None:

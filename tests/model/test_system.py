@@ -9,7 +9,6 @@ import msgspec
 import pytest
 
 from kousoku.codegen.kernel_json import load_frozen
-from kousoku.model import precise
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
 from kousoku.model.errors import SceneError
@@ -263,7 +262,7 @@ def test_an_input_is_a_driver() -> None:
     assert (driver.joint, driver.unit, driver.terms) == ("alpha", "rad", (Term(0, 1.0),))
     assert (angle.name, angle.kind, angle.near) == ("a.angle", "angle", 0)
     law = parse_expression(driver.law, ("t",))
-    assert float(value_of(law, {"t": precise.number(2.5)})) == 2.5
+    assert float(value_of(law, {"t": 2.5})) == 2.5
 
 
 def test_a_linkage_is_no_system_of_bodies() -> None:

@@ -119,6 +119,7 @@ def test_principal_axes_that_parameters_do_not_turn_are_those_of_the_scene() -> 
     assert all(isinstance(x, Traced) for x in moments)
     plain, _ = principal([[at_scene(x) for x in row] for row in tensor])
     for found, wanted in zip(moments, plain, strict=True):
+        assert isinstance(found, Traced)
         assert abs(at_scene(found) - wanted) < 1e-45
         assert value_of(found.expression, VALUES | {"m": 1.0}) == pytest.approx(wanted / 2)
 

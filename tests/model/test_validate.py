@@ -12,27 +12,10 @@ from kousoku.model.planar import Link, Node
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.scene import Scene
 from kousoku.model.validate import check, require_planar
+from tests.refused_scenes import put, refused
 
 ROOT = Path(__file__).parents[2]
 Tree = dict[str, Any]
-
-
-def refused(tree: Tree, key: str, says: str) -> None:
-    """Check that a scene is refused at a key, for a reason."""
-    with pytest.raises(SceneError) as caught:
-        scene_from_dict(tree)
-    assert caught.value.key == key
-    assert says in caught.value.problem
-
-
-def put(tree: Tree, place: str, value: object) -> Tree:
-    """Set one value of a tree by its dotted key."""
-    *tables, last = place.split(".")
-    table = tree
-    for name in tables:
-        table = table.setdefault(name, {})
-    table[last] = value
-    return tree
 
 
 @pytest.mark.parametrize(

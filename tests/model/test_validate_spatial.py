@@ -8,26 +8,9 @@ import pytest
 
 from kousoku.model.errors import SceneError
 from kousoku.model.read import scene_from_dict
+from tests.refused_scenes import put, refused
 
 Tree = dict[str, Any]
-
-
-def refused(tree: Tree, key: str, says: str) -> None:
-    """Check that a scene is refused at a key, for a reason."""
-    with pytest.raises(SceneError) as caught:
-        scene_from_dict(tree)
-    assert caught.value.key == key
-    assert says in caught.value.problem
-
-
-def put(tree: Tree, place: str, value: object) -> Tree:
-    """Set one value of a tree by its dotted key."""
-    *tables, last = place.split(".")
-    table = tree
-    for name in tables:
-        table = table.setdefault(name, {})
-    table[last] = value
-    return tree
 
 
 @pytest.fixture

@@ -42,13 +42,10 @@ from tests.random_scenes import random_scene
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.multibody import System
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
-
-    Array = NDArray[np.float64]
 
 SCENES = Path(__file__).parents[2] / "scenes"
 OUTPUTS = ("accelerations", "reactions", "energies")

@@ -18,13 +18,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
 
     Load = Callable[..., DynamicsSolver]
-    Array = NDArray[np.float64]
 
 TORQUE = '\n[forces]\nm = { type = "torque", body = "crank", torque = [0, 0, 40] }\n'
 

@@ -145,6 +145,24 @@ def test_moments_that_are_equal_may_be_formulas(load: Callable[..., Any], z: flo
         np.testing.assert_allclose(a, b, rtol=0, atol=1e-10)
 
 
+def test_a_folder_alone_says_what_moments_it_wants(bodies_folder: Callable[..., Path]) -> None:
+    folder = bodies_folder(scene_from_toml(TWIN))
+    script = f"""
+import sys
+sys.modules["kousoku"] = None
+sys.path.insert(0, {str(folder.parent)!r})
+from twin import simulate
+simulate(0.1, samples=2, parameters={{"I": 0.16}})
+try:
+    simulate(0.1, samples=2, parameters={{"I": 0.14}})
+except ValueError as error:
+    assert "no moment is larger than the two others together" in str(error), error
+else:
+    raise AssertionError
+"""
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
+
+
 @pytest.mark.usefixtures("compiler")
 def test_frames_stay_where_they_start_when_parameters_turn_principal_axes(
     load: Callable[..., Any],

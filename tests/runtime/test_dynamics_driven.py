@@ -23,13 +23,11 @@ from kousoku.runtime.integrate.settings import Status
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from kousoku.model.real import Array
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
 
     Load = Callable[..., DynamicsSolver]
-    Array = NDArray[np.float64]
 
 SCENES = Path(__file__).parents[2] / "scenes"
 OUTPUTS = ("accelerations", "reactions", "energies")

@@ -24,12 +24,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
-
-    Array = NDArray[np.float64]
 
 OUTPUTS = ("accelerations", "reactions", "energies", "coordinates")
 MOMENT = 2.0 * (3.0**2 + 3.0**2) / 12

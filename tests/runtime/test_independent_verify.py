@@ -148,7 +148,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "sign of gravity": (
         *("rich", mechanics.FreeAcceleration, "__call__"),
-        *("for x in (*gravity, *spin)", "for x in (*map(trace.graph.neg, gravity), *spin)"),
+        *("(*gravity, *spin)", "(*map(trace.graph.neg, gravity), *spin)"),
     ),
     "kinetic energy without turning": (
         *("rich", mechanics.Energy, "__call__"),
@@ -160,10 +160,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "rates of Euler parameters": (
         *("rich", mechanics, "orientation_of"),
-        *(
-            "Matrix(trace.graph, tuple(tuple(nodes[k : k + 3]) for k in (0, 3, 6)), 3)",
-            "Matrix(trace.graph, tuple(tuple(nodes[k : k + 3]) for k in (0, 3, 6)), 3).T",
-        ),
+        *("Matrix.of(trace.graph, nodes, 3)", "Matrix.of(trace.graph, nodes, 3).T"),
     ),
     # loads
     "frame of a torque": ("rich", load.LoadEffect, "__call__", OF_LOAD, OF_LOAD.replace(".T", "")),
@@ -227,7 +224,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "curvature of a coordinate": (
         *("rich", coordinates.CoordinateGamma, "__call__"),
-        *('(found["gamma"][0],)', '(trace.graph.neg(found["gamma"][0]),)'),
+        *('[found["gamma"][0]]', '[trace.graph.neg(found["gamma"][0])]'),
     ),
     # joints
     "gamma of joints": (

@@ -22,9 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from contextlib import AbstractContextManager
 
-    import numpy.typing as npt
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 #: Committed scenes where no force takes or gives energy.
 CONSERVATIVE = ("pendulum", "heavy_top", "n_four_bar", "bricard", "flipping_body")

@@ -13,8 +13,9 @@ from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
+    from kousoku.codegen.dynamics.assembly.jacobian import Places
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
+    from kousoku.model.real import Array
 
 #: Rows are independent where no pivot is below this part of the largest element.
 REGULAR = 1e-9

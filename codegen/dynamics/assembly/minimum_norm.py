@@ -11,17 +11,17 @@ from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Patter
 from kousoku.codegen.dynamics.operations.characteristic_length import extent
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
 from kousoku.model import precise
-from kousoku.model.digits import CONTEXT
 from kousoku.model.errors import AssemblyError
 from kousoku.runtime.integrate.given_start import THIN
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.assembly.jacobian import Array, PreciseJacobian
+    from kousoku.codegen.dynamics.assembly.jacobian import PreciseJacobian
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
     from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
     from kousoku.model.precise import High
+    from kousoku.model.real import Array
 
 DEPENDENT = 1e-11
 """Squares of singular values of C_q, in lengths, that belong to rows that depend on others: S has
@@ -71,7 +71,7 @@ class Metric:
     def norm(self, step: Sequence[High]) -> High:
         """Norm √(dᵀ W d), a length [m]."""
         terms = (x * x / w for x, w in zip(step, self.inverse, strict=True))
-        return CONTEXT.sqrt(sum(terms, precise.ZERO[0]))
+        return precise.sqrt(sum(terms, precise.ZERO[0]))
 
     def lengths(self, residuals: Residuals) -> list[High]:
         """Factors (m,) that make rows lengths, one for each: 1, or the size [m] for an angle.

@@ -50,17 +50,18 @@ def brought_near(system: System, size: float) -> tuple[System, Vector]:
         for by, along in zip(wanted, zip(*places, strict=True), strict=True)
     )
     by = (x, y, z)
-    if not any(by):
-        return system, by
-    bodies = tuple(replace(body, r=_less(body.r, by)) for body in system.bodies)
-    near = replace(
+    return (seen_from(system, by) if any(by) else system), by
+
+
+def seen_from(system: System, origin: Vector) -> System:
+    """System with the origin of frame O in another place of it [m]: bodies and ground points."""
+    return replace(
         system,
-        bodies=bodies,
-        constraints=tuple(_moved(one, by) for one in system.constraints),
-        held=tuple(_moved(one, by) for one in system.held),
-        coordinates=tuple(_moved(one, by) for one in system.coordinates),
+        bodies=tuple(replace(body, r=_less(body.r, origin)) for body in system.bodies),
+        constraints=tuple(_moved(one, origin) for one in system.constraints),
+        held=tuple(_moved(one, origin) for one in system.held),
+        coordinates=tuple(_moved(one, origin) for one in system.coordinates),
     )
-    return near, by
 
 
 def _ground_points(source: Instance | RelativeCoordinate) -> Iterator[tuple[float, ...]]:

@@ -17,11 +17,13 @@ from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.model import precise
 from kousoku.model.precise import IDENTITY, ZERO
+from kousoku.runtime.integrate.body_tables import composed
 
 if TYPE_CHECKING:
-    from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
+    from kousoku.codegen.dynamics.assembly.jacobian import Places
     from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
+    from kousoku.model.real import Array
 
 FIRST_DAMPING, LEAST_DAMPING = 1e-3, 1e-12
 """Damping of the first step, and what is as good as none."""
@@ -86,14 +88,14 @@ class DoublePose:
         half = by_body[:, 3:] / 2
         size = np.sqrt((half * half).sum(axis=1, keepdims=True))
         turn = np.hstack((np.cos(size), half * np.sinc(size / np.pi)))
-        moved = _quaternion_product(p[:-1], turn)
+        moved = composed(p[:-1].T, turn.T).T
         p[:-1] = moved / np.sqrt((moved * moved).sum(axis=1, keepdims=True))
         return DoublePose(r, p, self.near)
 
     def since(self, start: DoublePose) -> Array:
         """Displacement (δr, δθ′) (6 bodies,) from ``start`` to here; p̄ ∘ p is the turn by δθ′."""
         back = start.p[:-1] * (1.0, -1.0, -1.0, -1.0)
-        relative = _quaternion_product(back, self.p[:-1])
+        relative = composed(back.T, self.p[:-1].T).T
         relative = np.where(relative[:, :1] < 0, -relative, relative)
         sine = np.sqrt((relative[:, 1:] ** 2).sum(axis=1, keepdims=True))
         angle = 2 * np.arctan2(sine, relative[:, :1])
@@ -258,17 +260,3 @@ def _shortened(step: Array) -> Array:
     """Displacement that turns no body further than is sensible in one step."""
     largest = float(np.abs(step.reshape(-1, COLUMNS)[:, 3:]).max(initial=0.0))
     return step * (LARGEST_TURN / largest) if largest > LARGEST_TURN else step
-
-
-def _quaternion_product(p: Array, q: Array) -> Array:
-    """Products p ∘ q of Euler parameters, row by row."""
-    w, x, y, z = p.T
-    a, b, c, d = q.T
-    return np.array(
-        [
-            w * a - x * b - y * c - z * d,
-            w * b + x * a + y * d - z * c,
-            w * c + y * a + z * b - x * d,
-            w * d + z * a + x * c - y * b,
-        ]
-    ).T

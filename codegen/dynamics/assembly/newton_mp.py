@@ -30,10 +30,10 @@ from kousoku.model.errors import AssemblyError
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.assembly.jacobian import Array
     from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
     from kousoku.model.multibody import System
     from kousoku.model.precise import High
+    from kousoku.model.real import Array
 
 CLOSED = 1e-12
 """What is violated by less than this part of the size of the system fits, and smaller steps along

@@ -78,9 +78,9 @@ def _by_body(step: Sequence[High]) -> Iterator[tuple[Triple, Triple]]:
 
 def normalised(values: Sequence[float]) -> Quadruple:
     """Euler parameters p/|p| (4,) [-] of norm one, from a body frame to frame O."""
-    w, x, y, z = (precise.number(value) for value in values)
-    size = precise.length((w, x, y, z))
-    return w / size, x / size, y / size, z / size
+    p = precise.quadruple(values)
+    size = precise.length(p)
+    return p[0] / size, p[1] / size, p[2] / size, p[3] / size
 
 
 def _from_turn(turn: Triple) -> Quadruple:

@@ -27,12 +27,12 @@ from kousoku.model.multibody import RelativeCoordinate
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
+    from kousoku.codegen.dynamics.assembly.jacobian import Places
     from kousoku.codegen.dynamics.assembly.pose import Pose
     from kousoku.model.kernel import Kernel
     from kousoku.model.multibody import Instance, MovingBody, System
     from kousoku.model.precise import High
-
+    from kousoku.model.real import Array
 
 WIDTH = 2 * COLUMNS
 
@@ -201,7 +201,8 @@ class Residuals:
         if coordinate < 0 or not self.coordinates[coordinate].counts_turns:
             return value
         turn = 2 * CONTEXT.pi
-        return value + turn * CONTEXT.nint((near[coordinate] - value) / turn)
+        whole: High = turn * CONTEXT.nint((near[coordinate] - value) / turn)
+        return value + whole
 
     def _column(self, source: Instance | RelativeCoordinate, column: int) -> int:
         """Column of the system for one of an instance, −1 where there is none."""

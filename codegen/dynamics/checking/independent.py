@@ -28,16 +28,12 @@ from kousoku.model.multibody import GROUND_INDEX
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    import numpy.typing as npt
-
     from kousoku.codegen.dynamics.checking.newton_euler import Found
     from kousoku.model.arithmetic import FormulaArithmetic
     from kousoku.model.multibody import System
-    from kousoku.model.real import Real
+    from kousoku.model.real import Array, Real
     from kousoku.runtime.integrate.body_tables import BodyPlaces
     from kousoku.runtime.integrate.motion import Layout
-
-    Array = npt.NDArray[np.float64]
 
 #: How far states are from the start: as a part of the length of the scene or a radian, in seconds,
 #: and how fast, as a part of the length or a radian in a second. Those that come first are tried

@@ -11,13 +11,12 @@ once.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.graph import Op
-from kousoku.model.interpret import node_values
 from kousoku.model.slopes import SLOPES
 
 if TYPE_CHECKING:
@@ -27,8 +26,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Task
     from kousoku.model.graph import OperationNode
     from kousoku.model.kernel import Kernel
-
-    Array = np.ndarray[Any, np.dtype[np.float64]]
+    from kousoku.model.real import Array
 
 #: u, the rounding of a double.
 ROUNDING = 2.0**-53
@@ -58,19 +56,8 @@ class ExecutedTask:
 
 def run_and_keep(workspace: ProgramInterpreter, segments: Sequence[str]) -> list[ExecutedTask]:
     """Run segments as :meth:`ProgramInterpreter.run` does, and keep the values of all nodes."""
-    program, steps = workspace.program, []
-    for name in segments:
-        for task in program.segment(name).tasks:
-            kernel = program.kernels[task.kernel]
-            inputs = {
-                quantity.name: workspace.values[base : base + quantity.size]
-                for base, quantity in zip(task.inputs, kernel.inputs, strict=True)
-            }
-            values = node_values(kernel, inputs, workspace.arithmetic)
-            for base, result in zip(task.outputs, kernel.results, strict=True):
-                workspace.values[base : base + len(result)] = [values[node] for node in result]
-            steps.append(ExecutedTask(task, [float(value) for value in values]))
-    return steps
+    tasks = [task for name in segments for task in workspace.program.segment(name).tasks]
+    return [ExecutedTask(task, list(map(float, workspace.execute(task)))) for task in tasks]
 
 
 def units(

@@ -73,7 +73,7 @@ class Law:
         expression = rate_of(parse_expression(self.law, names), TIME, self.order)
         leaves = dict(zip(names, (*time, *parameters), strict=True))
         node = trace.graph.mul(unit[0], to_graph(expression, trace.graph, leaves))
-        return (Matrix(trace.graph, ((node,),), 1),)
+        return (Matrix.of(trace.graph, [node]),)
 
 
 @dataclass(frozen=True, slots=True)

@@ -247,8 +247,13 @@ class _ProgramComposer:
     def _move(self) -> None:
         self.recorder.begin("move")
         laws: dict[int, SlotMatrix] = {}
+        # Without rows nothing corrects q. Where parameters are changed bodies are moved aside, to
+        # see whether rows hold that nobody solves for: continuation.h.
+        has_others = self.left_out or (self.satisfied and self.system.parameters)
+        is_corrected = self.joints or has_others
+        dq = self.dq if is_corrected else zeros(self.dq.height, 1)
         for k, blocks in enumerate(self.bodies):
-            change = blocks.spread(self.dq.part(blocks.v, len(blocks.columns)).entries)
+            change = blocks.spread(dq.part(blocks.v, len(blocks.columns)).entries)
             target = self.q_moved.part(blocks.q, len(blocks.coordinates))
             if k in self.reduced.tasks:
                 laws |= self.reduced.tasks[k].project_position(*change, target)

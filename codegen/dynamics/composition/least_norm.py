@@ -122,9 +122,7 @@ class MultiplierWrench:
             full = [graph.const(0)] * 6
             for place, entry in zip(self.columns, row, strict=True):
                 full[place] = entry
-            force, own = (
-                Matrix(graph, tuple((x,) for x in part), 1) for part in (full[:3], full[3:])
-            )
+            force, own = (Matrix.of(graph, part) for part in (full[:3], full[3:]))
             torque = orientation @ own + arm.cross(force)
             rows.append((*force.flat, *(torque @ weight).flat))
         found = Matrix(graph, tuple(rows), 6)

@@ -39,11 +39,7 @@ class BodyMomentum:
         momentum, arm = v @ mass, r - origin
         first, second = arm @ mass, (v - drift) @ mass
         mul = trace.graph.mul
-        own = Matrix(
-            trace.graph,
-            tuple((mul(a, b),) for a, b in zip(moments.flat, omega.flat, strict=True)),
-            1,
-        )
+        own = Matrix.of(trace.graph, map(mul, moments.flat, omega.flat))
         spin = arm.cross(second) + orientation @ own
         rows = (*momentum.rows, *first.rows, *second.rows, *spin.rows)
         return (Matrix(trace.graph, rows, 1),)

@@ -35,7 +35,6 @@ from kousoku.codegen.dynamics.simplification.reduced_mass import (
     shares_of,
 )
 from kousoku.model import precise
-from kousoku.model.digits import CONTEXT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -284,9 +283,8 @@ class JointCoordinateRecorder:
 
 def _compose(p: Sequence[float], axis_b: Sequence[float]) -> tuple[float, ...]:
     """Product p ∘ (0, a′), rounded once."""
-    w, x, y, z = (precise.number(value) for value in p)
-    zero = CONTEXT.mpf(0)
-    return precise.rounded(precise.compose((w, x, y, z), (zero, *precise.triple(axis_b))))
+    turned = precise.compose(precise.quadruple(p), precise.quadruple((0.0, *axis_b)))
+    return precise.rounded(turned)
 
 
 def _chosen(block: SlotMatrix, kept: Sequence[int]) -> SlotMatrix:

@@ -43,7 +43,7 @@ class ParameterFormulas:
         """Values of the formulas, one column."""
         leaves = dict(zip(self.names, blocks[0].flat, strict=True))
         nodes = (to_graph(one, trace.graph, leaves) for one in self.expressions)
-        return (Matrix(trace.graph, tuple((node,) for node in nodes), 1),)
+        return (Matrix.of(trace.graph, nodes),)
 
 
 def record_setup(

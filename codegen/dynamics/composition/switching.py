@@ -67,7 +67,7 @@ class Enclosed:
         leaves = dict(zip((*names, *self.parameters), (*ranges, *parameters), strict=True))
         bounds = chain.from_iterable(self._bounds(one, spans) for one in self.formulas)
         nodes = (to_graph(bound, trace.graph, leaves) for bound in bounds)
-        return (Matrix(trace.graph, tuple((node,) for node in nodes), 1),)
+        return (Matrix.of(trace.graph, nodes),)
 
     def _bounds(self, formula: Expression, spans: Mapping[str, Bounds]) -> Iterator[Expression]:
         """Least and most of a formula, and those of its rate."""

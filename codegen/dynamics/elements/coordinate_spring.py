@@ -138,7 +138,8 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         found: Found,
     ) -> tuple[Real, Real]:
         """Add Jᵀτ; return the power of what is no potential energy, and ½ k (u − u⁰)²."""
-        force, energy = self.force, 0
+        force = self.force
+        energy: Real = 0
         value = equations.coordinate(force.coordinate, at)
         beyond = value.x - given["free"][0]
         if force.law:

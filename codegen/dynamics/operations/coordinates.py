@@ -59,7 +59,7 @@ class CoordinateValue:
             (turned,), graph = blocks[TURNED].flat, trace.graph
             beyond = graph.sub(value, turned)
             value = graph.add(turned, graph.atan2(graph.sin(beyond), graph.cos(beyond)))
-        return (Matrix(trace.graph, ((value,),), 1),)
+        return (Matrix.of(trace.graph, [value]),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,7 @@ class CoordinateJacobian:
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """J of i and of j, each one row (1, c) [unit of u per m or rad]."""
         found = _inline(trace, "constraint", self, blocks)
-        row = Matrix(trace.graph, (tuple(found["C_q"]),), 2 * COLUMNS)
+        row = Matrix.of(trace.graph, found["C_q"], 2 * COLUMNS)
         right = [COLUMNS + k for k in self.columns_j]
         return row.columns(self.columns_i), row.columns(right)
 
@@ -118,7 +118,7 @@ class CoordinateGamma:
         names = ("v_i", "omega_i_b", "v_j", "omega_j_b")
         motion = dict(zip(names, blocks[-len(names) :], strict=True))
         found = _inline(trace, "rates", self, blocks[: -len(names)], motion)
-        return (Matrix(trace.graph, ((found["gamma"][0],),), 1),)
+        return (Matrix.of(trace.graph, [found["gamma"][0]]),)
 
 
 @dataclass(frozen=True, slots=True)

@@ -176,9 +176,7 @@ class Forward:
         (total,) = Gather()(trace, *rest)
         graph = trace.graph
         z = _solve_row(total.flat, lower.rows, total)
-        rows = tuple((x,) for x in z)
-        scaled = tuple((graph.mul(a, d),) for a, d in zip(z, inverse.flat, strict=True))
-        return Matrix(graph, rows, 1), Matrix(graph, scaled, 1)
+        return Matrix.of(graph, z), Matrix.of(graph, map(graph.mul, z, inverse.flat))
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,4 +194,4 @@ class Backward:
         for k in reversed(range(len(upper))):
             products = graph.sum(graph.mul(upper[k][-1 - m], x) for m, x in enumerate(solution))
             solution.append(graph.sub(total.flat[k], products))
-        return (Matrix(graph, tuple((x,) for x in reversed(solution)), 1),)
+        return (Matrix.of(graph, reversed(solution)),)

@@ -19,7 +19,7 @@ ELONGATION = LAW_NAMES[:2]
 
 def column_of(trace: Trace, *nodes: int) -> Matrix:
     """Column of nodes."""
-    return Matrix(trace.graph, tuple((node,) for node in nodes), 1)
+    return Matrix.of(trace.graph, nodes)
 
 
 def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tuple[int, ...]:

@@ -91,7 +91,7 @@ class Relative:
         """Quotient."""
         (a,), (b,), (unit,) = (block.flat for block in blocks)
         node = trace.graph.div(trace.graph.sub(a, b), unit)
-        return (Matrix(trace.graph, ((node,),), 1),)
+        return (Matrix.of(trace.graph, [node]),)
 
 
 def scaled(

@@ -50,8 +50,7 @@ def height(
     if index == GROUND_INDEX:
         return point[normal]
     body = system.bodies[index]
-    w, x, y, z = map(precise.number, body.p)
-    seen = precise.rotate((w, x, y, z), precise.triple(point))
+    seen = precise.rotate(precise.quadruple(body.p), precise.triple(point))
     return body.r[normal] + float(seen[normal])
 
 

@@ -134,7 +134,8 @@ def _power(a: Jet, b: Jet, digits: FormulaArithmetic[Any]) -> Jet:
         exponent = logarithm * b
         value = digits.exp(exponent.x)
         return exponent.through(value, value, value)
-    n = int(b.x) if b.x == int(b.x) else b.x
+    whole = round(float(b.x))
+    n = whole if b.x == whole else b.x
     first = n * a.x ** (n - 1) if n != 0 else 0
     second = n * (n - 1) * a.x ** (n - 2) if n not in {0, 1} else 0
     return a.through(a.x**n, first, second)

@@ -95,7 +95,7 @@ class ProjectPosition:
         graph = trace.graph
         rates = frozen("rotation", "euler_rates")
         change = trace.inline(rates, {"p": p.flat, "omega_b": dtheta.flat})["p_dot"]
-        new = p + Matrix(graph, tuple((node,) for node in change), 1)
+        new = p + Matrix.of(graph, change)
         if self.turn == AXIS:
             new -= beside @ (beside.T @ new)
         norm = graph.sqrt(graph.sum(graph.mul(x, x) for x in new.flat))
@@ -244,11 +244,10 @@ class ReduceForces:
         if self.turn == POINT:  # else Rᵀ M η is zero for what is free
             free -= eta
         graph = trace.graph
-        zero = graph.const(0)
-        full: list[tuple[int, ...]] = [(zero,)] * 6
-        for place, row in zip(self.columns, free.rows, strict=True):
-            full[place] = row
-        moves, spins = (Matrix(graph, tuple(full[k : k + 3]), 1) for k in (0, 3))
+        full = [graph.const(0)] * 6
+        for place, node in zip(self.columns, free.flat, strict=True):
+            full[place] = node
+        moves, spins = (Matrix.of(graph, full[k : k + 3]) for k in (0, 3))
         found = []
         if self.turn != NOTHING:
             found.append(masses @ (arm.T @ moves) + moments @ spins)
@@ -335,7 +334,7 @@ class PrescribedValue:
 
 def _times(column: Matrix, factor: int) -> Matrix:
     mul = column.graph.mul
-    return Matrix(column.graph, tuple((mul(x, factor),) for x in column.flat), 1)
+    return Matrix.of(column.graph, [mul(x, factor) for x in column.flat])
 
 
 def _selected(moves: Matrix, spins: Matrix, columns: Sequence[int]) -> Matrix:

@@ -102,7 +102,7 @@ class BodyOrientation:
 def orientation_of(trace: Trace, p: Matrix) -> Matrix:
     """Matrix A (3, 3) [-] of a body, p (4, 1): body components to frame O, lecture 7.1, (4.3)."""
     nodes = trace.inline(frozen("rotation", "orientation"), {"p": p.flat})["A"]
-    return Matrix(trace.graph, tuple(tuple(nodes[k : k + 3]) for k in (0, 3, 6)), 3)
+    return Matrix.of(trace.graph, nodes, 3)
 
 
 def share(trace: Trace, p: Matrix, orientation: Matrix) -> None:
@@ -342,8 +342,8 @@ class FreeAcceleration:
         spin = [
             mul(ratios[k], mul(omega[(k + 1) % 3], omega[(k + 2) % 3])) for k in range(len(omega))
         ]
-        rows = [(x,) for x in (*gravity, *spin)]
-        return (Matrix(trace.graph, tuple(rows[k] for k in self.columns), 1),)
+        full = (*gravity, *spin)
+        return (Matrix.of(trace.graph, [full[k] for k in self.columns]),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -368,8 +368,8 @@ class PoseRate:
         rates = trace.inline(
             frozen("rotation", "euler_rates"), {"p": p.flat, "omega_b": omega.flat}
         )
-        rows = [(x,) for x in (*v.flat, *rates["p_dot"])]
-        return (Matrix(trace.graph, tuple(rows[k] for k in self.coordinates), 1),)
+        full = (*v.flat, *rates["p_dot"])
+        return (Matrix.of(trace.graph, [full[k] for k in self.coordinates]),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -400,8 +400,7 @@ class Move:
             norm = graph.sqrt(graph.sum(graph.mul(x, x) for x in w))
             factor = graph.div(graph.const(1), norm)
             moved += [graph.mul(x, factor) for x in w]
-        rows = tuple((moved[k],) for k in self.coordinates)
-        return (Matrix(graph, rows, 1),)
+        return (Matrix.of(graph, [moved[k] for k in self.coordinates]),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -422,4 +421,4 @@ class Energy:
             graph.mul(half, graph.mul(x, x)) for half, x in zip(halves, (*v, *omega), strict=True)
         )
         potential = graph.sum(graph.mul(a, b) for a, b in zip(weight, r, strict=True))
-        return (Matrix(graph, ((kinetic,), (potential,)), 1),)
+        return (Matrix.of(graph, [kinetic, potential]),)

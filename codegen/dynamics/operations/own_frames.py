@@ -127,7 +127,7 @@ class _Framed:
         for row, node in enumerate(found["gamma"]):
             first = row * 2 * COLUMNS
             forces = [slopes[first + side * COLUMNS + k] for side in (0, 1) for k in range(3)]
-            (extra,) = (_matrix(graph, forces).T @ swing).flat
+            (extra,) = (Matrix.of(graph, forces).T @ swing).flat
             gamma.append(graph.sub(node, extra))
         return self._kernel({"nu": found["nu"], "gamma": gamma})
 
@@ -136,8 +136,8 @@ class _Framed:
         parts: list[int] = []
         for side, end in enumerate(self.ends.values()):
             first = (2 * row + side) * COLUMNS
-            force = _matrix(self.graph, jacobian[first : first + 3])
-            moment = _matrix(self.graph, jacobian[first + 3 : first + COLUMNS])
+            force = Matrix.of(self.graph, jacobian[first : first + 3])
+            moment = Matrix.of(self.graph, jacobian[first + 3 : first + COLUMNS])
             turned = end.turn @ moment + end.point.cross(end.orientation.T @ force)
             parts += (*force.flat, *turned.flat)
         return tuple(parts)
@@ -151,22 +151,22 @@ class _Framed:
 
     def _turning(self, p: Matrix) -> Matrix:
         nodes = substitute(self.graph, self._orientation, {"p": p.flat})["A"]
-        return Matrix(self.graph, tuple(tuple(nodes[k : k + 3]) for k in (0, 3, 6)), 3)
+        return Matrix.of(self.graph, nodes, 3)
 
     def _composed(self, p: Matrix, q: Matrix) -> Matrix:
         """Product p ∘ q of Euler parameters."""
         graph = self.graph
         (a, *x), (b, *y) = p.flat, q.flat
-        u, v = _matrix(graph, x), _matrix(graph, y)
+        u, v = Matrix.of(graph, x), Matrix.of(graph, y)
         (dot,) = (u.T @ v).flat
         scaled = [graph.add(graph.mul(a, n), graph.mul(b, m)) for m, n in zip(x, y, strict=True)]
-        vector = _matrix(graph, scaled) + u.cross(v)
-        return _matrix(graph, (graph.sub(graph.mul(a, b), dot), *vector.flat))
+        vector = Matrix.of(graph, scaled) + u.cross(v)
+        return Matrix.of(graph, (graph.sub(graph.mul(a, b), dot), *vector.flat))
 
     def _input(self, name: str, shape: tuple[int, ...], unit: str, meaning: str = "") -> Matrix:
         quantity = Quantity(name, shape, unit, meaning)
         self.inputs[name] = quantity
-        return _matrix(self.graph, [self.graph.input(name, k) for k in range(quantity.size)])
+        return Matrix.of(self.graph, [self.graph.input(name, k) for k in range(quantity.size)])
 
     def _kernel(self, results: Mapping[str, Sequence[int]]) -> Kernel:
         found = replace(
@@ -180,8 +180,3 @@ class _Framed:
             names=(),
         )
         return drop_dead(found)
-
-
-def _matrix(graph: Graph, nodes: Sequence[int]) -> Matrix:
-    """Column."""
-    return Matrix(graph, tuple((node,) for node in nodes), 1)

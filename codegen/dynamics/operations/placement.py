@@ -50,7 +50,7 @@ class Placement:
 
     def frame(self, axes: Sequence[float]) -> Quaternion:
         """Euler parameters turn ∘ p (4,), from a frame of the body to that of the carrier."""
-        return rounded_turn(precise.compose(self.turn, _quadruple(axes)))
+        return rounded_turn(precise.compose(self.turn, precise.quadruple(axes)))
 
 
 def seen_from_carriers(
@@ -77,11 +77,6 @@ def seen_from_carriers(
         return j.vector(values) if turning or name.endswith("_j_b") else values
 
     return tuple((name, seen(name, values)) for name, values in constants)
-
-
-def _quadruple(p: Sequence[float]) -> Quadruple:
-    w, x, y, z = map(precise.number, p)
-    return w, x, y, z
 
 
 def rounded_vector(values: Triple, size: High = 0) -> Vector:

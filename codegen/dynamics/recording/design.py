@@ -99,10 +99,10 @@ def start_of(body: MovingBody) -> tuple[Triple, Quadruple, Triple, Triple]:
     Where nothing of the body depends on parameters they are the numbers of the system.
     """
     r, v, omega = (precise.triple(values) for values in (body.r, body.v, body.omega_b))
-    p = _quadruple(body.p)
+    p = precise.quadruple(body.p)
     if not is_varying((*body.origin_b, *body.axes_b)):
         return r, p, v, omega
-    origin, axes = precise.triple(body.origin_b), _quadruple(body.axes_b)
+    origin, axes = precise.triple(body.origin_b), precise.quadruple(body.axes_b)
     old_origin, (w, x, y, z) = _in_scene(origin), _in_scene(axes)
     old = w, x, y, z
     turned, spin = p, omega
@@ -129,8 +129,3 @@ def starts(system: System, places: Sequence[BodyCoordinates]) -> list[tuple[int,
 
 def _in_scene(values: Sequence[High]) -> Any:
     return tuple(map(at_scene, values))
-
-
-def _quadruple(values: Sequence[float]) -> Quadruple:
-    w, x, y, z = map(precise.number, values)
-    return w, x, y, z

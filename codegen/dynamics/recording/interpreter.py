@@ -6,12 +6,12 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.arithmetic import FLOAT
-from kousoku.model.interpret import evaluate
+from kousoku.model.interpret import node_values
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.codegen.dynamics.recording.program import Program, Task
     from kousoku.model.arithmetic import Arithmetic
 
 
@@ -59,11 +59,16 @@ class ProgramInterpreter:
         """Run segments by their names, one after the other."""
         for name in segments:
             for task in self.program.segment(name).tasks:
-                kernel = self.program.kernels[task.kernel]
-                inputs = {
-                    quantity.name: self.values[base : base + quantity.size]
-                    for base, quantity in zip(task.inputs, kernel.inputs, strict=True)
-                }
-                results = evaluate(kernel, inputs, self.arithmetic)
-                for base, quantity in zip(task.outputs, kernel.outputs, strict=True):
-                    self.values[base : base + quantity.size] = results[quantity.name]
+                self.execute(task)
+
+    def execute(self, task: Task) -> list[Any]:
+        """Run a task; return the values of all nodes of its kernel."""
+        kernel = self.program.kernels[task.kernel]
+        inputs = {
+            quantity.name: self.values[base : base + quantity.size]
+            for base, quantity in zip(task.inputs, kernel.inputs, strict=True)
+        }
+        values = node_values(kernel, inputs, self.arithmetic)
+        for base, result in zip(task.outputs, kernel.results, strict=True):
+            self.values[base : base + len(result)] = [values[node] for node in result]
+        return values

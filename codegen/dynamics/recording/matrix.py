@@ -31,6 +31,11 @@ class Matrix:
     rows: tuple[tuple[int, ...], ...]
     width: int
 
+    @classmethod
+    def of(cls, graph: Graph, nodes: Iterable[int], width: int = 1) -> Matrix:
+        """Matrix of nodes row by row, one column unless it is wider."""
+        return cls(graph, tuple(zip(*[iter(nodes)] * width, strict=True)), width)
+
     @property
     def flat(self) -> tuple[int, ...]:
         """All nodes, row by row."""
@@ -76,11 +81,11 @@ class Matrix:
     def cross(self, other: Matrix) -> Matrix:
         """Vector product self × other (3, 1) of columns (3, 1) in one frame; its unit is a·b's."""
         graph, a, b = self.graph, self.flat, other.flat
-        rows = []
+        nodes = []
         for k in range(3):
             m, n = (k + 1) % 3, (k + 2) % 3
-            rows.append((graph.sub(graph.mul(a[m], b[n]), graph.mul(a[n], b[m])),))
-        return Matrix(graph, tuple(rows), 1)
+            nodes.append(graph.sub(graph.mul(a[m], b[n]), graph.mul(a[n], b[m])))
+        return Matrix.of(graph, nodes)
 
     def scaled(self, factors: Matrix) -> Matrix:
         """Product self · diag(factors); the factors are one row."""

@@ -23,8 +23,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.codegen.dynamics.redundancy.rank import Array, LQFactors
+    from kousoku.codegen.dynamics.redundancy.rank import LQFactors
     from kousoku.model.multibody import MovingBody
+    from kousoku.model.real import Array
 
 #: How far the fastest body moves from one position to the next, in radians or lengths: far enough
 #: to leave what is special of a position, near enough that Newton's method comes back.

@@ -44,8 +44,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.codegen.dynamics.redundancy.rank import Array, LQFactors
+    from kousoku.codegen.dynamics.redundancy.rank import LQFactors
     from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
+    from kousoku.model.real import Array
 
 #: Pivots below it are rounding: rows have size one, and some hundred are eliminated.
 ROUNDING = 1e-12

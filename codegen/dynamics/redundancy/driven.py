@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
-    from kousoku.codegen.dynamics.redundancy.rank import Array, LQFactors
+    from kousoku.codegen.dynamics.redundancy.rank import LQFactors
     from kousoku.model.multibody import System
+    from kousoku.model.real import Array
 
 
 class Drivers:

@@ -18,8 +18,8 @@ import numpy as np
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
+from kousoku.codegen.dynamics.assembly.near_origin import seen_from
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.operations.characteristic_length import is_ground_point
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.codegen.dynamics.redundancy.branch import Branch, Scales, places_of
@@ -48,8 +48,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.rank import LQFactors
     from kousoku.codegen.dynamics.redundancy.undetermined import Undetermined
     from kousoku.codegen.dynamics.simplification.outline import Outline
-    from kousoku.model.multibody import Instance, RelativeCoordinate, System
-    from kousoku.model.orientation import Vector
+    from kousoku.model.multibody import System
 
 #: Rows of the largest part whose dependent rows are looked for; the time grows with their cube.
 MOST_ROWS = 700
@@ -208,26 +207,8 @@ def near_origin(system: System) -> System:
     digits that tell which rows depend on others.
     """
     origin = system.bodies[0].r if system.bodies else (0.0, 0.0, 0.0)
-    if max(map(abs, origin)) <= FAR * Metric(system).size:
-        return system
-
-    def seen(one: Instance | RelativeCoordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
-        return tuple(
-            (name, _less(value, origin) if is_ground_point(one, name) else value)
-            for name, value in one.constants
-        )
-
-    return replace(
-        system,
-        bodies=tuple(replace(body, r=_less(body.r, origin)) for body in system.bodies),
-        constraints=tuple(replace(one, constants=seen(one)) for one in system.constraints),
-        coordinates=tuple(replace(one, constants=seen(one)) for one in system.coordinates),
-    )
-
-
-def _less(place: Sequence[float], origin: Vector) -> Vector:
-    x, y, z = (a - b for a, b in zip(place, origin, strict=True))
-    return x, y, z
+    is_far = max(map(abs, origin)) > FAR * Metric(system).size
+    return seen_from(system, origin) if is_far else system
 
 
 def _freedom_of_part(

@@ -6,7 +6,7 @@ as in every loop of revolute joints, the forces out of the plane are not unique.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import CoordinatePlace, Program
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
     from kousoku.model.multibody import System
-
-    Array = np.ndarray[Any, np.dtype[np.float64]]
+    from kousoku.model.real import Array
 
 #: Rows of the largest part that is looked at; the time grows with their cube.
 MOST_ROWS = 2000

@@ -22,13 +22,10 @@ from kousoku.runtime.integrate.settings import CLEARLY
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    import numpy.typing as npt
-
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
     from kousoku.model.multibody import System
-
-    Array = npt.NDArray[np.float64]
+    from kousoku.model.real import Array
 
 #: Columns of a body that lead out of the xy-plane.
 OUT = (2, 3, 4)

@@ -8,14 +8,14 @@ the first is taken.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    Array = np.ndarray[Any, np.dtype[np.float64]]
+    from kousoku.model.real import Array
 
 #: What is left of a row that depends on others, as a part of the largest row, is below this: rows
 #: are looked at where they hold to 1e-11, and elimination in a large part costs three digits.

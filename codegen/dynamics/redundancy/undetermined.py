@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
-    from kousoku.codegen.dynamics.redundancy.rank import Array
     from kousoku.model.multibody import System
+    from kousoku.model.real import Array
 
     #: Joints, and the columns of their force and torque that are not unique.
     Undetermined = tuple[tuple[str, tuple[str, ...]], ...]

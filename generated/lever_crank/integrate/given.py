@@ -19,11 +19,8 @@ from .result import refusal, shown, unknown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import TypeAlias
 
-    import numpy.typing as npt
-
-    Array: TypeAlias = npt.NDArray[np.float64]
+    from .arithmetic import Array
 
 #: Times that a motion may have; more rows fit into no memory.
 MOST_ROWS = 10**9

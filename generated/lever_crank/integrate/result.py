@@ -16,18 +16,17 @@ import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
-    from typing import TypeAlias, Unpack
+    from typing import Unpack
 
     import numpy.typing as npt
     from matplotlib.figure import Figure
 
     from ..momenta import Momentum
     from ..run_ledger import Violation
+    from .arithmetic import Array
     from .events import EventOccurrences
     from .given_start import Moved
     from .trust import Trust
-
-    Array: TypeAlias = npt.NDArray[np.float64]
 
     class Ledger:
         """What a run cost, and how far it can be trusted: ``print(run.ledger)`` tells it.

@@ -20,15 +20,11 @@ from .trust import CheckedRows, trust_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from typing import TypeAlias
 
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .initial import Evaluate
     from .initial_given import Initial
     from .scene_solver import SceneSolver
-
-    Array: TypeAlias = npt.NDArray[np.float64]
 
 
 class Alone:
@@ -123,8 +119,10 @@ class Run:
         nq, given = solver.scene.nq, np.array(list(values.values()), float)
         if solver.scene.has_design:
             if solver.evaluate(0.0, start[:nq], start[nq:], given, self._work) != Status.GOOD:
-                told = f"parameters {values}: wanted such that masses and lengths are positive"
-                raise ValueError(f"{name}: {told}")
+                raise ValueError(
+                    f"{name}: parameters {values}: wanted such that masses, moments and lengths are"
+                    " positive, and no moment is larger than the two others together"
+                )
             design = scene.data["design"]
             base, size = design["place"]
             numbers = self._work[base : base + size].copy()

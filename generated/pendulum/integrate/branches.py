@@ -20,12 +20,9 @@ from .row_switch import FALL_BACK, forget_trials
 from .scene_tables import WAY
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .scene_tables import Work
     from .state import State
-
-    Array = npt.NDArray[np.float64]
 
 #: What rows may be off a smooth way, in lengths and radians. A gap between branches of as much as
 #: that, times the distance at which it is looked for, is none: about 1e-14, which is rounding.

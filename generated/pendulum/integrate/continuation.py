@@ -16,12 +16,9 @@ from .settings import CLEARLY
 from .state import SINGLE
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .scene_tables import Work, Workspace
     from .state import State
-
-    Array = npt.NDArray[np.float64]
 
 #: The largest correction with which parameters are changed at the start.
 CLOSE = 0.02

@@ -23,12 +23,12 @@ from .settings import ACTIONS, Status
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from .arithmetic import Array
     from .methods import RungeKuttaMethod
     from .scene_tables import Work, Workspace
     from .settings import Settings
     from .state import State
 
-    Array = npt.NDArray[np.float64]
     Flags = npt.NDArray[np.bool_]
 
 #: The smallest step, relative to the time.

@@ -11,11 +11,8 @@ import numpy as np
 from .settings import BENT, NO_TIME
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .motion import Layout, Motion
-
-    Array = npt.NDArray[np.float64]
 
 
 class EventLog(NamedTuple):

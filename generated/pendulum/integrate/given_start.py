@@ -19,12 +19,9 @@ from .body_tables import BACK, body_tables, composed, crossed, indices, rotated
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .initial import Evaluate
     from .motion import Layout
-
-    Array = npt.NDArray[np.float64]
 
 #: Least moment of inertia that weighs a displacement, as a part of the largest of the body.
 THIN = 1e-3

@@ -16,16 +16,12 @@ from .result import refusal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from typing import TypeAlias
 
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .body_tables import BodyPlaces
     from .initial import Evaluate
     from .initial_given import Initial
     from .motion import Layout
-
-    Array: TypeAlias = npt.NDArray[np.float64]
 
 #: What bodies may miss of joints: lengths relative to the scene's, velocities to the largest.
 MISSES = 1e-6

@@ -20,10 +20,9 @@ from .pivot_monitor import pivot_ratio
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from .arithmetic import Array
     from .scene_tables import RowMemory, Work
     from .state import State
-
-    Array = npt.NDArray[np.float64]
 
 #: At a ratio this much smaller than the largest so far rows that were left out take over.
 FALL_BACK = 1e-2

@@ -15,13 +15,9 @@ from .tasks import TaskKernel, numbers, places, run_tasks, segment_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from typing import TypeAlias
 
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .tasks import Function, Segment, Slots
-
-    Array: TypeAlias = npt.NDArray[np.float64]
 
 #: Stages of the longest method, and coefficients of the longest interpolating polynomial.
 STAGES = max(method.all for method in METHODS)

@@ -50,14 +50,11 @@ from .settings import NOTHING_MOVES, Status
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .methods import RungeKuttaMethod
     from .scene_tables import SceneTables, Work
     from .settings import Settings
     from .state import State
-
-    Array = npt.NDArray[np.float64]
 
 #: What may be left of the constraints at a stage inside of a step, in units of the tolerance.
 INNER = 1e-3

@@ -15,14 +15,10 @@ from .settings import CLEARLY, NOTHING_MOVES, Doubt
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
-    from typing import TypeAlias
 
-    import numpy.typing as npt
-
+    from .arithmetic import Array
     from .motion import Layout
     from .settings import Settings
-
-    Array: TypeAlias = npt.NDArray[np.float64]
 
 #: What a healthy run may lose, in tolerances, in each thousand steps.
 HEALTHY = 100.0

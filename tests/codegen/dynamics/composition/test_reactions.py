@@ -24,6 +24,7 @@ from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of
 from tests.analysed import independent
+from tests.random_geometry import orientation_of
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -80,12 +81,6 @@ def jacobian_of(one: Instance, state: dict[str, Any]) -> Any:
     return np.reshape(evaluate(kernel, inputs, FLOAT)["C_q"], (-1, 12))
 
 
-def rotation(p: Any) -> Any:
-    w, e = p[0], np.array(p[1:])
-    cross = np.array([[0, -e[2], e[1]], [e[2], 0, -e[0]], [-e[1], e[0], 0]])
-    return (w * w - e @ e) * np.eye(3) + 2 * np.outer(e, e) + 2 * w * cross
-
-
 def wanted(
     system: System, state: dict[str, Any], mechanisms: SimpleNamespace, length: float
 ) -> dict[str, Any]:
@@ -101,7 +96,7 @@ def wanted(
         rows.append(block[:, :n])
         end, point = end_of(system, one.joint, state)
         own = block[:, 6 * end : 6 * end + 6]
-        torque = own[:, 3:] @ rotation(state["p"][end]).T
+        torque = own[:, 3:] @ orientation_of(state["p"][end]).T
         torque += np.cross(state["r"][end] - point, own[:, :3])
         wrench = np.zeros((len(names), 6, len(jacobian)))
         wrench[names.index(one.joint)] = -np.hstack([own[:, :3], torque]).T
@@ -132,7 +127,9 @@ def found(system: System, work: ProgramInterpreter, state: dict[str, Any]) -> di
     names = list(dict.fromkeys(x.joint for x in system.constraints))
     for name, own in zip(names, values, strict=True):
         one, point = end_of(system, name, state)
-        torque = rotation(state["p"][one]) @ own[3:] + np.cross(state["r"][one] - point, own[:3])
+        torque = orientation_of(state["p"][one]) @ own[3:] + np.cross(
+            state["r"][one] - point, own[:3]
+        )
         result[name] = np.hstack([own[:3], torque])
     return result
 
@@ -144,7 +141,7 @@ def end_of(system: System, joint: str, state: dict[str, Any]) -> tuple[int, Any]
     i, j = own[0].i, own[0].j
     if j == GROUND_INDEX:
         return i, point
-    return j, state["r"][j] + rotation(state["p"][j]) @ point
+    return j, state["r"][j] + orientation_of(state["p"][j]) @ point
 
 
 def door(hinges: int, axis: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> System:

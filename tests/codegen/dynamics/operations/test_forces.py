@@ -18,6 +18,7 @@ from kousoku.model.expression import LONGEST
 from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.read import scene_from_toml
 from tests.analysed import all_rows
+from tests.random_geometry import orientation_of
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -64,18 +65,11 @@ def torque(kind: str, j: int) -> ForceElement:
     return Load(kind, kind, GROUND_INDEX, j, (("torque", LOAD),))
 
 
-def rotation(p: Any) -> Any:
-    """Rotation A by Rodrigues' formula."""
-    e0, e = p[0], np.asarray(p[1:])
-    skew = np.array([[0.0, -e[2], e[1]], [e[2], 0.0, -e[0]], [-e[1], e[0], 0.0]])
-    return np.eye(3) + 2 * e0 * skew + 2 * skew @ skew
-
-
 def end_of(state: dict[str, Any], index: int, point: Any) -> tuple[Any, Any, Any]:
     """Place and velocity of a point, and A."""
     if index == GROUND_INDEX:
         return np.array(point), np.zeros(3), np.eye(3)
-    a = rotation(state["p"][index])
+    a = orientation_of(state["p"][index])
     turning = a @ np.cross(state["omega_b"][index], point)
     return state["r"][index] + a @ point, state["v"][index] + turning, a
 

@@ -17,6 +17,7 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.generate import LEDGER
 from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
+from kousoku.codegen.dynamics.recording.program import reads
 from kousoku.codegen.dynamics.simplification.reduced_mass import inverse_of
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.families import n_four_bar
@@ -152,6 +153,33 @@ def test_a_position_is_put_onto_the_joint_and_keeps_its_norm(
     work["dq"] = [0.0] * 12
     work.run("move")
     np.testing.assert_allclose(work["q_moved"], before, rtol=0, atol=4e-16)
+
+
+@pytest.mark.parametrize("torque", ["5", "k"])
+@pytest.mark.parametrize("kind", ["revolute", "free"])
+def test_only_rows_and_other_parameters_correct_positions(kind: str, torque: str) -> None:
+    """With others a run looks aside, whether the rows that hold by themselves still do."""
+    builder = SceneBuilder("swing", unit="m")
+    builder.body("arm", position=(0, 0, -1), boxes=[{"mass": 2, "size": (1, 2, 3)}])
+    if kind != "free":
+        builder.joint("hold", type=kind, bodies=("ground", "arm"), at=(0, 0, 0), axis=(0, 1, 0))
+    if torque == "k":
+        builder.parameter("k", 5.0)
+    builder.force("twist", type="torque", body="arm", torque=(0, torque, 0))
+    program = compose(jointed(system(builder.build())), WANTED)
+    assert not program.rows
+    dq = program.region("dq")
+    moves = program.segment("move").tasks
+    read = {base for task in moves for base, _ in reads(program, task)}
+    is_read = not read.isdisjoint(range(dq.base, dq.base + dq.size))
+    assert is_read == (kind != "free" and torque == "k")
+    work = ProgramInterpreter(program)
+    work["q"] = [2 * x for x in work["q"]]
+    work.run("move")
+    moved = work["q_moved"]
+    work["q"] = moved
+    work.run("move")
+    np.testing.assert_allclose(work["q_moved"], moved, rtol=0, atol=4e-16)
 
 
 def test_turns_and_slides_are_neither_faster_nor_slower_after_many_fits() -> None:
