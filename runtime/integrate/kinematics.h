@@ -210,7 +210,8 @@ static int find_between(double end, double weak, State *s, Work *work)
 /* the energy that errors of works are compared with, where that at its end is in the workspace */
 static double moving_energy(double h, const State *s, Work *work)
 {
-    const double *end = position_at(1, work).y, moved = energy_moved(work->w, end, s);
+    const double *end = position_at(1, work).y;
+    const double moved = larger(s->moved, energy_moved(work->w, end, s));
     return energy_of_works(h, end, moved, s) + work->w[W_ENERGIES];
 }
 

@@ -299,7 +299,7 @@ def least_size_of_works(h: float, state: State, work: Work) -> float:
 def moving_energy(h: float, state: State, work: Work) -> float:
     """Energy that errors of works are compared with, where that at its end is in the workspace."""
     end = position_at(1, work).y
-    moved = energy_moved(end, work, state)
+    moved = larger(state.moved, energy_moved(end, work, state))
     return energy_of_works(h, end, moved, state, work) + float(work.w.energies[0])
 
 

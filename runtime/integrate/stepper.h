@@ -62,6 +62,9 @@
  * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves, in
  * the longest step so far: in a short one rates of what does move are no larger */
 #define PART 0.05
+/* errors of works of DOP853 are compared with so many times the energy that moves at most: with as
+ * much as the verdict allows */
+#define MOST_MOVED 100.0
 /* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
  * the whole time */
 #define FIRST 0.01
@@ -156,13 +159,13 @@ static void note_extent(const double *end, const double *w, State *s)
 static double usual_energy(double rate) { return MASS * (LENGTH * rate) * (LENGTH * rate) / 2.0; }
 
 /* the energy that errors of works are compared with, where so much has moved in a step of length h:
- * that of all bodies at the usual rate, and maybe far less where they move at all: where one of them
- * is fast heavy ones may stand */
+ * that of all bodies at the usual rate, and maybe far less where they move at all: where one of
+ * them is fast heavy ones may stand */
 static double energy_of_works(double h, const double *end, double moved, const State *s)
 {
     const double usual = usual_energy(usual_rate(h, end, s));
     const double least = usual_energy(NOTHING_MOVES / larger(s->stride, h));
-    return smaller(usual, larger(least, larger(s->moved, moved)));
+    return smaller(usual, larger(least, moved));
 }
 
 /* the change of energy since the start that no work explains; works are in q */
@@ -209,11 +212,12 @@ static double estimate(const Method *m, const double *row, const Trial *trial, c
             sum += (u[i] / size) * (u[i] / size);
         }
     }
-    /* compared with the energy that moves: where the polynomial has an order less works between steps
-     * are no better */
+    /* compared with the energy that moves: where the polynomial has an order less works between
+     * steps are no better */
     for (size_t i = NQ - WORKS; i != NQ; ++i) {
-        const double moving = m->order == 5 ? energy_of_works(trial->h, end, trial->moved, s)
-                                            : usual_energy(rate);
+        const double times = m->order == 5 ? 1.0 : MOST_MOVED;
+        const double moving = energy_of_works(
+            trial->h, end, times * larger(s->moved, trial->moved), s);
         const double least = moving + work->w[W_ENERGIES];
         const double size = least + larger(fabs(now[i]), fabs(end[i]));
         sum += (error[i] / size) * (error[i] / size);

@@ -117,6 +117,9 @@ SAFETY = 0.8
 #: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves,
 #: in the longest step so far: in a short one rates of what does move are no larger.
 PART = 0.05
+#: Errors of works of DOP853 are compared with so many times the energy that moves at most: with as
+#: much as the verdict allows.
+MOST_MOVED = 100.0
 #: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
 #: moves yet, in the whole time.
 FIRST = 0.01
@@ -287,7 +290,7 @@ def energy_of_works(h: float, end: Array, moved: float, state: State, work: Work
     """
     usual = usual_energy(usual_rate(h, end, state, work), work.scene)
     least = usual_energy(NOTHING_MOVES / larger(state.stride, h), work.scene)
-    return smaller(usual, larger(least, larger(state.moved, moved)))
+    return smaller(usual, larger(least, moved))
 
 
 def energy_balance(q: Array, work: Work, state: State) -> float:
@@ -339,10 +342,9 @@ def estimate(
     errors[0] /= scene.lengths
     errors[1] /= rate * scene.lengths + np.maximum(np.abs(now[nq:]), np.abs(end[nq:]))
     done = slice(nq - scene.works, nq)  # work is compared with the energy that moves
-    moving = usual_energy(rate, scene)
-    if m.order == 5:  # its polynomial has one less: works between steps are no better
-        moving = energy_of_works(trial.h, end, trial.moved, state, work)
-    least = moving + work.w.energies[0]
+    # where the polynomial has an order less works between steps are no better
+    moved = (1.0 if m.order == 5 else MOST_MOVED) * larger(state.moved, trial.moved)
+    least = energy_of_works(trial.h, end, moved, state, work) + work.w.energies[0]
     size = least + np.maximum(np.abs(now[done]), np.abs(end[done]))
     every = np.concatenate((errors.ravel(), error[done] / size))
     return math.sqrt(mean_square(every, 2 * nv)) / tolerance

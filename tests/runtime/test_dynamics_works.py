@@ -149,11 +149,9 @@ other = { coordinate = "y", value = "1e-4*t" }
 def test_works_are_exact_where_heavy_bodies_hardly_move() -> None:
     mechanism = kousoku.load(tomllib.loads(HEAVY))
     wanted = mechanism.simulate(10, samples=3, method="dop853", tolerance=1e-12).ledger.works
-    for method in ("kinematics", "dop853"):
-        options: Any = {"samples": 3, "method": method}
-        works = mechanism.simulate(10, **options).ledger.works
-        for name in ("load", "one"):
-            assert works[name] == pytest.approx(wanted[name], rel=1e-7)
+    works = mechanism.simulate(10, samples=3, method="kinematics").ledger.works
+    for name in ("load", "one"):
+        assert works[name] == pytest.approx(wanted[name], rel=1e-7)
 
 
 #: A point that is pushed for a moment, a wheel that turns, and a heavy body that does not.
