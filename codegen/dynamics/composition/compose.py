@@ -191,6 +191,7 @@ class _ProgramComposer:
             bodies=places,
             rows=rows_of(self.joints),
             left_out=rows_of(self.left_out),
+            has_misses=bool(self.left_out and (self.analysed.freedom.closed or design)),
             reduced=rows_of(self.satisfied),
             placed=self.reduced.placed,
             is_planar=self.is_planar,

@@ -207,6 +207,8 @@ class Program:
         Whether all bodies move in parallel coordinate planes.
     left_out : tuple of ConstraintEquation
         Rows that depend on others, in the order of the region ``C_left_out``.
+    has_misses : bool
+        Whether those may miss more than rounding.
     reduced : tuple of ConstraintEquation
         Rows that hold by themselves, in the order of the region ``C_left_out``: those of joints
         that bodies are put onto. Where there are some no row is left out.
@@ -248,6 +250,7 @@ class Program:
     auxiliary: tuple[Auxiliary, ...] = ()
     conserved: tuple[ConservedMomenta, ...] = ()
     left_out: tuple[ConstraintEquation, ...] = ()
+    has_misses: bool = False
     reduced: tuple[ConstraintEquation, ...] = ()
     placed: tuple[int, ...] = ()
     not_unique: tuple[str, ...] = ()
