@@ -72,7 +72,7 @@ SHORT = 16
 
 
 def compose(analysed: Analysed, wanted: Collection[str] = ()) -> Program:
-    """Program of a system: its segments are those of ``SEGMENTS``.
+    """Program of a system, in segments.
 
     Parameters
     ----------
@@ -80,14 +80,15 @@ def compose(analysed: Analysed, wanted: Collection[str] = ()) -> Program:
         The scene, with all that is decided of it.
     wanted : collection of str
         What is computed beyond the motion: ``reactions`` for the region ``lam`` and the segment
-        ``reaction``, ``energies`` for the segment ``energy``, ``checks`` for the segment ``check``.
+        ``reaction``; ``coordinates`` for the segment ``coordinate``, and ``accelerations`` for
+        second derivatives in it; ``energies`` for the segment ``energy``; ``checks`` for the
+        segments ``check`` and ``momentum``, and for those that a run calls where digits are lost.
         Other names are not looked at.
 
     Returns
     -------
     Program
-        Segments ``geometry``, ``position``, ``move``, ``velocity``, ``acceleration``, and
-        ``reaction``, ``energy`` and ``check`` where they are wanted.
+        Its segments are those of ``SEGMENTS`` and ``ON_DEMAND`` that the scene and ``wanted`` need.
 
     Raises
     ------
