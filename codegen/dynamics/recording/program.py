@@ -182,7 +182,9 @@ class ConstraintEquation:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """What a scene needs to move, and nothing else.
+    """Kernels and the tasks that call them, in segments, on one workspace.
+
+    The motion of a scene is one, all equations of a system as it stands, and a linkage of nodes.
 
     Parameters
     ----------
