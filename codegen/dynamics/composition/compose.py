@@ -130,10 +130,10 @@ class _ProgramComposer:
         given = tuple(name for name, _ in system.parameters)
         combinations = Combinations(self.recorder, self.coordinates, *fixed, given)
         self.tasks = JointRecorder(system, self.recorder, self.body, combinations)
-        self.reduced = JointCoordinates(
+        self.joint_coordinates = JointCoordinates(
             analysed.transformations, system, self.recorder, self.body, combinations
         )
-        places = (*self.reduced.instances, *range(len(system.constraints)))
+        places = (*self.joint_coordinates.instances, *range(len(system.constraints)))
         place_numbers(system, self.recorder, places)
         self.joints, self.satisfied, self.left_out = (
             joints_of(system, self.recorder, by_instance(rows))
@@ -192,8 +192,8 @@ class _ProgramComposer:
             bodies=places,
             rows=rows_of(self.joints),
             left_out=rows_of(self.left_out),
-            reduced=rows_of(self.satisfied),
-            placed=self.reduced.placed,
+            satisfied=rows_of(self.satisfied),
+            placed=self.joint_coordinates.placed,
             is_planar=self.is_planar,
             auxiliary=self.auxiliary.placed(self.q),
             parameters=tuple(value for _, value in self.system.parameters),
@@ -208,7 +208,7 @@ class _ProgramComposer:
             with self._of_body(k):
                 (orientation,) = self.recorder.call(BodyOrientation(), blocks.p)
             self.bodies[k] = replace(blocks, orientation=orientation)
-        self.reduced.geometry(self.bodies)
+        self.joint_coordinates.geometry(self.bodies)
         for joint in self.joints:
             self.tasks.jacobian(joint, self._rows_of(self.residuals, joint))
         self.schur.factorise(self.joints)
@@ -238,7 +238,7 @@ class _ProgramComposer:
         totals = list(
             free or (zeros(blocks.effective_inverse_mass.width, 1) for blocks in self.bodies)
         )
-        self.reduced.spread(self.schur, totals, terms, beyond)
+        self.joint_coordinates.spread(self.schur, totals, terms, beyond)
         for k, (total, products) in enumerate(zip(totals, terms, strict=True)):
             blocks = self.bodies[k]
             with self._of_body(k):
@@ -255,8 +255,8 @@ class _ProgramComposer:
         for k, blocks in enumerate(self.bodies):
             change = blocks.spread(dq.part(blocks.v, len(blocks.columns)).entries)
             target = self.q_moved.part(blocks.q, len(blocks.coordinates))
-            if k in self.reduced.tasks:
-                laws |= self.reduced.tasks[k].project_position(*change, target)
+            if k in self.joint_coordinates.tasks:
+                laws |= self.joint_coordinates.tasks[k].project_position(*change, target)
             else:
                 at = (blocks.r, blocks.p)
                 with self._of_body(k):
@@ -284,7 +284,7 @@ class _ProgramComposer:
     def _velocity(self) -> None:
         self.recorder.begin("velocity")
         by_body = self._by_body(self.v)
-        lacks, beyond = self.reduced.project_velocity(by_body)
+        lacks, beyond = self.joint_coordinates.project_velocity(by_body)
         rates = self._rates("nu", by_body, beyond=beyond)
         self._pull(self.schur.solve(rates), None, self.dv, lacks)
 
@@ -315,8 +315,8 @@ class _ProgramComposer:
         for name, power in self.forces.act(self.system.forces, free).items():
             self._keep_rate(name, power)
         if lam:
-            self.reduced.keep(free)
-        drift = self.reduced.reduce_forces(free)
+            self.joint_coordinates.keep(free)
+        drift = self.joint_coordinates.reduce_forces(free)
         targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
         multipliers = self.schur.solve(self._rates("gamma", free, beyond=drift), targets)
         self._pull(multipliers, free, self.v_dot, drift)
@@ -334,7 +334,9 @@ class _ProgramComposer:
     ) -> list[SlotMatrix]:
         """Record the power of each driver, or what multipliers add to it."""
         powers = {name: [one] for name, one in self.tasks.powers(self.joints, multipliers).items()}
-        ground = self.reduced.powers(self.schur, self.joints, multipliers, is_whole=is_whole)
+        ground = self.joint_coordinates.powers(
+            self.schur, self.joints, multipliers, is_whole=is_whole
+        )
         for name, one in ground:
             powers.setdefault(name, []).append(one)
         nothing = [column((0,))]
@@ -350,7 +352,11 @@ class _ProgramComposer:
                 record_reactions,
                 satisfied=self.satisfied,
                 ground=partial(
-                    self.reduced.wrenches, self.schur, self.joints, v_dot, self.coordinates
+                    self.joint_coordinates.wrenches,
+                    self.schur,
+                    self.joints,
+                    v_dot,
+                    self.coordinates,
                 ),
                 in_loops="checks" in self.wanted and self.analysed.shares_out,
             )

@@ -209,7 +209,7 @@ class Program:
         Whether all bodies move in parallel coordinate planes.
     left_out : tuple of ConstraintEquation
         Rows that depend on others, in the order of the region ``C_left_out``.
-    reduced : tuple of ConstraintEquation
+    satisfied : tuple of ConstraintEquation
         Rows that hold by themselves, in the order of the region ``C_left_out``: those of joints
         that bodies are put onto. Where there are some no row is left out.
     placed : tuple of int
@@ -250,7 +250,7 @@ class Program:
     auxiliary: tuple[Auxiliary, ...] = ()
     kept: tuple[Kept, ...] = ()
     left_out: tuple[ConstraintEquation, ...] = ()
-    reduced: tuple[ConstraintEquation, ...] = ()
+    satisfied: tuple[ConstraintEquation, ...] = ()
     placed: tuple[int, ...] = ()
     not_unique: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
