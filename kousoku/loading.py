@@ -299,10 +299,10 @@ def generated(
         return generate_dynamics(scene, outputs, references=references)
     import msgspec
 
-    from kousoku.codegen.linkage.generate import generate_scene
+    from kousoku.codegen.linkage.generate import generate_linkage
 
     wanted = scene if outputs is None else msgspec.structs.replace(scene, outputs=tuple(outputs))
-    return generate_scene(wanted, references=references)
+    return generate_linkage(wanted, references=references)
 
 
 def _written(shelf: Path, name: str, text: str, tree: Mapping[str, str]) -> Path:
