@@ -318,6 +318,8 @@ class TrustAnswer(TypedDict):
     row_drift: JsonNumber | None
     pivot_ratio: JsonNumber | None
     unresolved: int
+    impulse: JsonNumber | None
+    impulse_time: JsonNumber | None
     stillness: JsonNumber | None
     below_tolerance: dict[str, JsonNumber]
     branch_point_time: JsonNumber | None

@@ -43,6 +43,7 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     energy(work->w);
     s->energy = energy_balance(work->w, work->w + W_Q, s);
     s->potential = work->w[W_ENERGIES + 1];
+    s->moved = work->w[W_ENERGIES];
     if (MOMENTA > 0) {
         momentum(work->w);
         memcpy(s->momenta, work->w + W_MOMENTA, MOMENTA * sizeof *s->momenta);

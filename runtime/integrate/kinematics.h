@@ -207,11 +207,19 @@ static int find_between(double end, double weak, State *s, Work *work)
     return 1;
 }
 
+/* the energy that errors of works are compared with, where that at its end is in the workspace */
+static double moving_energy(double h, const State *s, Work *work)
+{
+    const double *end = position_at(1, work).y;
+    const double moved = larger(s->moved, energy_moved(work->w, end, s));
+    return energy_of_works(h, end, moved, s) + work->w[W_ENERGIES];
+}
+
 /* what errors of works are compared with in a step of length h, beside the works [J] */
 static double least_size_of_works(double h, const State *s, Work *work)
 {
     energy(work->w);
-    return usual_energy(usual_rate(h, position_at(1, work).y, s)) + work->w[W_ENERGIES];
+    return moving_energy(h, s, work);
 }
 
 /* what a step of length h leaves of energy that no work explains, in tolerances: the energy of
@@ -227,7 +235,7 @@ static double unbalanced(const Settings *settings, double h, const State *s, Wor
     for (size_t k = NQ - WORKS; k != NQ; ++k) {
         most = larger(larger(fabs(s->y[k]), fabs(end[k])), most);
     }
-    const double moving = usual_energy(usual_rate(h, end, s)) + w[W_ENERGIES], size = moving + most;
+    const double size = moving_energy(h, s, work) + most;
     const double known = CERTAIN * larger(fabs(w[W_ENERGIES + 1]), fabs(s->energy));
     const double blur = blur_of(work, s); /* velocities: as much of the way to another branch */
     return left / ((settings->tolerance + blur * blur / BLURRED) * size + known);
@@ -300,16 +308,18 @@ static void tell_works(const Settings *settings, double end, double weak, size_t
     Work *work, WorkEstimate *told)
 {
     const double *y = position_at(1, work).y;
+    look_at_misses(settings, work);
     if (n > 1) told->error = sum_works(settings, end, weak, n == 4, s, work, &told->is_told);
     else if (WORKS > 0) energy(work->w);
     if (WORKS == 0) return;
     told->error = larger(unbalanced(settings, end - s->time, s, work), told->error);
-    if (settings->checks) told->moved = energy_moved(work->w, y, s);
+    told->moved = energy_moved(work->w, y, s);
     told->balance = energy_balance(work->w, y, s);
 }
 
 /* keeps a position, at or behind the time that is asked for */
-static void accept_position(double end, double asked, Work *work, State *s)
+static void accept_position(
+    const Settings *settings, double end, double asked, Work *work, State *s)
 {
     const double h = end - s->time;
     const Position last = position_at(1, work);
@@ -317,6 +327,7 @@ static void accept_position(double end, double asked, Work *work, State *s)
     s->time_before = end > asked ? s->time : end;
     s->time = end;
     s->steps += 1;
+    note_misses(settings, work, s);
     note_motion(h, last.y, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(f_before, s->f, NY * sizeof *s->y);
@@ -430,12 +441,12 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         note_branch(end, branch, s);
         note_ratios(ratio, end, is_deep, s, work);
         s->drift = larger(s->drift, drift);
-        s->energy_moved = larger(s->energy_moved, told.moved);
+        note_moved(settings, told.moved, s);
         s->untold += told.is_told ? 0.0 : end - s->time;
         s->step_size = larger(is_last ? s->step_size : 0.0, factor * whole);
         s->error = told.is_told ? error : 0.0;
         s->balance = told.balance;
-        accept_position(end, asked, work, s);
+        accept_position(settings, end, asked, work, s);
         return GOOD;
     }
 }

@@ -34,16 +34,16 @@ from .pivot_monitor import (
     pivot_ratio,
 )
 from .projection import project, ratio_at
-from .row_switch import forget_trials
+from .row_switch import forget_trials, look_at_misses, note_misses
 from .settings import Status
 from .stepper import (
     LEVEL,
     energy_balance,
     energy_moved,
+    energy_of_works,
     meeting_part,
     note_motion,
-    usual_energy,
-    usual_rate,
+    note_moved,
 )
 
 if TYPE_CHECKING:
@@ -293,8 +293,14 @@ def find_between(end: float, weak: float, state: State, work: Work) -> bool:
 def least_size_of_works(h: float, state: State, work: Work) -> float:
     """Size that errors of works are compared with in a step of length h, beside the works [J]."""
     work.w.run("energy")
-    rate = usual_rate(h, position_at(1, work).y, state, work)
-    return usual_energy(rate, work.scene) + float(work.w.energies[0])
+    return moving_energy(h, state, work)
+
+
+def moving_energy(h: float, state: State, work: Work) -> float:
+    """Energy that errors of works are compared with, where that at its end is in the workspace."""
+    end = position_at(1, work).y
+    moved = larger(state.moved, energy_moved(end, work, state))
+    return energy_of_works(h, end, moved, state, work) + float(work.w.energies[0])
 
 
 def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:
@@ -309,8 +315,8 @@ def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:
         return 0.0
     done = slice(scene.nq - scene.works, scene.nq)
     left = abs(energy_balance(end, work, state) - state.balance)
-    moving = usual_energy(usual_rate(h, end, state, work), scene) + float(w.energies[0])
-    size = moving + float(np.max(np.maximum(np.abs(state.y[done]), np.abs(end[done]))))
+    most = float(np.max(np.maximum(np.abs(state.y[done]), np.abs(end[done]))))
+    size = moving_energy(h, state, work) + most
     known = CERTAIN * larger(abs(w.energies[1]), abs(state.energy))
     blur = blur_of(work, state)  # velocities are known to as much of the way to another branch
     return left / ((s.tolerance + blur * blur / BLURRED) * size + known)
@@ -385,6 +391,7 @@ def tell_works(
     """Sum the works of a step better unless it leaps, and tell what its energy says of them."""
     scene, last = work.scene, position_at(1, work)
     error, is_told = 0.0, False
+    look_at_misses(s, work)
     if parts is not LEAP:
         error, is_told = sum_works(s, end, weak, state, work, has_nodes=parts is NODES)
     elif scene.works > 0:
@@ -392,16 +399,17 @@ def tell_works(
     if scene.works == 0:
         return WorkEstimate(error, is_told)
     error = larger(unbalanced(s, end - state.time, state, work), error)
-    moved = energy_moved(last.y, work, state) if s.checks else 0.0
+    moved = energy_moved(last.y, work, state)
     return WorkEstimate(error, is_told, energy_balance(last.y, work, state), moved)
 
 
-def accept_position(end: float, asked: float, state: State, work: Work) -> None:
+def accept_position(s: Settings, end: float, asked: float, state: State, work: Work) -> None:
     """Keep a position, at or behind the time that is asked for."""
     h, last, f_before = end - state.time, position_at(1, work), state.f.copy()
     state.time_before = state.time if end > asked else end
     state.time = end
     state.steps += 1
+    note_misses(s, work, state)
     note_motion(h, last.y, state, work)
     state.y_before[:] = state.y
     state.y[:] = last.y
@@ -507,10 +515,10 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     note_branch(end, branch, state)
     note_ratios(ratio, end, state, work, is_deep=is_deep)
     state.drift = larger(state.drift, drift)
-    state.energy_moved = larger(state.energy_moved, told.moved)
+    note_moved(s, told.moved, state)
     state.untold += 0.0 if told.is_told else end - state.time
     state.step_size = larger(state.step_size if is_last else 0.0, factor * whole)
     state.error = error if told.is_told else 0.0
     state.balance = told.balance
-    accept_position(end, asked, state, work)
+    accept_position(s, end, asked, state, work)
     return Status.GOOD

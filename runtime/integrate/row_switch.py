@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from .arithmetic import Array
     from .scene_tables import RowMemory, Work
+    from .settings import Settings
     from .state import State
 
 #: At a ratio this much smaller than the largest so far rows that were left out take over.
@@ -226,6 +227,20 @@ def are_all_rows_better(ratio: float, all_rows: RowMemory, work: Work, state: St
     found = all_rows.ratio > HELPS * ratio
     all_rows.tried = 0.0 if found else ratio
     return found
+
+
+def look_at_misses(s: Settings, work: Work) -> None:
+    """Look at what rows that are left out miss at the position in the workspace."""
+    if s.checks and len(work.missed) > 0:
+        work.w.run("check")
+        work.missed[:] = np.abs(work.w.all_C[work.scene.nc :])
+
+
+def note_misses(s: Settings, work: Work, state: State) -> None:
+    """Note what they missed there, which is kept."""
+    worst = state.violations[0, work.scene.nc :]
+    if s.checks and len(work.missed) > 0:
+        np.fmax(worst, work.missed, out=worst)
 
 
 def find_geometry(work: Work, state: State) -> None:

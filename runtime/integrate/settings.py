@@ -108,6 +108,7 @@ class Doubt(IntFlag):
     ROW_DRIFT = 64
     BRANCH_POINTS = 128
     NARROW = 256
+    IMPULSE = 512
 
 
 #: Why a run did not start, or does not go on.

@@ -62,6 +62,9 @@
  * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves, in
  * the longest step so far: in a short one rates of what does move are no larger */
 #define PART 0.05
+/* errors of works of DOP853 are compared with so many times the energy that moves at most: with as
+ * much as the verdict allows */
+#define MOST_MOVED 100.0
 /* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
  * the whole time */
 #define FIRST 0.01
@@ -155,6 +158,16 @@ static void note_extent(const double *end, const double *w, State *s)
 /* the energy of all bodies where they move at such a rate */
 static double usual_energy(double rate) { return MASS * (LENGTH * rate) * (LENGTH * rate) / 2.0; }
 
+/* the energy that errors of works are compared with, where so much has moved in a step of length h:
+ * that of all bodies at the usual rate, and maybe far less where they move at all: where one of
+ * them is fast heavy ones may stand */
+static double energy_of_works(double h, const double *end, double moved, const State *s)
+{
+    const double usual = usual_energy(usual_rate(h, end, s));
+    const double least = usual_energy(NOTHING_MOVES / larger(s->stride, h));
+    return smaller(usual, larger(least, moved));
+}
+
 /* the change of energy since the start that no work explains; works are in q */
 static double energy_balance(const double *w, const double *q, const State *s)
 {
@@ -170,6 +183,13 @@ static double energy_moved(const double *w, const double *q, const State *s)
     double moved = w[W_ENERGIES] + fabs(w[W_ENERGIES + 1] - s->potential);
     for (size_t k = NQ - WORKS; k != NQ; ++k) moved += fabs(q[k]);
     return moved;
+}
+
+/* notes the energy that has moved at the end of a step that is kept */
+static void note_moved(const Settings *settings, double moved, State *s)
+{
+    s->moved = larger(s->moved, moved);
+    if (settings->checks) s->energy_moved = larger(s->energy_moved, moved);
 }
 
 /* the root mean square of one estimate of the error, in units of the tolerance */
@@ -192,8 +212,13 @@ static double estimate(const Method *m, const double *row, const Trial *trial, c
             sum += (u[i] / size) * (u[i] / size);
         }
     }
-    for (size_t i = NQ - WORKS; i != NQ; ++i) { /* compared with the energy that moves */
-        const double least = usual_energy(rate) + work->w[W_ENERGIES];
+    /* compared with the energy that moves: where the polynomial has an order less works between
+     * steps are no better */
+    for (size_t i = NQ - WORKS; i != NQ; ++i) {
+        const double times = m->order == 5 ? 1.0 : MOST_MOVED;
+        const double moving = energy_of_works(
+            trial->h, end, times * larger(s->moved, trial->moved), s);
+        const double least = moving + work->w[W_ENERGIES];
         const double size = least + larger(fabs(now[i]), fabs(end[i]));
         sum += (error[i] / size) * (error[i] / size);
     }
@@ -419,7 +444,7 @@ static void accept(const Attempts *tried, const Trial *trial, Work *work, State 
     if (!trial->is_last || next < s->step_size) s->step_size = next;
     s->error = larger(error, 1e-4);
     s->drift = larger(s->drift, trial->drift);
-    s->energy_moved = larger(s->energy_moved, trial->moved);
+    note_moved(tried->settings, trial->moved, s);
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, trial->last_ratio);
     note_pivot_ratio(trial->least_ratio, s->time + 0.5 * h, s);
     s->time_before = s->time;
@@ -434,6 +459,7 @@ static void accept(const Attempts *tried, const Trial *trial, Work *work, State 
     s->usual_ratio = larger(s->usual_ratio, trial->end_ratio);
     note_motion(h, work->y, s);
     note_extent(work->y, work->w, s);
+    note_misses(tried->settings, work, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(s->y, work->y, NY * sizeof *s->y);
     memcpy(s->low, work->low, NY * sizeof *s->y);
@@ -493,8 +519,10 @@ static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s
     const Method *m = tried->m;
     const Settings *settings = tried->settings;
     if (tried->is_fixed) trial->drift = larger(trial->drift, norm_error(m, trial->h, s, work));
-    if (WORKS > 0 || settings->checks) energy(work->w);
-    if (settings->checks) trial->moved = energy_moved(work->w, work->y, s);
+    if (WORKS > 0 || settings->checks) {
+        energy(work->w);
+        trial->moved = energy_moved(work->w, work->y, s);
+    }
     if (tried->is_fixed) {
         trial->is_vague = N_SEEN > 0 && !(local_error(m, trial, 0, s, work, LEAST_PART) <= 1.0);
     } else {
@@ -509,6 +537,7 @@ static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s
     if (is_kept(trial)) {
         note_largest_pivot(work, s);
         coordinate(work->w);
+        look_at_misses(settings, work);
     }
 }
 

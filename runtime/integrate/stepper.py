@@ -44,7 +44,7 @@ from .projection import (
     ratio_at,
     take_normal_part,
 )
-from .row_switch import forget_trials
+from .row_switch import forget_trials, look_at_misses, note_misses
 from .settings import NOTHING_MOVES, Status
 
 if TYPE_CHECKING:
@@ -117,6 +117,9 @@ SAFETY = 0.8
 #: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves,
 #: in the longest step so far: in a short one rates of what does move are no larger.
 PART = 0.05
+#: Errors of works of DOP853 are compared with so many times the energy that moves at most: with as
+#: much as the verdict allows.
+MOST_MOVED = 100.0
 #: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
 #: moves yet, in the whole time.
 FIRST = 0.01
@@ -136,7 +139,7 @@ class Trial:
     drift, error : float
         Largest correction, negative where a stage is impossible; error in units of the tolerance.
     moved : float [J]
-        The energy that has moved at its end, where rows are checked.
+        The energy that has moved at its end, where rows are checked or there are works.
     least_ratio, most_ratio, last_ratio : float
         Of the pivot ratios of its stages, and that of the end.
     end_ratio, top_ratio : float
@@ -279,6 +282,17 @@ def usual_energy(rate: float, scene: SceneTables) -> float:
     return scene.mass * (scene.length * rate) * (scene.length * rate) / 2.0
 
 
+def energy_of_works(h: float, end: Array, moved: float, state: State, work: Work) -> float:
+    """Energy that errors of works are compared with, where so much has moved in a step of length h.
+
+    It is that of all bodies at the usual rate, and may be far less where they move at all: where
+    one of them is fast heavy ones may stand.
+    """
+    usual = usual_energy(usual_rate(h, end, state, work), work.scene)
+    least = usual_energy(NOTHING_MOVES / larger(state.stride, h), work.scene)
+    return smaller(usual, larger(least, moved))
+
+
 def energy_balance(q: Array, work: Work, state: State) -> float:
     """Change of energy since the start that no work explains; works are in q."""
     balance = work.w.energies[0] + work.w.energies[1] - state.energy
@@ -297,6 +311,13 @@ def energy_moved(q: Array, work: Work, state: State) -> float:
     for done in q[work.scene.nq - work.scene.works : work.scene.nq]:
         moved += abs(done)
     return float(moved)
+
+
+def note_moved(s: Settings, moved: float, state: State) -> None:
+    """Note the energy that has moved at the end of a step that is kept."""
+    state.moved = larger(state.moved, moved)
+    if s.checks:
+        state.energy_moved = larger(state.energy_moved, moved)
 
 
 def estimate(
@@ -321,7 +342,9 @@ def estimate(
     errors[0] /= scene.lengths
     errors[1] /= rate * scene.lengths + np.maximum(np.abs(now[nq:]), np.abs(end[nq:]))
     done = slice(nq - scene.works, nq)  # work is compared with the energy that moves
-    least = usual_energy(rate, scene) + work.w.energies[0]
+    # where the polynomial has an order less works between steps are no better
+    moved = (1.0 if m.order == 5 else MOST_MOVED) * larger(state.moved, trial.moved)
+    least = energy_of_works(trial.h, end, moved, state, work) + work.w.energies[0]
     size = least + np.maximum(np.abs(now[done]), np.abs(end[done]))
     every = np.concatenate((errors.ravel(), error[done] / size))
     return math.sqrt(mean_square(every, 2 * nv)) / tolerance
@@ -563,7 +586,7 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         state.step_size = following
     state.error = larger(error, 1e-4)
     state.drift = larger(state.drift, trial.drift)
-    state.energy_moved = larger(state.energy_moved, trial.moved)
+    note_moved(tried.s, trial.moved, state)
     state.largest_pivot_ratio = larger(state.largest_pivot_ratio, trial.last_ratio)
     note_pivot_ratio(trial.least_ratio, state.time + 0.5 * h, state)
     state.time_before = state.time
@@ -576,6 +599,7 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     state.usual_ratio = larger(state.usual_ratio, trial.end_ratio)
     note_motion(h, work.y, state, work)
     note_extent(work.y, work, state)
+    note_misses(tried.s, work, state)
     state.y_before[:] = state.y
     state.y[:] = work.y
     state.low[:] = work.low
@@ -628,7 +652,6 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         trial.drift = larger(trial.drift, norm_error(m, trial.h, state, work))
     if work.scene.works > 0 or s.checks:
         work.w.run("energy")
-    if s.checks:
         trial.moved = energy_moved(work.y, work, state)
     if tried.is_fixed:
         is_seen = work.scene.sees
@@ -643,6 +666,7 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     if is_kept(trial):
         note_largest_pivot(work, state)
         work.w.run("coordinate")
+        look_at_misses(s, work)
 
 
 def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:

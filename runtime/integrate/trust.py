@@ -93,6 +93,10 @@ class Trust:
     unresolved : int
         Steps over which bounds do not tell how formulas vary: what acts for a moment there may be
         passed over.
+    impulse, impulse_time : float or None, float or None [s]
+        What forces that are infinite at a time may change velocities by so near to it that times
+        are not told apart, relative to the largest speed, where that is more than the tolerance;
+        when the last of these was.
     stillness : float or None
         How far bodies move in the longest step at most, in lengths of the scene or radians, where
         that is so little that the tolerance does not tell the energy that moves from what steps
@@ -128,6 +132,8 @@ class Trust:
     row_drift: float | None
     pivot_ratio: float | None
     unresolved: int
+    impulse: float | None
+    impulse_time: float | None
     stillness: float | None
     below_tolerance: Mapping[str, float]
     branch_point_time: float | None
@@ -161,6 +167,11 @@ class Trust:
             yield f"redundant rows miss {shortly(self.missed)}"
         if self.pivot_ratio is not None:
             yield f"smallest pivot {shortly(self.pivot_ratio)}"
+        if self.impulse is not None and self.impulse_time is not None:
+            yield (
+                f"velocities known to {shortly(self.impulse)}, as a force is infinite at"
+                f" t = {shortly(self.impulse_time, 9)} s"
+            )
         if self.stillness is not None:
             part = shortly(self.stillness)
             yield f"bodies move by {part} of a length or rad a step, less than this tolerance tells"
@@ -253,6 +264,7 @@ def judge(
         doubts |= beyond(single["row_drift"], off, Doubt.ROW_DRIFT)
     doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
     doubts |= beyond(single["unresolved"], 0.0, Doubt.NARROW)
+    doubts |= beyond(single["impulse"], limit * single["fastest"], Doubt.IMPULSE)
     return RunVerdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
 
 
@@ -294,6 +306,8 @@ def trust_of(
     advice = "a smaller largest_step, or more rows" if is_led else advice
     opened = map(key_of, released(missed_by(state["violations"][0], rows, layout), layout))
     moved, count = shortly(single["energy_moved"], 2), single["branch_points"]
+    impulse = single["impulse"] / single["fastest"] if single["fastest"] > 0.0 else 0.0
+    has_impulse = impulse > (FIXED if settings.fixed_step > 0.0 else settings.tolerance)
     far = f"of a length of the scene, wanted at most {shortly(verdict.correction_limit)}"
     reasons = {
         Doubt.NOT_FINITE: f"numbers of rows are not finite, of {single['not_finite']:.0f} in all,"
@@ -314,6 +328,10 @@ def trust_of(
         f" configuration, the first to t = {single['branch_point_time']:.6g} s: the motion may be"
         f" that of another branch, try {advice}",
         Doubt.NARROW: untold(single, advice),
+        Doubt.IMPULSE: f"a force is infinite at t = {single['impulse_time']:.9g} s, and what it"
+        f" does so near to it that times are not told apart may be {shortly(impulse)} of the"
+        f" largest speed, wanted at most {shortly(verdict.limit)}: no tolerance tells more, write"
+        " it so that it is finite",
     }
     problems = [text for doubt, text in reasons.items() if doubt & verdict.doubts]
     if error is not None and error.unknown_from is not None:
@@ -329,6 +347,8 @@ def trust_of(
         row_drift=single["row_drift"] if is_free else None,
         pivot_ratio=single["least_pivot_ratio"] if single["factorisations"] > 0 else None,
         unresolved=int(single["unresolved"]),
+        impulse=impulse if has_impulse else None,
+        impulse_time=single["impulse_time"] if has_impulse else None,
         stillness=single["fastest"] * single["stride"] if is_still else None,
         below_tolerance=below_tolerance(state, layout, settings, verdict.limit),
         branch_point_time=single["branch_point_time"] if single["branch_points"] else None,

@@ -120,6 +120,10 @@ turn = {{ joint = "a1" }}
 """
 
 
+#: What turns it to and fro.
+MOTOR = '[drivers]\nmotor = { coordinate = "turn", value = "0.3 + 0.8*sin(t)" }\n'
+
+
 def given(text: str, e: float) -> Any:
     """Scene with another value of its parameter."""
     return scene_from_toml(text.replace("e = 0.0", f"e = {e!r}"))
@@ -250,6 +254,28 @@ def test_joints_that_open_within_the_closure_tolerance_are_told(folder: Path, ta
         assert ledger.trust.missed >= metres
         assert "redundant rows miss" in str(ledger.trust)
         assert ledger.trust.is_trusted and not ledger.released
+
+
+@pytest.mark.parametrize(
+    ("text", "end"),
+    [(DOOR, 2.5), (locomotive(0.3), 4.0), (locomotive(0.3) + MOTOR, 4.0)],
+    ids=["door", "locomotive", "driven locomotive"],
+)
+def test_what_redundant_rows_miss_at_ends_of_steps_is_told(
+    bodies_folder: Callable[..., Path], text: str, end: float
+) -> None:
+    """However few rows are written, with the same bits in both targets."""
+    folder = bodies_folder(given(text, 2e-5), ())
+    told = {
+        (target, samples): load_dynamics(folder, target=target)
+        .simulate(end, samples=samples)
+        .ledger.trust.missed
+        for target in ("c", "numpy")
+        for samples in (2, 301)
+    }
+    assert 1e-6 < told["c", 301] < 1e-4
+    assert told["c", 2] == pytest.approx(told["c", 301], rel=0.1)
+    assert all(told["c", samples] == told["numpy", samples] for samples in (2, 301))
 
 
 def test_the_folder_alone_refuses_them_too(folder: Path) -> None:

@@ -230,6 +230,55 @@ def test_quotients_that_are_0_0_and_integrable_infinities_are_gone_through(
     assert run.ledger.trust.is_trusted
 
 
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize(
+    ("law", "speed", "method", "is_trusted"),
+    [
+        ("1/sqrt(abs(t - 5))", 4.0 * math.sqrt(5.0), "dopri5", True),
+        ("1/sqrt(abs(t - 5))", 4.0 * math.sqrt(5.0), "dop853", True),
+        ("-abs(t - 7.3)^(-0.55)", -(7.3**0.45 + 2.7**0.45) / 0.45, "dopri5", False),
+    ],
+)
+def test_what_is_not_known_beside_an_infinite_force_is_told(
+    solver_of: Callable[..., Any],
+    target: Any,
+    law: str,
+    speed: float,
+    method: str,
+    is_trusted: bool,
+) -> None:
+    run = solver_of(block_under(law), target).simulate(END, samples=2, method=method)
+    trust, place = run.ledger.trust, "7.3" if "7.3" in law else "5"
+    off = abs(run.velocity["block"][-1, 0] / speed - 1.0)
+    assert off > 1e-8
+    assert off / 2.0 < trust.impulse < 4.0 * off
+    assert f"as a force is infinite at t = {place} s" in str(trust)
+    assert trust.is_trusted == is_trusted
+    assert is_trusted or trust.why.startswith(f"a force is infinite at t = {place} s")
+    assert trust.as_data()["impulse_time"] == pytest.approx(float(place), rel=1e-12)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize(
+    "law",
+    [
+        "sin(t - 5)/(t - 5)",
+        "2*sign(t - 5) + t",
+        "log(abs(t - 5))",
+        "1e6*max(0, 1 - abs(t - 5)*1e6)",
+        "1/sqrt(1e-16 + (t - 5)^2)",
+    ],
+)
+def test_nothing_is_said_of_forces_that_are_finite_or_hardly_infinite(
+    solver_of: Callable[..., Any], target: Any, law: str
+) -> None:
+    run = solver_of(block_under(law), target).simulate(END, samples=2)
+    assert run.ledger.trust.is_trusted
+    assert run.ledger.trust.impulse is None
+
+
 @pytest.mark.parametrize("law", ["1/(t - 5)", "1/abs(t - 5)", "1/(t - 5)^2"])
 def test_a_force_of_time_that_is_infinite_is_told_by_name(
     solver_of: Callable[..., Any], law: str

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -119,6 +120,67 @@ def test_works_hold_in_rows_between_positions(samples: int, tolerance: float) ->
         assert trust.energy_error is not None
         assert trust.energy_moved is not None
         assert trust.energy_error < 0.3 * trust.limit * trust.energy_moved
+
+
+#: A light shaft that is driven fast, and a heavy one that hardly turns.
+HEAVY = """
+name = "heavy"
+unit = "m"
+[bodies]
+light = { position = [0, 0, 0], mass = 0.01, inertia = { xx = 1e-4, yy = 1e-4, zz = 1e-4 } }
+heavy = { position = [2, 0, 0], mass = 1e5, inertia = { xx = 1e4, yy = 1e4, zz = 1e4 } }
+[joints]
+fast = { type = "revolute", bodies = ["ground", "light"], at = [0, 0, 0], axis = [0, 0, 1] }
+slow = { type = "revolute", bodies = ["ground", "heavy"], at = [2, 0, 0], axis = [0, 0, 1] }
+[coordinates]
+x = { joint = "fast" }
+y = { joint = "slow" }
+[forces.load]
+type = "along"
+coordinate = "x"
+force = "0.02*sin(3*x)*x_dot - 0.001*x_dot*abs(x_dot)"
+[drivers]
+one = { coordinate = "x", value = "t + 0.5*sin(3*t)" }
+other = { coordinate = "y", value = "1e-4*t" }
+"""
+
+
+@pytest.mark.compiles
+def test_works_are_exact_where_heavy_bodies_hardly_move() -> None:
+    mechanism = kousoku.load(tomllib.loads(HEAVY))
+    wanted = mechanism.simulate(10, samples=3, method="dop853", tolerance=1e-12).ledger.works
+    works = mechanism.simulate(10, samples=3, method="kinematics").ledger.works
+    for name in ("load", "one"):
+        assert works[name] == pytest.approx(wanted[name], rel=1e-7)
+
+
+#: A point that is pushed for a moment, a wheel that turns, and a heavy body that does not.
+PUSHED = """
+name = "pushed"
+unit = "m"
+[bodies]
+point = { position = [0, 0, 0], point = true, mass = 1 }
+heavy = { position = [5, 0, 0], mass = 500, inertia = { xx = 50, yy = 50, zz = 50 } }
+[bodies.wheel]
+position = [3, 0, 0]
+mass = 0.5
+inertia = { xx = 0.05, yy = 0.05, zz = 0.05 }
+angular_velocity = [0, 0, 0.6]
+[joints]
+axle = { type = "revolute", bodies = ["ground", "wheel"], at = [3, 0, 0], axis = [0, 0, 1] }
+hinge = { type = "revolute", bodies = ["ground", "heavy"], at = [5, 0, 0], axis = [0, 0, 1] }
+[forces.push]
+type = "force"
+body = "point"
+force = ["0", "0", "sin(5*t)"]
+"""
+
+
+@pytest.mark.compiles
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_a_motion_beside_heavy_bodies_that_stand_is_trusted(method: Any) -> None:
+    mechanism = kousoku.load(tomllib.loads(PUSHED))
+    assert mechanism.simulate(0.25, samples=51, method=method).ledger.trust.is_trusted
 
 
 def pulsing(monkeypatch: pytest.MonkeyPatch) -> Mechanism:

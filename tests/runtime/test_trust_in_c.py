@@ -46,7 +46,7 @@ TYPES: dict[type, Any] = {float: ctypes.c_double, int: ctypes.c_int}
 #: Numbers of a state that the verdict looks at.
 SEEN = (
     *("energy_error", "energy_moved", "work_error", "energy", "potential", "steps", "drift"),
-    *("row_drift", "not_finite", "branch_points", "fallbacks", "unresolved"),
+    *("row_drift", "not_finite", "branch_points", "fallbacks", "unresolved", "impulse", "fastest"),
 )
 
 
@@ -115,6 +115,10 @@ def root() -> Run:
     return cart("((t + 1)^0.3 - 1.53^0.3)/(t - 0.53)", target="c").begin([0.0, 1.0])
 
 
+def place() -> Run:
+    return cart("abs(t - 0.53)^(-0.6)", target="c").begin([0.0, 1.0], method="dopri5")
+
+
 def coarse() -> Run:
     return cart("-3*x", target="c").begin(np.linspace(0.0, 20.0, 21), step=1.0)
 
@@ -136,6 +140,7 @@ def rod() -> Run:
     [
         (sinc, Doubt.NOT_FINITE),
         (root, Doubt.NARROW),
+        (place, Doubt.IMPULSE),
         (coarse, Doubt.ENERGY),
         (rotor, Doubt.DRIFT),
         (rod, Doubt.ROW_DRIFT),

@@ -20,7 +20,7 @@ from kousoku.codegen.dynamics.assembly.minimum_norm import THINNEST, Metric, Min
 from kousoku.codegen.dynamics.assembly.near_origin import brought_near
 from kousoku.codegen.dynamics.assembly.newton_mp import CLOSED, ROUNDING, nearest_pose
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
-from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.codegen.dynamics.assembly.residuals import Residuals, remark_on_ratios
 from kousoku.codegen.dynamics.assembly.unwrap import unwrapped, wound_as_driven
 from kousoku.codegen.dynamics.assembly.violations import key_of, sizes_of, worst_first
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
@@ -36,6 +36,9 @@ if TYPE_CHECKING:
 
 MOST_ROWS = 6000
 """Rows of the largest system whose positions are moved."""
+
+STEEP = 1e5
+"""Ratios of couplings from which on rank is not always told in S, where they are squared."""
 
 NOISE = 1e-20
 """Components below this part of the size of the system are zeros that iterations left."""
@@ -234,6 +237,7 @@ def _check_velocities(
         excess = excess_of_drivers(system, pose) if is_driven else ""
         raise AssemblyError(
             f"{system.name}: {excess}no velocities near those of the scene keep its joints closed;"
-            f" as near as they come, these are torn: {sizes_of(named, ('m/s', 'rad/s'))}; {advice}",
+            f" as near as they come, these are torn: {sizes_of(named, ('m/s', 'rad/s'))}; {advice}"
+            f"{remark_on_ratios(system.constraints, STEEP)}",
             [*named],
         )

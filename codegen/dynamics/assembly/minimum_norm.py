@@ -74,9 +74,12 @@ class Metric:
         return precise.sqrt(sum(terms, precise.ZERO[0]))
 
     def lengths(self, residuals: Residuals) -> list[High]:
-        """Factors (m,) that make rows lengths, one for each: 1, or the size [m] for an angle."""
-        one, size = precise.number(1.0), precise.number(self.size)
-        return [one if is_length else size for is_length in residuals.in_metres]
+        """Factors (m,) that make rows lengths, one for each: 1, or the size [m] for an angle.
+
+        Rows that combine coordinates count by the largest of their ratios.
+        """
+        sizes = np.where(residuals.in_metres, 1.0, self.size) / residuals.ratios(self.size)
+        return [precise.number(x) for x in sizes.tolist()]
 
 
 def _weights(body: MovingBody, mass: float, size: float, thin: float) -> list[float]:

@@ -118,7 +118,7 @@ class GaussNewton:
 
     def __init__(self, rows: Residuals, metric: Metric) -> None:
         self._rows, self._size, self._pattern = rows, metric.size, Pattern(rows)
-        self._lengths = np.where(rows.in_metres, 1.0, metric.size)
+        self._lengths = np.where(rows.in_metres, 1.0, metric.size) / rows.ratios(metric.size)
         self._roots = np.sqrt(np.array([float(x) for x in metric.inverse]))
 
     def missing(self, place: DoublePose, wanted: Array | float = 0.0) -> Array:

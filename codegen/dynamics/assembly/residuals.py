@@ -25,7 +25,7 @@ from kousoku.model.interpret import ARRAY, evaluate
 from kousoku.model.multibody import RelativeCoordinate
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.assembly.jacobian import Places
     from kousoku.codegen.dynamics.assembly.pose import Pose
@@ -122,6 +122,23 @@ class Residuals:
     def count(self, instance: Instance) -> int:
         """Number of rows of an instance."""
         return _size(instance)
+
+    def ratios(self, length: float) -> Array:
+        """Largest factor of each row that combines coordinates, in a length and radians; else 1.
+
+        Ratios may be of any size: beside a gear of 10,000 a row of its slow shaft is as nothing.
+        """
+        found = np.ones(self.rows)
+        for instance, first in zip(self.constraints, self.first, strict=False):
+            if instance.is_combination and len(instance.terms) > 1:
+                unit = length if self.in_metres[first] else 1.0
+                found[first] = max(
+                    abs(term.factor)
+                    * (length if unit_of(self.coordinates[term.coordinate]) == "m" else 1.0)
+                    / unit
+                    for term in instance.terms
+                )
+        return found
 
     def _listed(self) -> Iterator[_Piece]:
         for instance, first in zip(self.constraints, self.first, strict=False):
@@ -349,9 +366,25 @@ def _size(instance: Instance) -> int:
     return frozen(instance.kind, "constraint").outputs[0].size
 
 
-def unit_of(instance: Instance) -> str:
-    """Unit of the rows of a constraint: ``m``, or what is no length."""
-    return instance.unit or frozen(instance.kind, "constraint").outputs[0].unit
+def unit_of(one: Instance | RelativeCoordinate) -> str:
+    """Unit of the rows of a constraint, or of a coordinate: ``m``, or what is no length."""
+    own = "" if isinstance(one, RelativeCoordinate) else one.unit
+    return own or frozen(one.kind, "constraint").outputs[0].unit
+
+
+def remark_on_ratios(constraints: Iterable[Instance], largest: float) -> str:
+    """Remark on the first coupling with a larger ratio; empty without.
+
+    Beside such a one what moves slowly counts as at rest.
+    """
+    for one in constraints:
+        sizes = [abs(term.factor) for term in one.terms]
+        if one.is_combination and sizes and max(sizes) >= largest * min(sizes):
+            return (
+                f"; joints.{one.joint} has a ratio of {max(sizes) / min(sizes):.3g}: what moves so"
+                " slowly counts as at rest, drive what moves fast"
+            )
+    return ""
 
 
 def _by_kind(pieces: Sequence[_Piece]) -> list[list[_Piece]]:

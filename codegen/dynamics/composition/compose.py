@@ -192,6 +192,7 @@ class _ProgramComposer:
             bodies=places,
             rows=rows_of(self.joints),
             left_out=rows_of(self.left_out),
+            has_misses=bool(self.left_out and (self.analysed.freedom.closed or design)),
             satisfied=rows_of(self.satisfied),
             placed=self.joint_coordinates.placed,
             is_planar=self.is_planar,

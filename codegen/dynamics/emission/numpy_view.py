@@ -166,6 +166,7 @@ def numpy_view(
         "counted": (counted.start, counted.stop),
         "fits": bool(program.satisfied),
         "has_drivers": has_drivers(system),
+        "has_misses": program.has_misses,
         "has_row_switch": has_row_switch(program),
     }
     lacking = {field.name: field.default for field in fields(SceneTables)}

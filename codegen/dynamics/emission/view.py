@@ -439,6 +439,7 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
         "HAS_COUNTED_TURNS": bool(counted_turns(program)),
         "HAS_WORKS": works(program) > 0,
         "HAS_MOMENTA": "momentum" in segments,
+        "HAS_MISSES": program.has_misses,
         "HAS_ROW_SWITCH": has_row_switch(program),
         "HAS_RANK": bool(rank_rows(program, system)),
         "HAS_VARYING_MASSES": has_row_switch(program) and bool(mass_places(program, system)),

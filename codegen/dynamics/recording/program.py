@@ -209,6 +209,8 @@ class Program:
         Whether all bodies move in parallel coordinate planes.
     left_out : tuple of ConstraintEquation
         Rows that depend on others, in the order of the region ``C_left_out``.
+    has_misses : bool
+        Whether those may miss more than rounding.
     satisfied : tuple of ConstraintEquation
         Rows that hold by themselves, in the order of the region ``C_left_out``: those of joints
         that bodies are put onto. Where there are some no row is left out.
@@ -250,6 +252,7 @@ class Program:
     auxiliary: tuple[Auxiliary, ...] = ()
     kept: tuple[Kept, ...] = ()
     left_out: tuple[ConstraintEquation, ...] = ()
+    has_misses: bool = False
     satisfied: tuple[ConstraintEquation, ...] = ()
     placed: tuple[int, ...] = ()
     not_unique: tuple[str, ...] = ()

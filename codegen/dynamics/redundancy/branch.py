@@ -90,7 +90,7 @@ class Scales:
     def of_length(cls, residuals: Residuals, length: float) -> Scales:
         """Scales that compare metres with radians by a length [m]."""
         is_length = np.arange(residuals.columns) % COLUMNS < COLUMNS // 2
-        by = np.where(residuals.in_metres, 1 / length, 1.0)
+        by = np.where(residuals.in_metres, 1 / length, 1.0) / residuals.ratios(length)
         return cls(by, np.where(is_length, length, 1.0))
 
 

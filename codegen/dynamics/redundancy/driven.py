@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kousoku.codegen.dynamics.assembly.residuals import remark_on_ratios
 from kousoku.codegen.dynamics.assembly.violations import key_of
-from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART
+from kousoku.codegen.dynamics.redundancy.rank import DEPENDENT, TAKES_PART
 from kousoku.model.errors import SceneError
 from kousoku.runtime.integrate.result import listed
 
@@ -107,16 +108,18 @@ class Drivers:
         names = self._taking_part(factors)
         drivers = [name for name in names if name in self._named()]
         joints = [name for name in names if name not in self._named()]
+        taking = [self._system.constraints[row.instance] for row in self._rows[: self._first]]
+        remark = remark_on_ratios(taking, 1 / DEPENDENT)
         held = f" determine already with {listed(joints)}" if joints else " prescribe already"
         if len(drivers) == 1:
             raise SceneError(
                 f"prescribes {extra} more than {listed(joints) or 'bodies'} leave free, whatever"
-                " its formula is; drive another coordinate, leave it out, or free a joint",
+                f" its formula is; drive another coordinate, leave it out, or free a joint{remark}",
                 key=drivers[0],
             )
         raise SceneError(
             f"{listed(drivers)} prescribe more than is free: each of them drives what the others"
-            f"{held}, also where their formulas agree; leave out {extra} of them",
+            f"{held}, also where their formulas agree; leave out {extra} of them{remark}",
             key="drivers",
         )
 

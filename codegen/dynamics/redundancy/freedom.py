@@ -22,7 +22,7 @@ from kousoku.codegen.dynamics.assembly.near_origin import seen_from
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
-from kousoku.codegen.dynamics.redundancy.branch import Branch, places_of
+from kousoku.codegen.dynamics.redundancy.branch import Branch, Scales, places_of
 from kousoku.codegen.dynamics.redundancy.closure import (
     closed_rows,
     far_from_singular,
@@ -282,7 +282,7 @@ def _is_independent(
     Then none does along the branch, but at some of its positions.
     """
     residuals, first = part_residuals(system, part)
-    length = Metric(system).size
+    scales = Scales.of_length(residuals, Metric(system).size)
     bodies = [system.bodies[k] for k in part.bodies]
     _, at, columns, values = residuals.elements(*places_of(bodies))
     is_row, is_column = np.zeros(residuals.rows, bool), np.zeros(residuals.columns, bool)
@@ -290,8 +290,7 @@ def _is_independent(
     is_column[_columns(outline, part)] = True
     there = is_row[at] & is_column[columns]
     at, columns, values = at[there], columns[there], values[there]
-    values = values * np.where(residuals.in_metres, 1 / length, 1.0)[at]
-    values = values * np.where(columns % COLUMNS < COLUMNS // 2, length, 1.0)
+    values = values * scales.rows[at] * scales.columns[columns]
     left_out = np.flatnonzero(~is_row).tolist()
     return BlockFactors(Pattern(residuals), (at, columns, values), left_out=left_out).is_regular
 

@@ -68,8 +68,11 @@ static void position(double *w) { memset(w + W_DQ, 0, NV * sizeof *w); }
 #define RANK_ROWS 0
 #endif
 
-/* rows that are left out and take over where others lose rank; inverse masses of the design; the
- * refinement of accelerations where they lose digits */
+/* rows that are left out and may miss more than rounding, and that take over where others lose
+ * rank; inverse masses of the design; the refinement of accelerations where they lose digits */
+#ifndef HAS_MISSES
+#define HAS_MISSES 0
+#endif
 #ifndef HAS_ROW_SWITCH
 #define HAS_ROW_SWITCH 0
 #endif

@@ -33,7 +33,8 @@ enum {
     NY = NQ + NV, /* count of numbers in y */
     WAY = 12,     /* count of coefficients of a polynomial through a step, see branches.h */
     ALL_ROWS = HAS_ROW_SWITCH * NCHECK,
-    FREE_ROWS = HAS_ROW_SWITCH * (NCHECK - NC) /* rows that are not solved for */
+    FREE_ROWS = HAS_ROW_SWITCH * (NCHECK - NC), /* rows that are not solved for */
+    MISSED_ROWS = HAS_MISSES * (NCHECK - NC)    /* those that may miss more than rounding */
 };
 
 /* all rows of the constraints, where they take over: see row_switch.h */
@@ -66,6 +67,7 @@ typedef struct {
     double k[STAGES][ROOM(NY)];        /* derivatives of the stages */
     double y[ROOM(NY)], low[ROOM(NY)]; /* end of a step, and what its rounding leaves over */
     double scratch[ROOM(NY)], u[ROOM(NY)];
+    double missed[ROOM(MISSED_ROWS)];                 /* at the end of a step, what they miss */
     double way[ROOM(HAS_REFINEMENT * WAY)][ROOM(NQ)]; /* that of a step: see branches.h */
     RowSwitch all;
     Rank rank;

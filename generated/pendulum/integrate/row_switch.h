@@ -267,6 +267,22 @@ static int are_all_rows_better(double ratio, Work *work, const State *s)
     return found;
 }
 
+/* looks at what rows that are left out miss at the position in the workspace */
+static void look_at_misses(const Settings *settings, Work *work)
+{
+    if (MISSED_ROWS == 0 || !settings->checks) return;
+    check(work->w);
+    for (size_t k = 0; k != MISSED_ROWS; ++k) work->missed[k] = fabs(work->w[W_C + NC + k]);
+}
+
+/* notes what they missed there, which is kept */
+static void note_misses(const Settings *settings, const Work *work, State *s)
+{
+    if (!settings->checks) return;
+    double *worst = s->violations[0] + NC;
+    for (size_t k = 0; k != MISSED_ROWS; ++k) worst[k] = larger(work->missed[k], worst[k]);
+}
+
 /* the geometry of q, and the factors of all rows where those that are kept are nearly dependent */
 static void find_geometry(Work *work, State *s)
 {

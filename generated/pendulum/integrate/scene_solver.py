@@ -108,7 +108,7 @@ class SceneSolver:
         s.largest_pivot_ratio = larger(s.largest_pivot_ratio, s.least_pivot_ratio)
         work.w.run("energy")
         s.energy = energy_balance(work.w.q, work, s)
-        s.potential = work.w.energies[1]
+        s.potential, s.moved = work.w.energies[1], work.w.energies[0]
         work.w.run("momentum")
         s.momenta[:] = work.w.momenta
         work.w.run("coordinate")

@@ -79,6 +79,8 @@ class SceneTables:
         Whether bodies are put onto joints with the ground.
     has_drivers : bool
         Whether constraints depend on time.
+    has_misses : bool
+        Whether rows of the constraints that are left out may miss more than rounding.
     has_row_switch : bool
         Whether rows of the constraints that are left out take over where others lose rank.
     inverse_masses, mass_places : (nv,) array
@@ -119,6 +121,7 @@ class SceneTables:
     counted: tuple[int, int] = (0, 0)
     fits: bool = False
     has_drivers: bool = False
+    has_misses: bool = False
     has_row_switch: bool = False
     segments: Mapping[str, Segment] = field(init=False, repr=False)
     constants: list[float] = field(init=False, repr=False)
@@ -373,7 +376,7 @@ class Workspace:
 
 
 class Work:
-    """The memory for work: the workspace, derivatives of the stages, three states.
+    """The memory for work: the workspace, derivatives of the stages, three states, misses.
 
     Parameters
     ----------
@@ -388,6 +391,7 @@ class Work:
         self.w = Workspace(scene, slots)
         self.k = np.zeros((STAGES, scene.ny))
         self.y, self.low, self.scratch = np.zeros((3, scene.ny))
+        self.missed = np.zeros(scene.has_misses * scene.size("C_left_out"))
         self.all = RowMemory(scene) if scene.has_row_switch else None
 
 

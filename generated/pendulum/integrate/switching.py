@@ -22,6 +22,9 @@ from .crossing import (
     SMALLEST,
     largest,
     note_unresolved,
+    read_of,
+    see_at,
+    side_at,
     smallest,
     stays_positive,
 )
@@ -230,6 +233,26 @@ def is_put_behind(span: float, state: State, work: Work) -> bool:
     return False
 
 
+def note_impulse(before: float, pull: float, state: State, work: Work) -> None:
+    """Note what a force that is infinite at a switch may do while bodies are put behind it.
+
+    Nothing moves there, and no times are told apart that are nearer to it. How far both sides are
+    from each other, times what accelerates bodies on these, is as much, as of 1/sqrt|t - 5|, or
+    tells that it is far too much. Where no force can be infinite that is no more than rounding.
+    """
+    w, scene, n = work.w, work.scene, len(state.sides)
+    if scene.n_poles == 0:
+        return
+    there = []
+    for time in (before, state.time):
+        read = read_of(time, state.y, w)
+        there.append(side_at(see_at(read, np.zeros_like(read), time, w))[n - scene.n_poles : n])
+    if (there[0] != there[1]).any():
+        both = pull + w.size_of(state.f[scene.nq :])
+        state.impulse += (state.time - before) * both
+        state.impulse_time = state.time
+
+
 def meet_switches(end: float, state: State, work: Work) -> Status:
     """Go over the switch that a step has come to, and find the next one.
 
@@ -246,9 +269,11 @@ def meet_switches(end: float, state: State, work: Work) -> Status:
             state.y_before[:] = state.y
             state.dense[:] = 0.0
             state.time_before = state.time
+            pull = work.w.size_of(state.f[work.scene.nq :])
             state.time = state.switched = smaller(state.behind, end)
             if not is_put_behind(span, state, work):
                 return Status.NOT_PROJECTED
+            note_impulse(state.time_before, pull, state, work)
         else:
             find_switch(end, state, work)
             if state.limit - state.time <= SMALLEST * larger(abs(state.time), abs(end)):

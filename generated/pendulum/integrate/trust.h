@@ -78,5 +78,6 @@ static void judge(const Settings *settings, const State *s, Verdict *verdict)
     }
     doubts |= beyond(s->branch_points, 0.0, PUBLIC(DOUBT_BRANCH_POINTS));
     doubts |= beyond(s->unresolved, 0.0, PUBLIC(DOUBT_NARROW));
+    doubts |= beyond(s->impulse, limit * s->fastest, PUBLIC(DOUBT_IMPULSE));
     *verdict = (Verdict){ doubts, limit, off, energy_limit, work_limit, constraints, missed };
 }

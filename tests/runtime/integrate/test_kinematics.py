@@ -29,8 +29,8 @@ def work() -> Any:
 def state() -> Any:
     return SimpleNamespace(
         **{"time": 2.0, "step_size": 0.0, "largest_pivot_ratio": 1.0, "avoided": 0, "rejected": 0},
-        **{"drift": 0.0, "untold": 0.0, "energy_moved": 0.0, "is_near": 0.0},
-        **{"simpson": 0.0, "error": 0.0, "usual_ratio": 1.0},
+        **{"drift": 0.0, "untold": 0.0, "energy_moved": 0.0, "moved": 0.0},
+        **{"simpson": 0.0, "error": 0.0, "usual_ratio": 1.0, "is_near": 0.0},
     )
 
 
@@ -51,7 +51,7 @@ class Tried:
     def pivot_ratio(self, *_: Any) -> float:
         return self.ratios.pop(0) if self.ratios else 1.0
 
-    def accept_position(self, end: float, asked: float, *_: Any) -> None:
+    def accept_position(self, _: Any, end: float, asked: float, *__: Any) -> None:
         self.kept = end, asked
 
 

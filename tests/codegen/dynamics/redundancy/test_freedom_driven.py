@@ -20,7 +20,7 @@ from kousoku.codegen.dynamics.redundancy.constant_rows import require_constant_r
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.model.elements.constraints import COMBINATION
-from kousoku.model.errors import SceneError
+from kousoku.model.errors import AssemblyError, SceneError
 from kousoku.model.multibody import Instance, RelativeCoordinate, System, Term
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
@@ -250,6 +250,32 @@ def test_a_gear_of_another_ratio_beside_one_stops_both(mechanisms: SimpleNamespa
     freedom = of(replace(system, constraints=(*system.constraints, other)), may_be_planar=False)
 
     assert (freedom.degrees, freedom.dropped) == (0, ())
+
+
+def gears(ratio: float, joint: str, value: str) -> System:
+    """Two shafts, of which the second turns so many times as fast, and a motor at one of them."""
+    bodies = {"one": {"position": [0, 0, 0], **SOLID}, "two": {"position": [1, 0, 0], **SOLID}}
+    joints: Tree = {"a": hinge("ground", "one", 0, 0), "b": hinge("ground", "two", 1, 0)}
+    joints["gear"] = {"type": "gear", "joints": ["a", "b"], "ratio": ratio}
+    return built(bodies, joints, drivers={"motor": {"joint": joint, "value": value}})
+
+
+@pytest.mark.parametrize("joint", ["a", "b"])
+@pytest.mark.parametrize("ratio", [1.0, -1e4, 1e5, -1e-4, 1e-5])
+@pytest.mark.parametrize("value", ["t^2", "t", "1e-5 + t"])
+def test_either_shaft_of_a_gear_may_be_driven_whatever_its_ratio(
+    value: str, ratio: float, joint: str
+) -> None:
+    freedom = of(gears(ratio, joint, value))
+
+    assert (freedom.degrees, freedom.drivers, freedom.dropped) == (0, 1, ())
+
+
+def test_a_ratio_beside_which_a_shaft_counts_as_at_rest_is_told() -> None:
+    for value, error in (("t^2", SceneError), ("t", AssemblyError)):
+        with pytest.raises(error, match=r"joints\.gear has a ratio of 1e\+10: what moves"):
+            of(gears(1e10, "a", value))
+        assert of(gears(1e10, "b", value)).degrees == 0
 
 
 def test_a_row_that_nothing_changes_is_refused_with_its_amount(
