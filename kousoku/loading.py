@@ -10,7 +10,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from kousoku.mechanism import Mechanism
 from kousoku.model import version
@@ -37,9 +37,8 @@ if TYPE_CHECKING:
     from kousoku.model.own_kind import OwnKind
     from kousoku.model.scene import Output, Scene
     from kousoku.own_kinds import Kind
+    from kousoku.runtime.choice import Target
     from kousoku.runtime.solver import Solver
-
-    Target = Literal["auto", "c", "numpy"]
 
 #: Parts of kousoku that decide what is generated.
 SOURCES = ("codegen", "generated", "model", "runtime", "symbolic")
@@ -299,10 +298,10 @@ def generated(
         return generate_dynamics(scene, outputs, references=references)
     import msgspec
 
-    from kousoku.codegen.linkage.generate import generate_scene
+    from kousoku.codegen.linkage.generate import generate_linkage
 
     wanted = scene if outputs is None else msgspec.structs.replace(scene, outputs=tuple(outputs))
-    return generate_scene(wanted, references=references)
+    return generate_linkage(wanted, references=references)
 
 
 def _written(shelf: Path, name: str, text: str, tree: Mapping[str, str]) -> Path:

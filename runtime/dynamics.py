@@ -59,7 +59,7 @@ class DynamicsSolver:
         Joint or driver of each constraint, and the unit of its residual: m or rad.
     left_out : tuple of (str, str)
         The same of constraints that depend on others and are not solved for.
-    reduced : tuple of (str, str)
+    satisfied : tuple of (str, str)
         The same of constraints that hold by themselves: bodies are put onto these joints.
     conserved : tuple of ConservedPlaces
         Parts of the scene that conserve some momentum.
@@ -89,7 +89,7 @@ class DynamicsSolver:
     target: SolverTarget
     rows: tuple[tuple[str, str], ...]
     left_out: tuple[tuple[str, str], ...]
-    reduced: tuple[tuple[str, str], ...]
+    satisfied: tuple[tuple[str, str], ...]
     conserved: tuple[ConservedPlaces, ...]
     parameters: tuple[tuple[str, float], ...]
     is_driven: bool
@@ -116,7 +116,7 @@ class DynamicsSolver:
     @property
     def checked(self) -> tuple[tuple[str, str], ...]:
         """Joint or driver, and unit, of all rows: those that are solved for first."""
-        return (*self.rows, *self.left_out, *self.reduced)
+        return (*self.rows, *self.left_out, *self.satisfied)
 
     @property
     def bodies(self) -> tuple[BodyPlaces, ...]:
@@ -127,7 +127,7 @@ class DynamicsSolver:
     def counts(self) -> tuple[tuple[int, str, str], ...]:
         """Counts that tell scenes apart: how many, of what, and of several."""
         drivers = sum(name.startswith("drivers.") for name in self.layout.checked)
-        degrees = len(self.v) - len(self.rows) - len(self.reduced)
+        degrees = len(self.v) - len(self.rows) - len(self.satisfied)
         found = (
             (len(self.bodies), "body", "bodies"),
             (len(self.layout.checked) - drivers, "joint", "joints"),
@@ -358,7 +358,7 @@ def open_dynamics(sources: Sources, target: Target) -> DynamicsSolver:
         target=open_target(sources, target),
         rows=tuple((joint, unit) for joint, unit in data["rows"]),
         left_out=tuple((joint, unit) for joint, unit in data["left_out"]),
-        reduced=tuple((joint, unit) for joint, unit in data["reduced"]),
+        satisfied=tuple((joint, unit) for joint, unit in data["reduced"]),
         conserved=tuple(map(ConservedPlaces.from_data, data["kept"])),
         parameters=tuple((name, value) for name, value in data["parameters"]),
         is_driven=data["is_driven"],

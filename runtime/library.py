@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.manifest import Manifest
     from kousoku.runtime.build import Built
+    from kousoku.runtime.choice import Target
     from kousoku.runtime.toolchain import Toolchain
 
 NUMPY_SOURCE, C_SOURCE, BATCH_SOURCE = "kernels.py", "kernels.c", "kernels_batch.c"
@@ -105,7 +106,7 @@ class Library:
             raise LoadError(f"{self.path} exports no function {name!r}") from None
 
 
-def load(folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto") -> Library:
+def load(folder: str | Path, *, target: Target = "auto") -> Library:
     """Load a generated package.
 
     Parameters

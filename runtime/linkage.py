@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.kinematics.rows import Rows, RunRequest
     from kousoku.runtime.kinematics.tables import Array, LinkageTables
 
-__all__ = ["LinkageSolver", "Trajectory", "load_scene"]
+__all__ = ["LinkageSolver", "Trajectory", "load_linkage"]
 
 #: The types of numbers of ``solver.h``; all others point at numbers.
 _TYPES: dict[str, Any] = {
@@ -192,13 +192,13 @@ class LinkageSolver(Linkage):
         return {name: slots[place] for name, place in places.items()}
 
 
-def load_scene(folder: str | Path, *, target: Target = "auto") -> LinkageSolver:
+def load_linkage(folder: str | Path, *, target: Target = "auto") -> LinkageSolver:
     """Load the folder that was generated from a linkage of nodes.
 
     Parameters
     ----------
     folder : path
-        As ``kousoku.codegen.linkage.generate.generate_scene`` made it.
+        As ``kousoku.codegen.linkage.generate.generate_linkage`` made it.
     target : {"auto", "c", "numpy"}
         As of :func:`kousoku.runtime.load`.
 

@@ -448,7 +448,7 @@ class Run:
             return ""
         text = joints_at_stop(self.solver.rows, residuals, pivots[:-1])
         return text + joints_of_bodies(
-            self.solver.rows, self.solver.reduced, is_driven=self.options.method == KINEMATICS
+            self.solver.rows, self.solver.satisfied, is_driven=self.options.method == KINEMATICS
         )
 
     def motion(self) -> Motion:

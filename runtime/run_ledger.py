@@ -321,7 +321,7 @@ def ledger_of(
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
     counts = {name: int(single[name]) for name in COUNTS}
     layout, worst = solver.layout, state["violations"]
-    rows = CheckedRows(solver.rows, solver.left_out, solver.reduced)
+    rows = CheckedRows(solver.rows, solver.left_out, solver.satisfied)
     missed = missed_by(worst[0], rows, layout) if options.checks else {}
     works: dict[str, float] = {}
     violations: dict[str, Violation] = {}

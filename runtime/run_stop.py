@@ -56,19 +56,19 @@ def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Ar
 
 
 def joints_of_bodies(
-    rows: Sequence[tuple[str, str]], reduced: Sequence[tuple[str, str]], *, is_driven: bool
+    rows: Sequence[tuple[str, str]], satisfied: Sequence[tuple[str, str]], *, is_driven: bool
 ) -> str:
     """End of a message: the drivers that lead bodies, or the joints that they are on.
 
     Parameters
     ----------
-    rows, reduced : sequence of (str, str)
+    rows, satisfied : sequence of (str, str)
         Joint and unit of each constraint that is solved for, and of those of joints that bodies are
         put onto.
     is_driven : bool
         Whether drivers determine the motion.
     """
-    names = dict.fromkeys(name for name, _ in reduced)
+    names = dict.fromkeys(name for name, _ in satisfied)
     drivers = [name for name in names if "." in name]
     if is_driven and drivers:
         return f"; {', '.join(drivers[:SHOWN])} cannot lead on"

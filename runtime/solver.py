@@ -2,20 +2,73 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 from kousoku.runtime.sources import Sources
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
     from kousoku.runtime.choice import Target
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.linkage import LinkageSolver
+    from kousoku.runtime.integrate.motion import Motion
+    from kousoku.runtime.kinematics.trajectory import Trajectory
 
-    #: What both have: ``name``, ``target`` with its ``name`` and ``sources``, ``parameters``,
-    #: ``counts``, ``in_time``, ``along_inputs``, and ``of_bodies`` for what bodies alone have.
-    Solver = DynamicsSolver | LinkageSolver
+
+class LoadedTarget(Protocol):
+    """What computes, C or NumPy, and the files it was loaded from."""
+
+    @property
+    def name(self) -> str:
+        """What computes, ``c`` or ``numpy``."""
+
+    @property
+    def sources(self) -> Sources:
+        """The generated files."""
+
+
+class Solver(Protocol):
+    """The solver of a scene, whether of bodies or of nodes.
+
+    :class:`kousoku.runtime.dynamics.DynamicsSolver` is one, and
+    :class:`kousoku.runtime.linkage.LinkageSolver`.
+    """
+
+    @property
+    def name(self) -> str:
+        """The scene."""
+
+    @property
+    def target(self) -> LoadedTarget:
+        """What computes."""
+
+    @property
+    def parameters(self) -> tuple[tuple[str, float], ...]:
+        """What a run may change, and its value in the scene."""
+
+    @property
+    def counts(self) -> tuple[tuple[int, str, str], ...]:
+        """Counts that tell scenes apart: how many, of what, and of several."""
+
+    def in_time(self, **options: Any) -> Motion | Trajectory:
+        """Motion in time."""
+
+    def along_inputs(
+        self, times: Callable[[int | None], Sequence[float]], options: Mapping[str, Any]
+    ) -> Motion | Trajectory:
+        """Motion at the divisions of the inputs.
+
+        Parameters
+        ----------
+        times : callable
+            Returns when the inputs are at their divisions, given how many these are.
+        options : mapping
+            Those of a solver of its kind.
+        """
+
+    def of_bodies(self, what: str) -> DynamicsSolver:
+        """Solver of bodies, for what these alone have; a linkage refuses that in words."""
 
 
 def load_solver(folder: str | Path, *, target: Target = "auto") -> Solver:

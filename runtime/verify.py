@@ -27,15 +27,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kousoku.model.manifest import KernelManifest
+    from kousoku.runtime.choice import Target
     from kousoku.runtime.evaluate import EvaluatedOutput
     from kousoku.runtime.reference import Reference
 
 __all__ = ["LIMIT", "Report", "Row", "verify"]
 
 
-def verify(
-    package: Library | str | Path, *, target: Literal["auto", "c", "numpy"] = "auto"
-) -> Report:
+def verify(package: Library | str | Path, *, target: Target = "auto") -> Report:
     """Check that a package computes what was derived.
 
     Parameters
@@ -92,7 +91,7 @@ def verify(
 def _libraries(
     package: Library | str | Path,
     folder: Path,
-    target: Literal["auto", "c", "numpy"],
+    target: Target,
     problems: list[str],
     notes: list[str],
 ) -> Iterator[Library]:

@@ -28,11 +28,11 @@ import numpy as np
 import kousoku
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
-from kousoku.codegen.linkage.generate import generate_scene
+from kousoku.codegen.linkage.generate import generate_linkage
 from kousoku.model.errors import KousokuError
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.linkage import load_scene
+from kousoku.runtime.linkage import load_linkage
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -126,9 +126,9 @@ def computed(name: str, scene: Scene, folder: Path) -> Items:
 
 def _of_linkage(scene: Scene, folder: Path) -> Items:
     items: Items = {}
-    write_tree(folder / scene.name, generate_scene(scene))
+    write_tree(folder / scene.name, generate_linkage(scene))
     for target in ("c", "numpy"):
-        solver = load_scene(folder / scene.name, target=target)
+        solver = load_linkage(folder / scene.name, target=target)
         for method in ("newton", "paper"):
             key = f"{target}/{method}"
             try:

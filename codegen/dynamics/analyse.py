@@ -6,11 +6,11 @@ Each takes a system and tells what it found; what one changes the next one sees:
 2. the plane in which all bodies stay, if there is one, ``simplification/planarity.py``;
 3. masses where drivers move what has none, ``simplification/placeholder_masses.py``;
 4. rows and columns that are not structurally zero, ``simplification/outline.py``;
-5. rows that depend on others, and degrees of freedom, ``redundancy/freedom.py``;
-6. bodies that the coordinates of their joint with the ground describe,
-   ``simplification/joint_coordinates.py``.
+5. rows that depend on others, and degrees of freedom, ``redundancy/freedom.py``.
 
-Composing decides nothing of that.
+Whether the coordinates of joints with the ground describe bodies is left open here: ``choose.py``
+composes without them and with them, as :func:`with_joint_coordinates` finds them, and keeps the
+program that costs less. Composing itself decides nothing of all that.
 """
 
 from __future__ import annotations

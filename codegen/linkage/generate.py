@@ -80,7 +80,7 @@ def _segment(layout: WorkspaceLayout, number: int, kernel: Kernel) -> Segment:
     return Segment(kernel.name, (Task(number, (0,), slots),), contents, kernel.formula)
 
 
-def generate_scene(scene: Scene, *, references: bool = False) -> dict[str, str]:
+def generate_linkage(scene: Scene, *, references: bool = False) -> dict[str, str]:
     """Folder of the solver of a linkage.
 
     Parameters

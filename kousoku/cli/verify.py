@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -25,6 +25,7 @@ from kousoku.model.errors import LoadError
 from kousoku.model.text import counted
 
 if TYPE_CHECKING:
+    from kousoku.runtime.choice import Target
     from kousoku.runtime.report import Report
 
 #: Problems of one package in the summary; verifying it alone prints all of them.
@@ -91,9 +92,7 @@ def _folders(name: str, stack: ExitStack, kinds: Sequence[Path] | None = None) -
         return [stack.enter_context(solver_folder(GivenScene.of(scene), references=True))]
 
 
-def verify_all(
-    folders: Sequence[Path], target: Literal["auto", "c", "numpy"] = "auto"
-) -> list["Report"]:
+def verify_all(folders: Sequence[Path], target: "Target" = "auto") -> list["Report"]:
     """Verify packages side by side: most of the time goes into the compiler's processes."""
     from kousoku.runtime.verify import verify as verified
 

@@ -18,14 +18,14 @@ import pytest
 from msgspec.structs import astuple
 
 import kousoku as ks
-from kousoku.codegen.linkage.generate import generate_scene
+from kousoku.codegen.linkage.generate import generate_linkage
 from kousoku.equations import equations_of
 from kousoku.matrices import evaluate, matrices
 from kousoku.model.errors import SolveError
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.body_tables import composed, crossed, rotated, written_state
-from kousoku.runtime.linkage import load_scene
+from kousoku.runtime.linkage import load_linkage
 from tests.random_scenes import COUNT, numbered_scenes
 
 if TYPE_CHECKING:
@@ -259,8 +259,8 @@ def test_the_equations_of_linkages_hold_and_they_have_no_masses(
     import msgspec
 
     scene = msgspec.structs.replace(READ[name], outputs=("velocities", "accelerations"))
-    folder = shared_tree(scene.name, ("linkage", astuple(scene)), lambda: generate_scene(scene))
-    found = load_scene(folder, target="numpy").solve()
+    folder = shared_tree(scene.name, ("linkage", astuple(scene)), lambda: generate_linkage(scene))
+    found = load_linkage(folder, target="numpy").solve()
     for k in range(0, len(found.residual), 7):
         t, q, v = found.state(k)
         v_dot = np.concatenate([found.accelerations[node][k] for node in scene.nodes])

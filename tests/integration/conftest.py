@@ -10,10 +10,10 @@ import pytest
 from mpmath import MPContext
 from msgspec.structs import astuple
 
-from kousoku.codegen.linkage.generate import generate_scene
+from kousoku.codegen.linkage.generate import generate_linkage
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
-from kousoku.runtime.linkage import LinkageSolver, load_scene
+from kousoku.runtime.linkage import LinkageSolver, load_linkage
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,7 +31,7 @@ SCENES = Path(__file__).parents[2] / "scenes"
 def folder_of(shared_tree: Callable[..., Path]) -> Callable[[Scene], Path]:
     """Folder of a linkage's solver, without what ``verify`` compares it with."""
     return lambda scene: shared_tree(
-        scene.name, ("linkage", astuple(scene)), lambda: generate_scene(scene)
+        scene.name, ("linkage", astuple(scene)), lambda: generate_linkage(scene)
     )
 
 
@@ -44,7 +44,7 @@ def solver_in(folder_of: Callable[[Scene], Path]) -> Callable[..., LinkageSolver
             scene = read_scene(SCENES / f"{text}.toml")
         else:
             scene = scene_from_toml(text)
-        return load_scene(folder_of(scene), target=target)
+        return load_linkage(folder_of(scene), target=target)
 
     return load
 

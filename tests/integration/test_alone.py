@@ -164,8 +164,8 @@ def test_generated_solver_leaves_sympy_alone() -> None:
 def test_generating_a_scene_leaves_sympy_alone() -> None:
     code = (
         "import sys\nfrom kousoku.model.read import read_scene\n"
-        "from kousoku.codegen.linkage.generate import generate_scene\n"
-        f"generate_scene(read_scene({str(ROOT / 'scenes' / 'five_bar.toml')!r}))\n"
+        "from kousoku.codegen.linkage.generate import generate_linkage\n"
+        f"generate_linkage(read_scene({str(ROOT / 'scenes' / 'five_bar.toml')!r}))\n"
         "print('sympy' in sys.modules)"
     )
     got = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -176,10 +176,10 @@ def test_generating_a_scene_leaves_sympy_alone() -> None:
 def test_threads_may_be_the_first_to_use_a_solver() -> None:
     code = (
         "import sys, threading\nfrom concurrent.futures import ThreadPoolExecutor\n"
-        "from pathlib import Path\nfrom kousoku.runtime.linkage import load_scene\n"
+        "from pathlib import Path\nfrom kousoku.runtime.linkage import load_linkage\n"
         "sys.setswitchinterval(1e-6)\nbarrier = threading.Barrier(8)\n"
         "def first_use(k):\n    barrier.wait()\n"
-        f"    solver = load_scene({str(GENERATED / 'lever_crank')!r}, target='numpy')\n"
+        f"    solver = load_linkage({str(GENERATED / 'lever_crank')!r}, target='numpy')\n"
         "    return solver.solve(divisions=3).positions['O3'].tolist()\n"
         "with ThreadPoolExecutor(8) as pool:\n    got = list(pool.map(first_use, range(8)))\n"
         "print(all(one == got[0] for one in got))"

@@ -100,9 +100,9 @@ def test_the_motion_is_that_with_all_rows(
     scene: Scene, with_all_rows: Any, bodies_folder: Callable[..., Path]
 ) -> None:
     solver, other = load_dynamics(bodies_folder(scene, OUTPUTS)), with_all_rows(scene)
-    assert solver.reduced
-    assert not other.reduced
-    assert len(solver.rows) + len(solver.reduced) == len(other.rows)
+    assert solver.satisfied
+    assert not other.satisfied
+    assert len(solver.rows) + len(solver.satisfied) == len(other.rows)
     found, wanted = (one.simulate(2.0, samples=21, tolerance=1e-12) for one in (solver, other))
     for name, values in wanted.columns().items():
         size = max(1.0, np.abs(values).max())

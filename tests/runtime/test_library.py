@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 import pytest
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-pytestmark = pytest.mark.usefixtures("warm_cache")
+    from kousoku.runtime.choice import Target
 
-Targets = Literal["auto", "c", "numpy"]
+pytestmark = pytest.mark.usefixtures("warm_cache")
 
 
 @pytest.mark.usefixtures("compiler")
@@ -97,7 +97,7 @@ def test_kernels_are_found_by_name(tiny: Path) -> None:
 
 @pytest.mark.parametrize("target", ["auto", "c", "numpy"])
 @pytest.mark.parametrize("name", ["kernels.c", "kernels.h", "kernels.py"])
-def test_an_edited_file_is_named(tiny: Path, name: str, target: Targets) -> None:
+def test_an_edited_file_is_named(tiny: Path, name: str, target: Target) -> None:
     with (tiny / name).open("a", encoding="utf-8") as file:
         file.write("\n")
     with pytest.raises(LoadError) as raised:
@@ -309,7 +309,7 @@ def test_a_truncated_library_is_never_opened(
 @pytest.mark.usefixtures("compiler", "cache")
 @pytest.mark.parametrize("target", ["auto", "c"])
 def test_a_build_with_fast_math_is_refused(
-    tiny: Path, monkeypatch: pytest.MonkeyPatch, target: Targets
+    tiny: Path, monkeypatch: pytest.MonkeyPatch, target: Target
 ) -> None:
     monkeypatch.setenv("KOUSOKU_CFLAGS", "-ffast-math")
     with pytest.raises(CompilerError, match="must not be compiled with -ffast-math") as raised:

@@ -18,7 +18,7 @@ from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate import given
 from kousoku.runtime.kinematics import moving
 from kousoku.runtime.kinematics.rows import request
-from kousoku.runtime.linkage import load_scene
+from kousoku.runtime.linkage import load_linkage
 from kousoku.runtime.options import ALL_OPTIONS, options_of
 
 if TYPE_CHECKING:
@@ -145,7 +145,7 @@ def test_other_calls_say_what_they_want(bodies_folder: Callable[..., Path]) -> N
 def test_a_linkage_refuses_what_is_no_option_or_no_number(
     options: dict[str, Any], message: str
 ) -> None:
-    solver = load_scene(GENERATED / "lever_crank", target="numpy")
+    solver = load_linkage(GENERATED / "lever_crank", target="numpy")
     with pytest.raises(SolveError, match=message):
         solver.solve(**options)
 
@@ -156,7 +156,7 @@ def test_the_options_of_linkages_are_those_that_there_are() -> None:
 
 def test_what_is_no_path_is_no_folder() -> None:
     nothing: Any = None
-    calls: tuple[Callable[[Any], object], ...] = (load, load_scene, load_dynamics, verify)
+    calls: tuple[Callable[[Any], object], ...] = (load, load_linkage, load_dynamics, verify)
     for call in calls:
         with pytest.raises(LoadError, match=r"^None is no folder; wanted the path of one$"):
             call(nothing)

@@ -21,7 +21,7 @@ from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate import body_tables as tables_of_bodies
 from kousoku.runtime.integrate import motion as motions
 from kousoku.runtime.integrate.body_tables import body_tables
-from kousoku.runtime.linkage import load_scene
+from kousoku.runtime.linkage import load_linkage
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -186,7 +186,7 @@ def test_everything_travels(solver: DynamicsSolver, copied: Any) -> None:
     for one in (later.finish(), other.simulate(times=[0, 0.2, 0.4], parameters={"speed": 3})):
         for name, values in whole.columns().items():
             np.testing.assert_array_equal(one[name], values)
-    linkage = load_scene(lever_crank.__path__[0])
+    linkage = load_linkage(lever_crank.__path__[0])
     np.testing.assert_array_equal(copied(linkage).solve()["O3.x"], copied(linkage.solve())["O3.x"])
 
 

@@ -68,7 +68,7 @@ def in_c(solver: DynamicsSolver, settings: Settings, state: Any) -> tuple[int, R
 def in_python(solver: DynamicsSolver, settings: Settings, state: Any) -> RunVerdict:
     return judge(
         {name: field.view(state) for name, field in solver.state.items()},
-        CheckedRows(solver.rows, solver.left_out, solver.reduced),
+        CheckedRows(solver.rows, solver.left_out, solver.satisfied),
         solver.layout,
         settings,
         is_weighed=solver.is_weighed,
@@ -264,7 +264,7 @@ def test_any_state_is_judged_with_the_same_bits(
 ) -> None:
     found = solvers(bodies_folder, tmp_path / "pendulum")
     assert any(one.left_out for one in found.values())
-    assert any(one.reduced for one in found.values())
+    assert any(one.satisfied for one in found.values())
     assert {(one.is_driven, one.is_weighed) for one in found.values()} == {
         (False, True),
         (True, True),

@@ -10,7 +10,7 @@ import numpy as np
 
 from kousoku import generated
 from kousoku.model.read import read_scene, scene_from_dict
-from kousoku.runtime.linkage import load_scene
+from kousoku.runtime.linkage import load_linkage
 
 if TYPE_CHECKING:
     from kousoku.model.scene import Scene
@@ -64,7 +64,7 @@ def lever_crank() -> tuple[Trajectory, Scene]:
     """Motion of the linkage that is committed, and its scene."""
     folder = Path(generated.__path__[0]) / "lever_crank"
     scene = Path(__file__).parents[2] / "scenes" / "lever_crank.toml"
-    return load_scene(folder, target="numpy").solve(), read_scene(scene)
+    return load_linkage(folder, target="numpy").solve(), read_scene(scene)
 
 
 class Rows(SimpleNamespace):

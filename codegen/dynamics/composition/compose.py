@@ -72,7 +72,7 @@ SHORT = 16
 
 
 def compose(analysed: Analysed, wanted: Collection[str] = ()) -> Program:
-    """Program of a system: its segments are those of ``SEGMENTS``.
+    """Program of a system, in segments.
 
     Parameters
     ----------
@@ -80,14 +80,15 @@ def compose(analysed: Analysed, wanted: Collection[str] = ()) -> Program:
         The scene, with all that is decided of it.
     wanted : collection of str
         What is computed beyond the motion: ``reactions`` for the region ``lam`` and the segment
-        ``reaction``, ``energies`` for the segment ``energy``, ``checks`` for the segment ``check``.
+        ``reaction``; ``coordinates`` for the segment ``coordinate``, and ``accelerations`` for
+        second derivatives in it; ``energies`` for the segment ``energy``; ``checks`` for the
+        segments ``check`` and ``momentum``, and for those that a run calls where digits are lost.
         Other names are not looked at.
 
     Returns
     -------
     Program
-        Segments ``geometry``, ``position``, ``move``, ``velocity``, ``acceleration``, and
-        ``reaction``, ``energy`` and ``check`` where they are wanted.
+        Its segments are those of ``SEGMENTS`` and ``ON_DEMAND`` that the scene and ``wanted`` need.
 
     Raises
     ------
@@ -129,10 +130,10 @@ class _ProgramComposer:
         given = tuple(name for name, _ in system.parameters)
         combinations = Combinations(self.recorder, self.coordinates, *fixed, given)
         self.tasks = JointRecorder(system, self.recorder, self.body, combinations)
-        self.reduced = JointCoordinates(
+        self.joint_coordinates = JointCoordinates(
             analysed.transformations, system, self.recorder, self.body, combinations
         )
-        places = (*self.reduced.instances, *range(len(system.constraints)))
+        places = (*self.joint_coordinates.instances, *range(len(system.constraints)))
         place_numbers(system, self.recorder, places)
         self.joints, self.satisfied, self.left_out = (
             joints_of(system, self.recorder, by_instance(rows))
@@ -192,8 +193,8 @@ class _ProgramComposer:
             rows=rows_of(self.joints),
             left_out=rows_of(self.left_out),
             has_misses=bool(self.left_out and (self.analysed.freedom.closed or design)),
-            reduced=rows_of(self.satisfied),
-            placed=self.reduced.placed,
+            satisfied=rows_of(self.satisfied),
+            placed=self.joint_coordinates.placed,
             is_planar=self.is_planar,
             auxiliary=self.auxiliary.placed(self.q),
             parameters=tuple(value for _, value in self.system.parameters),
@@ -208,7 +209,7 @@ class _ProgramComposer:
             with self._of_body(k):
                 (orientation,) = self.recorder.call(BodyOrientation(), blocks.p)
             self.bodies[k] = replace(blocks, orientation=orientation)
-        self.reduced.geometry(self.bodies)
+        self.joint_coordinates.geometry(self.bodies)
         for joint in self.joints:
             self.tasks.jacobian(joint, self._rows_of(self.residuals, joint))
         self.schur.factorise(self.joints)
@@ -238,7 +239,7 @@ class _ProgramComposer:
         totals = list(
             free or (zeros(blocks.effective_inverse_mass.width, 1) for blocks in self.bodies)
         )
-        self.reduced.spread(self.schur, totals, terms, beyond)
+        self.joint_coordinates.spread(self.schur, totals, terms, beyond)
         for k, (total, products) in enumerate(zip(totals, terms, strict=True)):
             blocks = self.bodies[k]
             with self._of_body(k):
@@ -255,8 +256,8 @@ class _ProgramComposer:
         for k, blocks in enumerate(self.bodies):
             change = blocks.spread(dq.part(blocks.v, len(blocks.columns)).entries)
             target = self.q_moved.part(blocks.q, len(blocks.coordinates))
-            if k in self.reduced.tasks:
-                laws |= self.reduced.tasks[k].project_position(*change, target)
+            if k in self.joint_coordinates.tasks:
+                laws |= self.joint_coordinates.tasks[k].project_position(*change, target)
             else:
                 at = (blocks.r, blocks.p)
                 with self._of_body(k):
@@ -284,7 +285,7 @@ class _ProgramComposer:
     def _velocity(self) -> None:
         self.recorder.begin("velocity")
         by_body = self._by_body(self.v)
-        lacks, beyond = self.reduced.project_velocity(by_body)
+        lacks, beyond = self.joint_coordinates.project_velocity(by_body)
         rates = self._rates("nu", by_body, beyond=beyond)
         self._pull(self.schur.solve(rates), None, self.dv, lacks)
 
@@ -315,8 +316,8 @@ class _ProgramComposer:
         for name, power in self.forces.act(self.system.forces, free).items():
             self._keep_rate(name, power)
         if lam:
-            self.reduced.keep(free)
-        drift = self.reduced.reduce_forces(free)
+            self.joint_coordinates.keep(free)
+        drift = self.joint_coordinates.reduce_forces(free)
         targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
         multipliers = self.schur.solve(self._rates("gamma", free, beyond=drift), targets)
         self._pull(multipliers, free, self.v_dot, drift)
@@ -334,7 +335,9 @@ class _ProgramComposer:
     ) -> list[SlotMatrix]:
         """Record the power of each driver, or what multipliers add to it."""
         powers = {name: [one] for name, one in self.tasks.powers(self.joints, multipliers).items()}
-        ground = self.reduced.powers(self.schur, self.joints, multipliers, is_whole=is_whole)
+        ground = self.joint_coordinates.powers(
+            self.schur, self.joints, multipliers, is_whole=is_whole
+        )
         for name, one in ground:
             powers.setdefault(name, []).append(one)
         nothing = [column((0,))]
@@ -350,7 +353,11 @@ class _ProgramComposer:
                 record_reactions,
                 satisfied=self.satisfied,
                 ground=partial(
-                    self.reduced.wrenches, self.schur, self.joints, v_dot, self.coordinates
+                    self.joint_coordinates.wrenches,
+                    self.schur,
+                    self.joints,
+                    v_dot,
+                    self.coordinates,
                 ),
                 in_loops="checks" in self.wanted and self.analysed.shares_out,
             )

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Contact:
+class GroundReaction:
     """What the ground does through one row, or one force: −C_qᵀλ of the row C.
 
     Parameters
@@ -58,7 +58,7 @@ class Contact:
     turns: bool = False
 
 
-ANYTHING = Contact(through=precise.ZERO, turns=True)
+ANYTHING = GroundReaction(through=precise.ZERO, turns=True)
 """Any force and any moment."""
 
 
@@ -125,8 +125,8 @@ class ConstraintFacets(ABC):
         raise NotImplementedError(f"{type(self).__name__} is no constraint")
 
     @abstractmethod
-    def contact(self, axis: Triple | None, point: Triple | None) -> Contact:
-        """Contact with the ground through it, whatever the position.
+    def ground_reaction(self, axis: Triple | None, point: Triple | None) -> GroundReaction:
+        """Reaction of the ground through it, whatever the position.
 
         Parameters
         ----------
@@ -162,9 +162,9 @@ class ConstraintFacets(ABC):
 class OfPoints(ConstraintFacets):
     """Kinds of two points and no axis."""
 
-    def contact(self, axis: Triple | None, point: Triple | None) -> Contact:
+    def ground_reaction(self, axis: Triple | None, point: Triple | None) -> GroundReaction:
         """Forces through the point of the ground."""
-        return Contact(through=point)
+        return GroundReaction(through=point)
 
 
 class PointFacets(OfPoints):
@@ -210,9 +210,9 @@ class DistanceFacets(LengthFacets):
 class OfAxes(ConstraintFacets):
     """Kinds of two axes and no point."""
 
-    def contact(self, axis: Triple | None, point: Triple | None) -> Contact:
+    def ground_reaction(self, axis: Triple | None, point: Triple | None) -> GroundReaction:
         """Moments across the axis of the ground."""
-        return Contact(about=axis)
+        return GroundReaction(about=axis)
 
 
 class PerpendicularFacets(OfAxes):
@@ -267,9 +267,9 @@ class AngleFacets(ConstraintFacets):
         sine, cosine = (dot(i.vector(own[name]), a_j) for name in ("b_i_b", "a_i_b"))
         return (atan2(sine, cosine, digits),)
 
-    def contact(self, axis: Triple | None, point: Triple | None) -> Contact:
+    def ground_reaction(self, axis: Triple | None, point: Triple | None) -> GroundReaction:
         """Moments of any direction."""
-        return Contact(turns=True)
+        return GroundReaction(turns=True)
 
     def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
         """Whether an axis is not in the plane."""
@@ -293,9 +293,11 @@ class InPlaneFacets(ConstraintFacets):
         """Gap |a_i · d| [m]."""
         return abs(precise.dot(seen.axes[0], seen.d)), 0
 
-    def contact(self, axis: Triple | None, point: Triple | None) -> Contact:
+    def ground_reaction(self, axis: Triple | None, point: Triple | None) -> GroundReaction:
         """Forces along the axis, wherever they act; where it turns, through the point."""
-        return Contact(through=point) if axis is None else Contact(push=precise.unit(axis))
+        if axis is None:
+            return GroundReaction(through=point)
+        return GroundReaction(push=precise.unit(axis))
 
     def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
         """Whether its axis is not in the plane, or its points are not level."""
@@ -322,11 +324,11 @@ class OnLineFacets(ConstraintFacets):
         """Gap |a_i × d| [m]."""
         return precise.length(precise.cross(seen.axes[0], seen.d)), 0
 
-    def contact(self, axis: Triple | None, point: Triple | None) -> Contact:
+    def ground_reaction(self, axis: Triple | None, point: Triple | None) -> GroundReaction:
         """Forces across the axis, through its line; where it turns, through the point."""
         if axis is None or point is None:
-            return Contact(through=point)
-        return Contact(line=(precise.unit(axis), point))
+            return GroundReaction(through=point)
+        return GroundReaction(line=(precise.unit(axis), point))
 
 
 def _across(i: Course, j: Course, own: Own) -> JetVector:

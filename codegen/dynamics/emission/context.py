@@ -430,7 +430,7 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
     segments = {segment.name for segment in (*program.segments, *program.on_demand)}
     features = {
         "HAS_ROWS": "position" in segments,
-        "FITS": bool(program.reduced),
+        "FITS": bool(program.satisfied),
         "HAS_DRIVERS": has_drivers(system),
         "IS_DRIVEN": is_driven(program, system),
         "HAS_PARAMETERS": bool(system.parameters),

@@ -94,7 +94,7 @@ def tables(
     shifts, starts = shift_slots(program), start_places(program)
     lengths = {slot for pair in shifts for slot in pair}
     switched, seen = has_row_switch(program), seen_of(system)
-    rows = (*program.rows, *program.left_out, *program.reduced)
+    rows = (*program.rows, *program.left_out, *program.satisfied)
     looked_at = rank_rows(program, system)
     compares = bool(looked_at) or is_driven(program, system)
     return {
@@ -222,7 +222,7 @@ def positive_places(program: Program) -> Table:
 
 def is_driven(program: Program, system: System) -> bool:
     """Whether drivers and joints leave no freedom, so that the motion is kinematics."""
-    count = len(program.rows) + len(program.reduced)
+    count = len(program.rows) + len(program.satisfied)
     return has_drivers(system) and count == program.region("v").size
 
 

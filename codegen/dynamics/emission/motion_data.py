@@ -89,7 +89,7 @@ def motion_data(
         "closure_tolerance": system.closure_tolerance,
         "rows": [row_of(row, system) for row in program.rows],
         "left_out": [row_of(row, system) for row in program.left_out],
-        "reduced": [row_of(row, system) for row in program.reduced],
+        "reduced": [row_of(row, system) for row in program.satisfied],
         "checked": _checked(program, system),
         "places": {
             region.name: [region.base, region.size]
@@ -164,14 +164,14 @@ def _normal(program: Program) -> int | None:
 def _checked(program: Program, system: System) -> list[str]:
     """Joints and drivers of all rows, in the order of the scene."""
     rows = sorted(
-        (*program.rows, *program.left_out, *program.reduced), key=lambda row: row.instance
+        (*program.rows, *program.left_out, *program.satisfied), key=lambda row: row.instance
     )
     return list(dict.fromkeys(row_of(row, system)[0] for row in rows))
 
 
 def _reactions(program: Program, system: System) -> list[dict[str, object]]:
     """Reactions by joint: on which body it acts, where, and which components are computed."""
-    every = (*program.rows, *program.left_out, *program.reduced)
+    every = (*program.rows, *program.left_out, *program.satisfied)
     rows = sorted(every, key=lambda row: row.instance)
     joints: dict[str, list[Instance]] = {}
     for row in rows:

@@ -164,7 +164,7 @@ def numpy_context(
         "added": added(program),
         "works": works(program),
         "counted": (counted.start, counted.stop),
-        "fits": bool(program.reduced),
+        "fits": bool(program.satisfied),
         "has_drivers": has_drivers(system),
         "has_misses": program.has_misses,
         "has_row_switch": has_row_switch(program),

@@ -234,7 +234,7 @@ def _step(name: str, detail: str, before: Program, after: Program) -> SavedStep:
 
 def _columns(program: Program) -> int:
     """Number of columns of C_q, or of C_q R."""
-    return program.region("v").size - len(program.reduced)
+    return program.region("v").size - len(program.satisfied)
 
 
 def _counted(system: System, program: Program) -> list[SavedStep]:
@@ -372,8 +372,8 @@ def _of_ground(system: System, prescribed: Program, program: Program) -> str:
 
 def _bodies_of(system: System, program: Program, without: Program | None = None) -> str:
     """Names of bodies that are put onto joints."""
-    known = without.reduced if without else ()
-    rows = (system.constraints[row.instance] for row in program.reduced if row not in known)
+    known = without.satisfied if without else ()
+    rows = (system.constraints[row.instance] for row in program.satisfied if row not in known)
     bodies = dict.fromkeys(max(one.bodies) for one in rows)
     names = [system.bodies[k].name for k in bodies]
     return listed(names)

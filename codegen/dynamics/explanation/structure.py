@@ -73,7 +73,7 @@ def structure_of(system: System, program: Program) -> Structure:
     return Structure(
         positions=program.region("q").size - len(program.auxiliary),
         velocities=program.region("v").size,
-        dependent=len(program.reduced),
+        dependent=len(program.satisfied),
         rows=len(program.rows),
         elements=_elements(system, program, free),
         dense=sum(
@@ -99,7 +99,7 @@ def _joints(system: System, program: Program) -> tuple[list[tuple[int, ...]], li
 def _free(system: System, program: Program) -> dict[int, int]:
     """Number of velocities of bodies that are put onto a joint with the ground."""
     free: dict[int, int] = {}
-    for row in program.reduced:
+    for row in program.satisfied:
         body = max(system.constraints[row.instance].bodies)
         places = program.bodies[body]
         free.setdefault(body, sum(x.slot >= 0 for x in (*places.v, *places.omega_b)))

@@ -182,7 +182,9 @@ class ConstraintEquation:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """What a scene needs to move, and nothing else.
+    """Kernels and the tasks that call them, in segments, on one workspace.
+
+    The motion of a scene is one, all equations of a system as it stands, and a linkage of nodes.
 
     Parameters
     ----------
@@ -209,7 +211,7 @@ class Program:
         Rows that depend on others, in the order of the region ``C_left_out``.
     has_misses : bool
         Whether those may miss more than rounding.
-    reduced : tuple of ConstraintEquation
+    satisfied : tuple of ConstraintEquation
         Rows that hold by themselves, in the order of the region ``C_left_out``: those of joints
         that bodies are put onto. Where there are some no row is left out.
     placed : tuple of int
@@ -251,7 +253,7 @@ class Program:
     conserved: tuple[ConservedMomenta, ...] = ()
     left_out: tuple[ConstraintEquation, ...] = ()
     has_misses: bool = False
-    reduced: tuple[ConstraintEquation, ...] = ()
+    satisfied: tuple[ConstraintEquation, ...] = ()
     placed: tuple[int, ...] = ()
     not_unique: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 STEP = 0.25
 #: How often a step that fails is halved.
 HALVINGS = 4
-#: What holds to this part of the length of the scene is on the branch: ten times what assembly
-#: leaves open, so that the start is.
+#: What holds to this part of the length of the scene, or so many radians, is on the branch, and a
+#: row that nothing changes is met: ten times what assembly leaves open, so that the start is.
 HOLDS = 1e-11
 #: Steps back to the branch.
 MOST_STEPS, MOST_DAMPED_STEPS = 40, 60

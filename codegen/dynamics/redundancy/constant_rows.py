@@ -9,15 +9,12 @@ from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
+from kousoku.codegen.dynamics.redundancy.branch import HOLDS
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.simplification.outline import Outline
     from kousoku.model.multibody import System
-
-#: The largest residual that is rounding, in lengths of the scene or radians: ten times what
-#: assembly leaves open.
-HOLDS = 1e-11
 
 
 def require_constant_rows_hold(system: System, outline: Outline) -> None:

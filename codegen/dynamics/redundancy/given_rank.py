@@ -44,7 +44,7 @@ def _rows_of_varying_loops(program: Program, system: System) -> list[tuple[str, 
         return []
     instances = _varying_loops(system)
     first, last = len(program.rows), len(program.rows) + len(program.left_out)
-    rows: tuple[ConstraintEquation, ...] = (*program.rows, *program.left_out, *program.reduced)
+    rows: tuple[ConstraintEquation, ...] = (*program.rows, *program.left_out, *program.satisfied)
     return [
         (row.joint, (place, int(first <= place < last)))
         for place, row in enumerate(rows)

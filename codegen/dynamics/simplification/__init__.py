@@ -2,5 +2,6 @@
 
 ``lump``, ``rigid_groups``, ``composite``, ``static_potential``, ``body_blocks``,
 ``outline``, ``planarity``, ``axis_permutation``, ``forces_plane``, ``placeholder_masses``,
-``given_start``, ``joint_coordinates``, ``reduced_mass``, ``conserved_momenta``, ``contacts``.
+``given_start``, ``joint_coordinates``, ``reduced_mass``, ``conserved_momenta``,
+``ground_reactions``.
 """

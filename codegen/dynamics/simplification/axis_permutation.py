@@ -129,7 +129,7 @@ def permuted_back(program: Program, system: System, shift: int) -> Program:
         bodies=bodies,
         rows=permuted_rows(program.rows, system, back),
         left_out=permuted_rows(program.left_out, system, back),
-        reduced=permuted_rows(program.reduced, system, back),
+        satisfied=permuted_rows(program.satisfied, system, back),
     )
 
 

@@ -3,7 +3,7 @@
 A *part* is a set of bodies that joints and forces connect, the ground left out: what joints,
 springs and drivers do in it cancels. What is left is gravity, constant forces, and what the ground
 can do through the joints and forces at it, see
-:mod:`~kousoku.codegen.dynamics.simplification.contacts`. Linear momentum is constant along
+:mod:`~kousoku.codegen.dynamics.simplification.ground_reactions`. Linear momentum is constant along
 directions in which none of them acts, angular momentum about an axis about which none has a moment:
 an axis through the centre of mass, or through a point of the ground.
 """
@@ -15,19 +15,19 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.codegen.dynamics.recording.program import ConservedMomenta
-from kousoku.codegen.dynamics.simplification.contacts import (
+from kousoku.codegen.dynamics.simplification.ground_reactions import (
     AXES,
     Axes,
-    contacts_of,
     free_of_force,
     free_of_moment,
+    ground_reactions_of,
 )
 from kousoku.model.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.codegen.dynamics.elements.constraints import Contact
+    from kousoku.codegen.dynamics.elements.constraints import GroundReaction
     from kousoku.codegen.dynamics.elements.facets import Applied
     from kousoku.model.multibody import System
     from kousoku.model.orientation import Vector
@@ -50,9 +50,9 @@ def conserved_momenta(system: System, *, is_planar: bool) -> tuple[ConservedMome
         Whether its bodies move in planes parallel to the xy-plane: what is constant for that reason
         does not count.
     """
-    contacts: dict[int, list[Contact]] = {}
-    for body, contact in contacts_of(system):
-        contacts.setdefault(body, []).append(contact)
+    reactions: dict[int, list[GroundReaction]] = {}
+    for body, reaction in ground_reactions_of(system):
+        reactions.setdefault(body, []).append(reaction)
     applied: dict[int, list[Applied]] = {}
     for force in system.forces:
         for body in {force.i, force.j} - {GROUND_INDEX}:
@@ -61,7 +61,7 @@ def conserved_momenta(system: System, *, is_planar: bool) -> tuple[ConservedMome
     for bodies in _parts(system):
         if any(system.bodies[body].mass <= 0 for body in bodies):
             continue
-        of_ground = [one for body in bodies for one in contacts.get(body, ())]
+        of_ground = [one for body in bodies for one in reactions.get(body, ())]
         acting = [one for body in bodies for one in applied.get(body, ())]
         linear, axes = _free(system, of_ground, acting)
         angular = axes.directions
@@ -76,7 +76,7 @@ def conserved_momenta(system: System, *, is_planar: bool) -> tuple[ConservedMome
 
 
 def _free(
-    system: System, contacts: Sequence[Contact], applied: Sequence[Applied]
+    system: System, reactions: Sequence[GroundReaction], applied: Sequence[Applied]
 ) -> tuple[tuple[Vector, ...], Axes]:
     """Directions along which no force acts on a part, and about which no moment does."""
     laws = zip(AXES, system.gravity_law, strict=True)
@@ -85,10 +85,10 @@ def _free(
     torques = [vector for one in applied for vector in one.torques or ()]
     if any(one.forces is None for one in applied):
         return (), Axes()
-    linear = free_of_force(contacts, [*gravity, *forces])
+    linear = free_of_force(reactions, [*gravity, *forces])
     if any(one.torques is None for one in applied):
         return linear, Axes()
-    return linear, free_of_moment(contacts, forces, gravity, torques)
+    return linear, free_of_moment(reactions, forces, gravity, torques)
 
 
 def _parts(system: System) -> Iterator[tuple[int, ...]]:

@@ -43,7 +43,7 @@ def check(found: Analysed) -> Program:
     assert program.region("v").size == found.outline.velocities
     assert program.rows == tuple(found.solved)
     assert program.left_out == tuple(found.left_out)
-    assert program.reduced == tuple(found.satisfied)
+    assert program.satisfied == tuple(found.satisfied)
     return program
 
 

@@ -19,7 +19,7 @@ from kousoku.codegen.generate import write_tree
 from kousoku.codegen.linkage import emit as linkage_emit
 from kousoku.codegen.linkage.assemble import assemble
 from kousoku.codegen.linkage.emit import emit_linkage
-from kousoku.codegen.linkage.generate import generate_scene, layout_of, program_of
+from kousoku.codegen.linkage.generate import generate_linkage, layout_of, program_of
 from kousoku.codegen.linkage.reference import ORDERS, reference_values
 from kousoku.codegen.linkage.solution import places
 from kousoku.model.arithmetic import FLOAT
@@ -51,7 +51,7 @@ def referred(made: WorkspaceLayout) -> str:
 
 @cache
 def files_of(name: str) -> dict[str, str]:
-    return generate_scene(read_scene(SCENES / f"{name}.toml"), references=True)
+    return generate_linkage(read_scene(SCENES / f"{name}.toml"), references=True)
 
 
 def kernels(name: str) -> dict[str, Kernel]:
@@ -162,12 +162,12 @@ def test_digest_covers_what_only_the_solver_knows() -> None:
 
 
 def digest_of(scene: Scene) -> str:
-    return Manifest.from_json(generate_scene(scene)["manifest.json"]).digest
+    return Manifest.from_json(generate_linkage(scene)["manifest.json"]).digest
 
 
 def test_folders_take_the_analysis_along_as_it_is() -> None:
     runtime = Path(linkage_emit.__file__).parents[2] / "runtime"
-    files = generate_scene(read_scene(SCENES / "piston_crank.toml"))
+    files = generate_linkage(read_scene(SCENES / "piston_crank.toml"))
     paths = [path for path in (runtime / "kinematics").iterdir() if path.suffix in {".h", ".py"}]
     paths += [runtime / name for name in linkage_emit.SHARED]
     names = {path.relative_to(runtime).as_posix() for path in paths}
@@ -186,7 +186,7 @@ def test_digest_covers_the_analysis(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_same_scene_gives_the_same_bytes() -> None:
     scene = read_scene(SCENES / "five_bar.toml")
-    assert generate_scene(scene) == generate_scene(scene)
+    assert generate_linkage(scene) == generate_linkage(scene)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from kousoku.codegen.linkage.generate import generate_scene
+from kousoku.codegen.linkage.generate import generate_linkage
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.kinematics.assembly import assemble as place
 from kousoku.runtime.kinematics.certificate import Certifier, CubicTube
@@ -18,7 +18,7 @@ from kousoku.runtime.kinematics.continuation import Continuation
 from kousoku.runtime.kinematics.equations import LinkageCoordinates
 from kousoku.runtime.kinematics.status import MOST_TILT
 from kousoku.runtime.kinematics.tables import Block, Curve, Input, LinkageTables, Unknown
-from kousoku.runtime.linkage import load_scene
+from kousoku.runtime.linkage import load_linkage
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -116,7 +116,7 @@ def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 
 def emitted(scene: str, folder: Path) -> Path:
     """Folder with the package of a linkage."""
-    for name, text in generate_scene(scene_from_toml(scene)).items():
+    for name, text in generate_linkage(scene_from_toml(scene)).items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
@@ -126,7 +126,7 @@ def emitted(scene: str, folder: Path) -> Path:
 @pytest.fixture(scope="module")
 def solver(folder: Path) -> LinkageSolver:
     """Solver of a linkage, whose tables the certificate reads."""
-    return load_scene(folder, target="numpy")
+    return load_linkage(folder, target="numpy")
 
 
 class Step:
@@ -220,7 +220,7 @@ def test_a_linkage_of_another_size_turns_as_much(size: float, tmp_path: Path) ->
 
     tilts = []
     for name, scene in (("one", RIGID), ("other", re.sub(r"at = \[(.*), (.*)\]", enlarged, RIGID))):
-        step = Step(load_scene(emitted(scene, tmp_path / name), target="numpy"), 60.0)
+        step = Step(load_linkage(emitted(scene, tmp_path / name), target="numpy"), 60.0)
         way, blocks = step.cubics(), step.way.newton.blocks
         pairs = zip(step.way._certifiers, blocks, strict=True)
         tilts.append([one.tilt(block, way, 0.0) for one, block in pairs])

@@ -118,8 +118,8 @@ def test_all_that_is_computed_is_what_all_rows_give(
 ) -> None:
     given = system(hung(kind, is_swapped=is_swapped, driven=driven))
     whole, program = compose(all_rows(given), WANTED), compose(jointed(given), WANTED)
-    assert len(program.reduced) == 6 - FREE[kind] + len(driven)
-    assert len(program.rows) == len(whole.rows) - len(program.reduced) == 4
+    assert len(program.satisfied) == 6 - FREE[kind] + len(driven)
+    assert len(program.rows) == len(whole.rows) - len(program.satisfied) == 4
 
     state = placed(program)
     segments = ("geometry", "velocity", "acceleration", "reaction", "check", "energy")
@@ -214,7 +214,7 @@ def test_other_joints_to_the_ground_are_rows_as_before() -> None:
     point.joint("hold", type="rod", bodies=("ground", "b"), points=[[0, 0, 0], [0, 0, 0]])
     for builder in (universal, screw, twice, point):
         program = compose(jointed(system(builder.build())), WANTED)
-        assert program.reduced == ()
+        assert program.satisfied == ()
         assert program.rows
 
 
@@ -227,14 +227,14 @@ def test_bodies_whose_numbers_depend_on_parameters_are_not_reduced() -> None:
             "b", position=(0, 0, 0), boxes=[{"mass": mass, "size": [1, 2, 3], "at": [0, 0, 1]}]
         )
         builder.joint("hold", type="revolute", bodies=("ground", "b"), at=(0, 0, 2), axis=(1, 1, 0))
-        assert len(compose(jointed(system(builder.build())), WANTED).reduced) == count
+        assert len(compose(jointed(system(builder.build())), WANTED).satisfied) == count
 
 
 def test_only_bodies_that_drivers_lead_are_reduced_where_that_is_asked() -> None:
     led = system(hung("revolute", driven=("angle",)))
-    assert len(compose(jointed(led, PRESCRIBED), WANTED).reduced) == 6
+    assert len(compose(jointed(led, PRESCRIBED), WANTED).satisfied) == 6
     free = system(hung("revolute"))
-    assert compose(jointed(free, PRESCRIBED), WANTED).reduced == ()
+    assert compose(jointed(free, PRESCRIBED), WANTED).satisfied == ()
 
 
 def test_no_body_is_reduced_where_rows_depend_on_others() -> None:
@@ -264,7 +264,7 @@ def test_one_body_of_many_is_reduced_only_where_a_driver_leads_it() -> None:
             builder.driver("motor", joint="j0", value=law)
         given = system(builder.build())
         found = independent(given)
-        assert len(cheaper(found, WANTED, compose(found, WANTED)).reduced) == count
+        assert len(cheaper(found, WANTED, compose(found, WANTED)).satisfied) == count
 
 
 def test_the_four_bars_of_a02_keep_the_rows_of_their_couplers() -> None:
@@ -272,7 +272,7 @@ def test_the_four_bars_of_a02_keep_the_rows_of_their_couplers() -> None:
     found = independent(given)
     whole = compose(found, LEDGER)
     program = cheaper(found, LEDGER, whole)
-    assert (len(whole.rows), len(program.rows), len(program.reduced)) == (26, 16, 10)
+    assert (len(whole.rows), len(program.rows), len(program.satisfied)) == (26, 16, 10)
     assert program.placed == tuple(range(5))
     assert operations(program) < 0.8 * operations(whole)
 

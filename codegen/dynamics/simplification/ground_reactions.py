@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.elements.constraints import (
     ANYTHING,
     FACETS,
-    Contact,
+    GroundReaction,
     RelativeMotion,
     held_by,
 )
@@ -38,8 +38,8 @@ PARALLEL = 1e-9
 """Vectors whose angle is smaller count as parallel [rad]; points that are so near, as one."""
 
 
-def contacts_of(system: System) -> Iterator[tuple[int, Contact]]:
-    """Contacts of bodies with the ground: which body, and what the ground can do, −C_qᵀλ.
+def ground_reactions_of(system: System) -> Iterator[tuple[int, GroundReaction]]:
+    """Reactions of the ground on bodies: on which body, and what the ground can do, −C_qᵀλ.
 
     Points (3,) [m] and directions (3,) are in frame O.
     """
@@ -55,7 +55,7 @@ def contacts_of(system: System) -> Iterator[tuple[int, Contact]]:
             continue
         if GROUND_INDEX in (one.i, one.j) and one.i != one.j:
             body = one.j if one.i == GROUND_INDEX else one.i
-            yield body, _contact(one, parallel)
+            yield body, _ground_reaction(one, parallel)
 
 
 def _acting(system: System) -> Iterator[Source]:
@@ -70,8 +70,10 @@ def _acting(system: System) -> Iterator[Source]:
             yield source
 
 
-def _contact(one: Source, parallel: Mapping[tuple[int, Numbers], Numbers]) -> Contact:
-    """Contact through a row or coordinate of a kind.
+def _ground_reaction(
+    one: Source, parallel: Mapping[tuple[int, Numbers], Numbers]
+) -> GroundReaction:
+    """Reaction of the ground through a row or coordinate of a kind.
 
     Parameters
     ----------
@@ -89,7 +91,7 @@ def _contact(one: Source, parallel: Mapping[tuple[int, Numbers], Numbers]) -> Co
     if is_varying((axis, point)):
         return ANYTHING
     fixed = (None if x is None else precise.triple(x) for x in (axis, point))
-    return FACETS[kind].contact(*fixed)
+    return FACETS[kind].ground_reaction(*fixed)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,18 +110,20 @@ class Axes:
     about: Vector | None = None
 
 
-def free_of_force(contacts: Iterable[Contact], loads: Iterable[Vector]) -> tuple[Vector, ...]:
+def free_of_force(
+    reactions: Iterable[GroundReaction], loads: Iterable[Vector]
+) -> tuple[Vector, ...]:
     """Directions n (3,) [-] along which no force acts on a part: F·n = 0, frame O.
 
     Parameters
     ----------
-    contacts : iterable of Contact
+    reactions : iterable of GroundReaction
         What the ground does to it.
     loads : iterable of (3,)
         Gravity, and constant forces.
     """
     pushes = [precise.triple(load) for load in loads]
-    for one in contacts:
+    for one in reactions:
         if one.through is not None:
             return ()
         if one.push is not None:
@@ -131,7 +135,7 @@ def free_of_force(contacts: Iterable[Contact], loads: Iterable[Vector]) -> tuple
 
 
 def free_of_moment(
-    contacts: Iterable[Contact],
+    reactions: Iterable[GroundReaction],
     pushes: Iterable[Vector],
     gravity: Iterable[Vector],
     torques: Iterable[Vector],
@@ -143,14 +147,14 @@ def free_of_moment(
 
     Parameters
     ----------
-    contacts : iterable of Contact
+    reactions : iterable of GroundReaction
         What the ground does to it.
     pushes, gravity, torques : iterable of (3,)
         Constant forces at points of bodies, those at centres of mass, and constant torques.
     """
     along = [precise.triple(push) for push in pushes]
     points: list[Triple] = []
-    for one in contacts:
+    for one in reactions:
         if one.turns:
             return Axes()
         points += [one.through] if one.through is not None else []
