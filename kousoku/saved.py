@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from kousoku.model.decode import LARGEST
 from kousoku.model.errors import SolveError, printable
 from kousoku.runtime.integrate.events import EventLog
 from kousoku.runtime.integrate.motion import Layout, Motion
@@ -393,6 +392,10 @@ def _trajectory(about: KeptTrajectory, arrays: Mapping[str, Any]) -> Trajectory:
     )
     trajectory.mechanism = MovedScene(about.scene, about.parts["positions"])
     return trajectory
+
+
+#: Positions beyond that are none that a motion reaches, and their squares are no numbers.
+LARGEST = 1e150
 
 
 def _checked(

@@ -193,4 +193,6 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
 
 def regenerated(manifest: Manifest) -> str:
     """Line that says by what command a package is generated again."""
-    return f"generate the package again: {printable(str(manifest.regenerate)[:200])}"
+    command = printable(manifest.regenerate)
+    shortened = command if len(command) <= 200 else f"{command[:200]} …"
+    return f"generate the package again: {shortened}"

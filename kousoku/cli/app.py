@@ -129,8 +129,8 @@ for _name, _command, _line in COMMANDS:
 
 def text_of(error: KousokuError | OSError) -> str:
     """Text of an expected error, which begins with its place: for one of the system, a path."""
-    if isinstance(error, OSError) and error.filename is not None:
-        return f"{os.fsdecode(error.filename)}: {error.strerror}"
+    if isinstance(error, OSError) and isinstance(error.filename, str) and error.filename2 is None:
+        return f"{error.filename}: {error.strerror}"
     return str(error)
 
 

@@ -705,8 +705,7 @@ static void keep(const Attempts *tried, const Trial *trial, Work *work, State *s
     accept(tried, trial, work, s);
     if (N_SEEN == 0) return;
     note_crossings(trial->end, look, s, work);
-    if (look->is_untold || is_window_at(trial->end, look, s, work))
-        note_unresolved(s->time_before, s);
+    if (look->is_untold) note_unresolved(s->time_before, s);
     if (s->time == look->cut) {
         s->step_size = larger(s->step_size, before);
         s->switched = s->time;

@@ -17,7 +17,6 @@ from .crossing import (
     cut_at,
     end_before_pole,
     is_at_pole,
-    is_window_at,
     look_into,
     note_crossings,
     note_unresolved,
@@ -824,7 +823,7 @@ def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     if not work.scene.sees:
         return
     note_crossings(trial.end, look)
-    if look.is_untold or is_window_at(trial.end, look):
+    if look.is_untold:
         note_unresolved(state.time_before, state)
     if state.time == look.cut:
         state.step_size = larger(state.step_size, before)

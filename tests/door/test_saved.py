@@ -280,7 +280,7 @@ def test_a_forged_linkage_is_refused(
         ({"rows": lambda x: x[:, :-1]}, "wanted doubles"),
         ({"rows": lambda x: x.astype(np.float32)}, "wanted doubles"),
         ({"rows": spoiled(4, 3)}, "rows has numbers that are not finite"),
-        ({"rows": spoiled(4, 3, value=-2e50)}, "rows has numbers that are too large"),
+        ({"rows": spoiled(4, 3, value=-2e150)}, "rows has numbers that are too large"),
         ({"rows": spoiled(4, 0, value=-1.0)}, "its times do not ascend"),
         ({"rows": lambda _: None}, "KeyError: 'rows'"),
     ],

@@ -290,6 +290,22 @@ def test_two_roots_in_a_step_are_found(
     assert run.events["any"].count == sum(map(len, inside))
 
 
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_events_that_are_flat_at_zero_are_counted_once(
+    solver_of: Callable[..., Any], target: Any
+) -> None:
+    text = WALL.replace("velocity = [10, 0, 0]", "velocity = [7, 0, 0]")
+    text = text.replace("-hold*max(0, 1 - abs(x - at)/thick)", "-x")
+    flat = '[events]\nflat = { when = "(x - 5)^3" }\nboth = { when = "x_dot*(x - 5)^3" }\n'
+    solver = solver_of(text + flat, target)
+    for method in ("dopri5", "dop853"):
+        for tolerance in (1e-4, 1e-7, 1e-9) if target == "c" else (1e-4,):
+            run = solver.simulate(20.0, samples=2, method=method, tolerance=tolerance)
+            counts = run.events["flat"].count, run.events["both"].count
+            assert counts == (7, 13), (method, tolerance)  # x = 7 sin(t), 5 is passed 7 times
+
+
 def test_a_run_that_an_event_ends_says_so(solver_of: Callable[..., Any]) -> None:
     run = solver_of(SWING).simulate(30.0, samples=31)
     assert run.stopped_by == "late"

@@ -54,8 +54,6 @@
 /* what gets further than so many times what it is known to passes by, as fast as it is at a time:
  * in the longest step, and before it comes to rest. So it is with rates, as fast as they change */
 #define PASSING 16.0
-/* how often the way to where a rate switches is halved */
-#define MOST_HALVINGS 40
 
 enum {
     N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
@@ -92,7 +90,8 @@ typedef struct {
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
     double pole_time, bend[ROOM(N_MEASURES)], lean[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
     double error[ROOM(N_MEASURES)];
-    int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold, has_error;
+    int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_short[ROOM(N_SEEN)];
+    int is_untold, has_error;
     int is_kept, lost, pole;
 } Look;
 
@@ -118,16 +117,16 @@ static void read_at(double time, const Look *look, const State *s, Work *work, d
     read_of(time, work->scratch, work, read);
 }
 
-/* what is seen at a time where formulas read what is between */
-static void see_between(const double *a, const double *b, double time, double *w, TimeNode *node)
+/* what is seen at a time where formulas read what the node has, known to a noise */
+static void see_at(const double *noise, double time, double *w, TimeNode *node)
 {
     double *ranges = w + W_RANGES;
     node->time = ranges[0] = ranges[1] = time;
     for (size_t k = 0; k != N_MEASURES; ++k) {
         double *own = ranges + 2 + 6 * k;
         for (size_t n = 0; n != 2; ++n) {
-            own[2 * n] = a[2 * k + n];
-            own[2 * n + 1] = b[2 * k + n];
+            own[2 * n] = node->read[2 * k + n] - noise[2 * k + n];
+            own[2 * n + 1] = node->read[2 * k + n] + noise[2 * k + n];
         }
         own[4] = own[5] = 0.0;
     }
@@ -136,17 +135,6 @@ static void see_between(const double *a, const double *b, double time, double *w
         node->least[k] = w[W_SEEN + 4 * k];
         node->most[k] = w[W_SEEN + 4 * k + 1];
     }
-}
-
-/* what is seen at a time where formulas read what the node has, known to a noise */
-static void see_at(const double *noise, double time, double *w, TimeNode *node)
-{
-    double a[ROOM(N_READ)] = { 0.0 }, b[ROOM(N_READ)] = { 0.0 };
-    for (size_t k = 0; k != N_READ; ++k) {
-        a[k] = node->read[k] - noise[k];
-        b[k] = node->read[k] + noise[k];
-    }
-    see_between(a, b, time, w, node);
 }
 
 /* what is seen at a time, where values are known to a noise */
@@ -317,20 +305,42 @@ static double half_width(const TimeNode *node, size_t k)
     return 0.5 * (node->most[k] - node->least[k]);
 }
 
+/* whether an event that a step starts short of is no further from zero than the noise: it was noted
+ * where an earlier step ended for it, and there is nothing to go back from */
+static int is_still_short(
+    size_t k, int side, double time, const Look *look, const State *s, Work *work)
+{
+    TimeNode known;
+    if (!look->is_short[k]) return 0;
+    look_closely(look->noise, time, look, s, work, &known);
+    return side_at(&known, k) != -side;
+}
+
+/* what a function is known to at a node: an event that a step starts short of no more */
+static double band_at(size_t k, const TimeNode *node, const Look *look, const State *s, Work *work)
+{
+    TimeNode known;
+    if (!look->is_short[k]) return half_width(node, k);
+    look_closely(look->noise, node->time, look, s, work, &known);
+    return half_width(&known, k);
+}
+
 /* whether a function that was on a side crosses between two nodes as often as their sides tell, and
  * not oftener; its bounds are in the workspace */
-static int is_told(size_t k, int side, const TimeNode *a, const TimeNode *b, const double *w)
+static int is_told(size_t k, int side, const TimeNode *a, const TimeNode *b, const double *bounds,
+    const Look *look, const State *s, Work *work)
 {
-    const double *bounds = w + W_SEEN + 4 * k, sign = side < 0 ? -1.0 : 1.0;
+    const double sign = side < 0 ? -1.0 : 1.0;
     const double least = side < 0 ? -bounds[1] : bounds[0];
     const double falls = side < 0 ? -bounds[3] : bounds[2];
     const double rises = side < 0 ? -bounds[2] : bounds[3];
-    const double band_a = half_width(a, k), band_b = half_width(b, k);
+    const double band_a = band_at(k, a, look, s, work), band_b = band_at(k, b, look, s, work);
     const double first = sign * middle(a, k), last = sign * middle(b, k);
     const double near_a = side == 0 || first < BANDS * band_a ? band_a : 0.0;
     const double near_b = side == 0 || last < BANDS * band_b ? band_b : 0.0;
     const double within = larger(near_a, near_b);
-    if (side != 0 && side_at(b, k) == -side) return rises <= 0.0;
+    const int is_beyond = side != 0 && side_at(b, k) == -side;
+    if (is_beyond && !is_still_short(k, side, b->time, look, s, work)) return rises <= 0.0;
     if (least > -within || falls >= 0.0 || rises <= 0.0) return 1;
     if (side == 0) return bounds[1] < within;
     return stays_positive(first + within, last + within, falls, rises, b->time - a->time);
@@ -416,7 +426,7 @@ static double time_of(
     noise_at(last, b->read, look, s, there);
     /* rates may be in a window that is narrower */
     for (size_t n = 0; n != N_MEASURES; ++n) {
-        if ((int)k >= EVENTS) noise[2 * n + 1] = there[2 * n + 1];
+        if ((int)k >= EVENTS && (int)k < N_SWITCHING) noise[2 * n + 1] = there[2 * n + 1];
     }
     /* by the polynomial it is beyond zero, by less than that */
     look_closely(noise, last, look, s, work, &node);
@@ -616,6 +626,7 @@ static int are_crossed(
 {
     TimeNode known;
     if (side == 0 || side_at(b, k) != -side) return 0;
+    if (is_still_short(k, side, b->time, look, s, work)) return 0;
     if (b->time != look->cut || !look->was_crossing[k]) return 1;
     look_at(0, b->time, look, s, work, &known);
     return side_at(&known, k) == -side;
@@ -636,6 +647,10 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     valued_end(&a, &a, look, s, work);
     if (look->lost) return end;
     note_left(&a, look, s, work);
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        const int side = (int)s->sides[k];
+        look->is_short[k] = (int)k < EVENTS && side != 0 && side_at(&a, k) == -side;
+    }
     for (size_t n = 0; n != MOST_LOOKS && a.time < end; ++n) {
         int is_known = 1, any = 0, is_lost = 0, may_be_infinite = 0;
         look_at(1, a.time + 1.0000001 * width < end ? a.time + width : end, look, s, work, &b);
@@ -672,8 +687,9 @@ static double seen_end(double end, Look *look, State *s, Work *work)
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
             int side = (int)s->sides[k];
             if (N_POLES > 0 && (int)k >= N_SWITCHING && passed[k - N_SWITCHING]) side = -side;
+            const double *bounds = work->w + W_SEEN + 4 * k;
             if (is_lost && !has_value(&b, k)) continue; /* it ends where that has no value */
-            if (!is_told(k, side, &a, &b, work->w)) is_known = 0;
+            if (!is_told(k, side, &a, &b, bounds, look, s, work)) is_known = 0;
         }
         const double left = larger(first_left(&a, &b, look, s, work), look->start + ONWARD * tiny);
         if (left - look->start < SOON * (end - look->start)) {
@@ -783,90 +799,6 @@ static double polished_cut(const Look *look, const State *s, Work *work)
     return look->cut;
 }
 
-/* on which side of zero what switches is where a rate is so far from what formulas read; 0 where it
- * has none: the rate may be anything between these */
-static void sides_between(
-    size_t n, double a, double b, const double *read, double end, Work *work, int *sides)
-{
-    double least[ROOM(N_READ)], most[ROOM(N_READ)];
-    TimeNode node;
-    memcpy(least, read, sizeof least);
-    memcpy(most, read, sizeof most);
-    least[2 * n + 1] += a;
-    most[2 * n + 1] += b;
-    see_between(least, most, end, work->w, &node);
-    for (size_t k = 0; k != N_CROSSINGS; ++k) {
-        sides[k] = (int)k < EVENTS || (int)k >= N_SWITCHING ? 0 : side_at(&node, k);
-    }
-}
-
-/* whether any of those that had a side is on it now */
-static int any_on(const int *sides, const int *now)
-{
-    for (size_t k = 0; k != N_CROSSINGS; ++k) {
-        if (sides[k] != 0 && now[k] == sides[k]) return 1;
-    }
-    return 0;
-}
-
-/* whether any of those that had a side is off it now */
-static int any_off(const int *sides, const int *now)
-{
-    for (size_t k = 0; k != N_CROSSINGS; ++k) {
-        if (sides[k] != 0 && now[k] != sides[k]) return 1;
-    }
-    return 0;
-}
-
-/* how far a rate goes, towards so far, until the first function leaves the side it has there; that
- * is 0 for those that are not asked for */
-static double way_left(
-    size_t n, double far, const int *there, const double *read, double end, Work *work)
-{
-    double near = 0.0, last = far;
-    int sides[ROOM(N_SEEN)];
-    for (int i = 0; i != MOST_HALVINGS; ++i) {
-        const double way = 0.5 * (near + last);
-        sides_between(n, way, way, read, end, work, sides);
-        if (any_off(there, sides)) last = way;
-        else near = way;
-    }
-    return last;
-}
-
-/* whether formulas switch twice within what errors of steps may leave of a rate: what holds a
- * motion in such a window may lose it, or never meet it. What is within rounding counts as one
- * place */
-static int is_window_at(double end, const Look *look, const State *s, Work *work)
-{
-    double every[ROOM(N_READ)] = { 0.0 };
-    TimeNode node;
-    int is_known = 1;
-    for (size_t n = 0; n != N_MEASURES; ++n) every[2 * n + 1] = BANDS * look->error[n];
-    look_closely(every, end, look, s, work, &node);
-    for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) is_known = is_known && side_at(&node, k);
-    for (size_t n = 0; n != N_MEASURES && !is_known; ++n) {
-        const double most = every[2 * n + 1], apart = PASSING * look->rounding[2 * n + 1];
-        int there[ROOM(N_SEEN)], left[ROOM(N_SEEN)], sides[ROOM(N_SEEN)], count = 0;
-        double ways[2];
-        sides_between(n, 0.0, 0.0, node.read, end, work, there);
-        for (int m = 0; m != 2; ++m) {
-            const double far = m == 0 ? -most : most;
-            sides_between(n, smaller(0.0, far), larger(0.0, far), node.read, end, work, sides);
-            for (size_t k = 0; k != N_CROSSINGS; ++k) left[k] = sides[k] == there[k] ? 0 : there[k];
-            sides_between(n, far, far, node.read, end, work, sides);
-            if (any_on(left, sides)) return 1;
-            if (!any_on(left, left)) continue;
-            const double way = ways[count++] = way_left(n, far, left, node.read, end, work);
-            const double behind = way + copysign(apart, far);
-            sides_between(n, behind, behind, node.read, end, work, sides);
-            if (fabs(behind) < most && any_on(left, sides)) return 1;
-        }
-        if (count == 2 && ways[1] - ways[0] > apart) return 1;
-    }
-    return 0;
-}
-
 /* notes what a step that is kept has crossed: one that was cut, also what is at zero there */
 static void note_crossings(double end, const Look *look, State *s, Work *work)
 {
@@ -879,7 +811,8 @@ static void note_crossings(double end, const Look *look, State *s, Work *work)
         const int side = (int)s->sides[k], now = side_at(&last, k);
         const int is_near = now == 0 || (side_at(&known, k) == 0 && by_rates[k] == 0);
         const int is_there = is_near && end == look->cut && look->was_crossing[k];
-        if (side == 0 || !(now == -side || is_there)) continue;
+        const int is_back = now == -side && !is_still_short(k, side, end, look, s, work);
+        if (side == 0 || !(is_back || is_there)) continue;
         s->sides[k] = -side;
         if ((int)k >= EVENTS || (events[k][0] != 0 && events[k][0] != -side)) continue;
         if (!passes_zero(k, -side, end, look, s, work)) continue;

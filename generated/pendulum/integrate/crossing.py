@@ -77,8 +77,6 @@ BANDS = 16.0
 #: What gets further than so many times what it is known to passes by, as fast as it is at a time:
 #: in the longest step, and before it comes to rest. So it is with rates, as fast as they change.
 PASSING = 16.0
-#: How often the way of a rate to where formulas switch is halved.
-MOST_HALVINGS = 40
 
 
 def largest(a: Array, b: Array) -> Array:
@@ -154,6 +152,8 @@ class Look:
         What errors of steps may leave of rates.
     crosses, was_crossing : array of bool
         Which functions cross, and crossed where it was cut.
+    is_short : array of bool
+        Of which events it starts short of zero, where an earlier step ended for them.
     is_untold : bool
         Whether samples leave open how narrow parts vary somewhere in it.
     has_error : bool
@@ -184,6 +184,7 @@ class Look:
     error: Array = field(init=False)
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
+    is_short: Flags = field(init=False)
     is_untold: bool = False
     has_error: bool = False
     is_kept: bool = True
@@ -270,18 +271,12 @@ def look_closely(noise: Array, time: float, look: Look) -> TimeNode:
 
 def see_at(read: Array, noise: Array, time: float, w: Workspace) -> TimeNode:
     """Node at a time where formulas read this, known to a noise."""
-    least, most = see_between(read - noise, read + noise, time, w)
-    return TimeNode(time, read, least, most)
-
-
-def see_between(a: Array, b: Array, time: float, w: Workspace) -> Array:
-    """Least and most value of each function at a time where formulas read what is between."""
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = time
-    own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = a, b, 0.0
+    own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - noise, read + noise, 0.0
     w.run("crossing")
-    found: Array = w.seen.reshape(-1, 4).T[:2].copy()
-    return found
+    least, most = w.seen.reshape(-1, 4).T[:2].copy()
+    return TimeNode(time, read, least, most)
 
 
 def stage_beyond(seen: float, look: Look) -> float:
@@ -377,13 +372,23 @@ def reach_between(
     found[:, 0], found[:, 1] = np.where(is_open, down, least), np.where(is_open, up, most)
 
 
-def is_told(sides: Array, a: TimeNode, b: TimeNode, bounds: Array) -> Flags:
+def bands_at(node: TimeNode, look: Look) -> Array:
+    """What functions are known to at a node: of an event that it starts short of no more."""
+    found = half_width(node)
+    if look.is_short.any():
+        known = half_width(look_closely(look.noise, node.time, look))
+        n = len(look.is_short)
+        found[:n] = np.where(look.is_short, known[:n], found[:n])
+    return found
+
+
+def is_told(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, look: Look) -> Flags:
     """Whether functions cross between two nodes as often as their sides tell."""
     n, is_down = len(sides), sides < 0.0
     low, high, slowest, fastest = bounds[:, :n]
     sign, least = np.where(is_down, -1.0, 1.0), np.where(is_down, -high, low)
     falls, rises = np.where(is_down, -fastest, slowest), np.where(is_down, -slowest, fastest)
-    band_a, band_b = half_width(a)[:n], half_width(b)[:n]
+    band_a, band_b = bands_at(a, look)[:n], bands_at(b, look)[:n]
     first, last = sign * middle(a)[:n], sign * middle(b)[:n]
     near_a = np.where((sides == 0.0) | (first < BANDS * band_a), band_a, 0.0)
     near_b = np.where((sides == 0.0) | (last < BANDS * band_b), band_b, 0.0)
@@ -392,6 +397,7 @@ def is_told(sides: Array, a: TimeNode, b: TimeNode, bounds: Array) -> Flags:
     is_positive = stays_positive(first + within, last + within, falls, rises, b.time - a.time)
     stays = is_clear | np.where(sides == 0.0, high < within, is_positive)
     crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
+    crosses &= ~is_still_short(sides, b.time, look)
     told: Flags = np.where(crosses, rises <= 0.0, stays)
     return told
 
@@ -467,7 +473,8 @@ def time_of(k: int, a: TimeNode, b: TimeNode, look: Look) -> float:
     """
     side, first, last = -float(side_at(b)[k]), a.time, b.time
     is_event, noise = k < len(look.work.scene.events), noise_of(k, look).copy()
-    if not is_event:  # rates may be in a window that is narrower
+    is_pole = k >= len(look.state.sides) - look.work.scene.n_poles
+    if not (is_event or is_pole):  # rates may be in a window that is narrower
         noise[:, 1] = noise_at(last, b.read, look)[:, 1]
     # by the polynomial it is beyond zero, by less than that
     if side_at(look_closely(noise, last, look))[k] != -side:
@@ -546,12 +553,24 @@ def note_left(a: TimeNode, look: Look) -> None:
     sides[:] = np.where(by_rates == -sides, by_rates, sides)
 
 
+def is_still_short(sides: Array, time: float, look: Look) -> Flags:
+    """Whether events that a step starts short of are no further from zero than the noise.
+
+    They were noted where that step ended for them: there is nothing to go back from.
+    """
+    if not look.is_short.any():
+        return look.is_short
+    known = side_at(look_closely(look.noise, time, look))[: len(sides)]
+    return look.is_short & (known != -sides)
+
+
 def are_crossed(sides: Array, b: TimeNode, look: Look) -> Flags:
     """Whether functions that were on sides are beyond zero at a node.
 
     Where a step was cut for one it is there as far as rates are known.
     """
     crosses: Flags = (sides != 0.0) & (side_at(b)[: len(sides)] == -sides)
+    crosses &= ~is_still_short(sides, b.time, look)
     if b.time == look.cut and crosses.any():
         known = look_at(b.time, look, are_rates_exact=False)
         crosses &= ~look.was_crossing | (side_at(known)[: len(sides)] == -sides)
@@ -574,6 +593,8 @@ def seen_end(end: float, look: Look) -> float:
     if look.lost:
         return end
     note_left(a, look)
+    look.is_short = (np.arange(n) < len(look.work.scene.events)) & (sides != 0.0)
+    look.is_short &= side_at(a)[:n] == -sides
     for _ in range(MOST_LOOKS):
         if not a.time < end:
             break
@@ -598,7 +619,7 @@ def seen_end(end: float, look: Look) -> float:
                 return smaller(larger(valued, nearest), end)
             is_lost = ~has_value(b)[:n]  # it ends where that has no value
         bounds = bound_seen(a, b, look)
-        is_known = bool((is_lost | is_told(now, a, b, bounds)).all())
+        is_known = bool((is_lost | is_told(now, a, b, bounds, look)).all())
         left = larger(first_left(a, b, look), start + ONWARD * tiny)
         if left - start < SOON * (end - start):
             look.crosses[:] = False
@@ -770,84 +791,16 @@ def polished_cut(look: Look) -> float:
     return there
 
 
-def sides_between(k: int, a: float, b: float, read: Array, end: float, look: Look) -> Array:
-    """Side of each function that switches where a rate is so far from what formulas read.
-
-    0 where it has none: a rate may be anything between these.
-    """
-    least, most = read.copy(), read.copy()
-    least[k, 1] += a
-    most[k, 1] += b
-    events, n = len(look.work.scene.events), len(look.state.sides) - look.work.scene.n_poles
-    seen = see_between(least, most, end, look.work.w)
-    return side_at(TimeNode(end, read, *seen))[events:n]
-
-
-def any_on(sides: Array, now: Array) -> bool:
-    """Whether any of those that had a side is on it now."""
-    return bool(np.any((sides != 0.0) & (now == sides)))
-
-
-def any_off(sides: Array, now: Array) -> bool:
-    """Whether any of those that had a side is off it now."""
-    return bool(np.any((sides != 0.0) & (now != sides)))
-
-
-def way_left(k: int, far: float, there: Array, read: Array, end: float, look: Look) -> float:
-    """How far a rate goes, towards so far, until the first function leaves the side it has there.
-
-    That is 0 for those that are not asked for.
-    """
-    near, last = 0.0, far
-    for _ in range(MOST_HALVINGS):
-        way = 0.5 * (near + last)
-        if any_off(there, sides_between(k, way, way, read, end, look)):
-            last = way
-        else:
-            near = way
-    return last
-
-
-def is_window_at(end: float, look: Look) -> bool:
-    """Whether formulas switch twice within what errors of steps may leave of a rate.
-
-    What holds a motion in such a window may lose it, or never meet it. What is within rounding
-    counts as one place.
-    """
-    events, n = len(look.work.scene.events), len(look.state.sides) - look.work.scene.n_poles
-    read, error = read_at(end, look), BANDS * look.error
-    every = np.column_stack((np.zeros_like(error), error))
-    if side_at(see_at(read, every, end, look.work.w))[events:n].all():
-        return False
-    for k, most in enumerate(error.tolist()):
-        there, ways = sides_between(k, 0.0, 0.0, read, end, look), []
-        apart = PASSING * float(look.rounding[k, 1])
-        for far in (-most, most):
-            all_along = sides_between(k, smaller(0.0, far), larger(0.0, far), read, end, look)
-            left = np.where(all_along == there, 0.0, there)
-            if any_on(left, sides_between(k, far, far, read, end, look)):
-                return True
-            if not any_on(left, left):
-                continue
-            ways.append(way_left(k, far, left, read, end, look))
-            behind = ways[-1] + math.copysign(apart, far)
-            sides = sides_between(k, behind, behind, read, end, look)
-            if abs(behind) < most and any_on(left, sides):
-                return True
-        if ways and ways[-1] - ways[0] > apart:
-            return True
-    return False
-
-
 def note_crossings(end: float, look: Look) -> None:
     """Note what a step that is kept has crossed: one that was cut, also what is zero there."""
     state, events = look.state, look.work.scene.events
     sides, now = state.sides.copy(), side_at(look_at(end, look))
     is_near = (now == 0.0) | (side_at(look_closely(look.noise, end, look)) == 0.0)
     is_near &= (now == 0.0) | (rate_sides(read_at(end, look), end, look) == 0.0)
+    is_back = (now[: len(sides)] == -sides) & ~is_still_short(sides, end, look)
     for k, side in enumerate(sides.tolist()):
         is_there = is_near[k] and end == look.cut and look.was_crossing[k]
-        if side == 0.0 or not (now[k] == -side or is_there):
+        if side == 0.0 or not (is_back[k] or is_there):
             continue
         state.sides[k] = -side
         if k < len(events) and events[k, 0] in {0, -side} and passes_zero(k, -side, end, look):

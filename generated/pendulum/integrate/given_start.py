@@ -62,7 +62,7 @@ class GivenStart:
         Angular velocity.
     is_in_o : bool
         Whether its components are in frame O, not in the frame of the body.
-    weight : (11,)
+    mass_properties : (11,)
         Its mass [kg], principal moments [kg m²], and of its own principal frame ``origin_b`` [m]
         and ``axes_b``, as of :class:`.body_tables.BodyPlaces`: another body may carry it. An index
         of the design stands in place of a number that depends on parameters.
@@ -73,12 +73,12 @@ class GivenStart:
     velocity: tuple[float, ...]
     spin: tuple[float, ...]
     is_in_o: bool
-    weight: tuple[int | float, ...]
+    mass_properties: tuple[int | float, ...]
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> GivenStart:
         """Start that the scene gives a body, from ``motion.json``."""
-        names = ("position", "orientation", "velocity", "spin", "weight")
+        names = ("position", "orientation", "velocity", "spin", "mass_properties")
         return cls(is_in_o=data["is_in_o"], **{name: tuple(data[name]) for name in names})
 
 
@@ -129,8 +129,8 @@ class Given:
         self.r, self.v = Places([one.r for one in bodies]), Places([one.v for one in bodies])
         self.p = Places([one.p or NO_TURN for one in bodies])
         self.omega_b = Places([one.omega_b or (0.0,) * 3 for one in bodies])
-        weight = np.array([one.weight for _, one in moving]).T
-        self.mass, self.inertia, arm, own = weight[0], weight[1:4], weight[4:7], _back(weight[7:])
+        table = np.array([one.mass_properties for _, one in moving]).T
+        self.mass, self.inertia, arm, own = table[0], table[1:4], table[4:7], _back(table[7:])
         self.heavy = np.maximum(self.inertia, THIN * self.inertia.max(axis=0))
         self.frame = np.array([body.axes_b for body, _ in moving]).T
         self.origin = np.array([body.origin_b for body, _ in moving]).T

@@ -209,7 +209,9 @@ class Layout:
                 for one in self.bodies
             ),
             reactions=tuple(replace(one, point_b=given(one.point_b)) for one in self.reactions),
-            given=tuple(replace(one, weight=given(one.weight)) for one in self.given),
+            given=tuple(
+                replace(one, mass_properties=given(one.mass_properties)) for one in self.given
+            ),
         )
 
     def parts(self, rows: Array) -> dict[str, Array]:

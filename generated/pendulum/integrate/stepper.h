@@ -1,11 +1,11 @@
 /* The stepper: an explicit Runge-Kutta step, its error, and how long the next one is. */
 
 /* what may be left of the constraints at a stage inside of a step, in units of the tolerance */
-#define INNER 1e-3
+#define STAGE_RESIDUAL 1e-3
 /* how often a step is made shorter that has a stage where rows are nearly dependent, and how
  * much */
-#define PATIENCE 8
-#define SHORTER 0.9
+#define MOST_AVOIDED 8
+#define AVOIDING_STEP_PART 0.9
 /* how often a step is made shorter for what varies with the state */
 #define MOST_SHORTER 8
 /* of a step whose error is larger, or than this relative to the state where steps are fixed, only a
@@ -13,12 +13,12 @@
 #define LEAST_PART 0.02
 #define MOST_POLISHED 3
 /* the largest correction of a step where drivers lead */
-#define NEAR 1e-3
+#define MOST_DRIVEN_CORRECTION 1e-3
 /* this part of what is normal to the constraints does not count as an error; nothing of it does
  * where drivers lead, which is exact, and at a pivot ratio this much smaller than the largest so
  * far, where it is rounding */
-#define FORGIVEN 0.5
-#define CLEAR 1e-3
+#define FORGIVEN_NORMAL_PART 0.5
+#define CLEAR_PIVOT_RATIO 1e-3
 /* what a step may be off the constraints, in tolerances, and the least of these: half of what is
  * trusted. Estimates can be blind where bodies turn by some radians in a step, this is not */
 #define MOST_DRIFT 50.0
@@ -27,48 +27,48 @@
  * and end at the same phases of a force that repeats, so that their errors have one sign and add
  * up, and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
  * DOP853 it is 4 times too small; this is 10 times too large */
-#define LOCKED 4e-3
+#define LOCKED_ERROR_PART 4e-3
 /* pivot ratios go with the square of the distance from a place where branches meet; a stage from
  * this part of the step on tells how */
-#define INSIDE 0.25
+#define INNER_STAGE_PART 0.25
 /* steps are looked at where they sink to this part of the larger ratio at the ends, or a stage has
  * this part of the smaller one; and where ratios are smaller than this and the step is longer than
  * this part of the way to such a place */
-#define SINKS 0.1
-#define DIPS 0.75
-#define BESIDE_IT 1e-3
-#define FAR 0.5
+#define SUNK_RATIO_PART 0.1
+#define DIPPED_RATIO_PART 0.75
+#define SMALL_RATIO_PART 1e-3
+#define FAR_WAY_PART 0.5
 /* such steps are no longer than this, in lengths and radians: how ratios go is not known over
  * longer ones. At tolerances above that, and where drivers determine the motion, none is longer
  * than this: stages may pass by such a place, unless ratios are as level as this. Where there are
  * so many stages they lie twice as densely, but two bodies turn towards each other by twice as
  * much: by less than half a turn, so that no step passes two such places */
-#define LONGEST 0.75
-#define LOOSE 1e-3
-#define LONGEST_OF_ALL 1.2
+#define LONGEST_NEAR_BRANCHES 0.75
+#define LOOSE_TOLERANCE 1e-3
+#define LONGEST_IF_LOOSE 1.2
 #define MANY_STAGES 12
-#define LONGEST_OF_MANY 1.5
-#define LEVEL 0.999
+#define LONGEST_OF_MANY_STAGES 1.5
+#define LEVEL_RATIO_PART 0.999
 /* where the line through two roots leads to less than this part of the next one, the root may have
  * changed its sign in between */
-#define TURNED 0.2
+#define TURNED_ROOT_PART 0.2
 /* a step after one that tells how long it may be is this part of that */
-#define NEARLY 0.98
+#define LIMITED_STEP_PART 0.98
 /* a step is not made shorter than this to find its branch */
-#define STILL_LONG 1e-4
+#define SHORTEST_BRANCH_WAY 1e-4
 /* a step is this much shorter than what would meet the tolerance */
 #define SAFETY 0.8
 /* what velocities are compared with, beside themselves: the largest so far, but no more than moves
  * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves, in
  * the longest step so far: in a short one rates of what does move are no larger */
-#define PART 0.05
+#define USUAL_STEP_MOTION 0.05
 /* errors of works of DOP853 are compared with so many times the energy that moves at most: with as
  * much as the verdict allows */
 #define MOST_MOVED 100.0
 /* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
  * the whole time */
-#define FIRST 0.01
-#define FIRST_OF_SPAN 1e-6
+#define FIRST_STEP_MOTION 0.01
+#define FIRST_STEP_SPAN_PART 1e-6
 
 /* whether stages tell where roots of what tells branches change their sign */
 enum { TURNS_TOLD = HAS_REFINEMENT && !IS_DRIVEN };
@@ -135,7 +135,7 @@ static double fastest(const double *end, const State *s)
 static double usual_rate(double h, const double *end, const State *s)
 {
     const double known = fastest(end, s);
-    return smaller(PART / h, larger(NOTHING_MOVES / larger(s->stride, h), known));
+    return smaller(USUAL_STEP_MOTION / h, larger(NOTHING_MOVES / larger(s->stride, h), known));
 }
 
 /* notes what later steps are compared with */
@@ -199,8 +199,9 @@ static double estimate(const Method *m, const double *row, const Trial *trial, c
     const double *now = s->y, *end = work->y;
     double *error = work->scratch, *u = work->u, sum = 0.0;
     const double rate = usual_rate(trial->h, end, s);
-    const int is_clear = !HAS_DRIVERS && trial->least_ratio >= CLEAR * s->largest_pivot_ratio;
-    const double forgiven = is_clear ? FORGIVEN : 1.0;
+    const int is_clear = !HAS_DRIVERS &&
+                         trial->least_ratio >= CLEAR_PIVOT_RATIO * s->largest_pivot_ratio;
+    const double forgiven = is_clear ? FORGIVEN_NORMAL_PART : 1.0;
     combine(m->stages + 1, row, NULL, trial->h, work->k, error);
     for (int part = 0; part < 2; ++part) {
         if (part == 0) displacement_of(end, error, u);
@@ -230,7 +231,7 @@ static double estimate(const Method *m, const double *row, const Trial *trial, c
 static int tells_drift(const Trial *trial, const State *s)
 {
     if (HAS_DRIVERS || HAS_ROW_SWITCH) return 0;
-    return trial->least_ratio >= CLEAR * s->largest_pivot_ratio;
+    return trial->least_ratio >= CLEAR_PIVOT_RATIO * s->largest_pivot_ratio;
 }
 
 /* the error of a step, in units of the tolerance; locked from a switch to the next */
@@ -241,7 +242,7 @@ static double local_error(const Method *m, const Trial *trial, int is_locked, co
     if (!m->error_2 || e * e == 0.0) return e;
     const double e2 = estimate(m, m->error_2, trial, s, work, tolerance);
     const double best = e * e / sqrt(e * e + 0.01 * e2 * e2);
-    return is_locked ? larger(best, LOCKED * e2) : best;
+    return is_locked ? larger(best, LOCKED_ERROR_PART * e2) : best;
 }
 
 /* the n-th stage of a step: y on the manifold, or near enough to it, and its derivative; 0 where
@@ -295,7 +296,7 @@ static void look_at_ratios(double part, Trial *trial, const Work *work, const St
     if (!HAS_REFINEMENT) return;
     trial->top_ratio = larger(trial->top_ratio, trial->end_ratio);
     if (TURNS_TOLD) note_root(part, sqrt(trial->end_ratio), trial);
-    if (trial->inner == 0.0 && part >= INSIDE) {
+    if (trial->inner == 0.0 && part >= INNER_STAGE_PART) {
         trial->inner_ratio = trial->end_ratio;
         trial->inner = part;
     }
@@ -314,7 +315,7 @@ static int make_stages(const Method *m, double tolerance, Trial *trial, Work *wo
         note_root(-s->stage_before / trial->h, s->root_before, trial);
     for (size_t n = 1; good && n <= m->stages; ++n) {
         const int is_inner = n < m->stages;
-        good = stage(m, n, trial->h, is_inner ? INNER * tolerance : 0.0, work->y,
+        good = stage(m, n, trial->h, is_inner ? STAGE_RESIDUAL * tolerance : 0.0, work->y,
             is_inner ? NULL : work->low, work, s, &trial->drift);
         if (good && !is_inner) look_at_digits(work->k[n], work, s);
         look_at_ratios(m->c[n], trial, work, s);
@@ -381,7 +382,7 @@ static double turning_place(const Trial *trial, double *slope)
         if (k > 0) ahead = r[k] + width * (r[k] - r[k - 1]) / (x[k] - x[k - 1]);
         if (k + 2 < trial->count)
             back = r[k + 1] - width * (r[k + 2] - r[k + 1]) / (x[k + 2] - x[k + 1]);
-        if (!(ahead < TURNED * r[k + 1]) && !(back < TURNED * r[k])) continue;
+        if (!(ahead < TURNED_ROOT_PART * r[k + 1]) && !(back < TURNED_ROOT_PART * r[k])) continue;
         part = x[k] + width * meeting_part(r[k], r[k + 1]);
         *slope = both / width;
         least = both;
@@ -393,11 +394,11 @@ static double turning_place(const Trial *trial, double *slope)
  * infinite where any way is short enough */
 static double longest_way(const Attempts *tried, const Trial *trial, const State *s)
 {
-    const int is_loose = IS_DRIVEN || tried->settings->tolerance > LOOSE;
+    const int is_loose = IS_DRIVEN || tried->settings->tolerance > LOOSE_TOLERANCE;
     if (!HAS_REFINEMENT || !is_loose || tried->is_fixed) return HUGE_VAL;
     const double top = larger(s->position_ratio, trial->top_ratio);
-    if (smaller(trial->dip_ratio, trial->end_ratio) > LEVEL * top) return HUGE_VAL;
-    return IS_DRIVEN && tried->m->stages >= MANY_STAGES ? LONGEST_OF_MANY : LONGEST_OF_ALL;
+    if (smaller(trial->dip_ratio, trial->end_ratio) > LEVEL_RATIO_PART * top) return HUGE_VAL;
+    return IS_DRIVEN && tried->m->stages >= MANY_STAGES ? LONGEST_OF_MANY_STAGES : LONGEST_IF_LOOSE;
 }
 
 /* whether a step is no longer than that: else it is made again. Where bodies are free much shorter:
@@ -406,7 +407,7 @@ static int is_short(double longest, Trial *trial, const State *s, const Work *wo
 {
     const double way = longest < HUGE_VAL ? way_of(trial->h, s->y, work->y) : 0.0;
     if (!(way > longest)) return 1;
-    if (IS_DRIVEN) trial->longest = NEARLY * trial->h * (longest / way);
+    if (IS_DRIVEN) trial->longest = LIMITED_STEP_PART * trial->h * (longest / way);
     return 0;
 }
 
@@ -416,13 +417,13 @@ static int branch_of(const Attempts *tried, Trial *trial, Work *work, State *s)
     if (!HAS_REFINEMENT) return STAYS;
     const double first = s->position_ratio, last = trial->end_ratio, most = usual_ratio(s);
     if (!is_short(longest_way(tried, trial, s), trial, s, work)) return LEAPS;
-    const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
+    const int is_dip = trial->dip_ratio < DIPPED_RATIO_PART * smaller(first, last);
     double slope = 0.0, part = TURNS_TOLD ? turning_place(trial, &slope) : 0.0;
-    const int is_sinking = is_dip || slope > 0.0 || sinks(SINKS, trial, s);
-    if (!is_sinking && !(smaller(first, last) < BESIDE_IT * most)) return STAYS;
-    const double far = FAR * sqrt(larger(first, last) / most);
+    const int is_sinking = is_dip || slope > 0.0 || sinks(SUNK_RATIO_PART, trial, s);
+    if (!is_sinking && !(smaller(first, last) < SMALL_RATIO_PART * most)) return STAYS;
+    const double far = FAR_WAY_PART * sqrt(larger(first, last) / most);
     if (!is_sinking && !(way_of(trial->h, s->y, work->y) > far)) return STAYS;
-    if (!tried->is_fixed && !is_short(LONGEST, trial, s, work)) return LEAPS;
+    if (!tried->is_fixed && !is_short(LONGEST_NEAR_BRANCHES, trial, s, work)) return LEAPS;
     const double before = sqrt(first), after = sqrt(last), *f = work->k[tried->m->stages];
     if (!(slope > 0.0)) {
         part = is_dip ? dipping_part(before, after, trial) : meeting_part(before, after);
@@ -440,7 +441,8 @@ static void accept(const Attempts *tried, const Trial *trial, Work *work, State 
     if (error != 0.0) factor = SAFETY * pow(error, -0.8 * exponent) * pow(before, 0.2 * exponent);
     double next = h * smaller(tried->is_rejected ? 1.0 : 10.0, larger(0.2, factor));
     const double way = longest_way(tried, trial, s); /* what is longer is made in vain */
-    if (IS_DRIVEN && way < HUGE_VAL) next = smaller(next, NEARLY * way / size_of(work->y + NQ));
+    if (IS_DRIVEN && way < HUGE_VAL)
+        next = smaller(next, LIMITED_STEP_PART * way / size_of(work->y + NQ));
     if (!trial->is_last || next < s->step_size) s->step_size = next;
     s->error = larger(error, 1e-4);
     s->drift = larger(s->drift, trial->drift);
@@ -495,7 +497,8 @@ static int is_made(Attempts *tried, Trial *trial, Work *work, State *s)
     forget_trials(work);
     trial->is_good = make_stages(tried->m, tried->settings->tolerance, trial, work, s);
     /* no error tells how far drivers led */
-    if (HAS_DRIVERS && !tried->is_fixed && trial->drift > NEAR) trial->is_good = 0;
+    if (HAS_DRIVERS && !tried->is_fixed && trial->drift > MOST_DRIVEN_CORRECTION)
+        trial->is_good = 0;
     if (tried->is_fixed && !trial->is_good) {
         const double there = smaller(trial->least_ratio, ratio_at(work->y, work, s));
         if (!is_weak(there, tried, s)) {
@@ -550,12 +553,13 @@ static int is_clear(Attempts *tried, Trial *trial, State *s)
     if (trial->least_ratio > 0.0 && is_weak(trial->most_ratio, tried, s)) {
         /* it is so everywhere: shorter steps stay there */
         s->largest_pivot_ratio = trial->least_ratio / (tried->is_fixed ? VAGUE : WEAK);
-    } else if (tried->avoided <= PATIENCE) {
+    } else if (tried->avoided <= MOST_AVOIDED) {
         if (trial->least_ratio > tried->best) {
             tried->best = trial->least_ratio;
             tried->best_h = trial->h;
         }
-        s->step_size = tried->avoided++ < PATIENCE ? SHORTER * trial->h : tried->best_h;
+        s->step_size = tried->avoided++ < MOST_AVOIDED ? AVOIDING_STEP_PART * trial->h
+                                                       : tried->best_h;
         s->avoided += 1;
         return 0;
     }
@@ -581,7 +585,7 @@ static int is_tried(Attempts *tried, Trial *trial, Work *work, State *s)
     if (trial->is_whole && is_kept(trial)) {
         trial->branch = branch_of(tried, trial, work, s);
         if (trial->branch == LEAPS && !tried->is_fixed)
-            trial->is_whole = !(way_of(trial->h, s->y, work->y) > STILL_LONG);
+            trial->is_whole = !(way_of(trial->h, s->y, work->y) > SHORTEST_BRANCH_WAY);
     }
     if (!trial->is_whole) trial->error = 1e3;
     return 1;
@@ -701,8 +705,7 @@ static void keep(const Attempts *tried, const Trial *trial, Work *work, State *s
     accept(tried, trial, work, s);
     if (N_SEEN == 0) return;
     note_crossings(trial->end, look, s, work);
-    if (look->is_untold || is_window_at(trial->end, look, s, work))
-        note_unresolved(s->time_before, s);
+    if (look->is_untold) note_unresolved(s->time_before, s);
     if (s->time == look->cut) {
         s->step_size = larger(s->step_size, before);
         s->switched = s->time;
@@ -745,15 +748,17 @@ static int first_step(const Method *m, const Settings *settings, double end, Sta
     const double span = end - s->time;
     const double speed = size_of(s->y + NQ);
     /* rates of what moves already are known */
-    if (speed * span > NOTHING_MOVES) s->stride = smaller(FIRST / speed, span);
+    if (speed * span > NOTHING_MOVES) s->stride = smaller(FIRST_STEP_MOTION / speed, span);
     double rate = larger(speed, sqrt(size_of(s->f + NQ)));
-    const double h = smaller(rate > 0.0 ? FIRST / rate : FIRST_OF_SPAN * span, span);
+    const double h = smaller(
+        rate > 0.0 ? FIRST_STEP_MOTION / rate : FIRST_STEP_SPAN_PART * span, span);
     for (size_t i = 0; i < NY; ++i) y[i] = s->y[i] + h * s->f[i];
     if (!project(s->time + h, 0.0, y, NULL, f, work, s, NULL)) return STEP_TOO_SMALL;
     for (size_t i = NQ; i < NY; ++i) f[i] = f[i] - s->f[i];
     rate = larger(rate, pow(size_of(f + NQ) / h, 1.0 / 3.0));
     double by_order = span;
-    if (rate > 0.0) by_order = pow(FIRST * settings->tolerance, 1.0 / (double)m->order) / rate;
+    if (rate > 0.0)
+        by_order = pow(FIRST_STEP_MOTION * settings->tolerance, 1.0 / (double)m->order) / rate;
     s->step_size = smaller(smaller(100.0 * h, by_order), span);
     return GOOD;
 }

@@ -17,7 +17,6 @@ from .crossing import (
     cut_at,
     end_before_pole,
     is_at_pole,
-    is_window_at,
     look_into,
     note_crossings,
     note_unresolved,
@@ -57,10 +56,10 @@ if TYPE_CHECKING:
     from .state import State
 
 #: What may be left of the constraints at a stage inside of a step, in units of the tolerance.
-INNER = 1e-3
+STAGE_RESIDUAL = 1e-3
 #: How often a step is made shorter that has a stage where rows are nearly dependent, how much.
-PATIENCE = 8
-SHORTER = 0.9
+MOST_AVOIDED = 8
+AVOIDING_STEP_PART = 0.9
 #: How often a step is made shorter for what varies with the state.
 MOST_SHORTER = 8
 #: Of a step whose error is larger, or than this relative to the state where steps are fixed, only a
@@ -68,12 +67,12 @@ MOST_SHORTER = 8
 LEAST_PART = 0.02
 MOST_POLISHED = 3
 #: The largest correction of a step where drivers lead.
-NEAR = 1e-3
+MOST_DRIVEN_CORRECTION = 1e-3
 #: This part of what is normal to the constraints does not count as an error; nothing of it does
 #: where drivers lead, which is exact, and at a pivot ratio this much smaller than the largest so
 #: far, where it is rounding.
-FORGIVEN = 0.5
-CLEAR = 1e-3
+FORGIVEN_NORMAL_PART = 0.5
+CLEAR_PIVOT_RATIO = 1e-3
 #: What a step may be off the constraints, in tolerances, and the least of these: half of what is
 #: trusted. Estimates can be blind where bodies turn by some radians in a step, this is not.
 MOST_DRIFT = 50.0
@@ -82,48 +81,48 @@ LEAST_DRIFT = 1e-11
 #: end at the same phases of a force that repeats, so that their errors have one sign and add up,
 #: and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
 #: DOP853 it is 4 times too small; this is 10 times too large.
-LOCKED = 4e-3
+LOCKED_ERROR_PART = 4e-3
 #: Pivot ratios go with the square of the distance from a place where branches meet; a stage from
 #: this part of the step on tells how.
-INSIDE = 0.25
+INNER_STAGE_PART = 0.25
 #: Steps are looked at where they sink to this part of the larger ratio at the ends, or a stage has
 #: this part of the smaller one; and where ratios are smaller than this and the step is longer than
 #: this part of the way to such a place.
-SINKS = 0.1
-DIPS = 0.75
-BESIDE_IT = 1e-3
-FAR = 0.5
+SUNK_RATIO_PART = 0.1
+DIPPED_RATIO_PART = 0.75
+SMALL_RATIO_PART = 1e-3
+FAR_WAY_PART = 0.5
 #: Such steps are no longer than this, in lengths and radians: how ratios go is not known over
 #: longer ones. At tolerances above that, and where drivers determine the motion, none is longer
 #: than this: stages may pass by such a place, unless ratios are as level as this. Where there are
 #: so many stages they lie twice as densely, but two bodies turn towards each other by twice as
 #: much: by less than half a turn, so that no step passes two such places.
-LONGEST = 0.75
-LOOSE = 1e-3
-LONGEST_OF_ALL = 1.2
+LONGEST_NEAR_BRANCHES = 0.75
+LOOSE_TOLERANCE = 1e-3
+LONGEST_IF_LOOSE = 1.2
 MANY_STAGES = 12
-LONGEST_OF_MANY = 1.5
-LEVEL = 0.999
+LONGEST_OF_MANY_STAGES = 1.5
+LEVEL_RATIO_PART = 0.999
 #: Where the line through two roots leads to less than this part of the next one, the root may have
 #: changed its sign in between.
-TURNED = 0.2
+TURNED_ROOT_PART = 0.2
 #: A step after one that tells how long it may be is this part of that.
-NEARLY = 0.98
+LIMITED_STEP_PART = 0.98
 #: A step is not made shorter than this to find its branch.
-STILL_LONG = 1e-4
+SHORTEST_BRANCH_WAY = 1e-4
 #: A step is this much shorter than what would meet the tolerance.
 SAFETY = 0.8
 #: What velocities are compared with, beside themselves: the largest so far, but no more than moves
 #: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves,
 #: in the longest step so far: in a short one rates of what does move are no larger.
-PART = 0.05
+USUAL_STEP_MOTION = 0.05
 #: Errors of works of DOP853 are compared with so many times the energy that moves at most: with as
 #: much as the verdict allows.
 MOST_MOVED = 100.0
 #: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
 #: moves yet, in the whole time.
-FIRST = 0.01
-FIRST_OF_SPAN = 1e-6
+FIRST_STEP_MOTION = 0.01
+FIRST_STEP_SPAN_PART = 1e-6
 
 
 @dataclass(slots=True)
@@ -260,7 +259,7 @@ def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
     It is told by the motion: in other units of time it is the same.
     """
     known = fastest(end, state, work)
-    return smaller(PART / h, larger(NOTHING_MOVES / larger(state.stride, h), known))
+    return smaller(USUAL_STEP_MOTION / h, larger(NOTHING_MOVES / larger(state.stride, h), known))
 
 
 def note_motion(h: float, end: Array, state: State, work: Work) -> None:
@@ -336,9 +335,11 @@ def estimate(
     errors = np.empty((2, nv))
     displacement_of(scene, end, error, errors[0])
     errors[1] = error[nq:]
-    is_clear = not scene.has_drivers and trial.least_ratio >= CLEAR * state.largest_pivot_ratio
+    is_clear = (
+        not scene.has_drivers and trial.least_ratio >= CLEAR_PIVOT_RATIO * state.largest_pivot_ratio
+    )
     for u in errors:
-        take_normal_part(FORGIVEN if is_clear else 1.0, end[nq:], work, u)
+        take_normal_part(FORGIVEN_NORMAL_PART if is_clear else 1.0, end[nq:], work, u)
     errors[0] /= scene.lengths
     errors[1] /= rate * scene.lengths + np.maximum(np.abs(now[nq:]), np.abs(end[nq:]))
     done = slice(nq - scene.works, nq)  # work is compared with the energy that moves
@@ -357,7 +358,7 @@ def tells_drift(trial: Trial, state: State, work: Work) -> bool:
     """
     if work.scene.has_drivers or work.all is not None:
         return False
-    return trial.least_ratio >= CLEAR * state.largest_pivot_ratio
+    return trial.least_ratio >= CLEAR_PIVOT_RATIO * state.largest_pivot_ratio
 
 
 def local_error(
@@ -375,7 +376,7 @@ def local_error(
         return e
     e2 = estimate(m, m.errors[1], trial, state, work, tolerance)
     best = e * e / math.sqrt(e * e + 0.01 * e2 * e2)
-    return larger(best, LOCKED * e2) if is_locked else best
+    return larger(best, LOCKED_ERROR_PART * e2) if is_locked else best
 
 
 def stage(
@@ -437,7 +438,7 @@ def look_at_ratios(part: float, trial: Trial, work: Work, state: State) -> None:
     trial.top_ratio = larger(trial.top_ratio, trial.end_ratio)
     if not is_driven:
         note_root(part, math.sqrt(trial.end_ratio), trial)
-    if trial.inner == 0.0 and part >= INSIDE:
+    if trial.inner == 0.0 and part >= INNER_STAGE_PART:
         trial.inner_ratio, trial.inner = trial.end_ratio, part
     if part < 1.0 and trial.end_ratio < trial.dip_ratio:
         trial.dip_ratio, trial.dip = trial.end_ratio, part
@@ -453,7 +454,7 @@ def make_stages(
             note_root(-state.stage_before / trial.h, state.root_before, trial)
     for n in range(1, m.stages + 1):
         low = None if n < m.stages else work.low
-        enough = INNER * tolerance if low is None else 0.0
+        enough = STAGE_RESIDUAL * tolerance if low is None else 0.0
         trial.drift = stage(m, n, trial.h, enough, work.y, low, work, state)
         if trial.drift >= 0.0 and low is not None:
             look_at_digits(work.k[n], work, state)
@@ -521,21 +522,21 @@ def turning_place(trial: Trial) -> tuple[float, float]:
             ahead = r[k] + width * (r[k] - r[k - 1]) / (x[k] - x[k - 1])
         if k + 2 < len(x):
             back = r[k + 1] - width * (r[k + 2] - r[k + 1]) / (x[k + 2] - x[k + 1])
-        if ahead < TURNED * r[k + 1] or back < TURNED * r[k]:
+        if ahead < TURNED_ROOT_PART * r[k + 1] or back < TURNED_ROOT_PART * r[k]:
             part, slope, least = x[k] + width * meeting_part(r[k], r[k + 1]), both / width, both
     return part, slope
 
 
 def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
     """Longest way of a step on which ratios tell of other branches; infinite without a limit."""
-    is_loose = work.scene.is_driven or tried.s.tolerance > LOOSE
+    is_loose = work.scene.is_driven or tried.s.tolerance > LOOSE_TOLERANCE
     if not work.scene.has_refinement or not is_loose or tried.is_fixed:
         return math.inf
     top = larger(state.position_ratio, trial.top_ratio)
-    if smaller(trial.dip_ratio, trial.end_ratio) > LEVEL * top:
+    if smaller(trial.dip_ratio, trial.end_ratio) > LEVEL_RATIO_PART * top:
         return math.inf
     is_dense = work.scene.is_driven and tried.m.stages >= MANY_STAGES
-    return LONGEST_OF_MANY if is_dense else LONGEST_OF_ALL
+    return LONGEST_OF_MANY_STAGES if is_dense else LONGEST_IF_LOOSE
 
 
 def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
@@ -544,7 +545,7 @@ def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
     if not way > longest:
         return True
     if work.scene.is_driven:  # free bodies pass places where branches meet by momentum
-        trial.longest = NEARLY * trial.h * (longest / way)
+        trial.longest = LIMITED_STEP_PART * trial.h * (longest / way)
     return False
 
 
@@ -555,15 +556,15 @@ def branch_of(tried: Attempts, trial: Trial, work: Work, state: State) -> int:
     first, last, most = state.position_ratio, trial.end_ratio, usual_ratio(work, state)
     if not is_short(longest_way(tried, trial, work, state), trial, state, work):
         return LEAPS
-    is_dip = trial.dip_ratio < DIPS * smaller(first, last)
+    is_dip = trial.dip_ratio < DIPPED_RATIO_PART * smaller(first, last)
     part, slope = turning_place(trial)
-    is_sinking = is_dip or slope > 0.0 or sinks(SINKS, trial, state, work)
-    if not is_sinking and not smaller(first, last) < BESIDE_IT * most:
+    is_sinking = is_dip or slope > 0.0 or sinks(SUNK_RATIO_PART, trial, state, work)
+    if not is_sinking and not smaller(first, last) < SMALL_RATIO_PART * most:
         return STAYS
-    far = 0.0 if is_sinking else FAR * math.sqrt(larger(first, last) / most)
+    far = 0.0 if is_sinking else FAR_WAY_PART * math.sqrt(larger(first, last) / most)
     if not is_sinking and not work.w.way_of(trial.h, state.y, work.y) > far:
         return STAYS
-    if not tried.is_fixed and not is_short(LONGEST, trial, state, work):
+    if not tried.is_fixed and not is_short(LONGEST_NEAR_BRANCHES, trial, state, work):
         return LEAPS
     before, after, f = math.sqrt(first), math.sqrt(last), work.k[tried.m.stages]
     if not slope > 0.0:
@@ -581,7 +582,7 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     following = h * smaller(1.0 if tried.is_rejected else 10.0, larger(0.2, factor))
     way, speed = longest_way(tried, trial, work, state), work.w.size_of(work.y[work.scene.nq :])
     if work.scene.is_driven and way < math.inf and speed > 0.0:  # what is longer is made in vain
-        following = smaller(following, NEARLY * way / speed)
+        following = smaller(following, LIMITED_STEP_PART * way / speed)
     if not trial.is_last or following < state.step_size:
         state.step_size = following
     state.error = larger(error, 1e-4)
@@ -629,7 +630,7 @@ def is_made(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     forget_trials(work)
     make_stages(tried.m, tried.s.tolerance, trial, work, state)
     trial.is_good = trial.drift >= 0.0
-    if work.scene.has_drivers and not tried.is_fixed and trial.drift > NEAR:
+    if work.scene.has_drivers and not tried.is_fixed and trial.drift > MOST_DRIVEN_CORRECTION:
         trial.is_good = False  # no error tells how far drivers led
     if tried.is_fixed and not trial.is_good:
         there = smaller(trial.least_ratio, ratio_at(work.y[: work.scene.nq], work, state))
@@ -676,10 +677,12 @@ def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:
     if trial.least_ratio > 0.0 and is_weak(trial.most_ratio, tried, state):
         # it is so everywhere: shorter steps stay there
         state.largest_pivot_ratio = trial.least_ratio / (VAGUE if tried.is_fixed else WEAK)
-    elif tried.avoided <= PATIENCE:
+    elif tried.avoided <= MOST_AVOIDED:
         if trial.least_ratio > tried.best:
             tried.best, tried.best_h = trial.least_ratio, trial.h
-        state.step_size = SHORTER * trial.h if tried.avoided < PATIENCE else tried.best_h
+        state.step_size = (
+            AVOIDING_STEP_PART * trial.h if tried.avoided < MOST_AVOIDED else tried.best_h
+        )
         tried.avoided += 1
         state.avoided += 1
         return False
@@ -705,7 +708,7 @@ def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     if trial.is_whole and is_kept(trial):
         trial.branch = branch_of(tried, trial, work, state)
         if trial.branch == LEAPS and not tried.is_fixed:
-            trial.is_whole = not work.w.way_of(trial.h, state.y, work.y) > STILL_LONG
+            trial.is_whole = not work.w.way_of(trial.h, state.y, work.y) > SHORTEST_BRANCH_WAY
     if not trial.is_whole:
         trial.error = 1e3
     return True
@@ -820,7 +823,7 @@ def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     if not work.scene.sees:
         return
     note_crossings(trial.end, look)
-    if look.is_untold or is_window_at(trial.end, look):
+    if look.is_untold:
         note_unresolved(state.time_before, state)
     if state.time == look.cut:
         state.step_size = larger(state.step_size, before)
@@ -861,13 +864,13 @@ def first_step(m: RungeKuttaMethod, s: Settings, end: float, state: State, work:
     span = end - state.time
     speed = size_of(state.y[nq:])
     if speed * span > NOTHING_MOVES:  # rates of what moves already are known
-        state.stride = smaller(FIRST / speed, span)
+        state.stride = smaller(FIRST_STEP_MOTION / speed, span)
     rate = larger(speed, math.sqrt(size_of(state.f[nq:])))
-    h = smaller(FIRST / rate if rate > 0.0 else FIRST_OF_SPAN * span, span)
+    h = smaller(FIRST_STEP_MOTION / rate if rate > 0.0 else FIRST_STEP_SPAN_PART * span, span)
     y[:] = state.y + h * state.f
     if project(state.time + h, 0.0, y, None, f, work, state) < 0.0:
         return Status.STEP_TOO_SMALL
     rate = larger(rate, (size_of((f - state.f)[nq:]) / h) ** (1.0 / 3.0))
-    by_order = (FIRST * s.tolerance) ** (1.0 / m.order) / rate if rate > 0.0 else span
+    by_order = (FIRST_STEP_MOTION * s.tolerance) ** (1.0 / m.order) / rate if rate > 0.0 else span
     state.step_size = smaller(smaller(100.0 * h, by_order), span)
     return Status.GOOD
