@@ -193,6 +193,6 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
 
 def regenerated(manifest: Manifest) -> str:
     """Line that says by what command a package is generated again."""
-    command = printable(manifest.regenerate)
+    command = printable(str(manifest.regenerate))
     shortened = command if len(command) <= 200 else f"{command[:200]} …"
     return f"generate the package again: {shortened}"

@@ -561,7 +561,8 @@ def is_still_short(sides: Array, time: float, look: Look) -> Flags:
     if not look.is_short.any():
         return look.is_short
     known = side_at(look_closely(look.noise, time, look))[: len(sides)]
-    return look.is_short & (known != -sides)
+    found: Flags = look.is_short & (known != -sides)
+    return found
 
 
 def are_crossed(sides: Array, b: TimeNode, look: Look) -> Flags:
