@@ -372,7 +372,7 @@ def reach_between(
     found[:, 0], found[:, 1] = np.where(is_open, down, least), np.where(is_open, up, most)
 
 
-def bands_at(node: TimeNode, look: Look) -> Array:
+def band_at(node: TimeNode, look: Look) -> Array:
     """What functions are known to at a node: of an event that it starts short of no more."""
     found = half_width(node)
     if look.is_short.any():
@@ -388,7 +388,7 @@ def is_told(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, look: Look) -
     low, high, slowest, fastest = bounds[:, :n]
     sign, least = np.where(is_down, -1.0, 1.0), np.where(is_down, -high, low)
     falls, rises = np.where(is_down, -fastest, slowest), np.where(is_down, -slowest, fastest)
-    band_a, band_b = bands_at(a, look)[:n], bands_at(b, look)[:n]
+    band_a, band_b = band_at(a, look)[:n], band_at(b, look)[:n]
     first, last = sign * middle(a)[:n], sign * middle(b)[:n]
     near_a = np.where((sides == 0.0) | (first < BANDS * band_a), band_a, 0.0)
     near_b = np.where((sides == 0.0) | (last < BANDS * band_b), band_b, 0.0)
