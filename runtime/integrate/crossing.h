@@ -593,8 +593,8 @@ static int why_stopped(double seen, const Look *look, State *s)
     return GOOD;
 }
 
-/* on which side functions are where formulas read this, by rates, which may be before a window:
- * places are known to the noise. Of events, which are looked for until they are exact, it is 0 */
+/* on which side functions are where formulas read this: rates are known to rounding where they pass
+ * by, places to the noise. Of events, which are looked for until they are exact, it is 0 */
 static void rate_sides(
     const double *read, double time, const Look *look, const State *s, Work *work, int *sides)
 {
@@ -609,7 +609,7 @@ static void rate_sides(
     }
 }
 
-/* notes on which side functions are where a step starts: of rates some left it in the noise */
+/* notes on which side functions are where a step starts: by the noise that was open */
 static void note_left(const TimeNode *a, const Look *look, State *s, Work *work)
 {
     int by_rates[ROOM(N_SEEN)];

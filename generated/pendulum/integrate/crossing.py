@@ -535,9 +535,10 @@ def first_left(a: TimeNode, b: TimeNode, look: Look) -> float:
 
 
 def rate_sides(read: Array, time: float, look: Look) -> Array:
-    """Side of each function where formulas read this, by rates, which may be before a window.
+    """Side of each function where formulas read this.
 
-    Places are known to the noise, and events are looked for until they are exact: of those it is 0.
+    Rates are known to rounding where they pass by, places to the noise. Of events, which are looked
+    for until they are exact, and of poles it is 0.
     """
     noise, n = look.noise.copy(), len(look.state.sides)
     noise[:, 1] = noise_at(time, read, look)[:, 1]
@@ -547,7 +548,7 @@ def rate_sides(read: Array, time: float, look: Look) -> Array:
 
 
 def note_left(a: TimeNode, look: Look) -> None:
-    """Note on which side functions are where a step starts: of rates some left it in the noise."""
+    """Note on which side functions are where a step starts: by the noise that was open."""
     sides = look.state.sides
     by_rates = rate_sides(a.read, a.time, look)[: len(sides)]
     sides[:] = np.where(by_rates == -sides, by_rates, sides)
