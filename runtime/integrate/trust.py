@@ -33,7 +33,8 @@ LEAST = 1e-11
 KNOWN = 1e-12
 #: What rows that are left out miss is rounding below that, in lengths of the scene or radians.
 MISSES = 1e-9
-#: An energy that is no motion: that of heat, of one freedom at room temperature [J].
+#: An energy that is no motion where hardly anything moves: that of heat, of one freedom at room
+#: temperature [J].
 HEAT = 4e-21
 #: What shorter steps mend.
 OF_STEPS = Doubt.ENERGY | Doubt.WORKS | Doubt.CONSTRAINTS | Doubt.DRIFT | Doubt.ROW_DRIFT
@@ -217,10 +218,11 @@ def allowed_part(limit: float, settings: Settings, single: Mapping[str, float]) 
 
 
 def known_energy(single: Mapping[str, float]) -> float:
-    """Uncertainty of energies [J]: below that they are rounding, or heat."""
+    """Uncertainty of energies [J]: below that they are rounding, or heat of what hardly moves."""
     moved = single["energy_moved"]
     known = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
-    return larger(KNOWN * known, HEAT)
+    is_still = single["fastest"] * single["stride"] < NOTHING_MOVES
+    return larger(KNOWN * known, HEAT * is_still)
 
 
 def judge(

@@ -238,6 +238,20 @@ def test_energy_that_no_work_explains_is_told_with_its_limit() -> None:
 
 @pytest.mark.compiles
 @pytest.mark.parametrize("target", ["numpy", "c"])
+@pytest.mark.parametrize("mass", [1e-30, 1.0, 1e9])
+def test_the_same_motion_of_another_mass_is_trusted_alike(mass: float, target: Any) -> None:
+    inertia = dict.fromkeys(("xx", "yy", "zz"), 0.1 * mass)
+    body = CART["bodies"]["cart"] | {"mass": mass, "inertia": inertia}
+    loads = {"load": {"type": "along", "coordinate": "x", "force": f"-{mass}*x"}}
+    mechanism = kousoku.load({**CART, "bodies": {"cart": body}, "forces": loads}, target=target)
+    assert mechanism.simulate(20, samples=2).ledger.trust.is_trusted
+    for method in ("dopri5", "dop853"):
+        run = mechanism.simulate(20, samples=2, method=method, step=1.5)
+        assert not run.ledger.trust.is_trusted
+
+
+@pytest.mark.compiles
+@pytest.mark.parametrize("target", ["numpy", "c"])
 @pytest.mark.parametrize("method", ["dopri5", "dop853"])
 def test_fixed_steps_in_which_bodies_turn_too_far_are_told(method: Any, target: Any) -> None:
     """Energy says nothing of the angle of a rotor; that Euler parameters lose their norm does."""

@@ -38,11 +38,11 @@ static double allowed_part(double limit, const Settings *settings, const State *
     return part + part * part;
 }
 
-/* what energies are known to [J]: below that they are rounding, or heat */
+/* what energies are known to [J]: below that they are rounding, or heat of what hardly moves */
 static double known_energy(const State *s)
 {
     const double known = larger(larger(fabs(s->energy), fabs(s->potential)), s->energy_moved);
-    return larger(KNOWN * known, HEAT);
+    return larger(KNOWN * known, s->fastest * s->stride < NOTHING_MOVES ? HEAT : 0.0);
 }
 
 /* what speaks against a run; no energy is known of drivers that move what has no mass: they do no
