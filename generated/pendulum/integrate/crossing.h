@@ -184,8 +184,7 @@ static void noise_at(
 /* what is seen at a time of the motion: of what passes by there its polynomial tells where it is,
  * however far off that may be, and of a rate that does what it is, so that nothing that is narrower
  * is passed over. Where a force may be infinite places are known to the noise */
-static void look_at(
-    int are_rates_exact, double time, const Look *look, const State *s, Work *work, TimeNode *node)
+static void look_at(double time, const Look *look, const State *s, Work *work, TimeNode *node)
 {
     double noise[ROOM(N_READ)];
     read_at(time, look, s, work, node->read);
@@ -194,9 +193,6 @@ static void look_at(
         if (side_at(node, k) == 0) return;
     }
     noise_at(time, node->read, look, s, noise);
-    for (size_t k = 0; k != N_MEASURES; ++k) {
-        if (!are_rates_exact) noise[2 * k + 1] = look->noise[2 * k + 1];
-    }
     see_at(noise, time, work->w, node);
 }
 
@@ -593,43 +589,28 @@ static int why_stopped(double seen, const Look *look, State *s)
     return GOOD;
 }
 
-/* on which side functions are where formulas read this: rates are known to rounding where they pass
- * by, places to the noise. Of events, which are looked for until they are exact, it is 0 */
-static void rate_sides(
-    const double *read, double time, const Look *look, const State *s, Work *work, int *sides)
-{
-    double noise[ROOM(N_READ)];
-    TimeNode node;
-    memcpy(node.read, read, sizeof node.read);
-    noise_at(time, read, look, s, noise);
-    for (size_t k = 0; k != N_MEASURES; ++k) noise[2 * k] = look->noise[2 * k];
-    see_at(noise, time, work->w, &node);
-    for (size_t k = 0; k != N_CROSSINGS; ++k) {
-        sides[k] = (int)k < EVENTS || (int)k >= N_SWITCHING ? 0 : side_at(&node, k);
-    }
-}
-
-/* notes on which side functions are where a step starts: by the noise that was open */
+/* notes on which side functions are where a step starts: by the noise that was open. Rates are known
+ * to rounding where they pass by, places to the noise. Events, which are looked for until they are
+ * exact, and poles stay */
 static void note_left(const TimeNode *a, const Look *look, State *s, Work *work)
 {
-    int by_rates[ROOM(N_SEEN)];
-    rate_sides(a->read, a->time, look, s, work, by_rates);
-    for (size_t k = 0; k != N_CROSSINGS; ++k) {
-        if (by_rates[k] == -(int)s->sides[k]) s->sides[k] = by_rates[k];
+    double noise[ROOM(N_READ)];
+    TimeNode node = *a;
+    noise_at(a->time, a->read, look, s, noise);
+    for (size_t k = 0; k != N_MEASURES; ++k) noise[2 * k] = look->noise[2 * k];
+    see_at(noise, a->time, work->w, &node);
+    for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
+        const int now = side_at(&node, k);
+        if (now == -(int)s->sides[k]) s->sides[k] = now;
     }
 }
 
-/* whether a function that was on a side is beyond zero at a node; where a step was cut for it, it
- * is there as far as rates are known */
+/* whether a function that was on a side is beyond zero at a node */
 static int are_crossed(
     size_t k, int side, const TimeNode *b, const Look *look, const State *s, Work *work)
 {
-    TimeNode known;
     if (side == 0 || side_at(b, k) != -side) return 0;
-    if (is_still_short(k, side, b->time, look, s, work)) return 0;
-    if (b->time != look->cut || !look->was_crossing[k]) return 1;
-    look_at(0, b->time, look, s, work, &known);
-    return side_at(&known, k) == -side;
+    return !is_still_short(k, side, b->time, look, s, work);
 }
 
 /* where a step to an end must end: where a function first crosses, or how far was looked */
@@ -643,7 +624,7 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     double width = widest;
     TimeNode a, b;
     look->pole = 0;
-    look_at(1, look->start, look, s, work, &a);
+    look_at(look->start, look, s, work, &a);
     valued_end(&a, &a, look, s, work);
     if (look->lost) return end;
     note_left(&a, look, s, work);
@@ -653,7 +634,7 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     }
     for (size_t n = 0; n != MOST_LOOKS && a.time < end; ++n) {
         int is_known = 1, any = 0, is_lost = 0, may_be_infinite = 0;
-        look_at(1, a.time + 1.0000001 * width < end ? a.time + width : end, look, s, work, &b);
+        look_at(a.time + 1.0000001 * width < end ? a.time + width : end, look, s, work, &b);
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
             if (s->sides[k] == 0.0) s->sides[k] = side_at(&a, k);
             const int side = (int)s->sides[k];
@@ -803,13 +784,11 @@ static double polished_cut(const Look *look, const State *s, Work *work)
 static void note_crossings(double end, const Look *look, State *s, Work *work)
 {
     TimeNode last, known;
-    int by_rates[ROOM(N_SEEN)];
-    look_at(1, end, look, s, work, &last);
+    look_at(end, look, s, work, &last);
     look_closely(look->noise, end, look, s, work, &known);
-    rate_sides(known.read, end, look, s, work, by_rates);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         const int side = (int)s->sides[k], now = side_at(&last, k);
-        const int is_near = now == 0 || (side_at(&known, k) == 0 && by_rates[k] == 0);
+        const int is_near = now == 0 || side_at(&known, k) == 0;
         const int is_there = is_near && end == look->cut && look->was_crossing[k];
         const int is_back = now == -side && !is_still_short(k, side, end, look, s, work);
         if (side == 0 || !(is_back || is_there)) continue;
@@ -830,14 +809,14 @@ static int are_narrow_told(double start, double end, const Look *look, const Sta
     double change[ROOM(N_NARROW)], reach[ROOM(N_NARROW)], band[ROOM(N_NARROW)];
     const double h = (end - start) / CELLS;
     TimeNode a, b;
-    look_at(1, start, look, s, work, &a);
+    look_at(start, look, s, work, &a);
     for (size_t k = 0; k != N_NARROW; ++k) {
         least[k] = most[k] = low[k] = high[k] = middle(&a, N_CROSSINGS + k);
         band[k] = half_width(&a, N_CROSSINGS + k);
         change[k] = reach[k] = 0.0;
     }
     for (int cell = 1; cell <= CELLS; ++cell) {
-        look_at(1, start + cell * h, look, s, work, &b);
+        look_at(start + cell * h, look, s, work, &b);
         bound_seen(&a, &b, work->w);
         for (size_t k = 0; k != N_NARROW; ++k) {
             const double *bounds = work->w + W_NARROW + 4 * k;

@@ -222,7 +222,7 @@ def read_at(time: float, look: Look) -> Array:
     return read_of(time, look.work.scratch, look.work.w)
 
 
-def look_at(time: float, look: Look, *, are_rates_exact: bool = True) -> TimeNode:
+def look_at(time: float, look: Look) -> TimeNode:
     """Node at a time of the motion.
 
     Of what passes by there its polynomial tells where it is, however far off that may be, and of a
@@ -234,10 +234,7 @@ def look_at(time: float, look: Look, *, are_rates_exact: bool = True) -> TimeNod
         node = see_at(read, look.noise, time, look.work.w)
         if not side_at(node)[n - n_poles : n].all():
             return node
-    noise = noise_at(time, read, look)
-    if not are_rates_exact:
-        noise[:, 1] = look.noise[:, 1]
-    return see_at(read, noise, time, look.work.w)
+    return see_at(read, noise_at(time, read, look), time, look.work.w)
 
 
 def noise_at(time: float, read: Array, look: Look) -> Array:
@@ -534,24 +531,17 @@ def first_left(a: TimeNode, b: TimeNode, look: Look) -> float:
     return first
 
 
-def rate_sides(read: Array, time: float, look: Look) -> Array:
-    """Side of each function where formulas read this.
-
-    Rates are known to rounding where they pass by, places to the noise. Of events, which are looked
-    for until they are exact, and of poles it is 0.
-    """
-    noise, n = look.noise.copy(), len(look.state.sides)
-    noise[:, 1] = noise_at(time, read, look)[:, 1]
-    found = side_at(see_at(read, noise, time, look.work.w))
-    found[: len(look.work.scene.events)] = found[n - look.work.scene.n_poles :] = 0.0
-    return found
-
-
 def note_left(a: TimeNode, look: Look) -> None:
-    """Note on which side functions are where a step starts: by the noise that was open."""
-    sides = look.state.sides
-    by_rates = rate_sides(a.read, a.time, look)[: len(sides)]
-    sides[:] = np.where(by_rates == -sides, by_rates, sides)
+    """Note on which side functions are where a step starts: by the noise that was open.
+
+    Rates are known to rounding where they pass by, places to the noise. Events, which are looked
+    for until they are exact, and poles stay.
+    """
+    noise, sides = look.noise.copy(), look.state.sides
+    noise[:, 1] = noise_at(a.time, a.read, look)[:, 1]
+    events, n = len(look.work.scene.events), len(sides) - look.work.scene.n_poles
+    now = side_at(see_at(a.read, noise, a.time, look.work.w))[events:n]
+    sides[events:n] = np.where(now == -sides[events:n], now, sides[events:n])
 
 
 def is_still_short(sides: Array, time: float, look: Look) -> Flags:
@@ -567,16 +557,9 @@ def is_still_short(sides: Array, time: float, look: Look) -> Flags:
 
 
 def are_crossed(sides: Array, b: TimeNode, look: Look) -> Flags:
-    """Whether functions that were on sides are beyond zero at a node.
-
-    Where a step was cut for one it is there as far as rates are known.
-    """
+    """Whether functions that were on sides are beyond zero at a node."""
     crosses: Flags = (sides != 0.0) & (side_at(b)[: len(sides)] == -sides)
-    crosses &= ~is_still_short(sides, b.time, look)
-    if b.time == look.cut and crosses.any():
-        known = look_at(b.time, look, are_rates_exact=False)
-        crosses &= ~look.was_crossing | (side_at(known)[: len(sides)] == -sides)
-    return crosses
+    return crosses & ~is_still_short(sides, b.time, look)
 
 
 def seen_end(end: float, look: Look) -> float:
@@ -798,7 +781,6 @@ def note_crossings(end: float, look: Look) -> None:
     state, events = look.state, look.work.scene.events
     sides, now = state.sides.copy(), side_at(look_at(end, look))
     is_near = (now == 0.0) | (side_at(look_closely(look.noise, end, look)) == 0.0)
-    is_near &= (now == 0.0) | (rate_sides(read_at(end, look), end, look) == 0.0)
     is_back = (now[: len(sides)] == -sides) & ~is_still_short(sides, end, look)
     for k, side in enumerate(sides.tolist()):
         is_there = is_near[k] and end == look.cut and look.was_crossing[k]
