@@ -589,9 +589,9 @@ static int why_stopped(double seen, const Look *look, State *s)
     return GOOD;
 }
 
-/* notes on which side functions are where a step starts: by the noise that was open. Rates are known
- * to rounding where they pass by, places to the noise. Events, which are looked for until they are
- * exact, and poles stay */
+/* notes on which side functions are where a step starts: by the noise that was open. Rates are
+ * known to rounding where they pass by, places to the noise. Events, which are looked for until
+ * they are exact, and poles stay */
 static void note_left(const TimeNode *a, const Look *look, State *s, Work *work)
 {
     double noise[ROOM(N_READ)];
