@@ -84,15 +84,14 @@ typedef struct {
  * whether it is kept if nothing cuts it, the event without a value right behind its start, counted
  * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
  * is, by what rates change in it, in the mean, by how much more at its end, and at most, and what
- * errors of steps may leave of them */
+ * they are known to: to no more than they have been */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
     double pole_time, bend[ROOM(N_MEASURES)], lean[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
-    double error[ROOM(N_MEASURES)];
+    double known[ROOM(N_MEASURES)];
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_short[ROOM(N_SEEN)];
-    int is_untold, has_error;
-    int is_kept, lost, pole;
+    int is_untold, has_error, is_kept, lost, pole;
 } Look;
 
 /* whether what is a at the start of h and b at its end is positive between: no less than lines from
@@ -176,8 +175,8 @@ static void noise_at(
         const double jolt = 2.0 * fabs(look->lean[k]) / look->h;
         if (passes_by(speed, look->pull[k], noise[2 * k], look, s))
             noise[2 * k] = look->rounding[2 * k];
-        const double known = smaller(noise[2 * k + 1], look->error[k]);
-        if (passes_by(change, jolt, known, look, s)) noise[2 * k + 1] = look->rounding[2 * k + 1];
+        if (passes_by(change, jolt, look->known[k], look, s))
+            noise[2 * k + 1] = look->rounding[2 * k + 1];
     }
 }
 
@@ -248,9 +247,8 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
         look->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
         const double speed = larger(fabs(a[1]), fabs(b[1])), longest = larger(s->stride, h);
         const double fast = speed + SLOW * size / longest;
-        const double been = speed + size * s->fastest;
-        look->error[k] = smaller(settings->tolerance * larger(been, fast), been);
         look->noise[2 * k + 1] = settings->tolerance * fast;
+        look->known[k] = smaller(look->noise[2 * k + 1], speed + size * s->fastest);
         look->bend[k] = (b[1] - a[1]) / h;
         look->lean[k] = bend_of(size, a, b, h);
         look->pull[k] = fabs(look->bend[k]) + fabs(look->lean[k]);

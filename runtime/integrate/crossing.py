@@ -148,8 +148,8 @@ class Look:
         By how much more they do at its end than in the mean.
     pull : (n,) array
         By what they do at most.
-    error : (n,) array
-        What errors of steps may leave of rates.
+    known : (n,) array
+        What rates are known to: to no more than they have been.
     crosses, was_crossing : array of bool
         Which functions cross, and crossed where it was cut.
     is_short : array of bool
@@ -181,7 +181,7 @@ class Look:
     bend: Array = field(init=False)
     lean: Array = field(init=False)
     pull: Array = field(init=False)
-    error: Array = field(init=False)
+    known: Array = field(init=False)
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
     is_short: Flags = field(init=False)
@@ -247,8 +247,7 @@ def noise_at(time: float, read: Array, look: Look) -> Array:
 
 def passes_by(speeds: Array, pulls: Array, look: Look) -> Flags:
     """Whether what is as fast, and is pulled at most so much, gets further than it is known to."""
-    known = np.column_stack((look.noise[:, 0], smallest(look.noise[:, 1], look.error)))
-    far = PASSING * known
+    far = PASSING * np.column_stack((look.noise[:, 0], look.known))
     found: Flags = speeds * larger(look.state.stride, look.h) > far
     return found & (speeds * speeds > far * pulls)
 
@@ -320,8 +319,7 @@ def look_into(
     look.rounding = np.empty_like(most)
     look.rounding[:, 0] = SMALLEST * (sizes + most[:, 0])
     look.rounding[:, 1] = SMALLEST * fast
-    been = most[:, 1] + sizes * state.fastest
-    look.error = smallest(s.tolerance * largest(been, fast), been)
+    look.known = smallest(look.noise[:, 1], most[:, 1] + sizes * state.fastest)
 
 
 def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
