@@ -18,7 +18,8 @@ from kousoku.model.formulas import RATE, TIME
 from kousoku.model.graph import Op
 from kousoku.model.multibody import LAW_NAMES
 from kousoku.model.polynomials import is_never_zero, root_of_even_power, square_part
-from kousoku.model.terms import ONE, Expression, add, apply, names_of, neg, ordered
+from kousoku.model.terms import ONE, Expression, add, apply, names_of, neg, number, ordered
+from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -32,6 +33,9 @@ SMOOTH = 2
 #: Polynomials up to this degree vary no faster than the stages of a step see: (1 - t^2)^n is a hill
 #: of a width of 1.7/sqrt(n) in an interval of 2, a third of it for n = 6.
 HIGHEST = 12
+#: A distance counts as none that is no more than this part of what it is at the start: rounding of
+#: places hides most digits of its direction there.
+NO_DISTANCE = 1e-9
 #: Functions with a jump, or that jump through infinity.
 JUMPING = frozenset({Op.SIGN, Op.TAN, Op.ATAN2})
 #: Functions of which those of their arguments may be looked at instead.
@@ -89,6 +93,11 @@ class Seen:
         The key of the force that each of them is of.
     infinite : tuple of Expression
         The parts of formulas that may be infinite there.
+    distances : tuple of Expression
+        What drivers prescribe of distances, less what counts as none: where one is zero its two
+        points meet, and nothing tells in which direction they part.
+    drawn : tuple of str
+        Which driver each of these distances is of.
     """
 
     switches: tuple[Expression, ...]
@@ -102,6 +111,8 @@ class Seen:
     poles: tuple[Expression, ...] = ()
     pushed: tuple[str, ...] = ()
     infinite: tuple[Expression, ...] = ()
+    distances: tuple[Expression, ...] = ()
+    drawn: tuple[str, ...] = ()
 
 
 def seen_of(system: System) -> Seen:
@@ -134,7 +145,8 @@ def seen_of(system: System) -> Seen:
             laws.setdefault(parse_expression(one.law, names, longest=len(one.law)), one.joint)
     breaks = {one: tuple(filter(_varies, _places_of(one))) for one in laws}
     followed = [one for one, places in breaks.items() if places or any(varying_parts(one, {TIME}))]
-    switches = (*found(switching_functions, is_state=False), *chain(*breaks.values()))
+    distances = dict(_distances(system, names))
+    switches = (*distances, *found(switching_functions, is_state=False), *chain(*breaks.values()))
     poles: dict[Expression, str] = {}
     infinite: dict[Expression, None] = {}
     for text, key in _texts(system):
@@ -156,7 +168,21 @@ def seen_of(system: System) -> Seen:
         tuple(poles),
         tuple(poles.values()),
         tuple(infinite),
+        tuple(distances),
+        tuple(distances.values()),
     )
+
+
+def _distances(system: System, names: Collection[str]) -> Iterator[tuple[Expression, str]]:
+    """Laws of distances, less a part of what they are at the start, with their drivers."""
+    for one in system.constraints:
+        if not one.law or system.coordinates[one.terms[0].coordinate].kind != "length":
+            continue
+        law = parse_expression(one.law, names, longest=len(one.law))
+        if _varies(law):
+            start = value_of(law, {TIME: 0.0, **dict(system.parameters)})
+            least = NO_DISTANCE * abs(start) if isfinite(start) else 0.0
+            yield add(law, neg(number(Fraction(least)))), one.joint
 
 
 def _measures(system: System) -> Iterator[Measure]:

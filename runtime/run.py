@@ -15,7 +15,14 @@ from kousoku.runtime.design import not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
 from kousoku.runtime.given import require_callable
-from kousoku.runtime.integrate.events import EventLog, add_row, bends, infinite, without_value
+from kousoku.runtime.integrate.events import (
+    EventLog,
+    add_row,
+    bends,
+    infinite,
+    without_direction,
+    without_value,
+)
 from kousoku.runtime.integrate.given import (
     require_numbers,
     require_room,
@@ -426,6 +433,9 @@ class Run:
         if self._status == Status.BENDS:
             bent = [self.state.item(self._places[name]) for name in ("bent", "limit", "behind")]
             why = bends(self.solver.layout, *bent)
+            return f"{self.solver.name}: at t = {self.time:.9g} s: {why}"
+        if self._status == Status.NO_DIRECTION:
+            why = without_direction(self.solver.layout, self.state.item(self._places["bent"]))
             return f"{self.solver.name}: at t = {self.time:.9g} s: {why}"
         if self._status == Status.INFINITE:
             why = infinite(self.solver.layout, self.state.item(self._places["pole"]))

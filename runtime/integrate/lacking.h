@@ -125,7 +125,7 @@ static void coordinate(double *w) { (void)w; }
 #define ACCELERATES 0
 #endif
 
-/* formulas of time that switch or vary; laws of drivers; events, and formulas of the state that do
+/* formulas of time that switch or vary; distances and laws of drivers; events, and formulas of the state that do
  * so */
 #ifndef HAS_SWITCHING
 #define N_SWITCHES 0
@@ -134,6 +134,10 @@ static void coordinate(double *w) { (void)w; }
 #define W_SWITCHES 0
 #define W_FEATURES 0
 static void switching(double *w) { (void)w; }
+#endif
+#ifndef HAS_DISTANCES
+#define N_DISTANCES 0
+#define W_DISTANCES 0
 #endif
 #ifndef HAS_BENDING
 #define N_LAWS 0

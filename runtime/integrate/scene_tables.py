@@ -313,6 +313,7 @@ class Workspace:
     law_span: Array
     switches: Array
     features: Array
+    distances: Array
     laws: Array
     measures: Array
     ranges: Array

@@ -172,7 +172,7 @@ class State:
     limit = Number("s", "no step goes beyond: where formulas of time switch, or the end")
     behind = Number("s", "behind that switch; as limit where there is none")
     switched = Number("s", "where formulas switched last, of time or of the state")
-    bent = Number("-", "1 + the law of a driver that bends or jumps where it came; 0: none")
+    bent = Number("-", "1 + the law of a driver that leads no further where it came; 0: none")
     pole = Number("-", "1 + the function that is zero where a force is infinite; 0: none")
     potential = Number("J", "potential energy at the start")
     energy_moved = Number("J", "kinetic energy, change of potential, works: largest sum")

@@ -124,6 +124,7 @@ def record_switching(
 
     if seen.switches or seen.features:
         parts = {"switches": seen.switches, "features": seen.features}
+        parts |= {"distances": seen.distances}
         record("switching", recorder.region("span", 2), parts)
     if seen.laws:
         record("bending", recorder.region("law_span", 2), {"laws": seen.laws})

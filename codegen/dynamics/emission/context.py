@@ -61,6 +61,7 @@ COME_WITH = {
     ("HAS_COORDINATES",): ("N_SHOWN", "PER_SHOWN", "W_COORDINATES"),
     ("HAS_WRENCHES",): ("N_WRENCHES", "W_ALL_LAM", "W_WRENCHES"),
     ("HAS_SWITCHING",): ("N_SWITCHES", "N_FEATURES", "W_SPAN", "W_SWITCHES", "W_FEATURES"),
+    ("HAS_DISTANCES",): ("N_DISTANCES", "W_DISTANCES"),
     ("HAS_BENDING",): ("N_LAWS", "W_LAW_SPAN", "W_LAWS"),
     ("HAS_CROSSING",): (
         *("N_MEASURES", "N_CROSSINGS", "N_NARROW", "EVENTS"),
@@ -451,6 +452,7 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
         "HAS_COORDINATES": "coordinate" in segments,
         "ACCELERATES": not {"v_dot", "coordinates", "reactions"}.isdisjoint(parts),
         "HAS_SWITCHING": "switching" in segments,
+        "HAS_DISTANCES": "distances" in regions,
         "HAS_BENDING": "bending" in segments,
         "HAS_CROSSING": "crossing" in segments,
     }
