@@ -193,6 +193,8 @@ class State:
     usual_pivots = Numbers("NCHECK", unit="", meaning="pivots at the start where drivers lead")
     sides = Numbers("N_CROSSINGS", unit="-", meaning="1 or -1, side of each function; 0: not known")
     counts = Numbers("EVENTS", unit="-", meaning="how often each event was")
+    crossed = Numbers("EVENTS", unit="s", meaning="when each event passed zero last, either way")
+    held = Numbers("EVENTS", unit="-", meaning="1 of an event that is thrown back to zero there")
     fired = Numbers("EVENTS", unit="-", meaning="1 of an event that is still to be told")
     lowest = Numbers("RANGED", unit="", meaning="of q, then of coordinates, at ends of steps")
     highest = Numbers("RANGED", unit="", meaning="the same; under kinematics at the start")

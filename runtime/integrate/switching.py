@@ -173,7 +173,8 @@ def lost_distance(first: float, last: float, w: Workspace) -> int:
     if w.distances.size == 0:
         return 0
     is_none = np.zeros(w.distances.size // 4, dtype=bool)
-    for time in (first, last):  # where one gets on the other side bounds may be above it by rounding
+    # where one gets on the other side bounds may be above it by rounding
+    for time in (first, last):
         bounds_between(time, last, w)
         is_none |= w.distances.reshape(-1, 4)[:, 0] <= 0.0
     return int(np.argmax(is_none)) + 1 if is_none.any() else 0
