@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.runtime.design import not_closed, told, with_parameters
+from kousoku.runtime.design import loops_that_open, not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
 from kousoku.runtime.given import require_callable
@@ -282,7 +282,8 @@ class Run:
             return MESSAGES[status]
         given = told(self.solver, self._values)
         if status == Status.NOT_CLOSED:
-            joints = not_closed(self.solver, self._memory.work, 1.0)
+            joints = loops_that_open(self.solver, self._values)
+            joints = joints or not_closed(self.solver, self._memory.work, 1.0)
             return (
                 f"with {given}: joints stay open, or come open by more than closure_tolerance for"
                 f" each length or radian that bodies move: {joints}; only with the parameters of"
