@@ -14,6 +14,7 @@ from kousoku.model.decode import join
 from kousoku.model.derivative import derivative
 from kousoku.model.exponentials import without_overflow
 from kousoku.model.expression import parse_expression
+from kousoku.model.folds import without_folds
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.graph import Op
 from kousoku.model.multibody import LAW_NAMES
@@ -121,7 +122,9 @@ def seen_of(system: System) -> Seen:
     names = {TIME, *(name for name, _ in system.parameters)}
     names.update(chain.from_iterable((one.name, one.rate) for one in measures))
     texts = dict.fromkeys(text for text, _ in _texts(system) if text)
-    parsed = {text: parse_expression(text, names, longest=len(text)) for text in texts}
+    parsed = {
+        text: without_folds(parse_expression(text, names, longest=len(text)))[0] for text in texts
+    }
     formulas = list(parsed.values())
     events = [parse_expression(one.when, names) for one in system.events]
     of_state = {name for one in measures for name in (one.name, one.rate)}

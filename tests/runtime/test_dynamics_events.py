@@ -860,3 +860,24 @@ def test_body_that_dry_friction_holds_comes_to_rest_once(
         solver.simulate(9.0, samples=2, method=method, most_steps=900)
     found = stop.value.result.events
     assert tuple(found[name].count for name in ("rest", "falling", "rising")) == counts
+
+
+@pytest.mark.parametrize(
+    ("law", "speed"),
+    [
+        ("asin(sin(t))", 1.0 + (math.pi / 2) ** 2 - 0.5 * (10.0 - 3.0 * math.pi) ** 2),
+        ("(t - 5)/abs(t - 5)", 1.0),
+        ("acos(cos(2*t))", None),
+    ],
+)
+def test_forces_that_fold_are_followed_over_their_kinks(
+    solver_of: Callable[[str], DynamicsSolver], law: str, speed: float | None
+) -> None:
+    """A run made a million steps, or was not trusted, though its velocities were right."""
+    motion = solver_of(HILL.replace("LAW", law)).simulate(10.0, samples=2)
+    assert motion.ledger.trust
+    assert motion.ledger.steps < 60
+    if speed is None:
+        times = np.linspace(0.0, 10.0, 2_000_001)
+        speed = 1.0 + float(np.trapezoid(np.arccos(np.cos(2.0 * times)), times))
+    assert motion.velocity["bead"][-1, 0] == pytest.approx(speed, abs=1e-9)
