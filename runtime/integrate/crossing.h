@@ -51,8 +51,8 @@
 /* a function is near to zero where it is less than so many times what it is known to; what that is
  * further away tells nothing of how near it comes between */
 #define BANDS 16.0
-/* an event that goes through a narrow window was on the other side this many times as long ago as it
- * passed zero, and has been in the window this many times as long */
+/* an event that goes through a narrow window was on the other side this many times as long ago as
+ * it passed zero, and has been in the window this many times as long */
 #define EARLIER 1.5
 #define HALF 0.5
 /* what gets further than so many times what it is known to passes by, as fast as it is at a time:
@@ -782,11 +782,11 @@ static double polished_cut(const Look *look, const State *s, Work *work)
     return look->cut;
 }
 
-/* whether an event that passed zero is back there, where a jump of a force threw it back, as it does
- * all the time while dry friction holds a body at rest. Nothing got further meanwhile than it is
- * known to. On its way through a narrow window it goes on evenly: half as long ago as it passed zero
- * it was on the side that it leaves, before and soon it is on the other one. Where it was held once
- * that is not asked again */
+/* whether an event that passed zero is back there, where a jump of a force threw it back, as it
+ * does all the time while dry friction holds a body at rest. Nothing got further meanwhile than it
+ * is known to. On its way through a narrow window it goes on evenly: half as long ago as it passed
+ * zero it was on the side that it leaves, before and soon it is on the other one. Where it was held
+ * once that is not asked again */
 static int is_thrown_back(size_t k, double end, const Look *look, State *s, Work *work)
 {
     const double way = end - s->crossed[k];

@@ -125,8 +125,8 @@ static void coordinate(double *w) { (void)w; }
 #define ACCELERATES 0
 #endif
 
-/* formulas of time that switch or vary; distances and laws of drivers; events, and formulas of the state that do
- * so */
+/* formulas of time that switch or vary; distances and laws of drivers; events, and formulas of the
+ * state that do so */
 #ifndef HAS_SWITCHING
 #define N_SWITCHES 0
 #define N_FEATURES 0
