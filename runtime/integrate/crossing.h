@@ -792,7 +792,7 @@ static int is_thrown_back(size_t k, double end, const Look *look, State *s, Work
     const double way = end - s->crossed[k];
     double read[ROOM(N_READ)];
     TimeNode node;
-    int is_there = 1;
+    int is_there = N_MEASURES > 0 && way <= NO_WAY * s->stride;
     read_at(end, look, s, work, read);
     for (size_t n = 0; n != N_MEASURES; ++n) {
         const double known = look->noise[2 * n];

@@ -788,7 +788,11 @@ def is_thrown_back(k: int, end: float, look: Look) -> bool:
     """
     state, way, read = look.state, end - look.state.crossed[k], read_at(end, look)
     speeds, known = np.column_stack((read[:, 1], look.bend)), look.noise[:, 0]
-    if not (np.abs(speeds) * way <= np.column_stack((known, known * state.fastest))).all():
+    is_there = len(read) > 0 and way <= NO_WAY * state.stride
+    if is_there:
+        most = np.column_stack((known, known * state.fastest))
+        is_there = bool((np.abs(speeds) * way <= most).all())
+    if not is_there:
         state.held[k] = 0.0
     elif state.held[k] == 0.0:
         beside = (-EARLIER * way, -HALF * way, HALF * way)
