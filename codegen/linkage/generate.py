@@ -35,18 +35,7 @@ if TYPE_CHECKING:
 
 
 def layout_of(assembly: Assembly) -> WorkspaceLayout:
-    """Equations of an assembly block by block, and the places of all numbers.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        An assembled scene.
-
-    Raises
-    ------
-    SceneError
-        Some nodes are free to move, or some links hold what is held already.
-    """
+    """Equations of an assembly block by block, and the places of all numbers."""
     wanted = [term.coordinate for _, x, y in assembly.nodes for term in (x, y)]
     blocks = live_blocks(assembly, triangular_blocks(assembly), wanted)
     return WorkspaceLayout(assembly, blocks, rows_of(load_frozen("link")))
@@ -98,7 +87,7 @@ def generate_linkage(scene: Scene, *, references: bool = False) -> dict[str, str
     Raises
     ------
     SceneError
-        The scene is not a linkage that its inputs determine.
+        The scene has bodies.
     """
     layout = layout_of(assemble(scene))
     program = program_of(layout)
