@@ -114,7 +114,6 @@ def by_each_target(
 ) -> Iterator[Loaded]:
     """Library or solver by each target; what cannot be had is a problem, or a note.
 
-
     No compiler is a note, unless C was asked for.
     """
     targets: tuple[Target, ...] = ("c", "numpy")

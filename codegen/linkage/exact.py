@@ -13,6 +13,7 @@ from kousoku.codegen.linkage.assemble import Role
 from kousoku.codegen.linkage.blocks import DEPENDS
 from kousoku.codegen.linkage.layout import SUFFIXES
 from kousoku.model.interpret import evaluate
+from kousoku.runtime.kinematics.rows import OF_LINKS, OF_NODES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -77,14 +78,12 @@ class Exact:
     def nodes(self) -> dict[str, list[Any]]:
         """Outputs of the kernel ``nodes``, (2 nodes,): positions, and (24), (25)."""
         terms = [term for _, x, y in self.layout.assembly.nodes for term in (x, y)]
-        names = ("position", "velocity", "acceleration")
-        return {name: [self.term(term, k) for term in terms] for k, name in enumerate(names)}
+        return {name: [self.term(term, k) for term in terms] for k, name in enumerate(OF_NODES)}
 
     def angles(self) -> dict[str, list[Any]]:
         """Outputs of the kernel ``angles``, (links,): β of (12) and (13), β̇ and β̈."""
         columns = [self._angle(link) for link in self.layout.assembly.scene.links]
-        names = ("angle", "angle_dot", "angle_ddot")
-        return {name: [column[k] for column in columns] for k, name in enumerate(names)}
+        return {name: [column[k] for column in columns] for k, name in enumerate(OF_LINKS)}
 
     def term(self, term: Affine, order: int) -> Any:
         """Term offset + factor · coordinate, a number, or a time derivative of it."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.recording.program import Region
 from kousoku.codegen.linkage.assemble import Role
 from kousoku.model.quantity import Quantity
+from kousoku.runtime.kinematics.rows import OF_LINKS, OF_NODES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
 SUFFIXES = ("", "_dot", "_ddot")
 #: What the segments of a block leave beside its matrix.
 OF_BLOCKS = ("epsilon", "nu", "gamma")
-#: Results of nodes, and of links where their angles are wanted.
-OF_NODES = ("position", "velocity", "acceleration")
-OF_LINKS = ("angle", "angle_dot", "angle_ddot")
 #: What the regions hold; of a block, that which ran last.
 REGIONS = {
     "alpha": "inputs, in the order of the scene",
