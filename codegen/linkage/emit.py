@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.context_lines import ascii_of, plain
@@ -82,14 +81,9 @@ def emit_linkage(
         scene.name,
         title,
         TEMPLATES,
-        {"solver": context, "mechanism": data, "python": python, "run": RUN, "listed": listed},
+        {"solver": context, "mechanism": data, "python": python, "run": RUN},
         {**analysis, MOTION_FILE: to_text(data), **more},
         scene=to_text(data),
         composition=repr((context, python)),
         runtime=repr(analysis),
     )
-
-
-def listed(text: str) -> str:
-    """Text inside a comment of C, in lines that fit."""
-    return "\n * ".join(wrap(text, 92))
