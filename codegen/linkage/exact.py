@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.linkage.assemble import Role
 from kousoku.codegen.linkage.blocks import DEPENDS
+from kousoku.codegen.linkage.kernels import link_kernels
 from kousoku.codegen.linkage.layout import SUFFIXES
 from kousoku.model.interpret import evaluate
 from kousoku.runtime.kinematics.rows import OF_LINKS, OF_NODES
@@ -110,8 +111,8 @@ class Exact:
             ]
         if order == 0:
             inputs["offset"] = [zero, zero]
-        link = self.layout.link[row]
-        return evaluate(link.rate if order else link.deformation, inputs, self.arithmetic)
+        kernel = link_kernels()["rate" if order else "deformation"]
+        return evaluate(kernel, inputs, self.arithmetic)
 
     def _deformation(self, element: LinkElement, row: int) -> tuple[Any, dict[int, Any]]:
         """Deformation ε of a row and its derivatives by coordinates."""
@@ -119,12 +120,12 @@ class Exact:
         slope: dict[int, Any] = {}
         for place in DEPENDS[row]:
             term = element.ends[place]
-            part = values["D"][place]
+            part = values["D"][6 * row + place]
             if term.factor != 1:
                 part = part * self.constant(("factor", term), term.factor)
             known = slope.get(term.coordinate)
             slope[term.coordinate] = part if known is None else known + part
-        return values["epsilon"][0], slope
+        return values["epsilon"][row], slope
 
     def _carried(self, element: LinkElement, row: int, number: int, order: int) -> Any:
         """Product of D and the derivatives of what is known before the block."""
@@ -134,11 +135,11 @@ class Exact:
         for place in DEPENDS[row]:
             term = element.ends[place]
             if term.coordinate not in unknowns:
-                total = total + values["D"][place] * self.term(term, order)
+                total = total + values["D"][6 * row + place] * self.term(term, order)
         return total
 
     def _bent(self, element: LinkElement, row: int) -> Any:
-        return self._element(element, row, 1)["D_dot_x_dot"][0]
+        return self._element(element, row, 1)["D_dot_x_dot"][row]
 
     def _angle(self, link: str) -> tuple[Any, Any, Any]:
         """Angle β, β̇ = t · ḋ / l and β̈ = (t · d̈ − 2 l̇ β̇) / l."""

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.linkage.assemble import Affine, Assembly
     from kousoku.codegen.linkage.blocks import DiagonalBlock
-    from kousoku.codegen.linkage.link import LinkRow
     from kousoku.model.graph import Graph
 
 SUFFIXES = ("", "_dot", "_ddot")
@@ -56,8 +55,6 @@ class WorkspaceLayout:
         What is solved.
     blocks : tuple of DiagonalBlock
         In the order of solving.
-    link : tuple of LinkRow
-        ε1, ε2, ε3 of the link element.
     unknowns : tuple of int
         The unknown coordinates, block after block.
     everywhere : mapping of int to (str, int)
@@ -68,7 +65,6 @@ class WorkspaceLayout:
 
     assembly: Assembly
     blocks: tuple[DiagonalBlock, ...]
-    link: tuple[LinkRow, LinkRow, LinkRow]
     unknowns: tuple[int, ...] = field(init=False)
     everywhere: Mapping[int, tuple[str, int]] = field(init=False)
     regions: Mapping[str, Region] = field(init=False)
