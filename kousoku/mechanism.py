@@ -180,7 +180,7 @@ class Mechanism:
             end = self._duration()
         options |= {"end": end, "times": times, "samples": samples, "progress": progress}
         with self._passed_on():
-            return self.result_of(self.solver.simulate(**options))
+            return self.result_of(self.solver.in_time(**options))
 
     def _duration(self) -> float:
         duration = getattr(self.scene, "duration", None)

@@ -215,6 +215,10 @@ class DynamicsSolver:
         chosen = times_of(self.name, end, times, samples, self.target.row_size)
         return self.begin(chosen, **options).finish(progress)
 
+    def in_time(self, **options: Any) -> Motion:
+        """Motion in time, see :meth:`simulate`; linkages say here which options are of bodies."""
+        return self.simulate(**options)
+
     def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
         """Run at time 0 that can be stopped and go on.
 

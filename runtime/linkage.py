@@ -122,21 +122,17 @@ class LinkageSolver(Linkage):
             " solve() and simulate(end) move"
         )
 
-    def simulate(
-        self,
-        end: float | None = None,
-        *,
-        progress: Callable[[float, float], object] | None = None,
-        **options: Any,
+    def in_time(
+        self, *, progress: Callable[[float, float], object] | None = None, **options: Any
     ) -> Trajectory:
-        """Motion in time as of a folder alone; it is done at once and tells no progress."""
+        """Motion in time, see :meth:`simulate`; it is done at once and tells no progress."""
         for name in options:
             if name in ALL_OPTIONS and name != "method":
                 raise SolveError(
                     f"{self.name}: {name} is an option of scenes of bodies; this one is a linkage"
                     " of nodes, whose options are method and limit"
                 )
-        return super().simulate(end, **options)
+        return self.simulate(**options)
 
     def along_inputs(
         self, times: Callable[[int | None], Sequence[float]], options: Mapping[str, Any]

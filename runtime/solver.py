@@ -51,8 +51,8 @@ class Solver(Protocol):
     def counts(self) -> tuple[tuple[int, str, str], ...]:
         """Counts that tell scenes apart: how many, of what, and of several."""
 
-    def simulate(self, end: float | None = None, **options: Any) -> Motion | Trajectory:
-        """Motion in time, to an end unless times are given."""
+    def in_time(self, **options: Any) -> Motion | Trajectory:
+        """Motion in time."""
 
     def along_inputs(
         self, times: Callable[[int | None], Sequence[float]], options: Mapping[str, Any]
