@@ -152,7 +152,7 @@ def loops_that_open(solver: DynamicsSolver, values: Array) -> str:
         return ""
     _, sizes, moves = np.linalg.svd(after[:count])
     free = moves[np.count_nonzero(sizes > INDEPENDENT * sizes.max(initial=0.0)) :]
-    found = {}
+    found: dict[str, str] = {}
     for k in range(count, len(rows)):
         joint, unit = rows[k]
         missed = units[k] * float(np.linalg.norm(free @ after[k]))
