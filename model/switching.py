@@ -12,16 +12,17 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join
 from kousoku.model.derivative import derivative
+from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.exponentials import without_overflow
 from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import RATE, TIME
+from kousoku.model.formulas import RATE, TIME, used_names
 from kousoku.model.graph import Op
 from kousoku.model.multibody import LAW_NAMES
 from kousoku.model.polynomials import is_never_zero, root_of_even_power, square_part
-from kousoku.model.terms import ONE, Expression, add, apply, names_of, neg, ordered
+from kousoku.model.terms import ONE, Expression, add, apply, mul, names_of, neg, ordered, symbol
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
     from kousoku.model.multibody import System
 
@@ -32,6 +33,8 @@ SMOOTH = 2
 #: Polynomials up to this degree vary no faster than the stages of a step see: (1 - t^2)^n is a hill
 #: of a width of 1.7/sqrt(n) in an interval of 2, a third of it for n = 6.
 HIGHEST = 12
+#: What goes with this power of a distance's square, or less of a pole, as 1/r, turns most forces.
+LEAST_ORDER = Fraction(1, 2)
 #: Functions with a jump, or that jump through infinity.
 JUMPING = frozenset({Op.SIGN, Op.TAN, Op.ATAN2})
 #: Functions of which those of their arguments may be looked at instead.
@@ -41,6 +44,8 @@ TRANSPARENT = frozenset({*SWITCHES, Op.ADD, Op.NEG, Op.MUL})
 @dataclass(frozen=True, slots=True)
 class Measure:
     """What formulas read of a state: a coordinate, or how far a spring is from where it is free.
+
+    Of a spring whose ends may meet it is the distance of these, too.
 
     Parameters
     ----------
@@ -53,12 +58,15 @@ class Measure:
         points.
     force : int
         Place of the spring, -1 of a coordinate.
+    is_length : bool
+        Whether it is the distance of a spring's ends.
     """
 
     name: str
     rate: str
     coordinate: int
     force: int
+    is_length: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +97,9 @@ class Seen:
         The key of the force that each of them is of.
     infinite : tuple of Expression
         The parts of formulas that may be infinite there.
+    distances : tuple of Expression
+        Squares of distances, of points or of speeds from rest, along which a force acts: it turns
+        round where they come down to zero.
     """
 
     switches: tuple[Expression, ...]
@@ -102,6 +113,7 @@ class Seen:
     poles: tuple[Expression, ...] = ()
     pushed: tuple[str, ...] = ()
     infinite: tuple[Expression, ...] = ()
+    distances: tuple[Expression, ...] = ()
 
 
 def seen_of(system: System) -> Seen:
@@ -127,7 +139,9 @@ def seen_of(system: System) -> Seen:
     varying = partial(varying_parts, varying={TIME, *of_state})
     edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(_edges_of, events))))
     crossings = (*events, *found(switching_functions, is_state=True), *edges)
-    narrow = tuple(map(without_overflow, found(varying, is_state=True)))
+    narrow = tuple(
+        without_overflow(one) for one in found(varying, is_state=True) if not _only_turns(one)
+    )
     laws: dict[Expression, str] = {}
     for one in system.constraints:
         if one.law:
@@ -140,10 +154,13 @@ def seen_of(system: System) -> Seen:
     for text, key in _texts(system):
         if text and key:
             for part in _summands(parsed[text]):
-                own = dict.fromkeys(_poles_of(part, {TIME, *of_state}), key)
+                places = () if _only_turns(part) else _poles_of(part, {TIME, *of_state})
+                own = dict.fromkeys(places, key)
                 poles = own | poles
                 infinite |= dict.fromkeys([part] * bool(own))
-    read = set(chain.from_iterable(map(names_of, (*crossings, *narrow, *poles, *infinite))))
+    distances = tuple(dict.fromkeys((*_lengths(system), *found(_squares_of, is_state=True))))
+    told = (*crossings, *narrow, *poles, *infinite, *distances)
+    read = set(chain.from_iterable(map(names_of, told)))
     return Seen(
         tuple(dict.fromkeys(switches)),
         tuple(map(without_overflow, found(varying, is_state=False))),
@@ -156,6 +173,7 @@ def seen_of(system: System) -> Seen:
         tuple(poles),
         tuple(poles.values()),
         tuple(infinite),
+        distances,
     )
 
 
@@ -166,6 +184,92 @@ def _measures(system: System) -> Iterator[Measure]:
         if force.law:
             x, v = (f"{force.name}_{place}.{name}" for name in LAW_NAMES[:2])
             yield Measure(x, v, force.coordinate, place)
+        if isinstance(force, PointSpring):
+            yield Measure(*_length_of(place, force), -1, place, is_length=True)
+
+
+def _length_of(place: int, force: PointSpring) -> tuple[str, str]:
+    """Names of the distance of a spring's ends and of its rate."""
+    name = f"{force.name}_{place}.l"
+    return name, f"{name}{RATE}"
+
+
+def _lengths(system: System) -> Iterator[Expression]:
+    """Squares of the lengths along which forces act, or that they depend on."""
+    texts = [text for text, _ in _texts(system) if text]
+    acted = {force.coordinate for force in system.forces}
+    for place, one in enumerate(system.coordinates):
+        names = (one.name, f"{one.name}{RATE}")
+        if one.kind == "length" and (
+            place in acted or any(used_names(text, names) for text in texts)
+        ):
+            yield _square(symbol(one.name))
+    for place, force in enumerate(system.forces):
+        if isinstance(force, PointSpring) and not force.is_smooth:
+            yield _square(symbol(_length_of(place, force)[0]))
+
+
+def _only_turns(formula: Expression) -> bool:
+    """Whether a formula varies fast only where a distance is small, and is no more than 1/r there.
+
+    So is x/sqrt(x^2 + y^2): where steps end by distances there is no more to look at.
+    """
+    order = _order_of(formula)
+    return order is not None and order >= -LEAST_ORDER
+
+
+def _order_of(formula: Expression) -> Fraction | None:
+    """Power of squares of distances that a formula goes with; None where it is of something else.
+
+    A polynomial has none, 0.
+    """
+    if formula.value is not None or not formula.args:
+        return Fraction(0)
+    orders = [_order_of(arg) for arg in formula.args]
+    match formula:
+        case Expression(Op.SQRT, (a,)) if _is_square(a):
+            return Fraction(1, 2)
+        case Expression(Op.POW, (a, Expression(value=Fraction() as power))):
+            if power.denominator == 1 and power >= 0 and orders[0] == 0:
+                return Fraction(0)
+            return power if _is_square(a) else None
+        case Expression(Op.DIV, (_, b)):
+            first, last = orders
+            is_divisor = b.value is not None or last
+            return first - last if first is not None and last is not None and is_divisor else None
+    known = [order for order in orders if order is not None]
+    if len(known) < len(orders) or formula.op not in {Op.ADD, Op.NEG, Op.MUL}:
+        return None
+    return sum(known, Fraction(0)) if formula.op is Op.MUL else min(known)
+
+
+def _is_square(a: Expression) -> bool:
+    """Whether a formula may be the square of a distance: it is never negative, and may be zero."""
+    is_whole = even_root(apply(Op.SQRT, a)) is None and _order_of(a) == 0
+    return is_whole and range_of(a)[0] >= 0.0 and may_be_zero(a)
+
+
+def _square(a: Expression) -> Expression:
+    return mul(a, a)
+
+
+def _squares_of(formula: Expression) -> Iterator[Expression]:
+    """Squares of distances in a formula: what is never negative and may come down to zero.
+
+    Roots are of them, or they divide: x/sqrt(x^2 + y^2) turns round, and ``atan2(y, x)``.
+    """
+    for part in ordered(formula):
+        match part:
+            case Expression(Op.ATAN2, (a, b)):
+                found: Iterable[Expression] = (add(_square(a), _square(b)),)
+            case Expression(Op.SQRT | Op.LOG, (a,)) | Expression(Op.DIV, (_, a)):
+                found = _zeros_of(a) if even_root(part) is None else ()
+            case Expression(Op.POW, (a, Expression(value=exponent))):
+                is_root = exponent is None or exponent.denominator > 1 or exponent < 0
+                found = _zeros_of(a) if is_root and even_root(part) is None else ()
+            case _:
+                found = ()
+        yield from (one for one in found if range_of(one)[0] >= 0.0 and may_be_zero(one))
 
 
 def _texts(system: System) -> Iterator[tuple[str, str]]:

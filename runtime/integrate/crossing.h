@@ -59,6 +59,7 @@ enum {
     N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
     N_TOLD = N_CROSSINGS + N_NARROW,
     N_SEEN = N_TOLD + N_INFINITE,
+    N_LOOKED = N_SEEN + N_DISTANCES,
     N_READ = 2 * N_MEASURES,
     /* one behind the other */
     W_SEEN = N_SWITCHING > 0 ? W_CROSSINGS

@@ -32,6 +32,7 @@
 #include "projection.h"
 #include "dense_output.h"
 #include "crossing.h"
+#include "distances.h"
 #include "branches.h"
 #include "stepper.h"
 #include "switching.h"

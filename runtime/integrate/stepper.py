@@ -27,6 +27,7 @@ from .crossing import (
     why_stopped,
 )
 from .dense_output import combine
+from .distances import may_turn, turned_end
 from .pivot_monitor import (
     VAGUE,
     WEAK,
@@ -203,10 +204,12 @@ class Attempts:
     is_beyond : bool
         Whether the end is to lie inside of the step.
     is_rejected, is_guessed : bool
-        Whether one had too large an error, and was cut short for what is seen in it.
-    shorter, thrown, polished : int
-        How often for narrow parts, and for stages that pass a switch by; how often an event was
-        found again.
+        Whether one had too large an error, and was cut short for what is seen in it but distances.
+    shorter, thrown, turned, polished : int
+        How often for narrow parts, for stages that pass a switch by, and for distances that come
+        down to zero; how often an event was found again.
+    turning : float [s]
+        Where it was cut last for distances.
     status : Status
         ``GOOD``, or why there is no step.
     """
@@ -227,6 +230,8 @@ class Attempts:
     is_guessed: bool = False
     shorter: int = 0
     thrown: int = 0
+    turned: int = 0
+    turning: float = math.inf
     polished: int = 0
     status: Status = Status.GOOD
 
@@ -715,18 +720,44 @@ def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
 
 
 def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Time at which a trial must end by what crosses in it; poles want all stages."""
+    """Time at which a trial must end by what crosses in it; poles and distances want all stages."""
     m, s, look = tried.m, tried.s, tried.look
     has_stages = tried.has_switches and is_kept(trial)
     look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
     look.least_part = 0.0 if is_kept(trial) and not trial.is_vague else LEAST_PART
     look.is_kept = is_kept(trial)
     # one that leads beyond its end stays as it is
-    seen = trial.end if tried.is_beyond else seen_end(trial.end, look)
+    turned, is_whole = math.inf, tried.is_beyond
+    if not is_whole and may_turn(look):
+        wants_stages = is_kept(trial) and not has_stages
+        if wants_stages and make_dense_stages(m, trial, work, state):
+            has_stages = True
+            look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
+        turned = turned_end(trial.end, look)
+    seen = trial.end if is_whole or not work.scene.sees else seen_end(trial.end, look)
     if look.pole and not has_stages and make_dense_stages(m, trial, work, state):
         look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
         seen = seen_end(trial.end, look)
-    return end_before_pole(look) if look.pole else seen
+    if look.pole:
+        return end_before_pole(look)
+    return turned_in(turned, seen, tried, state)
+
+
+def turned_in(turned: float, seen: float, tried: Attempts, state: State) -> float:
+    """Time at which a trial must end by distances, or by what crosses if that is earlier.
+
+    Noted where it cannot be cut for that.
+    """
+    look = tried.look
+    if look.lost or not turned < seen:
+        return seen
+    tried.turned += 1
+    if tried.turned > MOST_SHORTER:
+        look.is_untold = True
+        return seen
+    look.crosses = np.zeros(len(state.sides), dtype=bool)
+    tried.turning = turned
+    return turned
 
 
 def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:
@@ -786,7 +817,7 @@ def length_by_error(m: RungeKuttaMethod, trial: Trial) -> float:
 def end_at(to: float, tried: Attempts, trial: Trial, state: State) -> None:
     """Have a step end at a time when it is tried again; one that is cut can be longer still."""
     way = to - state.time
-    tried.is_guessed = True
+    tried.is_guessed = tried.is_guessed or to != tried.turning
     if tried.is_fixed:
         tried.end, tried.is_beyond = to, False
     state.rejected += 1
@@ -797,7 +828,7 @@ def end_at(to: float, tried: Attempts, trial: Trial, state: State) -> None:
 def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     """Whether a trial ends where it may by what is seen in it: else it is to end there."""
     look = tried.look
-    if not work.scene.sees or not trial.is_whole or not (is_kept(trial) or not tried.is_guessed):
+    if not work.scene.looks or not trial.is_whole or not (is_kept(trial) or not tried.is_guessed):
         return True
     seen = seen_in(tried, trial, work, state)
     tried.status = why_stopped(seen, look)
@@ -820,9 +851,10 @@ def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     """Keep a trial, and note what was seen in it."""
     look, before = tried.look, state.step_size
     accept(tried, trial, work, state)
-    if not work.scene.sees:
+    if not work.scene.looks:
         return
-    note_crossings(trial.end, look)
+    if work.scene.sees:
+        note_crossings(trial.end, look)
     if look.is_untold:
         note_unresolved(state.time_before, state)
     if state.time == look.cut:

@@ -1,0 +1,121 @@
+/* Distances: steps end where one along which a force acts comes down to zero, or nearly.
+ *
+ * There the force turns round in a time that is none, or as good as none: stages on both sides may
+ * tell no error of it, and a step may leap over two such places. On a smooth way a step that meets
+ * the tolerance has no distance that is much smaller inside of it than at its ends: only where one
+ * may be it is looked for in the polynomial. The step is made again, to end right before that
+ * place, and the next one, to end as far behind. */
+
+/* distances that sink to this part of the larger one at the ends, as a parabola tells, are looked
+ * at; those that do so to this part in the polynomial turn a force within the step */
+#define SUNK 0.3
+#define TURNING 0.0625
+/* a force turns within so many times the time in which a distance gets larger by as much as it is
+ */
+#define AROUND 8.0
+/* a step that was cut leads over such a place where this part of it is behind */
+#define BEHIND 0.3
+/* where the golden section divides an interval, and how often it does */
+#define GOLDEN 0.3819660112501051
+#define MOST_SECTIONS 80
+
+/* squares of distances at a time */
+static void distances_at(
+    double time, const Look *look, const State *s, Work *work, double *found)
+{
+    double read[ROOM(N_READ)];
+    read_at(time, look, s, work, read);
+    distance(work->w);
+    memcpy(found, work->w + W_DISTANCES, N_DISTANCES * sizeof *found);
+}
+
+/* whether the square of a distance may sink between three times, as a parabola through it does */
+static int sinks_between(double first, double middle, double last)
+{
+    const double slope = 0.5 * (last - first), bend = 0.5 * (first + last) - middle;
+    double least = smaller(first, last);
+    if (bend > 0.0 && fabs(slope) < 2.0 * bend) least = middle - slope * slope / (4.0 * bend);
+    return least < SUNK * SUNK * larger(first, last);
+}
+
+/* whether a distance may sink in a step */
+static int may_turn(const Look *look, const State *s, Work *work)
+{
+    double first[ROOM(N_DISTANCES)], there[ROOM(N_DISTANCES)], last[ROOM(N_DISTANCES)];
+    if (N_DISTANCES == 0) return 0;
+    distances_at(look->start, look, s, work, first);
+    distances_at(look->start + 0.5 * look->h, look, s, work, there);
+    distances_at(look->start + look->h, look, s, work, last);
+    for (size_t k = 0; k != N_DISTANCES; ++k) {
+        if (sinks_between(first[k], there[k], last[k])) return 1;
+    }
+    return 0;
+}
+
+/* the time in a step at which a distance is least, by golden sections */
+static double nearest_time(size_t k, const Look *look, const State *s, Work *work)
+{
+    double found[ROOM(N_DISTANCES)], first = look->start, last = look->start + look->h;
+    double a = first + GOLDEN * look->h, b = last - GOLDEN * look->h;
+    distances_at(a, look, s, work, found);
+    double there = found[k];
+    distances_at(b, look, s, work, found);
+    double beyond = found[k];
+    for (size_t n = 0; n != MOST_SECTIONS && first < a && a < b && b < last; ++n) {
+        if (there < beyond) {
+            last = b;
+            b = a;
+            beyond = there;
+            a = first + GOLDEN * (last - first);
+            distances_at(a, look, s, work, found);
+            there = found[k];
+        } else {
+            first = a;
+            a = b;
+            there = beyond;
+            b = last - GOLDEN * (last - first);
+            distances_at(b, look, s, work, found);
+            beyond = found[k];
+        }
+    }
+    return there < beyond ? a : b;
+}
+
+/* where a step to an end must end by a distance, of these squares at its ends: before the place, or
+ * behind it if that is no way; infinite where it need not */
+static double turning_end(size_t k, double before, double after, double end, const Look *look,
+    const State *s, Work *work)
+{
+    const double time = nearest_time(k, look, s, work), way = time - look->start;
+    const double tiny = ONWARD * SMALLEST * larger(fabs(look->start), fabs(end));
+    const double far = larger(before, after);
+    double found[ROOM(N_DISTANCES)];
+    distances_at(time, look, s, work, found);
+    const double least = found[k];
+    const double nothing = larger(look->slack, 2.0 * tiny);
+    if (!(least < TURNING * TURNING * far && end - time > tiny)) return HUGE_VAL;
+    /* it starts behind the place */
+    if (!(way > tiny) && !(look->h * sqrt(before / far) < 0.5 * nothing)) return HUGE_VAL;
+    /* it leads over the place */
+    if (end == look->cut && end - time > BEHIND * look->h) return HUGE_VAL;
+    const double from_there = before > after ? way : end - time;
+    const double turn = AROUND * from_there * sqrt(least / (far - least));
+    const double near = larger(nothing, turn);
+    if (way > 2.0 * near) return time - larger(near, SMALL * way);
+    return time + near;
+}
+
+/* where a step to an end must end by all distances, infinite where it need not */
+static double turned_end(double end, const Look *look, const State *s, Work *work)
+{
+    double first[ROOM(N_DISTANCES)], there[ROOM(N_DISTANCES)], last[ROOM(N_DISTANCES)];
+    double found = HUGE_VAL;
+    distances_at(look->start, look, s, work, first);
+    distances_at(look->start + 0.5 * look->h, look, s, work, there);
+    distances_at(look->start + look->h, look, s, work, last);
+    for (size_t k = 0; k != N_DISTANCES; ++k) {
+        if (!sinks_between(first[k], there[k], last[k])) continue;
+        found = smaller(found, turning_end(k, first[k], last[k], end, look, s, work));
+    }
+    return found;
+}
