@@ -92,7 +92,7 @@ static double turning_end(size_t k, double before, double after, double end, con
     double found[ROOM(N_DISTANCES)];
     distances_at(time, look, s, work, found);
     const double least = found[k];
-    const double nothing = larger(look->slack, 2.0 * tiny);
+    const double nothing = larger(FINEST * look->h, 2.0 * tiny);
     if (!(least < TURNING * TURNING * far && end - time > tiny)) return HUGE_VAL;
     /* it starts behind the place */
     if (!(way > tiny) && !(look->h * sqrt(before / far) < 0.5 * nothing)) return HUGE_VAL;

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger, smaller
-from .crossing import ONWARD, SMALL, SMALLEST, read_at
+from .crossing import FINEST, ONWARD, SMALL, SMALLEST, read_at
 
 if TYPE_CHECKING:
     from .arithmetic import Array
@@ -87,7 +87,7 @@ def turning_end(k: int, before: float, after: float, end: float, look: Look) -> 
     time = nearest_time(k, look)
     tiny = ONWARD * SMALLEST * larger(abs(look.start), abs(end))
     way, least, far = time - look.start, float(distances_at(time, look)[k]), larger(before, after)
-    nothing = larger(look.slack, 2.0 * tiny)
+    nothing = larger(FINEST * look.h, 2.0 * tiny)
     if not (least < TURNING * TURNING * far and end - time > tiny):
         return math.inf
     if not way > tiny and not look.h * math.sqrt(before / far) < 0.5 * nothing:
