@@ -33,8 +33,6 @@ SMOOTH = 2
 #: Polynomials up to this degree vary no faster than the stages of a step see: (1 - t^2)^n is a hill
 #: of a width of 1.7/sqrt(n) in an interval of 2, a third of it for n = 6.
 HIGHEST = 12
-#: What goes with this power of a distance's square, or less of a pole, as 1/r, turns most forces.
-LEAST_ORDER = Fraction(1, 2)
 #: Functions with a jump, or that jump through infinity.
 JUMPING = frozenset({Op.SIGN, Op.TAN, Op.ATAN2})
 #: Functions of which those of their arguments may be looked at instead.
@@ -97,9 +95,10 @@ class Seen:
         The key of the force that each of them is of.
     infinite : tuple of Expression
         The parts of formulas that may be infinite there.
+    lengths : tuple of Expression
+        Squares of lengths along which forces act: these turn round where they come down to zero.
     distances : tuple of Expression
-        Squares of distances, of points or of speeds from rest, along which a force acts: it turns
-        round where they come down to zero.
+        Squares of distances in formulas, of points or of speeds from rest, likewise.
     """
 
     switches: tuple[Expression, ...]
@@ -113,6 +112,7 @@ class Seen:
     poles: tuple[Expression, ...] = ()
     pushed: tuple[str, ...] = ()
     infinite: tuple[Expression, ...] = ()
+    lengths: tuple[Expression, ...] = ()
     distances: tuple[Expression, ...] = ()
 
 
@@ -139,9 +139,7 @@ def seen_of(system: System) -> Seen:
     varying = partial(varying_parts, varying={TIME, *of_state})
     edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(_edges_of, events))))
     crossings = (*events, *found(switching_functions, is_state=True), *edges)
-    narrow = tuple(
-        without_overflow(one) for one in found(varying, is_state=True) if not _only_turns(one)
-    )
+    narrow = tuple(map(without_overflow, found(varying, is_state=True)))
     laws: dict[Expression, str] = {}
     for one in system.constraints:
         if one.law:
@@ -154,12 +152,12 @@ def seen_of(system: System) -> Seen:
     for text, key in _texts(system):
         if text and key:
             for part in _summands(parsed[text]):
-                places = () if _only_turns(part) else _poles_of(part, {TIME, *of_state})
-                own = dict.fromkeys(places, key)
+                own = dict.fromkeys(_poles_of(part, {TIME, *of_state}), key)
                 poles = own | poles
                 infinite |= dict.fromkeys([part] * bool(own))
-    distances = tuple(dict.fromkeys((*_lengths(system), *found(_squares_of, is_state=True))))
-    told = (*crossings, *narrow, *poles, *infinite, *distances)
+    lengths = tuple(_lengths(system))
+    distances = tuple(one for one in found(_squares_of, is_state=True) if one not in lengths)
+    told = (*crossings, *narrow, *poles, *infinite, *lengths, *distances)
     read = set(chain.from_iterable(map(names_of, told)))
     return Seen(
         tuple(dict.fromkeys(switches)),
@@ -173,6 +171,7 @@ def seen_of(system: System) -> Seen:
         tuple(poles),
         tuple(poles.values()),
         tuple(infinite),
+        lengths,
         distances,
     )
 
@@ -207,46 +206,6 @@ def _lengths(system: System) -> Iterator[Expression]:
     for place, force in enumerate(system.forces):
         if isinstance(force, PointSpring) and not force.is_smooth:
             yield _square(symbol(_length_of(place, force)[0]))
-
-
-def _only_turns(formula: Expression) -> bool:
-    """Whether a formula varies fast only where a distance is small, and is no more than 1/r there.
-
-    So is x/sqrt(x^2 + y^2): where steps end by distances there is no more to look at.
-    """
-    order = _order_of(formula)
-    return order is not None and order >= -LEAST_ORDER
-
-
-def _order_of(formula: Expression) -> Fraction | None:
-    """Power of squares of distances that a formula goes with; None where it is of something else.
-
-    A polynomial has none, 0.
-    """
-    if formula.value is not None or not formula.args:
-        return Fraction(0)
-    orders = [_order_of(arg) for arg in formula.args]
-    match formula:
-        case Expression(Op.SQRT, (a,)) if _is_square(a):
-            return Fraction(1, 2)
-        case Expression(Op.POW, (a, Expression(value=Fraction() as power))):
-            if power.denominator == 1 and power >= 0 and orders[0] == 0:
-                return Fraction(0)
-            return power if _is_square(a) else None
-        case Expression(Op.DIV, (_, b)):
-            first, last = orders
-            is_divisor = b.value is not None or last
-            return first - last if first is not None and last is not None and is_divisor else None
-    known = [order for order in orders if order is not None]
-    if len(known) < len(orders) or formula.op not in {Op.ADD, Op.NEG, Op.MUL}:
-        return None
-    return sum(known, Fraction(0)) if formula.op is Op.MUL else min(known)
-
-
-def _is_square(a: Expression) -> bool:
-    """Whether a formula may be the square of a distance: it is never negative, and may be zero."""
-    is_whole = even_root(apply(Op.SQRT, a)) is None and _order_of(a) == 0
-    return is_whole and range_of(a)[0] >= 0.0 and may_be_zero(a)
 
 
 def _square(a: Expression) -> Expression:

@@ -7,9 +7,11 @@
  * place, and the next one, to end as far behind. */
 
 /* distances that sink to this part of the larger one at the ends, as a parabola tells, are looked
- * at; those that do so to this part in the polynomial turn a force within the step */
+ * at; those that do so to this part in the polynomial turn a force within the step, and those in
+ * formulas to this one: bounds tell how these vary, but for what places are known to */
 #define SUNK 0.3
 #define TURNING 0.0625
+#define TOLD_TURNING 1e-2
 /* a force turns within so many times the time in which a distance gets larger by as much as it is
  */
 #define AROUND 8.0
@@ -19,6 +21,8 @@
 #define GOLDEN 0.3819660112501051
 #define MOST_SECTIONS 80
 
+enum { W_NEAR = N_LENGTHS > 0 ? W_LENGTHS : W_DISTANCES }; /* one behind the other */
+
 /* squares of distances at a time */
 static void distances_at(
     double time, const Look *look, const State *s, Work *work, double *found)
@@ -26,7 +30,7 @@ static void distances_at(
     double read[ROOM(N_READ)];
     read_at(time, look, s, work, read);
     distance(work->w);
-    memcpy(found, work->w + W_DISTANCES, N_DISTANCES * sizeof *found);
+    memcpy(found, work->w + W_NEAR, N_DISTANCES * sizeof *found);
 }
 
 /* whether the square of a distance may sink between three times, as a parabola through it does */
@@ -93,7 +97,8 @@ static double turning_end(size_t k, double before, double after, double end, con
     distances_at(time, look, s, work, found);
     const double least = found[k];
     const double nothing = larger(FINEST * look->h, 2.0 * tiny);
-    if (!(least < TURNING * TURNING * far && end - time > tiny)) return HUGE_VAL;
+    const double part = k < N_LENGTHS ? TURNING : TOLD_TURNING;
+    if (!(least < part * part * far && end - time > tiny)) return HUGE_VAL;
     /* it starts behind the place */
     if (!(way > tiny) && !(look->h * sqrt(before / far) < 0.5 * nothing)) return HUGE_VAL;
     /* it leads over the place */

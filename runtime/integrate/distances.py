@@ -22,9 +22,11 @@ if TYPE_CHECKING:
     from .crossing import Look
 
 #: Distances that sink to this part of the larger one at the ends, as a parabola tells, are looked
-#: at; those that do so to this part in the polynomial turn a force within the step.
+#: at; those that do so to this part in the polynomial turn a force within the step, and those in
+#: formulas to this one: bounds tell how these vary, but for what places are known to.
 SUNK = 0.3
 TURNING = 0.0625
+TOLD_TURNING = 1e-2
 #: A force turns within so many times the time in which a distance gets larger by as much as it is.
 AROUND = 8.0
 #: A step that was cut leads over such a place where this part of it is behind.
@@ -38,8 +40,7 @@ def distances_at(time: float, look: Look) -> Array:
     """Squares of distances at a time."""
     read_at(time, look)
     look.work.w.run("distance")
-    found: Array = look.work.w.distances.copy()
-    return found
+    return np.concatenate((look.work.w.lengths, look.work.w.distances))
 
 
 def sinks_between(first: float, middle: float, last: float) -> bool:
@@ -88,7 +89,8 @@ def turning_end(k: int, before: float, after: float, end: float, look: Look) -> 
     tiny = ONWARD * SMALLEST * larger(abs(look.start), abs(end))
     way, least, far = time - look.start, float(distances_at(time, look)[k]), larger(before, after)
     nothing = larger(FINEST * look.h, 2.0 * tiny)
-    if not (least < TURNING * TURNING * far and end - time > tiny):
+    part = TURNING if k < look.work.scene.size("lengths") else TOLD_TURNING
+    if not (least < part * part * far and end - time > tiny):
         return math.inf
     if not way > tiny and not look.h * math.sqrt(before / far) < 0.5 * nothing:
         return math.inf  # it starts behind the place

@@ -232,8 +232,8 @@ class SceneTables:
 
     @property
     def n_distances(self) -> int:
-        """Count of distances along which forces act, and that may come down to zero."""
-        return self.size("distances")
+        """Count of lengths along which forces act, and of distances in formulas."""
+        return self.size("lengths") + self.size("distances")
 
     @property
     def has_narrow(self) -> bool:
@@ -330,6 +330,7 @@ class Workspace:
     poles: Array
     narrow: Array
     infinite: Array
+    lengths: Array
     distances: Array
     constants: Array
 

@@ -155,16 +155,18 @@ def record_switching(
         record("switching", recorder.region("span", 2), parts)
     if seen.laws:
         record("bending", recorder.region("law_span", 2), {"laws": seen.laws})
-    if seen.crossings or seen.narrow or seen.poles or seen.distances:
+    near = {"lengths": seen.lengths, "distances": seen.distances}
+    if seen.crossings or seen.narrow or seen.poles or any(near.values()):
         region = recorder.region("measures", 2 * len(seen.measures))
         recorder.begin("measure")
         for k, one in enumerate(seen.measures):
             forces.measure(system, one, region.part(2 * k, 1), region.part(2 * k + 1, 1))
-    if seen.distances:
+    if any(near.values()):
         recorder.begin("distance")
-        target = recorder.region("distances", len(seen.distances))
-        valued = Valued(seen.distances, names, seen.measures)
-        recorder.call(valued, forces.names[TIME][0], region, parameters, into=(target,))
+        for name, found in near.items():
+            if found:
+                target, valued = recorder.region(name, len(found)), Valued(found, names, seen.measures)
+                recorder.call(valued, forces.names[TIME][0], region, parameters, into=(target,))
     if seen.crossings or seen.narrow or seen.poles:
         ranges = recorder.region("ranges", 2 + RANGES * len(seen.measures))
         parts = {"crossings": seen.crossings, "poles": seen.poles}

@@ -67,7 +67,7 @@ COME_WITH = {
         *("W_RANGES", "W_CROSSINGS", "W_NARROW", "W_POLES"),
     ),
     ("HAS_MEASURE",): ("N_MEASURES", "W_MEASURES"),
-    ("HAS_DISTANCE",): ("N_DISTANCES", "W_DISTANCES"),
+    ("HAS_DISTANCE",): ("N_LENGTHS", "N_DISTANCES", "W_LENGTHS", "W_DISTANCES"),
 }
 #: How wide lines of tables are.
 WIDTH = 92
