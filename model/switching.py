@@ -218,17 +218,23 @@ def _squares_of(formula: Expression) -> Iterator[Expression]:
     Roots are of them, or they divide: x/sqrt(x^2 + y^2) turns round, and ``atan2(y, x)``.
     """
     for part in ordered(formula):
+        found: Iterable[Expression] = ()
+        root = None  # it has no value where this is negative
         match part:
             case Expression(Op.ATAN2, (a, b)):
-                found: Iterable[Expression] = (add(_square(a), _square(b)),)
-            case Expression(Op.SQRT | Op.LOG, (a,)) | Expression(Op.DIV, (_, a)):
-                found = _zeros_of(a) if even_root(part) is None else ()
-            case Expression(Op.POW, (a, Expression(value=exponent))):
-                is_root = exponent is None or exponent.denominator > 1 or exponent < 0
-                found = _zeros_of(a) if is_root and even_root(part) is None else ()
-            case _:
-                found = ()
-        yield from (one for one in found if range_of(one)[0] >= 0.0 and may_be_zero(one))
+                found = (add(_square(a), _square(b)),)
+            case Expression(Op.SQRT | Op.LOG, (a,)) if even_root(part) is None:
+                found, root = _zeros_of(a), a
+            case Expression(Op.DIV, (_, a)):
+                found = _zeros_of(a)
+            case Expression(Op.POW, (a, Expression(value=power))) if even_root(part) is None:
+                if power is None or power.denominator > 1:
+                    found, root = _zeros_of(a), a
+                elif power < 0:
+                    found = _zeros_of(a)
+        for one in found:
+            if (one == root or range_of(one)[0] >= 0.0) and may_be_zero(one):
+                yield one
 
 
 def _texts(system: System) -> Iterator[tuple[str, str]]:

@@ -98,13 +98,13 @@ static double turning_end(size_t k, double before, double after, double end, con
     const double least = found[k];
     const double nothing = larger(FINEST * look->h, 2.0 * tiny);
     const double part = k < N_LENGTHS ? TURNING : TOLD_TURNING;
-    if (!(least < part * part * far && end - time > tiny)) return HUGE_VAL;
+    if (!(far > 0.0 && least < part * part * far && end - time > tiny)) return HUGE_VAL;
     /* it starts behind the place */
-    if (!(way > tiny) && !(look->h * sqrt(before / far) < 0.5 * nothing)) return HUGE_VAL;
+    if (!(way > tiny) && !(look->h * sqrt(larger(before / far, 0.0)) < 0.5 * nothing)) return HUGE_VAL;
     /* it leads over the place */
     if (end == look->cut && end - time > BEHIND * look->h) return HUGE_VAL;
     const double from_there = before > after ? way : end - time;
-    const double turn = AROUND * from_there * sqrt(least / (far - least));
+    const double turn = AROUND * from_there * sqrt(larger(least / (far - least), 0.0));
     const double near = larger(nothing, turn);
     if (way > 2.0 * near) return time - larger(near, SMALL * way);
     return time + near;

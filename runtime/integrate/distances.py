@@ -90,14 +90,14 @@ def turning_end(k: int, before: float, after: float, end: float, look: Look) -> 
     way, least, far = time - look.start, float(distances_at(time, look)[k]), larger(before, after)
     nothing = larger(FINEST * look.h, 2.0 * tiny)
     part = TURNING if k < look.work.scene.size("lengths") else TOLD_TURNING
-    if not (least < part * part * far and end - time > tiny):
+    if not (far > 0.0 and least < part * part * far and end - time > tiny):
         return math.inf
-    if not way > tiny and not look.h * math.sqrt(before / far) < 0.5 * nothing:
+    if not way > tiny and not look.h * math.sqrt(larger(before / far, 0.0)) < 0.5 * nothing:
         return math.inf  # it starts behind the place
     if end == look.cut and end - time > BEHIND * look.h:
         return math.inf  # it leads over the place
     from_there = way if before > after else end - time
-    turn = AROUND * from_there * math.sqrt(least / (far - least))
+    turn = AROUND * from_there * math.sqrt(larger(least / (far - least), 0.0))
     near = larger(nothing, turn)
     if way > 2.0 * near:
         return time - larger(near, SMALL * way)
