@@ -166,6 +166,8 @@ class Look:
         The function that is zero in it where a force is infinite, counted from 1; 0: none.
     pole_time : float [s]
         When that is.
+    is_over : bool
+        Whether the step that was cut last for a distance only leads over where it is least.
     """
 
     state: State
@@ -191,6 +193,7 @@ class Look:
     lost: int = 0
     pole: int = 0
     pole_time: float = 0.0
+    is_over: bool = False
 
 
 def side_at(node: TimeNode) -> Array:

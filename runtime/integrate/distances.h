@@ -17,6 +17,8 @@
 #define AROUND 8.0
 /* a step that was cut leads over such a place where this part of it is behind */
 #define BEHIND 0.3
+/* a step of so many times no way leads over such a place, and has no other */
+#define LEAP 4.0
 /* where the golden section divides an interval, and how often it does */
 #define GOLDEN 0.3819660112501051
 #define MOST_SECTIONS 80
@@ -85,6 +87,13 @@ static double nearest_time(size_t k, const Look *look, const State *s, Work *wor
     return there < beyond ? a : b;
 }
 
+/* the time of a step that is no way: bounds tell nothing of what is in it, and rounding little */
+static double no_way(const Look *look)
+{
+    const double tiny = ONWARD * SMALLEST * larger(fabs(look->start), fabs(look->start + look->h));
+    return larger(FINEST * look->h, 2.0 * tiny);
+}
+
 /* where a step to an end must end by a distance, of these squares at its ends: before the place, or
  * behind it if that is no way; infinite where it need not */
 static double turning_end(size_t k, double before, double after, double end, const Look *look,
@@ -96,7 +105,7 @@ static double turning_end(size_t k, double before, double after, double end, con
     double found[ROOM(N_DISTANCES)];
     distances_at(time, look, s, work, found);
     const double least = found[k];
-    const double nothing = larger(FINEST * look->h, 2.0 * tiny);
+    const double nothing = no_way(look);
     const double part = k < N_LENGTHS ? TURNING : TOLD_TURNING;
     if (!(far > 0.0 && least < part * part * far && end - time > tiny)) return HUGE_VAL;
     /* it starts behind the place */
@@ -111,7 +120,7 @@ static double turning_end(size_t k, double before, double after, double end, con
 }
 
 /* where a step to an end must end by all distances, infinite where it need not */
-static double turned_end(double end, const Look *look, const State *s, Work *work)
+static double turned_end(double end, Look *look, const State *s, Work *work)
 {
     double first[ROOM(N_DISTANCES)], there[ROOM(N_DISTANCES)], last[ROOM(N_DISTANCES)];
     double found = HUGE_VAL;
@@ -122,5 +131,6 @@ static double turned_end(double end, const Look *look, const State *s, Work *wor
         if (!sinks_between(first[k], there[k], last[k])) continue;
         found = smaller(found, turning_end(k, first[k], last[k], end, look, s, work));
     }
+    if (found < end) look->is_over = found - look->start < LEAP * no_way(look);
     return found;
 }

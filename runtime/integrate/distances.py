@@ -31,6 +31,8 @@ TOLD_TURNING = 1e-2
 AROUND = 8.0
 #: A step that was cut leads over such a place where this part of it is behind.
 BEHIND = 0.3
+#: A step of so many times no way leads over such a place, and has no other.
+LEAP = 4.0
 #: Where the golden section divides an interval, and how often it does.
 GOLDEN = 0.3819660112501051
 MOST_SECTIONS = 80
@@ -80,6 +82,12 @@ def nearest_time(k: int, look: Look) -> float:
     return a if there < beyond else b
 
 
+def no_way(look: Look) -> float:
+    """Time of a step that is no way: bounds tell nothing of what is in it, and rounding little."""
+    tiny = ONWARD * SMALLEST * larger(abs(look.start), abs(look.start + look.h))
+    return larger(FINEST * look.h, 2.0 * tiny)
+
+
 def turning_end(k: int, before: float, after: float, end: float, look: Look) -> float:
     """Time at which a step to an end must end by a distance, of these squares at its ends.
 
@@ -88,7 +96,7 @@ def turning_end(k: int, before: float, after: float, end: float, look: Look) -> 
     time = nearest_time(k, look)
     tiny = ONWARD * SMALLEST * larger(abs(look.start), abs(end))
     way, least, far = time - look.start, float(distances_at(time, look)[k]), larger(before, after)
-    nothing = larger(FINEST * look.h, 2.0 * tiny)
+    nothing = no_way(look)
     part = TURNING if k < look.work.scene.size("lengths") else TOLD_TURNING
     if not (far > 0.0 and least < part * part * far and end - time > tiny):
         return math.inf
@@ -112,4 +120,6 @@ def turned_end(end: float, look: Look) -> float:
     for k, (before, there, after) in enumerate(zip(first, middle, last, strict=True)):
         if sinks_between(before, there, after):
             found = smaller(found, turning_end(k, before, after, end, look))
+    if found < end:
+        look.is_over = found - look.start < LEAP * no_way(look)
     return found

@@ -644,6 +644,7 @@ static double told_in(double told, Attempts *tried, const Trial *trial, Work *wo
 {
     Look *look = &tried->look;
     if (N_NARROW == 0 || !is_kept(trial)) return trial->end;
+    if (look->is_over && told <= tried->turning) return trial->end;
     if (tried->shorter++ < MOST_SHORTER) {
         const double there = told_end(told, look, s, work);
         return there < told ? there : trial->end;

@@ -765,6 +765,8 @@ def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State
     look = tried.look
     if not work.scene.has_narrow or not is_kept(trial):
         return trial.end
+    if look.is_over and told <= tried.turning:
+        return trial.end
     if tried.shorter < MOST_SHORTER:
         tried.shorter += 1
         there = told_end(told, look)
