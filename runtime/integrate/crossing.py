@@ -166,8 +166,10 @@ class Look:
         The function that is zero in it where a force is infinite, counted from 1; 0: none.
     pole_time : float [s]
         When that is.
+    turning : float [s]
+        Where it was cut last for a distance.
     is_over : bool
-        Whether the step that was cut last for a distance only leads over where it is least.
+        Whether it only leads over where that is least.
     """
 
     state: State
@@ -193,6 +195,7 @@ class Look:
     lost: int = 0
     pole: int = 0
     pole_time: float = 0.0
+    turning: float = math.inf
     is_over: bool = False
 
 

@@ -111,7 +111,7 @@ static double turning_end(size_t k, double before, double after, double end, con
     /* it starts behind the place */
     if (!(way > tiny) && !(look->h * sqrt(larger(before / far, 0.0)) < 0.5 * nothing)) return HUGE_VAL;
     /* it leads over the place */
-    if (end == look->cut && end - time > BEHIND * look->h) return HUGE_VAL;
+    if (end == look->turning && end - time > BEHIND * look->h) return HUGE_VAL;
     const double from_there = before > after ? way : end - time;
     const double turn = AROUND * from_there * sqrt(larger(least / (far - least), 0.0));
     const double near = larger(nothing, turn);

@@ -102,7 +102,7 @@ def turning_end(k: int, before: float, after: float, end: float, look: Look) -> 
         return math.inf
     if not way > tiny and not look.h * math.sqrt(larger(before / far, 0.0)) < 0.5 * nothing:
         return math.inf  # it starts behind the place
-    if end == look.cut and end - time > BEHIND * look.h:
+    if end == look.turning and end - time > BEHIND * look.h:
         return math.inf  # it leads over the place
     from_there = way if before > after else end - time
     turn = AROUND * from_there * math.sqrt(larger(least / (far - least), 0.0))

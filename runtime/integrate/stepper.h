@@ -106,7 +106,6 @@ typedef struct {
     int is_guessed;      /* whether one was cut short for what is seen in it but distances */
     /* how often for narrow parts, for stages that pass a switch by, and for distances */
     int shorter, thrown, turned;
-    double turning;      /* where it was cut last for distances [s] */
     int polished;        /* how often an event was found again */
     int status;          /* GOOD, or why there is no step */
     Look look;           /* what is seen in the last one */
@@ -604,7 +603,7 @@ static double turned_in(double turned, double seen, Attempts *tried)
         return seen;
     }
     memset(look->crosses, 0, sizeof look->crosses);
-    tried->turning = turned;
+    look->turning = turned;
     return turned;
 }
 
@@ -644,7 +643,7 @@ static double told_in(double told, Attempts *tried, const Trial *trial, Work *wo
 {
     Look *look = &tried->look;
     if (N_NARROW == 0 || !is_kept(trial)) return trial->end;
-    if (look->is_over && told <= tried->turning) return trial->end;
+    if (look->is_over && told <= look->turning) return trial->end;
     if (tried->shorter++ < MOST_SHORTER) {
         const double there = told_end(told, look, s, work);
         return there < told ? there : trial->end;
@@ -697,7 +696,7 @@ static double length_by_error(const Method *m, const Trial *trial)
 static void end_at(double to, Attempts *tried, const Trial *trial, State *s)
 {
     const double way = to - s->time;
-    tried->is_guessed = tried->is_guessed || to != tried->turning;
+    tried->is_guessed = tried->is_guessed || to != tried->look.turning;
     if (tried->is_fixed) {
         tried->end = to;
         tried->is_beyond = 0;
@@ -750,7 +749,7 @@ static int step(
     tried.is_fixed = settings->fixed_step > 0.0;
     tried.best = -1.0;
     tried.look.cut = s->time;
-    tried.turning = HUGE_VAL;
+    tried.look.turning = HUGE_VAL;
     tried.look.has_error = N_SWITCHING > 0 && !tried.is_fixed;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {

@@ -208,8 +208,6 @@ class Attempts:
     shorter, thrown, turned, polished : int
         How often for narrow parts, for stages that pass a switch by, and for distances that come
         down to zero; how often an event was found again.
-    turning : float [s]
-        Where it was cut last for distances.
     status : Status
         ``GOOD``, or why there is no step.
     """
@@ -231,7 +229,6 @@ class Attempts:
     shorter: int = 0
     thrown: int = 0
     turned: int = 0
-    turning: float = math.inf
     polished: int = 0
     status: Status = Status.GOOD
 
@@ -756,7 +753,7 @@ def turned_in(turned: float, seen: float, tried: Attempts, state: State) -> floa
         look.is_untold = True
         return seen
     look.crosses = np.zeros(len(state.sides), dtype=bool)
-    tried.turning = turned
+    look.turning = turned
     return turned
 
 
@@ -765,7 +762,7 @@ def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State
     look = tried.look
     if not work.scene.has_narrow or not is_kept(trial):
         return trial.end
-    if look.is_over and told <= tried.turning:
+    if look.is_over and told <= look.turning:
         return trial.end
     if tried.shorter < MOST_SHORTER:
         tried.shorter += 1
@@ -819,7 +816,7 @@ def length_by_error(m: RungeKuttaMethod, trial: Trial) -> float:
 def end_at(to: float, tried: Attempts, trial: Trial, state: State) -> None:
     """Have a step end at a time when it is tried again; one that is cut can be longer still."""
     way = to - state.time
-    tried.is_guessed = tried.is_guessed or to != tried.turning
+    tried.is_guessed = tried.is_guessed or to != tried.look.turning
     if tried.is_fixed:
         tried.end, tried.is_beyond = to, False
     state.rejected += 1

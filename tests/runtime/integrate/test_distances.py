@@ -1,0 +1,116 @@
+"""Distances in a step: which sink, where they are least, and what of it cuts the step."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.runtime.integrate import distances, stepper
+from kousoku.runtime.integrate.distances import (
+    AROUND,
+    TOLD_TURNING,
+    TURNING,
+    nearest_time,
+    no_way,
+    sinks_between,
+    turned_end,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+def looked_at(
+    monkeypatch: pytest.MonkeyPatch, square: Callable[[float], float], *, lengths: int = 1
+) -> Any:
+    """Step from 0 to 1 in which the square of a distance is that function of time."""
+    monkeypatch.setattr(distances, "distances_at", lambda time, _: np.array([square(time)]))
+    scene = SimpleNamespace(n_distances=1, size=lambda _: lengths)
+    return SimpleNamespace(
+        start=0.0, h=1.0, turning=math.inf, is_over=False, work=SimpleNamespace(scene=scene)
+    )
+
+
+@pytest.mark.parametrize(
+    ("first", "middle", "last", "sinks"),
+    [
+        (1.0, 0.0, 1.0, True),
+        (1.0, 1.2, 1.0, False),
+        (1.0, 0.5, 1.0, False),
+        (1.0, 0.25, 0.0, True),  # it ends there
+        (1.0, 0.5, 0.2, False),
+        (0.09, 0.25, 0.81, False),
+        (math.nan, 0.0, 1.0, False),
+        (0.0, 0.0, 0.0, False),
+    ],
+)
+def test_a_parabola_tells_what_sinks(first: float, middle: float, last: float, sinks: bool) -> None:
+    assert sinks_between(first, middle, last) is sinks
+
+
+def test_the_least_is_found_however_small_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    for there in (1e-9, 0.123, 0.5, 0.987654321):
+        look = looked_at(monkeypatch, lambda time, at=there: (time - at) ** 2)
+        assert nearest_time(0, look) == pytest.approx(there, rel=1e-14, abs=1e-16)
+
+
+def test_a_step_ends_before_the_place_then_right_behind_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    look = looked_at(monkeypatch, lambda time: (time - 0.4) ** 2)
+    assert turned_end(1.0, look) == pytest.approx(0.4 * (1.0 - 1e-3))
+    assert not look.is_over
+    look = looked_at(monkeypatch, lambda time: (time - 1e-9) ** 2)
+    assert turned_end(1.0, look) == pytest.approx(1e-9 + no_way(look), rel=1e-6)
+    assert look.is_over
+
+
+def test_a_step_that_leads_over_the_place_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    look = looked_at(monkeypatch, lambda time: (time - 0.5) ** 2)
+    assert turned_end(1.0, look) < 1.0  # it may end there for another reason
+    look.turning = 1.0
+    assert turned_end(1.0, look) == math.inf
+
+
+def test_a_step_that_starts_behind_the_place_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    look = looked_at(monkeypatch, lambda time: (time + 1e-9) ** 2)
+    assert turned_end(1.0, look) == math.inf
+
+
+def test_what_passes_beside_the_place_turns_as_soon_as_it_is_near(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    look = looked_at(monkeypatch, lambda time: (time - 0.5) ** 2 + 1e-6)
+    assert turned_end(1.0, look) == pytest.approx(0.5 - AROUND * 1e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize(("lengths", "most"), [(1, TURNING), (0, TOLD_TURNING)])
+def test_what_passes_far_beside_the_place_cuts_no_step(
+    monkeypatch: pytest.MonkeyPatch, lengths: int, most: float
+) -> None:
+    for part, is_cut in ((0.9, True), (1.1, False)):
+        beside = 0.5 * part * most
+        look = looked_at(
+            monkeypatch,
+            lambda time, b=beside: (time - 0.5) ** 2 * (1.0 - most * most) + b * b,
+            lengths=lengths,
+        )
+        assert (turned_end(1.0, look) < 1.0) is is_cut
+
+
+def test_distances_that_are_negative_or_lost_cut_no_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    for square in (lambda _: math.nan, lambda time: -((time - 0.5) ** 2), lambda _: 0.0):
+        assert turned_end(1.0, looked_at(monkeypatch, square)) == math.inf
+
+
+def test_a_step_that_is_cut_too_often_is_told() -> None:
+    look = SimpleNamespace(lost=0, is_untold=False, crosses=None, turning=math.inf)
+    tried: Any = SimpleNamespace(look=look, turned=0)
+    state: Any = SimpleNamespace(sides=np.zeros(2))
+    for _ in range(stepper.MOST_SHORTER):
+        assert stepper.turned_in(0.5, 1.0, tried, state) == 0.5
+        assert not look.is_untold
+    assert stepper.turned_in(0.5, 1.0, tried, state) == 1.0
+    assert look.is_untold
