@@ -106,7 +106,7 @@ static double turning_end(size_t k, double before, double after, double end, con
     distances_at(time, look, s, work, found);
     const double least = found[k];
     const double nothing = no_way(look);
-    const double part = k < N_LENGTHS ? TURNING : TOLD_TURNING;
+    const double part = (int)k < N_LENGTHS ? TURNING : TOLD_TURNING;
     if (!(far > 0.0 && least < part * part * far && end - time > tiny)) return HUGE_VAL;
     /* it starts behind the place */
     if (!(way > tiny) && !(look->h * sqrt(larger(before / far, 0.0)) < 0.5 * nothing)) return HUGE_VAL;
