@@ -26,8 +26,7 @@
 enum { W_NEAR = N_LENGTHS > 0 ? W_LENGTHS : W_DISTANCES }; /* one behind the other */
 
 /* squares of distances at a time */
-static void distances_at(
-    double time, const Look *look, const State *s, Work *work, double *found)
+static void distances_at(double time, const Look *look, const State *s, Work *work, double *found)
 {
     double read[ROOM(N_READ)];
     read_at(time, look, s, work, read);
@@ -96,8 +95,8 @@ static double no_way(const Look *look)
 
 /* where a step to an end must end by a distance, of these squares at its ends: before the place, or
  * behind it if that is no way; infinite where it need not */
-static double turning_end(size_t k, double before, double after, double end, const Look *look,
-    const State *s, Work *work)
+static double turning_end(
+    size_t k, double before, double after, double end, const Look *look, const State *s, Work *work)
 {
     const double time = nearest_time(k, look, s, work), way = time - look->start;
     const double tiny = ONWARD * SMALLEST * larger(fabs(look->start), fabs(end));
@@ -109,7 +108,8 @@ static double turning_end(size_t k, double before, double after, double end, con
     const double part = (int)k < N_LENGTHS ? TURNING : TOLD_TURNING;
     if (!(far > 0.0 && least < part * part * far && end - time > tiny)) return HUGE_VAL;
     /* it starts behind the place */
-    if (!(way > tiny) && !(look->h * sqrt(larger(before / far, 0.0)) < 0.5 * nothing)) return HUGE_VAL;
+    if (!(way > tiny) && !(look->h * sqrt(larger(before / far, 0.0)) < 0.5 * nothing))
+        return HUGE_VAL;
     /* it leads over the place */
     if (end == look->turning && end - time > BEHIND * look->h) return HUGE_VAL;
     const double from_there = before > after ? way : end - time;

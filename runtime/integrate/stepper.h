@@ -106,9 +106,9 @@ typedef struct {
     int is_guessed;      /* whether one was cut short for what is seen in it but distances */
     /* how often for narrow parts, for stages that pass a switch by, and for distances */
     int shorter, thrown, turned;
-    int polished;        /* how often an event was found again */
-    int status;          /* GOOD, or why there is no step */
-    Look look;           /* what is seen in the last one */
+    int polished; /* how often an event was found again */
+    int status;   /* GOOD, or why there is no step */
+    Look look;    /* what is seen in the last one */
 } Attempts;
 
 /* whether a trial meets the tolerance */
