@@ -19,6 +19,8 @@
 #define BEHIND 0.3
 /* a step of so many times no way leads over such a place, and has no other */
 #define LEAP 4.0
+/* how often a step is cut for distances */
+#define MOST_TURNED 8
 /* where the golden section divides an interval, and how often it does */
 #define GOLDEN 0.3819660112501051
 #define MOST_SECTIONS 80
@@ -47,7 +49,6 @@ static int sinks_between(double first, double middle, double last)
 static int may_turn(const Look *look, const State *s, Work *work)
 {
     double first[ROOM(N_DISTANCES)], there[ROOM(N_DISTANCES)], last[ROOM(N_DISTANCES)];
-    if (N_DISTANCES == 0) return 0;
     distances_at(look->start, look, s, work, first);
     distances_at(look->start + 0.5 * look->h, look, s, work, there);
     distances_at(look->start + look->h, look, s, work, last);
@@ -117,6 +118,18 @@ static double turning_end(
     const double near = larger(nothing, turn);
     if (way > 2.0 * near) return time - larger(near, SMALL * way);
     return time + near;
+}
+
+/* where a step is cut for distances; what was seen, which is noted, after many cuts */
+static double turned_in(double turned, double seen, Look *look)
+{
+    if (++look->turned > MOST_TURNED) {
+        look->is_untold = 1;
+        return seen;
+    }
+    memset(look->crosses, 0, sizeof look->crosses);
+    look->turning = turned;
+    return turned;
 }
 
 /* where a step to an end must end by all distances, infinite where it need not */

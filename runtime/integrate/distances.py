@@ -33,6 +33,8 @@ AROUND = 8.0
 BEHIND = 0.3
 #: A step of so many times no way leads over such a place, and has no other.
 LEAP = 4.0
+#: How often a step is cut for distances.
+MOST_TURNED = 8
 #: Where the golden section divides an interval, and how often it does.
 GOLDEN = 0.3819660112501051
 MOST_SECTIONS = 80
@@ -56,8 +58,6 @@ def sinks_between(first: float, middle: float, last: float) -> bool:
 
 def may_turn(look: Look) -> bool:
     """Whether a distance may sink in a step."""
-    if look.work.scene.n_distances == 0:
-        return False
     times = (look.start, look.start + 0.5 * look.h, look.start + look.h)
     first, middle, last = (distances_at(time, look).tolist() for time in times)
     return any(map(sinks_between, first, middle, last))
@@ -110,6 +110,17 @@ def turning_end(k: int, before: float, after: float, end: float, look: Look) -> 
     if way > 2.0 * near:
         return time - larger(near, SMALL * way)
     return time + near
+
+
+def turned_in(turned: float, seen: float, look: Look) -> float:
+    """Time at which a step is cut for distances; what was seen, which is noted, after many cuts."""
+    look.turned += 1
+    if look.turned > MOST_TURNED:
+        look.is_untold = True
+        return seen
+    look.crosses = np.zeros(len(look.state.sides), dtype=bool)
+    look.turning = turned
+    return turned
 
 
 def turned_end(end: float, look: Look) -> float:

@@ -104,11 +104,10 @@ typedef struct {
     int is_beyond;       /* whether the end is to lie inside of the step */
     int is_rejected;     /* whether one had too large an error */
     int is_guessed;      /* whether one was cut short for what is seen in it but distances */
-    /* how often for narrow parts, for stages that pass a switch by, and for distances */
-    int shorter, thrown, turned;
-    int polished; /* how often an event was found again */
-    int status;   /* GOOD, or why there is no step */
-    Look look;    /* what is seen in the last one */
+    int shorter, thrown; /* how often for narrow parts, and for stages that pass a switch by */
+    int polished;        /* how often an event was found again */
+    int status;          /* GOOD, or why there is no step */
+    Look look;           /* what is seen in the last one */
 } Attempts;
 
 /* whether a trial meets the tolerance */
@@ -592,21 +591,6 @@ static int is_tried(Attempts *tried, Trial *trial, Work *work, State *s)
     return 1;
 }
 
-/* where a trial must end by distances, or by what crosses if that is earlier; noted where it cannot
- * be cut for that */
-static double turned_in(double turned, double seen, Attempts *tried)
-{
-    Look *look = &tried->look;
-    if (look->lost || !(turned < seen)) return seen;
-    if (++tried->turned > MOST_SHORTER) {
-        look->is_untold = 1;
-        return seen;
-    }
-    memset(look->crosses, 0, sizeof look->crosses);
-    look->turning = turned;
-    return turned;
-}
-
 /* where a trial must end by what crosses in it. Poles of forces and distances are looked for once
  * more where its polynomial has not all of its stages */
 static double seen_in(Attempts *tried, Trial *trial, Work *work, State *s)
@@ -615,12 +599,13 @@ static double seen_in(Attempts *tried, Trial *trial, Work *work, State *s)
     Look *look = &tried->look;
     const double *f = work->k[m->stages];
     int has_stages = N_SWITCHING > 0 && is_kept(trial);
-    double turned = HUGE_VAL;
     look_into(tried->settings, m, has_stages, trial->h, work->y, s->f, f, look, s, work);
     look->least_part = is_kept(trial) && !trial->is_vague ? 0.0 : LEAST_PART;
     look->is_kept = is_kept(trial);
     /* one that leads beyond its end stays as it is */
     const int is_whole = tried->is_beyond;
+#ifdef HAS_DISTANCE
+    double turned = HUGE_VAL;
     if (!is_whole && may_turn(look, s, work)) {
         const int wants_stages = is_kept(trial) && !has_stages;
         if (wants_stages && make_dense_stages(m, trial, work, s)) {
@@ -629,12 +614,17 @@ static double seen_in(Attempts *tried, Trial *trial, Work *work, State *s)
         }
         turned = turned_end(trial->end, look, s, work);
     }
+#endif
     double seen = is_whole || N_SEEN == 0 ? trial->end : seen_end(trial->end, look, s, work);
     if (look->pole && !has_stages && make_dense_stages(m, trial, work, s)) {
         look_into(tried->settings, m, 1, trial->h, work->y, s->f, f, look, s, work);
         seen = seen_end(trial->end, look, s, work);
     }
-    return look->pole ? end_before_pole(look, s) : turned_in(turned, seen, tried);
+    if (look->pole) return end_before_pole(look, s);
+#ifdef HAS_DISTANCE
+    if (turned < seen && !look->lost) return turned_in(turned, seen, look);
+#endif
+    return seen;
 }
 
 /* where a trial must end so that samples tell up to a time how narrow parts vary; noted where it

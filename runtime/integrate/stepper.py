@@ -27,7 +27,6 @@ from .crossing import (
     why_stopped,
 )
 from .dense_output import combine
-from .distances import may_turn, turned_end
 from .pivot_monitor import (
     VAGUE,
     WEAK,
@@ -205,9 +204,9 @@ class Attempts:
         Whether the end is to lie inside of the step.
     is_rejected, is_guessed : bool
         Whether one had too large an error, and was cut short for what is seen in it but distances.
-    shorter, thrown, turned, polished : int
-        How often for narrow parts, for stages that pass a switch by, and for distances that come
-        down to zero; how often an event was found again.
+    shorter, thrown, polished : int
+        How often for narrow parts, and for stages that pass a switch by; how often an event was
+        found again.
     status : Status
         ``GOOD``, or why there is no step.
     """
@@ -228,7 +227,6 @@ class Attempts:
     is_guessed: bool = False
     shorter: int = 0
     thrown: int = 0
-    turned: int = 0
     polished: int = 0
     status: Status = Status.GOOD
 
@@ -725,36 +723,22 @@ def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
     look.is_kept = is_kept(trial)
     # one that leads beyond its end stays as it is
     turned, is_whole = math.inf, tried.is_beyond
-    if not is_whole and may_turn(look):
-        wants_stages = is_kept(trial) and not has_stages
-        if wants_stages and make_dense_stages(m, trial, work, state):
-            has_stages = True
-            look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
-        turned = turned_end(trial.end, look)
+    if work.scene.n_distances > 0 and not is_whole:
+        from .distances import may_turn, turned_end, turned_in  # other scenes do not have it
+
+        if may_turn(look):
+            wants_stages = is_kept(trial) and not has_stages
+            if wants_stages and make_dense_stages(m, trial, work, state):
+                has_stages = True
+                look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
+            turned = turned_end(trial.end, look)
     seen = trial.end if is_whole or not work.scene.sees else seen_end(trial.end, look)
     if look.pole and not has_stages and make_dense_stages(m, trial, work, state):
         look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
         seen = seen_end(trial.end, look)
     if look.pole:
         return end_before_pole(look)
-    return turned_in(turned, seen, tried, state)
-
-
-def turned_in(turned: float, seen: float, tried: Attempts, state: State) -> float:
-    """Time at which a trial must end by distances, or by what crosses if that is earlier.
-
-    Noted where it cannot be cut for that.
-    """
-    look = tried.look
-    if look.lost or not turned < seen:
-        return seen
-    tried.turned += 1
-    if tried.turned > MOST_SHORTER:
-        look.is_untold = True
-        return seen
-    look.crosses = np.zeros(len(state.sides), dtype=bool)
-    look.turning = turned
-    return turned
+    return turned_in(turned, seen, look) if turned < seen and not look.lost else seen
 
 
 def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:

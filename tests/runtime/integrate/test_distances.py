@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.runtime.integrate import distances, stepper
+from kousoku.runtime.integrate import distances
 from kousoku.runtime.integrate.distances import (
     AROUND,
+    MOST_TURNED,
     TOLD_TURNING,
     TURNING,
     nearest_time,
     no_way,
     sinks_between,
     turned_end,
+    turned_in,
 )
 
 if TYPE_CHECKING:
@@ -106,11 +108,10 @@ def test_distances_that_are_negative_or_lost_cut_no_step(monkeypatch: pytest.Mon
 
 
 def test_a_step_that_is_cut_too_often_is_told() -> None:
-    look = SimpleNamespace(lost=0, is_untold=False, crosses=None, turning=math.inf)
-    tried: Any = SimpleNamespace(look=look, turned=0)
-    state: Any = SimpleNamespace(sides=np.zeros(2))
-    for _ in range(stepper.MOST_SHORTER):
-        assert stepper.turned_in(0.5, 1.0, tried, state) == 0.5
+    state = SimpleNamespace(sides=np.zeros(2))
+    look: Any = SimpleNamespace(state=state, start=0.0, h=1.0, turned=0, is_untold=False)
+    for _ in range(MOST_TURNED):
+        assert turned_in(0.5, 1.0, look) == look.turning == 0.5
         assert not look.is_untold
-    assert stepper.turned_in(0.5, 1.0, tried, state) == 1.0
+    assert turned_in(0.5, 1.0, look) == 1.0
     assert look.is_untold
