@@ -129,14 +129,9 @@ def render(templates: Environment, path: str, context: PackageContext) -> str:
 
 def inputs_of(package: Package) -> Inputs:
     """SHA-256 of all that a package is made of: graphs, templates, plain source."""
-    templates = [
-        name
-        for name in sorted(_TEMPLATES.list_templates())
-        if not name.startswith(("dynamics/", "linkage/"))
-    ]
     return hashed(
         derivation=repr((astuple(package), None)),
-        templates="".join(map(template, templates)),
+        templates=templates_in("_macros", "c/", "numpy/"),
         runtime=repr(along(*LIBRARIES)),
     )
 
@@ -146,10 +141,11 @@ def hashed(**parts: str) -> Inputs:
     return tuple((name, sha256(text)[:16]) for name, text in parts.items())
 
 
-def template(name: str) -> str:
-    """Name and the text of a template, as digests count them."""
-    text, _, _ = _TEMPLATES.get_source(environment(), name)
-    return f"\n{name}\n{text}"
+def templates_in(*folders: str) -> str:
+    """Names and texts of all templates of some folders, as digests count them."""
+    names = [name for name in sorted(_TEMPLATES.list_templates()) if name.startswith(folders)]
+    texts = [_TEMPLATES.get_source(environment(), name)[0] for name in names]
+    return "".join(f"\n{name}\n{text}" for name, text in zip(names, texts, strict=True))
 
 
 def promise(package: Package, inputs: Inputs) -> Manifest:

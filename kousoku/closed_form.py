@@ -1,7 +1,7 @@
 """Closed forms of slider-cranks and four-bars, to compare a solver with.
 
 Both are a crank, and a second link (a *dyad*) whose end moves on a line or on a circle. Positions
-are intersections, velocities and accelerations two linear equations; all with 30 digits.
+are intersections, velocities and accelerations two linear equations; all with 50 digits.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mpmath import MPContext
 
+from kousoku.model.digits import CONTEXT
 from kousoku.model.input_motion import input_values
 
 if TYPE_CHECKING:
@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from kousoku.model.planar import Input, Slider
     from kousoku.model.real import Array
     from kousoku.model.scene import Scene
-
-_MP = MPContext()
-_MP.dps = 30
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,8 +77,8 @@ def closed_form(scene: Scene, divisions: int, rows: int) -> NodeMotion | None:
     moved = []
     side = 0
     for alpha in alphas:
-        arm = crank * _MP.expj(_MP.mpf(alpha))
-        rate, rate_dot = _MP.mpf(dyad.given.rate), _MP.mpf(dyad.given.acceleration)
+        arm = crank * CONTEXT.expj(CONTEXT.mpf(alpha))
+        rate, rate_dot = CONTEXT.mpf(dyad.given.rate), CONTEXT.mpf(dyad.given.acceleration)
         pin = (_at(scene, dyad.center) + arm, 1j * rate * arm, (1j * rate_dot - rate**2) * arm)
         ends = _intersections(scene, dyad, pin[0], rod)
         if not side:
@@ -149,18 +146,18 @@ def _recognise(scene: Scene) -> _Dyad | None:
 
 def _at(scene: Scene, node: str) -> Any:
     """Position as a complex number, x + i y."""
-    return _MP.mpc(*scene.nodes[node].at)
+    return CONTEXT.mpc(*scene.nodes[node].at)
 
 
 def _length(scene: Scene, first: str, second: str) -> Any:
     link = next(name for name, it in scene.links.items() if set(it.nodes) == {first, second})
-    return _MP.mpf(scene.length(link))
+    return CONTEXT.mpf(scene.length(link))
 
 
 def _line(slider: Slider) -> tuple[Any, Any]:
     """Point of a line, and its direction with length 1."""
-    direction = _MP.mpc(*slider.direction)
-    return _MP.mpc(*slider.through), direction / abs(direction)
+    direction = CONTEXT.mpc(*slider.direction)
+    return CONTEXT.mpc(*slider.through), direction / abs(direction)
 
 
 def _intersections(scene: Scene, dyad: _Dyad, pin: Any, rod: Any) -> tuple[Any, Any]:
@@ -168,12 +165,12 @@ def _intersections(scene: Scene, dyad: _Dyad, pin: Any, rod: Any) -> tuple[Any, 
     if dyad.slider is not None:
         point, along = _line(dyad.slider)
         seen = (pin - point) / along
-        half = _MP.sqrt(rod**2 - seen.imag**2)
+        half = CONTEXT.sqrt(rod**2 - seen.imag**2)
         return point + along * (seen.real + half), point + along * (seen.real - half)
     lever = _length(scene, dyad.end, dyad.pivot)
     way = _at(scene, dyad.pivot) - pin
     foot = (rod**2 - lever**2 + abs(way) ** 2) / (2 * abs(way))
-    height = _MP.sqrt(rod**2 - foot**2)
+    height = CONTEXT.sqrt(rod**2 - foot**2)
     unit = way / abs(way)
     return pin + unit * (foot + 1j * height), pin + unit * (foot - 1j * height)
 
@@ -185,7 +182,7 @@ def _derivatives(scene: Scene, dyad: _Dyad, pin: tuple[Any, Any, Any], end: Any)
         normal, bends = 1j * _line(dyad.slider)[1], 0
     else:
         normal, bends = end - _at(scene, dyad.pivot), 1
-    velocity = _solve(rod, normal, _dot(rod, pin[1]), _MP.mpf(0))
+    velocity = _solve(rod, normal, _dot(rod, pin[1]), CONTEXT.mpf(0))
     turning = _dot(rod, pin[2]) - abs(velocity - pin[1]) ** 2
     return velocity, _solve(rod, normal, turning, -bends * abs(velocity) ** 2)
 
@@ -197,4 +194,4 @@ def _dot(a: Any, b: Any) -> Any:
 def _solve(a: Any, b: Any, p: Any, q: Any) -> Any:
     """Vector x with a · x = p and b · x = q."""
     determinant = a.real * b.imag - a.imag * b.real
-    return _MP.mpc(p * b.imag - q * a.imag, q * a.real - p * b.real) / determinant
+    return CONTEXT.mpc(p * b.imag - q * a.imag, q * a.real - p * b.real) / determinant

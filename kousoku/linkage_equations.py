@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.linkage.assemble import Role, assemble
+from kousoku.codegen.linkage.kernels import link_kernels
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.directions import unit_vector
 from kousoku.model.errors import SolveError
@@ -72,7 +72,6 @@ class LinkageEquations:
         self.assembly = assemble(scene)
         self.columns = tuple(f"{node}.{axis}" for node in scene.nodes for axis in "xy")
         self._place = {node: 2 * k for k, node in enumerate(scene.nodes)}
-        self._kernels = {kernel.name: kernel for kernel in load_frozen("link").kernels}
 
     def at(self, t: float, q: npt.ArrayLike, v: npt.ArrayLike) -> list[LinkageRow]:
         """Equations at a state: those of fixed nodes, sliders, links, rotations.
@@ -175,8 +174,8 @@ class LinkageEquations:
         for end in ROTATION.values():
             x[end] = float(element.ends[end].offset)
         inputs = {"x": x, "length": [float(element.length)], "offset": [0.0, 0.0]}
-        shape = evaluate(self._kernels["deformation"], inputs, FLOAT)
-        rate = evaluate(self._kernels["rate"], inputs | {"x_dot": x_dot}, FLOAT)
+        shape = evaluate(link_kernels()["deformation"], inputs, FLOAT)
+        rate = evaluate(link_kernels()["rate"], inputs | {"x_dot": x_dot}, FLOAT)
         slopes = shape["D"][6 * row : 6 * row + 6]
         factor = 1 / slopes[ROTATION[row]] if row else 1.0
         slope = np.zeros(len(q))

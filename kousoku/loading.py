@@ -138,7 +138,7 @@ class GivenScene:
                 from kousoku.model.read import scene_from_toml
 
                 scene = scene_from_toml(_text(scene), kinds=kinds)
-            return cls("", _text(scene).encode(), lambda: scene)
+            return cls("", _text(scene).encode(), partial(_checked, scene))
         if isinstance(scene, str) and ("\n" in scene or ("=" in scene and not _is_path(scene))):
             from kousoku.model.read import scene_from_toml
 
@@ -369,6 +369,14 @@ def _found(given: str) -> str:
         return ""
     touch(path)
     return key
+
+
+def _checked(scene: Scene) -> Scene:
+    """Scene that was put together by hand, when it is read: it may not have been checked."""
+    from kousoku.model.validate import check
+
+    check(scene)
+    return scene
 
 
 def _text(scene: Scene) -> str:

@@ -101,7 +101,7 @@ class Mechanism:
     @property
     def files(self) -> dict[str, str]:
         """The emitted files by name: C and NumPy of its solver, to be read."""
-        files = self.solver.target.sources.files
+        files = self.solver.sources.files
         return _Files({name: data.decode() for name, data in files.items()})
 
     def __repr__(self) -> str:

@@ -13,8 +13,8 @@ import numpy as np
 from kousoku.model.errors import SolveError, printable
 from kousoku.runtime.integrate.events import EventLog
 from kousoku.runtime.integrate.motion import Layout, Motion
-from kousoku.runtime.integrate.result import Named, not_generated, shown
-from kousoku.runtime.kinematics.trajectory import LINK, NODE, Trajectory
+from kousoku.runtime.integrate.result import shown
+from kousoku.runtime.kinematics.trajectory import NODE, TABLES, Trajectory, named_tables
 from kousoku.runtime.saved import digest_of
 
 if TYPE_CHECKING:
@@ -30,9 +30,8 @@ OWN = "kousoku/"
 FORMAT = 2
 #: Characters of a reason that a message shows.
 LONGEST = 160
-#: Tables of a linkage, and the output that each comes with.
-TABLES = {"inputs": "positions"} | {table: table for table, *_ in NODE}
-TABLES |= {table: "angles" for table, *_ in LINK}
+#: What is kept of a linkage beside its tables.
+OF_LINKAGES = ("name", "unit", "method", "divisions", "target", "is_in_time", "links")
 
 
 class FileFormat(msgspec.Struct, kw_only=True):
@@ -220,15 +219,9 @@ def arrays_of(result: Result) -> dict[str, Any]:
             arrays[table] = np.stack([*getattr(result, table).values()], axis=1)
         about = KeptTrajectory(
             scene=result.mechanism.text,
-            name=result.name,
-            unit=result.unit,
-            method=result.method,
-            divisions=result.divisions,
-            target=result.target,
-            is_in_time=result.is_in_time,
-            links=result.links,
             input_units=dict(result.input_units),
             parts=parts,
+            **{name: getattr(result, name) for name in OF_LINKAGES},
         )
     arrays["about"] = np.array(msgspec.json.encode(about).decode())
     arrays["digest"] = np.array(digest_of(arrays))
@@ -364,31 +357,20 @@ def _trajectory(about: KeptTrajectory, arrays: Mapping[str, Any]) -> Trajectory:
     if iterations.shape != (rows,) or iterations.dtype.kind != "i" or (iterations < 0).any():
         raise ValueError(f"iterations: wanted {rows} counts")
     times = _checked(arrays, "times", (rows,), None) if "times" in arrays else None
-    tables = {}
-    for table, output in TABLES.items():
-        names, own = about.parts.get(table, []), {}
-        if names:
+    found = {}
+    for table in TABLES:
+        if names := about.parts.get(table):
             shape = (rows, len(names), *(2,) * (table in {one for one, *_ in NODE}))
             known = None if table in {"inputs", "positions"} else 0
-            found = _checked(arrays, table, shape, known)
-            own = {name: found[:, k] for k, name in enumerate(names)}
-        what = table.replace("_", " ")
-        advice = "" if names else f"{about.name}: {not_generated(what, output)}"
-        tables[table] = Named(own, f"{about.name}: no {what}", advice)
+            found[table] = names, _checked(arrays, table, shape, known)
     trajectory = Trajectory(
-        name=about.name,
-        unit=about.unit,
-        method=about.method,
-        divisions=about.divisions,
         input_units=about.input_units,
         times=times,
         iterations=iterations,
         residual=arrays["residual"],
         condition=_checked(arrays, "condition", (rows,), None),
-        links=about.links,
-        target=about.target,
-        is_in_time=about.is_in_time,
-        **tables,
+        **{name: getattr(about, name) for name in OF_LINKAGES},
+        **named_tables(about.name, found),
     )
     trajectory.mechanism = MovedScene(about.scene, about.parts["positions"])
     return trajectory

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.model.circuits import check_circuits
+from kousoku.model.drivers import way_of
 from kousoku.model.errors import SceneError
-from kousoku.model.input_motion import input_values, period, turns_of
+from kousoku.model.input_motion import input_values, period
 from kousoku.model.prescribed import known_nodes
 
 if TYPE_CHECKING:
@@ -111,8 +112,7 @@ def _turning_points(scene: Scene) -> np.ndarray:
             dx, dy = scene.sliders[dyad.parts[1].partition(".")[2]].direction
             x, y = -dy, dx
         given, angle = scene.inputs[cranks[0].given], atan2(y, x) - cranks[0].offset
-        turns = turns_of(given)
-        way = tau * turns if turns is not None else (given.to or 0.0) - given.start
+        way = way_of(given)
         for side in (angle, angle + tau / 2):
             part = (side - given.start) % copysign(tau, way)
             if 0 < abs(part) < abs(way):

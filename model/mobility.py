@@ -7,6 +7,7 @@ from random import Random
 from typing import TYPE_CHECKING, TypeVar
 
 from kousoku.model.errors import SceneError
+from kousoku.model.text import counted
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -55,10 +56,10 @@ def check_mobility(scene: Scene) -> None:
     wanted = n_coordinates - n_constraints
     if wanted != len(scene.inputs):
         raise SceneError(
-            f"wrong number of inputs: the linkage has {_count(wanted, 'degree')} of freedom "
+            f"wrong number of inputs: the linkage has {counted(wanted, 'degree')} of freedom "
             f"({n_coordinates} coordinates of free nodes − {n_constraints} constraints of links, "
             "sliders and rigid connections) and wants "
-            f"{_count(wanted, 'input')}, got {len(scene.inputs)}",
+            f"{counted(wanted, 'input')}, got {len(scene.inputs)}",
             key="inputs",
         )
     for key, row in _inputs(scene, positions):
@@ -173,10 +174,6 @@ def _relative(scene: Scene, ends: tuple[str, str], x: int, y: int) -> SparseRow:
                 if value % PRIME:
                     row[node, axis] = sign * value % PRIME
     return row
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
 def _names(keys: tuple[str, ...]) -> str:

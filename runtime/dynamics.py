@@ -104,6 +104,11 @@ class DynamicsSolver:
         return f"<DynamicsSolver {self.name}: {len(self.q)} coordinates; in {self.target.name}>"
 
     @property
+    def sources(self) -> Sources:
+        """The generated files."""
+        return self.target.sources
+
+    @property
     def unit(self) -> float:
         """Unit of length of the scene [m]."""
         return self.layout.unit

@@ -54,8 +54,10 @@ class CompiledLinkage(KinematicSolver):
     def __init__(self, library: ctypes.CDLL, sources: Sources) -> None:
         super().__init__()
         self._function = partial(exported, library, sources)
-        self.sources = sources
-        self._segments: list[str] = sources.data["segments"]
+        self._package = sources.manifest.package
+        self.segments = {
+            name: partial(self._run, number) for number, name in enumerate(sources.data["segments"])
+        }
 
     def solve(self, mechanism: LinkageTables, run: RunRequest) -> Rows:
         """Run the whole turn in one call of the compiled library."""
@@ -63,52 +65,17 @@ class CompiledLinkage(KinematicSolver):
         record = record_of(run, rows)
         sizes = [self._function(f"{name}_size", ctypes.c_size_t)() for name in ("run", "workspace")]
         if sizes[0] != ctypes.sizeof(record):
-            raise LoadError(
-                f"{self.sources.manifest.package}: its run is not as in this version of kousoku"
-            )
+            raise LoadError(f"{self._package}: its run is not as in this version of kousoku")
         workspace = (ctypes.c_double * -(-sizes[1] // 8))()
         rows.status = self._function("solve")(ctypes.byref(record), workspace)
         rows.done, rows.block = int(record.done), int(record.block)
         rows.reached = np.array(record.reached[:])
         return rows
 
-    def evaluate(self, mechanism: LinkageTables, segment: str, slots: Array) -> None:
+    def _run(self, segment: int, slots: Array) -> None:
         """Run a segment on the workspace."""
-        number = ctypes.c_size_t(self._segments.index(segment))
-        self._function("evaluate", None)(number, slots.ctypes.data_as(ctypes.c_void_p))
-
-
-class NumpyLinkage(KinematicSolver):
-    """What ``solver.py`` has, with the methods of :class:`CompiledLinkage`.
-
-    Parameters
-    ----------
-    solver : KinematicSolver
-        That of the imported ``solver.py``, with the analysis of its folder.
-    sources : Sources
-        The generated files.
-    """
-
-    def __init__(self, solver: KinematicSolver, sources: Sources) -> None:
-        super().__init__()
-        self._solver = solver
-        self.sources = sources
-
-    def mechanism(self, data: Mapping[str, Any]) -> LinkageTables:
-        """What ``motion.json`` says of the mechanism."""
-        return self._solver.mechanism(data)
-
-    def scene(self, data: Mapping[str, Any]) -> RunRequest:
-        """What it says of the run that the scene asks for."""
-        return self._solver.scene(data)
-
-    def solve(self, mechanism: LinkageTables, run: RunRequest) -> Rows:
-        """Run the whole turn by the analysis of the folder."""
-        return self._solver.solve(mechanism, run)
-
-    def evaluate(self, mechanism: LinkageTables, segment: str, slots: Array) -> None:
-        """Run a segment on the workspace."""
-        mechanism.segments[segment](slots)
+        place = slots.ctypes.data_as(ctypes.c_void_p)
+        self._function("evaluate", None)(ctypes.c_size_t(segment), place)
 
 
 class LinkageSolver(Linkage):
@@ -116,22 +83,24 @@ class LinkageSolver(Linkage):
 
     Parameters
     ----------
-    target : CompiledLinkage or NumpyLinkage
-        What computes.
+    target : KinematicSolver
+        What computes: the compiled library, or the analysis of the folder.
+    sources : Sources
+        The generated files.
     """
 
-    target: CompiledLinkage | NumpyLinkage
     #: What a run may change: nothing.
     parameters: tuple[tuple[str, float], ...] = ()
 
-    def __init__(self, target: CompiledLinkage | NumpyLinkage) -> None:
-        super().__init__(target, target.sources.data)
+    def __init__(self, target: KinematicSolver, sources: Sources) -> None:
+        super().__init__(target, sources.data)
+        self.sources = sources
 
     def __repr__(self) -> str:
         return f"<LinkageSolver {self.name}; in {self.target.name}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _open_same, (self.target.sources, self.target.name)
+        return _open_same, (self.sources, self.target.name)
 
     @property
     def counts(self) -> tuple[tuple[int, str, str], ...]:
@@ -188,7 +157,7 @@ class LinkageSolver(Linkage):
         places = {name: slice(base, base + n) for name, (base, n) in mechanism.regions.items()}
         for name, values in given.items():
             slots[places[name]] = values
-        self.target.evaluate(mechanism, segment, slots)
+        mechanism.segments[segment](slots)
         return {name: slots[place] for name, place in places.items()}
 
 
@@ -223,13 +192,14 @@ def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
             f"{sources.folder} is not made from a linkage of nodes: it has no {LINKAGE_LIBRARY}"
         )
 
-    return LinkageSolver(open_either(sources, target, CompiledLinkage, _numpy))
+    return LinkageSolver(open_either(sources, target, CompiledLinkage, _numpy), sources)
 
 
-def _numpy(sources: Sources, reason: Exception | None) -> CompiledLinkage | NumpyLinkage:
+def _numpy(sources: Sources, reason: Exception | None) -> KinematicSolver:
     if reason is not None:
         say_once(f"kousoku uses the NumPy solver: {reason}")
-    return NumpyLinkage(numpy_module(sources).SOLVER, sources)
+    solver: KinematicSolver = numpy_module(sources).SOLVER
+    return solver
 
 
 def _open_same(sources: Sources, target: Target) -> LinkageSolver:

@@ -17,15 +17,11 @@ if TYPE_CHECKING:
 
 
 class LoadedTarget(Protocol):
-    """What computes, C or NumPy, and the files it was loaded from."""
+    """What computes."""
 
     @property
     def name(self) -> str:
-        """What computes, ``c`` or ``numpy``."""
-
-    @property
-    def sources(self) -> Sources:
-        """The generated files."""
+        """Its language, ``c`` or ``numpy``."""
 
 
 class Solver(Protocol):
@@ -42,6 +38,10 @@ class Solver(Protocol):
     @property
     def target(self) -> LoadedTarget:
         """What computes."""
+
+    @property
+    def sources(self) -> Sources:
+        """The generated files."""
 
     @property
     def parameters(self) -> tuple[tuple[str, float], ...]:

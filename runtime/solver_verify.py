@@ -16,7 +16,7 @@ from kousoku.runtime.notice import silent
 from kousoku.runtime.report import Report, Row
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from kousoku.runtime.choice import Target
     from kousoku.runtime.sources import Sources
@@ -79,7 +79,7 @@ class SolverCheck(ABC, Generic[Loaded]):
             data = self._read()
         except VerifyError as error:
             return Report(package, str(folder), (), (str(error),))
-        solvers = list(self._solvers(target, problems, notes))
+        solvers = list(by_each_target(self.load, target, problems, notes))
         if not solvers and not problems:
             problems.append("nothing was checked, because nothing could be run")
         rows: list[Row] = []
@@ -108,18 +108,24 @@ class SolverCheck(ABC, Generic[Loaded]):
             raise VerifyError(f"{path} cannot be read: {error!r}") from None
         return data
 
-    def _solvers(self, target: Target, problems: list[str], notes: list[str]) -> Iterator[Loaded]:
-        """Solver by each target; what cannot be had is a problem or a note."""
-        targets: tuple[Target, ...] = ("c", "numpy")
-        for wanted in targets:
-            if target not in {"auto", wanted}:
-                continue
-            try:
-                with silent():
-                    solver = self.load(wanted)
-                yield solver
-            except (NoCompilerError, TargetError) as error:
-                text = f"{NAMES[wanted]} is not checked: {error}"
-                (notes if target == "auto" else problems).append(text)
-            except LoadError as error:
-                problems.append(str(error))
+
+def by_each_target(
+    load: Callable[[Target], Loaded], target: Target, problems: list[str], notes: list[str]
+) -> Iterator[Loaded]:
+    """Library or solver by each target; what cannot be had is a problem, or a note.
+
+    No compiler is a note, unless C was asked for.
+    """
+    targets: tuple[Target, ...] = ("c", "numpy")
+    for wanted in targets:
+        if target not in {"auto", wanted}:
+            continue
+        try:
+            with silent():
+                loaded = load(wanted)
+            yield loaded
+        except (NoCompilerError, TargetError) as error:
+            text = f"{NAMES[wanted]} is not checked: {error}"
+            (notes if target == "auto" else problems).append(text)
+        except LoadError as error:
+            problems.append(str(error))

@@ -8,16 +8,17 @@ Kernels that use only + − × ÷ √ must also give the same bits in C and in N
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.model.errors import LoadError, NoCompilerError, TargetError, VerifyError
+from kousoku.model.errors import LoadError, VerifyError
 from kousoku.runtime.evaluate import different_bits, evaluate, ways
 from kousoku.runtime.given import folder_of
 from kousoku.runtime.library import Library, load
 from kousoku.runtime.reference import read_references
 from kousoku.runtime.report import LIMIT, Report, Row
+from kousoku.runtime.solver_verify import by_each_target
 from kousoku.runtime.sources import Sources
 
 if TYPE_CHECKING:
@@ -66,7 +67,14 @@ def verify(package: Library | str | Path, *, target: Target = "auto") -> Report:
         return Report(folder.name, str(folder), (), (str(error),))
     problems: list[str] = []
     notes: list[str] = []
-    libraries = list(_libraries(package, folder, target, problems, notes))
+
+    def loaded(wanted: Target) -> Library:
+        if isinstance(package, Library) and package.target == wanted:
+            return package
+        return load(folder, target=wanted)
+
+    libraries = list(by_each_target(loaded, target, problems, notes))
+    problems += [f"{one.damage}; it was built again" for one in libraries if one.damage]
     if not libraries and not problems:
         problems.append("nothing was checked, because nothing could be run")
     rows: list[Row] = []
@@ -86,32 +94,6 @@ def verify(package: Library | str | Path, *, target: Target = "auto") -> Report:
         if kernel.is_exact and not wrong:
             problems += different_bits(kernel, reference, evaluations)
     return Report(manifest.package, str(folder), tuple(rows), tuple(problems), tuple(notes))
-
-
-def _libraries(
-    package: Library | str | Path,
-    folder: Path,
-    target: Target,
-    problems: list[str],
-    notes: list[str],
-) -> Iterator[Library]:
-    """Package for every target to check; what cannot be had is a problem or a note."""
-    targets: tuple[Literal["c", "numpy"], ...] = ("c", "numpy") if target == "auto" else (target,)
-    for wanted in targets:
-        try:
-            if isinstance(package, Library) and package.target == wanted:
-                library = package
-            else:
-                library = load(folder, target=wanted)
-        except (NoCompilerError, TargetError) as error:
-            name = {"c": "C", "numpy": "NumPy"}[wanted]
-            (notes if target == "auto" else problems).append(f"{name} is not checked: {error}")
-        except LoadError as error:
-            problems.append(str(error))
-        else:
-            if library.damage:
-                problems.append(f"{library.damage}; it was built again")
-            yield library
 
 
 def rows_of(

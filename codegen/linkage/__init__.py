@@ -5,8 +5,7 @@
 ``rotations``  those of links that are tied together
 ``blocks``     equations in block-triangular order
 ``layout``     where everything stands in the workspace
-``link``       the rows of the frozen link element
-``kernels``    the segments of a block, composed of these
+``kernels``    the segments of a block, composed of the frozen link element
 ``outputs``    those of nodes and of angles of links
 ``emit``       source text, by the templates and contexts of scenes of bodies
 ``data``       names and tables: ``motion.json``

@@ -13,8 +13,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.linkage.rotations import direction, merge_rotations
-from kousoku.model.directions import HALF_TURN, square_root, unit_vector
-from kousoku.model.errors import SceneError
+from kousoku.model.directions import HALF_TURN, unit_vector
 from kousoku.model.validate import require_planar
 
 if TYPE_CHECKING:
@@ -125,8 +124,7 @@ def assemble(scene: Scene) -> Assembly:
     Raises
     ------
     SceneError
-        The scene is spatial, a link of the frame does not fit between its fixed nodes, or rotations
-        are prescribed or connected twice.
+        The scene has bodies.
     """
     require_planar(scene)
     return _Assembler(scene).assembly()
@@ -184,20 +182,11 @@ class _Assembler:
         keys = [key for key, given in self.scene.inputs.items() if given.slider == name]
         for key in keys:
             start = Fraction(self.scene.inputs[key].start)
-            self._prescribe(key, len(self.coordinates))
+            self.prescribed[key] = len(self.coordinates)
         s = self._add(name, Role.INPUT if keys else Role.UNKNOWN, start)
         self.notes.append(f"{slider.node}.x and {slider.node}.y merged: slider {name}")
         x, y = (Affine(s, d, t) for d, t in zip(along, through, strict=True))
         return x, y
-
-    def _prescribe(self, key: str, coordinate: int) -> None:
-        for other, known in self.prescribed.items():
-            if known == coordinate:
-                raise SceneError(
-                    f"prescribes what input {other} prescribes already; remove one of the two",
-                    key=f"inputs.{key}",
-                )
-        self.prescribed[key] = coordinate
 
     def _rotation(self, rotation: NodeRotation) -> None:
         """Give a rotation its number, and its links their heading seen from the node."""
@@ -206,7 +195,7 @@ class _Assembler:
         if rotation.input:
             start = Fraction(self.scene.inputs[rotation.input].start)
             name, role = rotation.input, Role.INPUT
-            self._prescribe(rotation.input, len(self.coordinates))
+            self.prescribed[rotation.input] = len(self.coordinates)
         number = self._add(name, role, start, Fraction(self.scene.length(first)))
         for link, angle in zip(rotation.links, rotation.angles, strict=True):
             self.ends[link, node] = Affine(number, offset=angle)
@@ -220,7 +209,6 @@ class _Assembler:
             first, second = second, first
         rows: tuple[int, ...] = (0, 1, 2)
         if self.scene.is_ground(name):
-            self._check_fit(name)
             ends = ((1, first), (2, second))
             rows = tuple(row for row, node in ends if (name, node) in self.active)
             if not rows:
@@ -230,17 +218,3 @@ class _Assembler:
         (x1, y1), (x2, y2) = self.nodes[first], self.nodes[second]
         six = (x1, y1, self.ends.get((name, first), Affine(0)), x2, y2, turned)
         return LinkElement(name, (first, second), Fraction(self.scene.length(name)), six, rows)
-
-    def _check_fit(self, name: str) -> None:
-        """Refuse a link of the frame whose length is not the distance of its fixed nodes."""
-        (x1, y1), (x2, y2) = (self.scene.nodes[node].at for node in self.scene.links[name].nodes)
-        distance = square_root(
-            (Fraction(x2) - Fraction(x1)) ** 2 + (Fraction(y2) - Fraction(y1)) ** 2
-        )
-        length = Fraction(self.scene.length(name))
-        if abs(distance - length) > 8 * length / 2**52:
-            raise SceneError(
-                f"is {float(length)!r} {self.scene.unit}, but its nodes are both fixed, "
-                f"{float(distance)!r} {self.scene.unit} apart; give one or the other",
-                key=f"links.{name}.length",
-            )

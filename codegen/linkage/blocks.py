@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.linkage.assemble import Role
-from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -43,29 +42,16 @@ class DiagonalBlock:
 
 
 def triangular_blocks(assembly: Assembly) -> tuple[DiagonalBlock, ...]:
-    """Blocks of an assembly, each after those that it depends on.
-
-    Raises
-    ------
-    SceneError
-        Equations and unknowns cannot be matched: some nodes are free to move, or some links hold
-        what is held already.
-    """
+    """Blocks of an assembly, each after those that it depends on."""
     unknowns_of = {
         (number, row): _unknowns(assembly, element, row)
         for number, element in enumerate(assembly.elements)
         for row in element.rows
     }
     row_of = _match(unknowns_of)
-    free = [
-        number
-        for number, coordinate in enumerate(assembly.coordinates)
-        if coordinate.role is Role.UNKNOWN and number not in row_of
-    ]
-    matched = set(row_of.values())
-    extra = [row for row in unknowns_of if row not in matched]
-    if free or extra:
-        raise SceneError(_not_determined(assembly, unknowns_of, row_of, free, extra), key="links")
+    count = sum(one.role is Role.UNKNOWN for one in assembly.coordinates)
+    # as many rows as unknowns, and independent ones: model/mobility.py has refused other scenes
+    assert len(row_of) == len(unknowns_of) == count
     return _components(unknowns_of, row_of)
 
 
@@ -168,66 +154,3 @@ def _pop_component(
         members.append(stack.popitem()[0])
     rows = sorted(row_of[unknown] for unknown in members)
     return DiagonalBlock(tuple(sorted(members)), tuple(rows))
-
-
-def _not_determined(
-    assembly: Assembly,
-    unknowns_of: Mapping[Equation, tuple[int, ...]],
-    row_of: Mapping[int, Equation],
-    free: Sequence[int],
-    extra: Sequence[Equation],
-) -> str:
-    """Say which nodes can still move and which links hold what is held already."""
-    parts = []
-    if free:
-        reached = _underdetermined(unknowns_of, row_of, free)
-        loose = [assembly.coordinates[number] for number in reached]
-        moving = [c.name for c in loose if c.unit != "rad"] or [c.name for c in loose]
-        nodes = ", ".join(dict.fromkeys(name.partition(".")[0] for name in moving))
-        parts.append(
-            f"{nodes} can still move; add {len(free)} more input{'s' * (len(free) > 1)},"
-            " or links, that hold what is free"
-        )
-    if extra:
-        held = _overdetermined(unknowns_of, row_of, extra)
-        names = ", ".join(assembly.elements[number].name for number in held)
-        parts.append(
-            f"links {names} and the inputs hold their nodes more than once; remove"
-            f" {len(extra)} of these links or inputs"
-        )
-    return "the linkage is not determined: " + "; and ".join(parts)
-
-
-def _underdetermined(
-    unknowns_of: Mapping[Equation, tuple[int, ...]],
-    row_of: Mapping[int, Equation],
-    free: Sequence[int],
-) -> list[int]:
-    """Unknowns of the under-determined part, reached from those left over."""
-    unknown_of = {row: unknown for unknown, row in row_of.items()}
-    seen = dict.fromkeys(free)
-    queue = list(free)
-    while queue:
-        unknown = queue.pop(0)
-        for row, unknowns in unknowns_of.items():
-            if unknown in unknowns and unknown_of.get(row, unknown) not in seen:
-                seen[unknown_of[row]] = None
-                queue.append(unknown_of[row])
-    return sorted(seen)
-
-
-def _overdetermined(
-    unknowns_of: Mapping[Equation, tuple[int, ...]],
-    row_of: Mapping[int, Equation],
-    extra: Sequence[Equation],
-) -> list[int]:
-    """Elements of the over-determined part, reached from the equations left over."""
-    seen = dict.fromkeys(extra)
-    queue = list(extra)
-    while queue:
-        for unknown in unknowns_of[queue.pop(0)]:
-            row = row_of[unknown]
-            if row not in seen:
-                seen[row] = None
-                queue.append(row)
-    return sorted({number for number, _ in seen})

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.context_lines import ascii_of, plain
 from kousoku.codegen.dynamics.emission.context import enumerators, segment_text
-from kousoku.codegen.dynamics.emission.emit import MOTION_FILE, filled, package_of
+from kousoku.codegen.dynamics.emission.emit import MOTION_FILE, solver_folder
 from kousoku.codegen.dynamics.emission.numpy_context import (
     python_kernels,
     python_segment,
     regions_of,
 )
 from kousoku.codegen.dynamics.emission.slots import slots_of
-from kousoku.codegen.emit import along, hashed, promise, template
+from kousoku.codegen.emit import along
 from kousoku.codegen.linkage.data import linkage_data
 from kousoku.codegen.linkage.layout import REGIONS
 from kousoku.model.jsontext import to_text
@@ -32,13 +31,6 @@ TEMPLATES = {
     "solver.py": "linkage/solver.py.jinja",
     "__init__.py": "linkage/__init__.py.jinja",
 }
-#: What these are made of beside themselves, for the digest.
-PARTS = (
-    "dynamics/_segments.jinja",
-    "dynamics/_straight_line.jinja",
-    "dynamics/solver.py.jinja",
-    "dynamics/__init__.py.jinja",
-)
 #: The analysis that all scenes share: a folder of the runtime that goes along.
 LIBRARY = "kinematics"
 #: What runs segments in Python, what results are made of, and what checks options.
@@ -85,17 +77,13 @@ def emit_linkage(
         "segments": [python_segment(program, one) for one in program.segments],
     }
     data, analysis = linkage_data(program, layout), along(LIBRARY, *SHARED)
-    inputs = hashed(
+    return solver_folder(
+        scene.name,
+        title,
+        TEMPLATES,
+        {"solver": context, "mechanism": data, "python": python, "run": RUN},
+        {**analysis, MOTION_FILE: to_text(data), **more},
         scene=to_text(data),
         composition=repr((context, python)),
-        templates="".join(map(template, (*TEMPLATES.values(), *PARTS))),
         runtime=repr(analysis),
     )
-    given = {"solver": context, "mechanism": data, "python": python, "run": RUN, "listed": listed}
-    files = {**analysis, MOTION_FILE: to_text(data), **more}
-    return filled(promise(package_of(scene.name, title), inputs), TEMPLATES, given, files)
-
-
-def listed(text: str) -> str:
-    """Text inside a comment of C, in lines that fit."""
-    return "\n * ".join(wrap(text, 92))

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.linkage.assemble import Role
 from kousoku.codegen.linkage.blocks import DEPENDS
+from kousoku.codegen.linkage.kernels import link_kernels
 from kousoku.codegen.linkage.layout import SUFFIXES
 from kousoku.model.interpret import evaluate
+from kousoku.runtime.kinematics.rows import OF_LINKS, OF_NODES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -77,14 +79,12 @@ class Exact:
     def nodes(self) -> dict[str, list[Any]]:
         """Outputs of the kernel ``nodes``, (2 nodes,): positions, and (24), (25)."""
         terms = [term for _, x, y in self.layout.assembly.nodes for term in (x, y)]
-        names = ("position", "velocity", "acceleration")
-        return {name: [self.term(term, k) for term in terms] for k, name in enumerate(names)}
+        return {name: [self.term(term, k) for term in terms] for k, name in enumerate(OF_NODES)}
 
     def angles(self) -> dict[str, list[Any]]:
         """Outputs of the kernel ``angles``, (links,): β of (12) and (13), β̇ and β̈."""
         columns = [self._angle(link) for link in self.layout.assembly.scene.links]
-        names = ("angle", "angle_dot", "angle_ddot")
-        return {name: [column[k] for column in columns] for k, name in enumerate(names)}
+        return {name: [column[k] for column in columns] for k, name in enumerate(OF_LINKS)}
 
     def term(self, term: Affine, order: int) -> Any:
         """Term offset + factor · coordinate, a number, or a time derivative of it."""
@@ -111,8 +111,8 @@ class Exact:
             ]
         if order == 0:
             inputs["offset"] = [zero, zero]
-        link = self.layout.link[row]
-        return evaluate(link.rate if order else link.deformation, inputs, self.arithmetic)
+        kernel = link_kernels()["rate" if order else "deformation"]
+        return evaluate(kernel, inputs, self.arithmetic)
 
     def _deformation(self, element: LinkElement, row: int) -> tuple[Any, dict[int, Any]]:
         """Deformation ε of a row and its derivatives by coordinates."""
@@ -120,12 +120,12 @@ class Exact:
         slope: dict[int, Any] = {}
         for place in DEPENDS[row]:
             term = element.ends[place]
-            part = values["D"][place]
+            part = values["D"][6 * row + place]
             if term.factor != 1:
                 part = part * self.constant(("factor", term), term.factor)
             known = slope.get(term.coordinate)
             slope[term.coordinate] = part if known is None else known + part
-        return values["epsilon"][0], slope
+        return values["epsilon"][row], slope
 
     def _carried(self, element: LinkElement, row: int, number: int, order: int) -> Any:
         """Product of D and the derivatives of what is known before the block."""
@@ -135,11 +135,11 @@ class Exact:
         for place in DEPENDS[row]:
             term = element.ends[place]
             if term.coordinate not in unknowns:
-                total = total + values["D"][place] * self.term(term, order)
+                total = total + values["D"][6 * row + place] * self.term(term, order)
         return total
 
     def _bent(self, element: LinkElement, row: int) -> Any:
-        return self._element(element, row, 1)["D_dot_x_dot"][0]
+        return self._element(element, row, 1)["D_dot_x_dot"][row]
 
     def _angle(self, link: str) -> tuple[Any, Any, Any]:
         """Angle β, β̇ = t · ḋ / l and β̈ = (t · d̈ − 2 l̇ β̇) / l."""

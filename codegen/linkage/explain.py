@@ -79,7 +79,7 @@ def explain_linkage(scene: Scene) -> LinkageExplanation:
     Raises
     ------
     SceneError
-        The scene is not a linkage that its inputs determine.
+        The scene has bodies.
     """
     layout = layout_of(assemble(scene))
     return LinkageExplanation(

@@ -16,13 +16,11 @@ from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.program import Program, Segment, Task
-from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.linkage.assemble import assemble
 from kousoku.codegen.linkage.blocks import live_blocks, triangular_blocks
 from kousoku.codegen.linkage.emit import emit_linkage
 from kousoku.codegen.linkage.kernels import block_kernels
 from kousoku.codegen.linkage.layout import WorkspaceLayout
-from kousoku.codegen.linkage.link import rows_of
 from kousoku.codegen.linkage.outputs import angle_kernel, node_kernel
 from kousoku.codegen.linkage.reference import reference_values
 from kousoku.codegen.linkage.solution import places
@@ -35,21 +33,10 @@ if TYPE_CHECKING:
 
 
 def layout_of(assembly: Assembly) -> WorkspaceLayout:
-    """Equations of an assembly block by block, and the places of all numbers.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        An assembled scene.
-
-    Raises
-    ------
-    SceneError
-        Some nodes are free to move, or some links hold what is held already.
-    """
+    """Equations of an assembly block by block, and the places of all numbers."""
     wanted = [term.coordinate for _, x, y in assembly.nodes for term in (x, y)]
     blocks = live_blocks(assembly, triangular_blocks(assembly), wanted)
-    return WorkspaceLayout(assembly, blocks, rows_of(load_frozen("link")))
+    return WorkspaceLayout(assembly, blocks)
 
 
 def program_of(layout: WorkspaceLayout) -> Program:
@@ -98,7 +85,7 @@ def generate_linkage(scene: Scene, *, references: bool = False) -> dict[str, str
     Raises
     ------
     SceneError
-        The scene is not a linkage that its inputs determine.
+        The scene has bodies.
     """
     layout = layout_of(assemble(scene))
     program = program_of(layout)

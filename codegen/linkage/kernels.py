@@ -6,8 +6,10 @@ then; see :mod:`kousoku.codegen.linkage.layout`.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.linkage.blocks import DEPENDS
 from kousoku.codegen.passes.rebuild import drop_dead, substitute
 from kousoku.model.graph import Graph
@@ -21,6 +23,12 @@ if TYPE_CHECKING:
     from kousoku.codegen.linkage.layout import WorkspaceLayout
 
 PAPER = "Yamada and Tatsumi 1981"
+
+
+@cache
+def link_kernels() -> Mapping[str, Kernel]:
+    """Kernels of the frozen link element: ``deformation`` ε and D, (5) to (7), (15); ``rate``."""
+    return {kernel.name: kernel for kernel in load_frozen("link").kernels}
 
 
 def block_kernels(layout: WorkspaceLayout, number: int) -> tuple[Kernel, Kernel, Kernel]:
@@ -54,7 +62,7 @@ def block_kernels(layout: WorkspaceLayout, number: int) -> tuple[Kernel, Kernel,
 
 def _places(element: LinkElement, row: int, slopes: Sequence[int]) -> list[tuple[Affine, int]]:
     """Ends that one row depends on, each with the derivative by it."""
-    return [(element.ends[place], slopes[place]) for place in DEPENDS[row]]
+    return [(element.ends[place], slopes[6 * row + place]) for place in DEPENDS[row]]
 
 
 class _Composer:
@@ -75,8 +83,8 @@ class _Composer:
         epsilon, matrix = [], []
         for number, row in self.block.rows:
             element = self.layout.assembly.elements[number]
-            link = self._inline(self.layout.link[row].deformation, element, row)
-            epsilon.append(link["epsilon"][0])
+            link = self._inline("deformation", element, row)
+            epsilon.append(link["epsilon"][row])
             gradient = self._gradient(_places(element, row, link["D"]))
             matrix += [gradient.get(u, self.graph.const(0)) for u in self.block.unknowns]
         unit = self.layout.assembly.scene.unit
@@ -105,9 +113,9 @@ class _Composer:
         rows = []
         for number, row in self.block.rows:
             element = self.layout.assembly.elements[number]
-            link = self._inline(self.layout.link[row].rate, element, row)
+            link = self._inline("rate", element, row)
             carried = self._carried(number, row, 2)
-            rows.append(self.graph.sub(carried, link["D_dot_x_dot"][0]))
+            rows.append(self.graph.sub(carried, link["D_dot_x_dot"][row]))
         return self._kernel(
             "acceleration",
             f"Right-hand side of the accelerations of {self.title}",
@@ -123,7 +131,7 @@ class _Composer:
     def _carried(self, number: int, row: int, order: int) -> int:
         """Product of −D and the derivatives of the coordinates that are known by now."""
         element = self.layout.assembly.elements[number]
-        link = self._inline(self.layout.link[row].deformation, element, row)
+        link = self._inline("deformation", element, row)
         total = self.graph.const(0)
         for term, derivative in _places(element, row, link["D"]):
             if term.coordinate not in self.block.unknowns:
@@ -140,8 +148,11 @@ class _Composer:
             gradient[term.coordinate] = self.graph.add(known, part)
         return gradient
 
-    def _inline(self, kernel: Kernel, element: LinkElement, row: int) -> dict[str, list[int]]:
-        """Rebuild a kernel of the link element here, with the ends and the length of a link."""
+    def _inline(self, kernel: str, element: LinkElement, row: int) -> dict[str, list[int]]:
+        """Rebuild a kernel of the link element here, with the ends and the length of a link.
+
+        Ends that a row does not depend on are zero: nothing of the other rows is kept.
+        """
         used = DEPENDS[row]
         zero = self.graph.const(0)
         inputs = {"length": [self.graph.const(element.length)], "offset": [zero, zero]}
@@ -150,7 +161,7 @@ class _Composer:
                 self.layout.node(self.graph, term, order) if place in used else zero
                 for place, term in enumerate(element.ends)
             ]
-        return substitute(self.graph, kernel, inputs)
+        return substitute(self.graph, link_kernels()[kernel], inputs)
 
     def _kernel(
         self,

@@ -12,21 +12,18 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.recording.program import Region
 from kousoku.codegen.linkage.assemble import Role
 from kousoku.model.quantity import Quantity
+from kousoku.runtime.kinematics.rows import OF_LINKS, OF_NODES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.codegen.linkage.assemble import Affine, Assembly
     from kousoku.codegen.linkage.blocks import DiagonalBlock
-    from kousoku.codegen.linkage.link import LinkRow
     from kousoku.model.graph import Graph
 
 SUFFIXES = ("", "_dot", "_ddot")
 #: What the segments of a block leave beside its matrix.
 OF_BLOCKS = ("epsilon", "nu", "gamma")
-#: Results of nodes, and of links where their angles are wanted.
-OF_NODES = ("position", "velocity", "acceleration")
-OF_LINKS = ("angle", "angle_dot", "angle_ddot")
 #: What the regions hold; of a block, that which ran last.
 REGIONS = {
     "alpha": "inputs, in the order of the scene",
@@ -58,8 +55,6 @@ class WorkspaceLayout:
         What is solved.
     blocks : tuple of DiagonalBlock
         In the order of solving.
-    link : tuple of LinkRow
-        ε1, ε2, ε3 of the link element.
     unknowns : tuple of int
         The unknown coordinates, block after block.
     everywhere : mapping of int to (str, int)
@@ -70,7 +65,6 @@ class WorkspaceLayout:
 
     assembly: Assembly
     blocks: tuple[DiagonalBlock, ...]
-    link: tuple[LinkRow, LinkRow, LinkRow]
     unknowns: tuple[int, ...] = field(init=False)
     everywhere: Mapping[int, tuple[str, int]] = field(init=False)
     regions: Mapping[str, Region] = field(init=False)

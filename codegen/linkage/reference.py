@@ -13,6 +13,7 @@ from kousoku.codegen.linkage.solution import solution
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.dual import DUAL, Dual, variable
 from kousoku.model.jsontext import to_text
+from kousoku.runtime.kinematics.rows import OF_NODES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
 FORMAT = 1
 #: Every so many steps of the way a reference is taken.
 EVERY = 2
-#: Segments of a block, by the order of derivatives.
-ORDERS = ("position", "velocity", "acceleration")
 #: How far points lie from the way, relative to each number: rounding, and anywhere.
 BESIDE = ((2.0**-33, "near"), (0.25, "away from"))
 
@@ -150,7 +149,7 @@ def _row(program: Program, layout: WorkspaceLayout, point: ReferencePoint) -> di
         if point.block is not None and number != str(point.block + 1):
             continue
         if number:
-            values = exact.block(int(number) - 1, ORDERS.index(order))
+            values = exact.block(int(number) - 1, OF_NODES.index(order))
         else:
             values = exact.nodes() if order == "nodes" else exact.angles()
         outputs[kernel.name] = {name: columns(x, sizes, bad) for name, x in values.items()}

@@ -7,7 +7,6 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.model.directions import heading
-from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
     from kousoku.model.scene import Scene
@@ -39,13 +38,7 @@ class NodeRotation:
 
 
 def merge_rotations(scene: Scene, notes: list[str]) -> tuple[NodeRotation, ...]:
-    """Rotations of a scene, node by node, and append to ``notes`` what was merged.
-
-    Raises
-    ------
-    SceneError
-        Two links are tied to each other twice, or two inputs turn the same rigid connection.
-    """
+    """Rotations of a scene, node by node, and append to ``notes`` what was merged."""
     inputs = {
         (item.link, item.about): name
         for name, item in scene.inputs.items()
@@ -81,15 +74,9 @@ def _tied(scene: Scene, node: str, first: str) -> dict[str, Fraction]:
                 continue
             used.add(key)
             for other in rigid.links:
-                if other == link:
-                    continue
-                if other in angles:
-                    raise SceneError(
-                        f"ties {other} to {link} a second time; remove one of the connections",
-                        key=f"rigid.{key}",
-                    )
-                angles[other] = angles[link] + _angle(scene, key, link, other)
-                waiting.append(other)
+                if other != link:
+                    angles[other] = angles[link] + _angle(scene, key, link, other)
+                    waiting.append(other)
     return angles
 
 
@@ -119,18 +106,7 @@ def _from_input(
     node: str, angles: dict[str, Fraction], inputs: dict[tuple[str, str], str]
 ) -> NodeRotation:
     """Rotation whose first link is the one that is prescribed, if any is."""
-    prescribed = [link for link in angles if (link, node) in inputs]
-    if len(prescribed) > 1:
-        one, two = (inputs[link, node] for link in prescribed[:2])
-        raise SceneError(
-            f"turns what input {one} turns already, they are one rigid body; remove one of the two",
-            key=f"inputs.{two}",
-        )
-    first = prescribed[0] if prescribed else next(iter(angles))
+    first = next((link for link in angles if (link, node) in inputs), next(iter(angles)))
     links = (first, *(link for link in angles if link != first))
-    return NodeRotation(
-        node,
-        links,
-        tuple(angles[link] - angles[first] for link in links),
-        inputs[first, node] if prescribed else "",
-    )
+    turned = tuple(angles[link] - angles[first] for link in links)
+    return NodeRotation(node, links, turned, inputs.get((first, node), ""))

@@ -7,10 +7,10 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.linkage.exact import Exact
-from kousoku.codegen.linkage.layout import OF_NODES
 from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.directions import HALF_TURN
 from kousoku.model.input_motion import turns_of
+from kousoku.runtime.kinematics.rows import OF_NODES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
 import numpy as np
 
 from ..integrate.result import Column, Named, Result, missing, not_generated
-from .rows import METHODS
+from .rows import METHODS, OF_LINKS, OF_NODES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -32,6 +32,9 @@ LINK = (
     ("angular_velocities", "_dot", "/s"),
     ("angular_accelerations", "_ddot", "/s²"),
 )
+#: All tables, and the output that each comes with.
+TABLES = {"inputs": "positions"} | {table: table for table, *_ in NODE}
+TABLES |= {table: "angles" for table, *_ in LINK}
 
 
 class Iterations(NamedTuple):
@@ -281,42 +284,45 @@ class Trajectory(Result):
         }
 
 
+def named_tables(name: str, found: Mapping[str, tuple[Sequence[str], Array]]) -> dict[str, Any]:
+    """Tables of a trajectory by name, given owners and columns of those that were generated."""
+    tables = {}
+    for table, output in TABLES.items():
+        owners, values = found.get(table, ((), np.empty(0)))
+        what = "input" if table == "inputs" else table.replace("_", " ")
+        advice = "" if owners else f"{name}: {not_generated(what, output)}"
+        own = {owner: values[:, k] for k, owner in enumerate(owners)}
+        tables[table] = Named(own, f"{name}: no {what}", advice)
+    return tables
+
+
 def trajectory_of(
     mechanism: LinkageTables, run: RunRequest, rows: Rows, *, name: str, target: str
 ) -> Trajectory:
     """Trajectory of the good rows."""
-    n, wanted = rows.done, ("positions", *mechanism.outputs)
-    nodes, inputs = mechanism.nodes, [given.name for given in mechanism.inputs]
-
-    def named(names: Iterable[str], values: Any, table: str, output: str) -> Named[Any]:
-        values = values[:n]
+    n, wanted, found = rows.done, ("positions", *mechanism.outputs), {}
+    inputs, links = ([one.name for one in own] for own in (mechanism.inputs, mechanism.links))
+    owners = (inputs, *[mechanism.nodes] * len(OF_NODES), *[links] * len(OF_LINKS))
+    fields = ("alpha", *OF_NODES, *OF_LINKS)
+    for (table, output), own, field in zip(TABLES.items(), owners, fields, strict=True):
+        values = getattr(rows, field)[:n]
         values.flags.writeable = False  # nobody can write to what others read
-        is_there = output in wanted
-        advice = f"{name}: {not_generated(table, output)}"
-        found = {own: values[:, k] for k, own in enumerate(names)} if is_there else {}
-        return Named(found, f"{name}: no {table}", "" if is_there else advice)
-
-    links = [link.name for link in mechanism.links]
+        if output in wanted:
+            found[table] = own, values
     return Trajectory(
         name=name,
         unit=mechanism.unit,
         method=METHODS[run.method],
         divisions=run.divisions,
-        inputs=named(inputs, rows.alpha, "input", "positions"),
         input_units={given.name: given.unit for given in mechanism.inputs},
         times=_times(run, n) if run.times is None else run.times[:n],
         is_in_time=run.times is not None,
-        positions=named(nodes, rows.position, "positions", "positions"),
-        velocities=named(nodes, rows.velocity, "velocities", "velocities"),
-        accelerations=named(nodes, rows.acceleration, "accelerations", "accelerations"),
-        angles=named(links, rows.angle, "angles", "angles"),
-        angular_velocities=named(links, rows.angle_dot, "angular velocities", "angles"),
-        angular_accelerations=named(links, rows.angle_ddot, "angular accelerations", "angles"),
         iterations=rows.iterations[:n],
         residual=rows.residual[:n],
         condition=rows.condition[:n],
         links=mechanism.links,
         target=target,
+        **named_tables(name, found),
     )
 
 

@@ -12,13 +12,16 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import msgspec
 import pytest
 
 import kousoku as ks
 from kousoku import loading
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.cache import cache_folder, clear, entries, shrink
-from kousoku.model.errors import CacheError
+from kousoku.model.errors import CacheError, SceneError
+from kousoku.model.planar import Link
+from kousoku.model.read import read_scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -185,6 +188,13 @@ def test_an_output_that_there_is_not_is_refused() -> None:
         numpy_loaded(PENDULUM, ["forces"])
     with pytest.raises(ks.SceneError, match="wanted a list of names"):
         numpy_loaded(PENDULUM, 7)
+
+
+def test_a_scene_that_was_put_together_by_hand_is_checked() -> None:
+    scene = read_scene(SCENES / "lever_crank.toml")
+    more = {**scene.links, "brace": Link(nodes=("O1", "O3"))}
+    with pytest.raises(SceneError, match=r"wrong number of inputs: .* wants 0 inputs, got 1"):
+        ks.load(msgspec.structs.replace(scene, links=more))
 
 
 def test_a_builder_and_a_linkage_load() -> None:

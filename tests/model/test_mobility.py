@@ -68,6 +68,30 @@ def test_inputs_that_prescribe_the_same_are_named(lever: Tree) -> None:
     assert "links.l1, links.l2, links.l3 and inputs.alpha already determine" in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("tables", "key"),
+    [
+        ({"inputs": {"i": {"link": "l1", "about": "O1"}, "k": {"link": "arm", "about": "Q"}}}, "k"),
+        ({"rigid": {x: {"at": "O1", "links": ["l1", "arm"]} for x in "ab"}}, "b"),
+    ],
+)
+def test_what_a_rigid_connection_ties_is_turned_and_tied_once(
+    piston: Tree, tables: Tree, key: str
+) -> None:
+    """Another crank is left free, so that the count is right."""
+    piston["nodes"] |= {
+        "P": {"at": [0, 9]},
+        "F": {"at": [0, 8], "fixed": True},
+        "Q": {"at": [1, 1]},
+    }
+    piston["links"] |= {"spare": {"nodes": ["P", "F"]}, "arm": {"nodes": ["Q", "O1"]}}
+    piston["rigid"] = {"a": {"at": "O1", "links": ["l1", "arm"]}}
+    (table,) = tables
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(piston | tables)
+    assert caught.value.key == f"{table}.{key}"
+
+
 def test_two_sliders_on_one_line_hold_the_direction_of_their_rod() -> None:
     builder = (
         SceneBuilder("rail", unit="m")

@@ -9,7 +9,14 @@ from kousoku.codegen.dynamics.emission.context import method_text, solver_contex
 from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_context import numpy_context
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
-from kousoku.codegen.emit import along, environment, hashed, promise, template, with_manifest
+from kousoku.codegen.emit import (
+    along,
+    environment,
+    hashed,
+    promise,
+    templates_in,
+    with_manifest,
+)
 from kousoku.model.jsontext import to_text
 from kousoku.model.kernel import Package
 from kousoku.model.version import __version__
@@ -21,7 +28,6 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.about import About
-    from kousoku.model.manifest import Manifest
     from kousoku.model.multibody import System
 
 MOTION_FILE = "motion.json"
@@ -37,14 +43,6 @@ TEMPLATES = {
 OF_RANK = tuple(f"integrate/{name}" for name in ("rank.h", "rank.py", "nearly_dependent.py"))
 OF_KINEMATICS = ("integrate/kinematics.h", "integrate/kinematics.py")
 OF_DISTANCES = ("integrate/distances.h", "integrate/distances.py")
-#: What the text is made of beside the integrator, for the digest.
-PARTS = (
-    *TEMPLATES.values(),
-    "dynamics/kernels.c.jinja",
-    "dynamics/_segments.jinja",
-    "dynamics/_straight_line.jinja",
-    "c/_macros.jinja",
-)
 
 
 def emit_dynamics(
@@ -80,47 +78,50 @@ def emit_dynamics(
     lacked = OF_RANK * (not context.looks_at_rank) + OF_KINEMATICS * (not context.is_driven)
     lacked += OF_DISTANCES * ("HAS_DISTANCE" not in context.features)
     integrator = {name: text for name, text in along("integrate").items() if name not in lacked}
-    inputs = hashed(
-        scene=repr(astuple(system)),
-        composition=repr(context),
-        templates="".join(map(template, PARTS)),
-        runtime=repr(integrator),
-    )
     given = {
         "solver": context,
         "python": numpy_context(program, system, length, parts),
         "methods": tuple(map(method_text, METHODS)),
     }
     motion = to_text(motion_data(program, system, parts, context.state, about))
-    files = {**integrator, MOTION_FILE: motion, **(more or {})}
-    package = package_of(system.name, f"the motion of {system.name}")
-    return filled(promise(package, inputs), TEMPLATES, given, files)
+    return solver_folder(
+        system.name,
+        f"the motion of {system.name}",
+        TEMPLATES,
+        given,
+        {**integrator, MOTION_FILE: motion, **(more or {})},
+        scene=repr(astuple(system)),
+        composition=repr(context),
+        runtime=repr(integrator),
+    )
 
 
-def package_of(name: str, title: str) -> Package:
-    """Package of a scene's solver: it has no kernels that are called from outside."""
-    return Package(name, title, f"kousoku generate {name}.toml", ())
-
-
-def filled(
-    promised: Manifest,
+def solver_folder(
+    name: str,
+    title: str,
     templates: Mapping[str, str],
     given: Mapping[str, object],
     files: Mapping[str, str],
+    **made_of: str,
 ) -> dict[str, str]:
-    """Folder of templates that are filled in, and of files that are there.
+    """Folder of a scene's solver, which has no kernels that are called from outside.
 
     Parameters
     ----------
-    promised : Manifest
-        What its manifest says before its files are there.
+    name, title : str
+        The scene, and what the folder has of it.
     templates : mapping of str to str
         File name, and the template of each.
     given : mapping of str to object
         What these see, beside the version of kousoku, digest and key.
     files : mapping of str to str
         Name and text of further files.
+    **made_of
+        What else the text is made of, for the digest: scene, composition, plain source.
     """
+    package = Package(name, title, f"kousoku generate {name}.toml", ())
+    inputs = hashed(**made_of, templates=templates_in("dynamics/", "linkage/"))
+    promised = promise(package, inputs)
     stamp = {"version": __version__, "digest": promised.digest, "key": key_of(promised.digest)}
     read = environment().get_template
     texts = {name: read(path).render(**given, **stamp) for name, path in templates.items()}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -307,18 +307,8 @@ class Rows:
 
 def empty_rows(mechanism: LinkageTables, count: int) -> Rows:
     """Room for as many rows."""
-    nodes = (count, len(mechanism.nodes), 2)
-    links = (count, len(mechanism.links) if mechanism.wants_angles else 0)
-    return Rows(
-        alpha=np.zeros((count, len(mechanism.inputs))),
-        position=np.zeros(nodes),
-        velocity=np.zeros(nodes),
-        acceleration=np.zeros(nodes),
-        angle=np.zeros(links),
-        angle_dot=np.zeros(links),
-        angle_ddot=np.zeros(links),
-        iterations=np.zeros(count, dtype=np.intc),
-        residual=np.zeros(count),
-        condition=np.zeros(count),
-        reached=np.zeros(len(mechanism.inputs)),
-    )
+    inputs, links = len(mechanism.inputs), len(mechanism.links) * mechanism.wants_angles
+    shapes: Any = {"alpha": (inputs,), "residual": (), "condition": ()}
+    shapes |= dict.fromkeys(OF_NODES, (len(mechanism.nodes), 2)) | dict.fromkeys(OF_LINKS, (links,))
+    found: Any = {name: np.zeros((count, *shape)) for name, shape in shapes.items()}
+    return Rows(**found, iterations=np.zeros(count, dtype=np.intc), reached=np.zeros(inputs))

@@ -1,17 +1,19 @@
-"""The block-triangular form, and what is said of linkages that are not determined."""
+"""The block-triangular form."""
 
 from __future__ import annotations
 
+import random
 from pathlib import Path
 
 import pytest
 
-from kousoku.codegen.linkage.assemble import Assembly, assemble
+from kousoku.codegen.linkage.assemble import Assembly, Role, assemble
 from kousoku.codegen.linkage.blocks import DiagonalBlock, live_blocks, triangular_blocks
 from kousoku.model.errors import SceneError
-from kousoku.model.planar import Input, Link, Node
+from kousoku.model.planar import Input, Link, Node, Rigid, Slider
 from kousoku.model.read import read_scene
 from kousoku.model.scene import Scene
+from kousoku.model.validate import check
 
 SCENES = Path(__file__).parents[3] / "scenes"
 
@@ -74,33 +76,52 @@ def test_every_block_comes_after_those_it_depends_on() -> None:
     )
 
 
-def grid(links: dict[str, Link], inputs: dict[str, Input]) -> Scene:
-    nodes = {
-        "O": Node(at=(0, 0), fixed=True),
-        "P": Node(at=(4, 0), fixed=True),
-        "A": Node(at=(0, 1)),
-        "B": Node(at=(4, 1)),
-    }
-    return Scene(name="grid", unit="m", nodes=nodes, links=links, inputs=inputs)
+def drawn(draw: random.Random) -> Scene:
+    """Random linkage, unchecked: parts of it may be free or held twice.
+
+    Nodes hang on two others, or on one other and an angle, or slide on a line.
+    """
+    nodes = {"O": Node(at=(0, 0), fixed=True), "P": Node(at=(draw.uniform(1, 9), 0), fixed=True)}
+    links: dict[str, Link] = {}
+    sliders: dict[str, Slider] = {}
+    rigid: dict[str, Rigid] = {}
+    inputs: dict[str, Input] = {}
+    for k in range(draw.randrange(1, 7)):
+        name, (one, two) = f"N{k}", draw.sample(sorted(nodes), 2)
+        at_one = [x for x, link in links.items() if one in link.nodes]
+        nodes[name] = Node(at=(draw.uniform(-9, 9), draw.uniform(-9, 9)))
+        links[f"a{k}"] = Link(nodes=(one, name))
+        way = draw.choice(["link", "link", "input", "slider", "rigid"])
+        if way == "link":
+            links[f"b{k}"] = Link(nodes=(two, name) if draw.random() < 0.5 else (name, two))
+        elif way == "input":
+            inputs[f"i{k}"] = Input(link=f"a{k}", about=draw.choice([one, name]), to=0.001)
+        elif way == "slider":
+            sliders[f"s{k}"] = Slider(node=name, through=(0, 1), direction=(draw.uniform(1, 2), 1))
+        elif at_one:
+            rigid[f"r{k}"] = Rigid(at=one, links=(draw.choice(at_one), f"a{k}"))
+    if draw.random() < 0.3:
+        one, two = draw.sample(sorted(nodes), 2)
+        links[draw.choice(sorted(links))] = Link(nodes=(one, two))
+    return Scene(
+        name="x", unit="m", nodes=nodes, links=links, sliders=sliders, rigid=rigid, inputs=inputs
+    )
 
 
-LINKS = {
-    "oa": Link(nodes=("O", "A"), length=1),
-    "ab": Link(nodes=("A", "B"), length=4),
-    "bp": Link(nodes=("B", "P"), length=1),
-}
-DRIVE = {"alpha": Input(link="oa", about="O")}
-
-
-def test_free_nodes_are_named() -> None:
-    with pytest.raises(SceneError, match="determined: B can still move; add 1 more input"):
-        triangular_blocks(assemble(grid({k: LINKS[k] for k in ("oa", "ab")}, DRIVE)))
-
-
-def test_links_that_hold_too_much_are_named() -> None:
-    links = {**LINKS, "ob": Link(nodes=("O", "B"), length=17**0.5)}
-    with pytest.raises(SceneError, match=r"links .*ob.* hold their nodes more than once; remove 1"):
-        triangular_blocks(assemble(grid(links, DRIVE)))
+def test_what_inputs_determine_has_blocks() -> None:
+    """Where as many rows are independent as there are unknowns, all are matched."""
+    draw, count = random.Random(1981), 0
+    for _ in range(800):
+        scene = drawn(draw)
+        try:
+            check(scene)
+        except SceneError:
+            continue
+        assembly, count = assemble(scene), count + 1
+        assert sum(len(block.unknowns) for block in triangular_blocks(assembly)) == sum(
+            coordinate.role is Role.UNKNOWN for coordinate in assembly.coordinates
+        )
+    assert count > 100
 
 
 def test_long_chains_need_no_recursion() -> None:

@@ -20,13 +20,14 @@ from kousoku.codegen.linkage import emit as linkage_emit
 from kousoku.codegen.linkage.assemble import assemble
 from kousoku.codegen.linkage.emit import emit_linkage
 from kousoku.codegen.linkage.generate import generate_linkage, layout_of, program_of
-from kousoku.codegen.linkage.reference import ORDERS, reference_values
+from kousoku.codegen.linkage.reference import reference_values
 from kousoku.codegen.linkage.solution import places
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.graph import Op
 from kousoku.model.interpret import evaluate
 from kousoku.model.manifest import Manifest
 from kousoku.model.read import read_scene, scene_from_dict
+from kousoku.runtime.kinematics.rows import OF_NODES
 from kousoku.runtime.verify import verify
 
 if TYPE_CHECKING:
@@ -140,7 +141,7 @@ def test_points_of_reference_lie_on_beside_and_off_the_way() -> None:
     assert any(label.startswith("away from ") for label in labels)
     assert labels[-2:] == ["x[0] is nan", "x[2] is nan"]
     segments = [list(point["outputs"]) for point in data["points"][-2:]]
-    assert segments == [[f"{x}_{k}" for x in ORDERS] for k in (1, 2)]
+    assert segments == [[f"{x}_{k}" for x in OF_NODES] for k in (1, 2)]
 
 
 def test_linkage_that_cannot_be_assembled_still_has_references() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,11 @@ from kousoku.runtime.integrate.distances import (
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+
+def beside(time: float, place: float, least: float = 0.0) -> float:
+    """Square of a distance that is least at a place, and 0.5 half a second away from it."""
+    return (time - place) ** 2 * (1.0 - 4.0 * least * least) + least * least
 
 
 def looked_at(
@@ -56,7 +62,7 @@ def test_a_parabola_tells_what_sinks(first: float, middle: float, last: float, s
 
 def test_the_least_is_found_however_small_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     for there in (1e-9, 0.123, 0.5, 0.987654321):
-        look = looked_at(monkeypatch, lambda time, at=there: (time - at) ** 2)
+        look = looked_at(monkeypatch, partial(beside, place=there))
         assert nearest_time(0, look) == pytest.approx(there, rel=1e-14, abs=1e-16)
 
 
@@ -93,12 +99,8 @@ def test_what_passes_far_beside_the_place_cuts_no_step(
     monkeypatch: pytest.MonkeyPatch, lengths: int, most: float
 ) -> None:
     for part, is_cut in ((0.9, True), (1.1, False)):
-        beside = 0.5 * part * most
-        look = looked_at(
-            monkeypatch,
-            lambda time, b=beside: (time - 0.5) ** 2 * (1.0 - most * most) + b * b,
-            lengths=lengths,
-        )
+        square = partial(beside, place=0.5, least=0.5 * part * most)
+        look = looked_at(monkeypatch, square, lengths=lengths)
         assert (turned_end(1.0, look) < 1.0) is is_cut
 
 
