@@ -27,13 +27,20 @@
 
 enum { W_NEAR = N_LENGTHS > 0 ? W_LENGTHS : W_DISTANCES }; /* one behind the other */
 
+/* squares of distances of y at a time */
+static void distances_of(double time, const double *y, Work *work, double *found)
+{
+    double read[ROOM(N_READ)];
+    read_of(time, y, work, read);
+    distance(work->w);
+    memcpy(found, work->w + W_NEAR, N_DISTANCES * sizeof *found);
+}
+
 /* squares of distances at a time */
 static void distances_at(double time, const Look *look, const State *s, Work *work, double *found)
 {
-    double read[ROOM(N_READ)];
-    read_at(time, look, s, work, read);
-    distance(work->w);
-    memcpy(found, work->w + W_NEAR, N_DISTANCES * sizeof *found);
+    interpolate(look->m, (time - look->start) / look->h, s, work->scratch);
+    distances_of(time, work->scratch, work, found);
 }
 
 /* whether the square of a distance may sink between three times, as a parabola through it does */
@@ -45,13 +52,18 @@ static int sinks_between(double first, double middle, double last)
     return least < SUNK * SUNK * larger(first, last);
 }
 
-/* whether a distance may sink in a step */
-static int may_turn(const Look *look, const State *s, Work *work)
+/* whether a distance may sink in a step of length h from the state to y, with derivative f. A cubic
+ * polynomial tells what is in the middle */
+static int may_turn(
+    double time, double h, const double *y, const double *f, const State *s, Work *work)
 {
     double first[ROOM(N_DISTANCES)], there[ROOM(N_DISTANCES)], last[ROOM(N_DISTANCES)];
-    distances_at(look->start, look, s, work, first);
-    distances_at(look->start + 0.5 * look->h, look, s, work, there);
-    distances_at(look->start + look->h, look, s, work, last);
+    double *middle = work->scratch;
+    for (size_t i = 0; i != NY; ++i)
+        middle[i] = 0.5 * (s->y[i] + y[i]) + 0.125 * h * (s->f[i] - f[i]);
+    distances_of(time, s->y, work, first);
+    distances_of(time + 0.5 * h, middle, work, there);
+    distances_of(time + h, y, work, last);
     for (size_t k = 0; k != N_DISTANCES; ++k) {
         if (sinks_between(first[k], there[k], last[k])) return 1;
     }

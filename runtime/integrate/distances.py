@@ -15,11 +15,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger, smaller
-from .crossing import FINEST, ONWARD, SMALL, SMALLEST, read_at
+from .crossing import FINEST, ONWARD, SMALL, SMALLEST, read_of
+from .dense_output import interpolate
 
 if TYPE_CHECKING:
     from .arithmetic import Array
     from .crossing import Look
+    from .scene_tables import Workspace
 
 #: Distances that sink to this part of the larger one at the ends, as a parabola tells, are looked
 #: at; those that do so to this part in the polynomial turn a force within the step, and those in
@@ -40,11 +42,17 @@ GOLDEN = 0.3819660112501051
 MOST_SECTIONS = 80
 
 
+def distances_of(time: float, y: Array, w: Workspace) -> Array:
+    """Squares of distances of y at a time."""
+    read_of(time, y, w)
+    w.run("distance")
+    return np.concatenate((w.lengths, w.distances))
+
+
 def distances_at(time: float, look: Look) -> Array:
     """Squares of distances at a time."""
-    read_at(time, look)
-    look.work.w.run("distance")
-    return np.concatenate((look.work.w.lengths, look.work.w.distances))
+    interpolate(look.m, (time - look.start) / look.h, look.state, look.work.scratch)
+    return distances_of(time, look.work.scratch, look.work.w)
 
 
 def sinks_between(first: float, middle: float, last: float) -> bool:
@@ -56,11 +64,17 @@ def sinks_between(first: float, middle: float, last: float) -> bool:
     return least < SUNK * SUNK * larger(first, last)
 
 
-def may_turn(look: Look) -> bool:
-    """Whether a distance may sink in a step."""
-    times = (look.start, look.start + 0.5 * look.h, look.start + look.h)
-    first, middle, last = (distances_at(time, look).tolist() for time in times)
-    return any(map(sinks_between, first, middle, last))
+def may_turn(h: float, y: Array, f: Array, look: Look) -> bool:
+    """Whether a distance may sink in a step of length h from the state to y, with derivative f.
+
+    A cubic polynomial tells what is in the middle.
+    """
+    state, w = look.state, look.work.w
+    middle = 0.5 * (state.y + y) + 0.125 * h * (state.f - f)
+    first = distances_of(state.time, state.y, w)
+    there = distances_of(state.time + 0.5 * h, middle, w)
+    last = distances_of(state.time + h, y, w)
+    return any(map(sinks_between, first.tolist(), there.tolist(), last.tolist()))
 
 
 def nearest_time(k: int, look: Look) -> float:

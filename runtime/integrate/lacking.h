@@ -147,7 +147,10 @@ static void bending(double *w) { (void)w; }
 static void measure(double *w) { (void)w; }
 #endif
 #ifndef HAS_DISTANCE
+#define N_LENGTHS 0
 #define N_DISTANCES 0
+#define W_LENGTHS 0
+#define W_DISTANCES 0
 #endif
 #ifndef HAS_CROSSING
 #define N_CROSSINGS 0

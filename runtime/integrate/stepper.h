@@ -599,21 +599,18 @@ static double seen_in(Attempts *tried, Trial *trial, Work *work, State *s)
     Look *look = &tried->look;
     const double *f = work->k[m->stages];
     int has_stages = N_SWITCHING > 0 && is_kept(trial);
-    look_into(tried->settings, m, has_stages, trial->h, work->y, s->f, f, look, s, work);
-    look->least_part = is_kept(trial) && !trial->is_vague ? 0.0 : LEAST_PART;
-    look->is_kept = is_kept(trial);
     /* one that leads beyond its end stays as it is */
     const int is_whole = tried->is_beyond;
 #ifdef HAS_DISTANCE
-    double turned = HUGE_VAL;
-    if (!is_whole && may_turn(look, s, work)) {
-        const int wants_stages = is_kept(trial) && !has_stages;
-        if (wants_stages && make_dense_stages(m, trial, work, s)) {
-            has_stages = 1;
-            look_into(tried->settings, m, 1, trial->h, work->y, s->f, f, look, s, work);
-        }
-        turned = turned_end(trial->end, look, s, work);
-    }
+    const int turns = !is_whole && may_turn(s->time, trial->h, work->y, f, s, work);
+    if (!turns && N_SEEN == 0) return trial->end;
+    if (turns && is_kept(trial) && !has_stages) has_stages = make_dense_stages(m, trial, work, s);
+#endif
+    look_into(tried->settings, m, has_stages, trial->h, work->y, s->f, f, look, s, work);
+    look->least_part = is_kept(trial) && !trial->is_vague ? 0.0 : LEAST_PART;
+    look->is_kept = is_kept(trial);
+#ifdef HAS_DISTANCE
+    const double turned = turns ? turned_end(trial->end, look, s, work) : HUGE_VAL;
 #endif
     double seen = is_whole || N_SEEN == 0 ? trial->end : seen_end(trial->end, look, s, work);
     if (look->pole && !has_stages && make_dense_stages(m, trial, work, s)) {

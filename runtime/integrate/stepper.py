@@ -718,20 +718,21 @@ def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
     """Time at which a trial must end by what crosses in it; poles and distances want all stages."""
     m, s, look = tried.m, tried.s, tried.look
     has_stages = tried.has_switches and is_kept(trial)
-    look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
-    look.least_part = 0.0 if is_kept(trial) and not trial.is_vague else LEAST_PART
-    look.is_kept = is_kept(trial)
     # one that leads beyond its end stays as it is
-    turned, is_whole = math.inf, tried.is_beyond
+    turned, turns, is_whole = math.inf, False, tried.is_beyond
     if work.scene.n_distances > 0 and not is_whole:
         from .distances import may_turn, turned_end, turned_in  # other scenes do not have it
 
-        if may_turn(look):
-            wants_stages = is_kept(trial) and not has_stages
-            if wants_stages and make_dense_stages(m, trial, work, state):
-                has_stages = True
-                look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
-            turned = turned_end(trial.end, look)
+        turns = may_turn(trial.h, work.y, work.k[m.stages], look)
+        if not turns and not work.scene.sees:
+            return trial.end
+        if turns and is_kept(trial) and not has_stages:
+            has_stages = make_dense_stages(m, trial, work, state)
+    look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
+    look.least_part = 0.0 if is_kept(trial) and not trial.is_vague else LEAST_PART
+    look.is_kept = is_kept(trial)
+    if turns:
+        turned = turned_end(trial.end, look)
     seen = trial.end if is_whole or not work.scene.sees else seen_end(trial.end, look)
     if look.pole and not has_stages and make_dense_stages(m, trial, work, state):
         look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
