@@ -363,7 +363,7 @@ def changed(subject: Subject, rng: np.random.Generator, rows: Any) -> Any:
 def cases(size: Size) -> Iterator[str]:
     """Name a case for each kind, sort of points and batch."""
     every = [name for kind in KINDS.values() for name in kind.packages]
-    for batch in range(size.examples(1, 40)):
+    for batch in range(size.examples(1, 2)):
         for kind in every if size.is_full else [kind.packages[0] for kind in KINDS.values()]:
             for sort, number in SORTS[size.is_full].items():
                 if sort == "sorts" and not size.is_full and kind not in SINGULAR:
