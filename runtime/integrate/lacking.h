@@ -141,19 +141,27 @@ static void switching(double *w) { (void)w; }
 #define W_LAWS 0
 static void bending(double *w) { (void)w; }
 #endif
-#ifndef HAS_CROSSING
+#ifndef HAS_MEASURE
 #define N_MEASURES 0
+#define W_MEASURES 0
+static void measure(double *w) { (void)w; }
+#endif
+#ifndef HAS_DISTANCE
+#define N_LENGTHS 0
+#define N_DISTANCES 0
+#define W_LENGTHS 0
+#define W_DISTANCES 0
+#endif
+#ifndef HAS_CROSSING
 #define N_CROSSINGS 0
 #define N_POLES 0
 #define N_NARROW 0
 #define N_INFINITE 0
 #define EVENTS 0
-#define W_MEASURES 0
 #define W_RANGES 0
 #define W_CROSSINGS 0
 #define W_POLES 0
 #define W_NARROW 0
-static void measure(double *w) { (void)w; }
 static void crossing(double *w) { (void)w; }
 #endif
 

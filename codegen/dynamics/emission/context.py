@@ -63,10 +63,11 @@ COME_WITH = {
     ("HAS_SWITCHING",): ("N_SWITCHES", "N_FEATURES", "W_SPAN", "W_SWITCHES", "W_FEATURES"),
     ("HAS_BENDING",): ("N_LAWS", "W_LAW_SPAN", "W_LAWS"),
     ("HAS_CROSSING",): (
-        *("N_MEASURES", "N_CROSSINGS", "N_NARROW", "EVENTS"),
-        *("N_POLES", "N_INFINITE"),
-        *("W_MEASURES", "W_RANGES", "W_CROSSINGS", "W_NARROW", "W_POLES"),
+        *("N_CROSSINGS", "N_NARROW", "EVENTS", "N_POLES", "N_INFINITE"),
+        *("W_RANGES", "W_CROSSINGS", "W_NARROW", "W_POLES"),
     ),
+    ("HAS_MEASURE",): ("N_MEASURES", "W_MEASURES"),
+    ("HAS_DISTANCE",): ("N_LENGTHS", "N_DISTANCES", "W_LENGTHS", "W_DISTANCES"),
 }
 #: How wide lines of tables are.
 WIDTH = 92
@@ -452,6 +453,8 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
         "ACCELERATES": not {"v_dot", "coordinates", "reactions"}.isdisjoint(parts),
         "HAS_SWITCHING": "switching" in segments,
         "HAS_BENDING": "bending" in segments,
+        "HAS_MEASURE": "measure" in segments,
+        "HAS_DISTANCE": "distance" in segments,
         "HAS_CROSSING": "crossing" in segments,
     }
     return tuple(name for name, has in features.items() if has)

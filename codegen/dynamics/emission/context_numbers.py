@@ -54,6 +54,8 @@ def sizes(program: Program) -> dict[str, int]:
         "N_POLES": present.get("poles", 0) // BOUNDS,
         "N_NARROW": present.get("narrow", 0) // BOUNDS,
         "N_INFINITE": present.get("infinite", 0) // BOUNDS,
+        "N_LENGTHS": present.get("lengths", 0),
+        "N_DISTANCES": present.get("lengths", 0) + present.get("distances", 0),
     }
 
 
