@@ -12,18 +12,30 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join
 from kousoku.model.derivative import derivative
+from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.exponentials import without_overflow
 from kousoku.model.expression import parse_expression
 from kousoku.model.folds import without_folds
-from kousoku.model.formulas import RATE, TIME
+from kousoku.model.formulas import RATE, TIME, used_names
 from kousoku.model.graph import Op
 from kousoku.model.multibody import LAW_NAMES
 from kousoku.model.polynomials import is_never_zero, root_of_even_power, square_part
-from kousoku.model.terms import ONE, Expression, add, apply, names_of, neg, number, ordered
+from kousoku.model.terms import (
+    ONE,
+    Expression,
+    add,
+    apply,
+    mul,
+    names_of,
+    neg,
+    number,
+    ordered,
+    symbol,
+)
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
     from kousoku.model.multibody import System
 
@@ -47,6 +59,8 @@ TRANSPARENT = frozenset({*SWITCHES, Op.ADD, Op.NEG, Op.MUL})
 class Measure:
     """What formulas read of a state: a coordinate, or how far a spring is from where it is free.
 
+    Of a spring whose ends may meet it is the distance of these, too.
+
     Parameters
     ----------
     name : str
@@ -58,12 +72,15 @@ class Measure:
         points.
     force : int
         Place of the spring, -1 of a coordinate.
+    is_length : bool
+        Whether it is the distance of a spring's ends.
     """
 
     name: str
     rate: str
     coordinate: int
     force: int
+    is_length: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,11 +111,15 @@ class Seen:
         The key of the force that each of them is of.
     infinite : tuple of Expression
         The parts of formulas that may be infinite there.
+    lengths : tuple of Expression
+        Squares of lengths along which forces act: these turn round where they come down to zero.
     distances : tuple of Expression
+        Squares of distances in formulas, of points or of speeds from rest, likewise.
+    gaps : tuple of Expression
         What drivers prescribe of distances, less what counts as none: where one is zero its two
         points meet, and nothing tells in which direction they part.
     drawn : tuple of str
-        Which driver each of these distances is of.
+        Which driver each of these is of.
     """
 
     switches: tuple[Expression, ...]
@@ -112,7 +133,9 @@ class Seen:
     poles: tuple[Expression, ...] = ()
     pushed: tuple[str, ...] = ()
     infinite: tuple[Expression, ...] = ()
+    lengths: tuple[Expression, ...] = ()
     distances: tuple[Expression, ...] = ()
+    gaps: tuple[Expression, ...] = ()
     drawn: tuple[str, ...] = ()
 
 
@@ -148,8 +171,8 @@ def seen_of(system: System) -> Seen:
             laws.setdefault(parse_expression(one.law, names, longest=len(one.law)), one.joint)
     breaks = {one: tuple(filter(_varies, _places_of(one))) for one in laws}
     followed = [one for one, places in breaks.items() if places or any(varying_parts(one, {TIME}))]
-    distances = dict(_distances(system, names))
-    switches = (*distances, *found(switching_functions, is_state=False), *chain(*breaks.values()))
+    gaps = dict(_gaps(system, names))
+    switches = (*gaps, *found(switching_functions, is_state=False), *chain(*breaks.values()))
     poles: dict[Expression, str] = {}
     infinite: dict[Expression, None] = {}
     for text, key in _texts(system):
@@ -158,7 +181,10 @@ def seen_of(system: System) -> Seen:
                 own = dict.fromkeys(_poles_of(part, {TIME, *of_state}), key)
                 poles = own | poles
                 infinite |= dict.fromkeys([part] * bool(own))
-    read = set(chain.from_iterable(map(names_of, (*crossings, *narrow, *poles, *infinite))))
+    lengths = tuple(_lengths(system))
+    distances = tuple(one for one in found(_squares_of, is_state=True) if one not in lengths)
+    told = (*crossings, *narrow, *poles, *infinite, *lengths, *distances)
+    read = set(chain.from_iterable(map(names_of, told)))
     return Seen(
         tuple(dict.fromkeys(switches)),
         tuple(map(without_overflow, found(varying, is_state=False))),
@@ -171,12 +197,14 @@ def seen_of(system: System) -> Seen:
         tuple(poles),
         tuple(poles.values()),
         tuple(infinite),
-        tuple(distances),
-        tuple(distances.values()),
+        lengths,
+        distances,
+        tuple(gaps),
+        tuple(gaps.values()),
     )
 
 
-def _distances(system: System, names: Collection[str]) -> Iterator[tuple[Expression, str]]:
+def _gaps(system: System, names: Collection[str]) -> Iterator[tuple[Expression, str]]:
     """Laws of distances, less a part of what they are at the start, with their drivers."""
     for one in system.constraints:
         if not one.law or system.coordinates[one.terms[0].coordinate].kind != "length":
@@ -195,6 +223,58 @@ def _measures(system: System) -> Iterator[Measure]:
         if force.law:
             x, v = (f"{force.name}_{place}.{name}" for name in LAW_NAMES[:2])
             yield Measure(x, v, force.coordinate, place)
+        if isinstance(force, PointSpring):
+            yield Measure(*_length_of(place, force), -1, place, is_length=True)
+
+
+def _length_of(place: int, force: PointSpring) -> tuple[str, str]:
+    """Names of the distance of a spring's ends and of its rate."""
+    name = f"{force.name}_{place}.l"
+    return name, f"{name}{RATE}"
+
+
+def _lengths(system: System) -> Iterator[Expression]:
+    """Squares of the lengths along which forces act, or that they depend on."""
+    texts = [text for text, _ in _texts(system) if text]
+    acted = {force.coordinate for force in system.forces}
+    for place, one in enumerate(system.coordinates):
+        names = (one.name, f"{one.name}{RATE}")
+        if one.kind == "length" and (
+            place in acted or any(used_names(text, names) for text in texts)
+        ):
+            yield _square(symbol(one.name))
+    for place, force in enumerate(system.forces):
+        if isinstance(force, PointSpring) and not force.is_smooth:
+            yield _square(symbol(_length_of(place, force)[0]))
+
+
+def _square(a: Expression) -> Expression:
+    return mul(a, a)
+
+
+def _squares_of(formula: Expression) -> Iterator[Expression]:
+    """Squares of distances in a formula: what is never negative and may come down to zero.
+
+    Roots are of them, or they divide: x/sqrt(x^2 + y^2) turns round, and ``atan2(y, x)``.
+    """
+    for part in ordered(formula):
+        found: Iterable[Expression] = ()
+        root = None  # it has no value where this is negative
+        match part:
+            case Expression(Op.ATAN2, (a, b)):
+                found = (add(_square(a), _square(b)),)
+            case Expression(Op.SQRT | Op.LOG, (a,)) if even_root(part) is None:
+                found, root = _zeros_of(a), a
+            case Expression(Op.DIV, (_, a)):
+                found = _zeros_of(a)
+            case Expression(Op.POW, (a, Expression(value=power))) if even_root(part) is None:
+                if power is None or power.denominator > 1:
+                    found, root = _zeros_of(a), a
+                elif power < 0:
+                    found = _zeros_of(a)
+        for one in found:
+            if (one == root or range_of(one)[0] >= 0.0) and may_be_zero(one):
+                yield one
 
 
 def _texts(system: System) -> Iterator[tuple[str, str]]:

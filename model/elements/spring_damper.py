@@ -38,6 +38,13 @@ class PointSpring(ForceElement):
         """Whether it is linear."""
         return not self.law
 
+    @property
+    def is_smooth(self) -> bool:
+        """Whether it goes on smoothly where its ends meet: T = k l, along d a force k **d**."""
+        given = dict(self.constants)
+        none = (0.0,)
+        return not self.law and given["damping"] == given["free_length"] == none
+
 
 class SpringDamper(ForceKind):
     """A spring and damper between two points: tension T = k (l − l⁰) + c l̇ (1,) [N].

@@ -63,6 +63,7 @@ enum {
     N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
     N_TOLD = N_CROSSINGS + N_NARROW,
     N_SEEN = N_TOLD + N_INFINITE,
+    N_LOOKED = N_SEEN + N_DISTANCES,
     N_READ = 2 * N_MEASURES,
     /* one behind the other */
     W_SEEN = N_SWITCHING > 0 ? W_CROSSINGS
@@ -88,14 +89,15 @@ typedef struct {
  * whether it is kept if nothing cuts it, the event without a value right behind its start, counted
  * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
  * is, by what rates change in it, in the mean, by how much more at its end, and at most, and what
- * they are known to: to no more than they have been */
+ * they are known to: to no more than they have been; how often it was cut for distances,
+ * where last, and whether it only leads over where one is least */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
     double pole_time, bend[ROOM(N_MEASURES)], lean[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
-    double known[ROOM(N_MEASURES)];
+    double known[ROOM(N_MEASURES)], turning;
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_short[ROOM(N_SEEN)];
-    int is_untold, has_error, is_kept, lost, pole;
+    int is_untold, has_error, is_kept, lost, pole, turned, is_over;
 } Look;
 
 /* whether what is a at the start of h and b at its end is positive between: no less than lines from

@@ -170,6 +170,10 @@ class Look:
         The function that is zero in it where a force is infinite, counted from 1; 0: none.
     pole_time : float [s]
         When that is.
+    turned, turning : int, float [s]
+        How often it was cut for distances, and where last.
+    is_over : bool
+        Whether it only leads over where that is least.
     """
 
     state: State
@@ -195,6 +199,9 @@ class Look:
     lost: int = 0
     pole: int = 0
     pole_time: float = 0.0
+    turned: int = 0
+    turning: float = math.inf
+    is_over: bool = False
 
 
 def side_at(node: TimeNode) -> Array:

@@ -159,19 +159,19 @@ static size_t bent_law(double first, double last, double span, double *w)
     return bent_beside(BESIDE * span, first, last, span, w);
 }
 
-/* the first driven distance that is none between two times, counted from 1, or 0 */
-static size_t lost_distance(double first, double last, double *w)
+/* the first driven distance, a gap, that is none between two times, counted from 1, or 0 */
+static size_t lost_gap(double first, double last, double *w)
 {
-    size_t lost = N_DISTANCES;
-    if (N_DISTANCES == 0) return 0;
+    size_t lost = N_GAPS;
+    if (N_GAPS == 0) return 0;
     /* where one gets on the other side bounds may be above it by rounding */
     for (size_t n = 0; n != 2; ++n) {
         bounds_between(n == 0 ? first : last, last, w);
-        for (size_t k = 0; k != N_DISTANCES; ++k) {
-            if (w[W_DISTANCES + 4 * k] <= 0.0 && k < lost) lost = k;
+        for (size_t k = 0; k != N_GAPS; ++k) {
+            if (w[W_GAPS + 4 * k] <= 0.0 && k < lost) lost = k;
         }
     }
-    return lost == N_DISTANCES ? 0 : lost + 1;
+    return lost == N_GAPS ? 0 : lost + 1;
 }
 
 /* whether there is no root of a switching function between two times, where functions have values
@@ -263,7 +263,7 @@ static int meet_switches(double end, State *s, Work *work)
     while (s->time < end && !(s->time < s->limit)) {
         if (s->behind > s->time) {
             const double span = larger(fabs(s->time), fabs(end));
-            const size_t lost = lost_distance(s->limit, s->behind, work->w);
+            const size_t lost = lost_gap(s->limit, s->behind, work->w);
             if (lost > 0) {
                 s->bent = (double)lost;
                 return NO_DIRECTION;

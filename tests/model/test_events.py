@@ -73,6 +73,49 @@ def test_a_linkage_of_nodes_has_no_events(bead: Tree) -> None:
 
 
 @pytest.mark.parametrize(
+    ("force", "count"),
+    [
+        *[
+            ("-x/sqrt(x^2 + x_dot^2)", 1),
+            ("x*(x*x + x_dot*x_dot)^(-1/2)", 1),
+            ("atan2(x, x_dot)", 1),
+        ],
+        *[("exp(-log(x^2 + at*x_dot^2))", 1), ("x/sqrt(x^2/4 + x_dot^2)", 1)],
+        *[
+            ("x/sqrt(x^2 + x_dot^2 + 1e-12)", 0),
+            ("sqrt(x^2)", 0),
+            ("1/x", 0),
+            ("(x^2 + x_dot^2)^2", 0),
+        ],
+        *[("1/sqrt(t^2 + at^2)", 0), ("1/sqrt(x)", 1), ("x/(1 + x^2)", 0), ("atan2(x, 1)", 0)],
+    ],
+)
+def test_squares_of_distances_are_found_in_forces(bead: Tree, force: str, count: int) -> None:
+    push = {"type": "along", "coordinate": "x", "force": force}
+    seen = seen_of(system_of(scene_from_dict(bead | {"forces": {"push": push}}), ()))
+    assert len(seen.distances) == count
+    assert not seen.lengths
+
+
+def test_lengths_count_along_which_a_force_acts_that_is_not_smooth(bead: Tree) -> None:
+    ends = {"bodies": ["ground", "bead"], "points": [[0, 0, 0], [0, 0, 0]]}
+    bead["coordinates"] |= {"way": ends, "other": ends}
+
+    def counts(**force: object) -> int:
+        system = system_of(scene_from_dict(bead | {"forces": {"push": force}}), ())
+        return len(seen_of(system).lengths)
+
+    spring = {"type": "spring_damper", **ends}
+    assert counts(**spring, stiffness=1.0, free_length=0.0) == 0
+    assert counts(**spring, stiffness=1.0, free_length=1.0) == 1
+    assert counts(**spring, stiffness=1.0, free_length=0.0, damping=1.0) == 1
+    assert counts(**spring, tension="x", free_length=1.0) == 1
+    assert counts(type="along", coordinate="way", force="1") == 1
+    assert counts(type="along", coordinate="way", force="other_dot") == 2
+    assert counts(type="along", coordinate="x", force="1") == 0
+
+
+@pytest.mark.parametrize(
     ("force", "crossings", "narrow"),
     [
         ("max(0, -x)", 1, 0),

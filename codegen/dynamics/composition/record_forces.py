@@ -98,7 +98,8 @@ class ForceRecorder:
         if one.force < 0:
             (x, unit), (v, _) = self.names[one.name], self.names[one.rate]
         else:
-            x, v, free, unit = facets_of(system.forces[one.force]).elongation(self)
+            x, v, elongation, unit = facets_of(system.forces[one.force]).elongation(self)
+            free = free if one.is_length else elongation
         self.recorder.call(Relative(), x, free, unit, into=(value,))
         self.recorder.call(Relative(), v, column((0,)), unit, into=(rate,))
 

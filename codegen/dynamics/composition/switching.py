@@ -1,4 +1,4 @@
-"""The segments ``switching``, ``bending``, ``measure``, ``crossing``: what bounds formulas."""
+"""The segments ``switching``, ``bending``, ``measure``, ``distance``, ``crossing``: formulas."""
 
 from __future__ import annotations
 
@@ -91,6 +91,34 @@ class Enclosed:
         return rate
 
 
+@dataclass(frozen=True, slots=True)
+class Valued:
+    """Values of formulas. Blocks: the time, value and rate of each measure, the parameters.
+
+    Parameters
+    ----------
+    formulas : tuple of Expression
+        What is evaluated.
+    parameters : tuple of str
+        Names that they may use beside the time.
+    measures : tuple of Measure
+        What else they depend on.
+    """
+
+    formulas: tuple[Expression, ...]
+    parameters: tuple[str, ...]
+    measures: tuple[Measure, ...]
+    title: str = "values of formulas"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Values, in one column."""
+        read = chain.from_iterable((one.name, one.rate) for one in self.measures)
+        nodes = chain.from_iterable(block.flat for block in blocks)
+        leaves = dict(zip((TIME, *read, *self.parameters), nodes, strict=True))
+        values = (to_graph(one, trace.graph, leaves) for one in self.formulas)
+        return (Matrix.of(trace.graph, values),)
+
+
 def record_switching(
     recorder: Recorder, system: System, parameters: SlotMatrix, forces: ForceRecorder
 ) -> None:
@@ -124,15 +152,26 @@ def record_switching(
 
     if seen.switches or seen.features:
         parts = {"switches": seen.switches, "features": seen.features}
-        parts |= {"distances": seen.distances}
+        parts |= {"gaps": seen.gaps}
         record("switching", recorder.region("span", 2), parts)
     if seen.laws:
         record("bending", recorder.region("law_span", 2), {"laws": seen.laws})
-    if seen.crossings or seen.narrow or seen.poles:
+    near = {"lengths": seen.lengths, "distances": seen.distances}
+    if seen.crossings or seen.narrow or seen.poles or any(near.values()):
         region = recorder.region("measures", 2 * len(seen.measures))
         recorder.begin("measure")
         for k, one in enumerate(seen.measures):
             forces.measure(system, one, region.part(2 * k, 1), region.part(2 * k + 1, 1))
+    if any(near.values()):
+        recorder.begin("distance")
+        for name, found in near.items():
+            if found:
+                target, valued = (
+                    recorder.region(name, len(found)),
+                    Valued(found, names, seen.measures),
+                )
+                recorder.call(valued, forces.names[TIME][0], region, parameters, into=(target,))
+    if seen.crossings or seen.narrow or seen.poles:
         ranges = recorder.region("ranges", 2 + RANGES * len(seen.measures))
         parts = {"crossings": seen.crossings, "poles": seen.poles}
         parts |= {"narrow": seen.narrow, "infinite": seen.infinite}

@@ -164,8 +164,9 @@ class SpringFacets(ForceFacets[PointSpring]):
     def elongation(
         self, tasks: ForceRecorder
     ) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix, SlotMatrix]:
-        """Length l [m] and its rate [m/s], recorded; l⁰ and the unit of the scene: (1,) each."""
-        start, end, unit, free = tasks.constants(self.force)
+        """Length l [m] and its rate [m/s], recorded; l⁰ and the unit of its law: (1,) each."""
+        start, end, *law, free = tasks.constants(self.force)
+        unit = law[0] if self.force.law else tasks.recorder.constant((1,))
         bodies = (tasks.body(self.force.i), tasks.body(self.force.j))
         ends = [block for x in bodies for block in (x.r, x.p, x.v_r, x.omega_b)]
         length, rate = tasks.recorder.call(SpringLength(), *ends, start, end)

@@ -61,13 +61,14 @@ COME_WITH = {
     ("HAS_COORDINATES",): ("N_SHOWN", "PER_SHOWN", "W_COORDINATES"),
     ("HAS_WRENCHES",): ("N_WRENCHES", "W_ALL_LAM", "W_WRENCHES"),
     ("HAS_SWITCHING",): ("N_SWITCHES", "N_FEATURES", "W_SPAN", "W_SWITCHES", "W_FEATURES"),
-    ("HAS_DISTANCES",): ("N_DISTANCES", "W_DISTANCES"),
+    ("HAS_GAPS",): ("N_GAPS", "W_GAPS"),
     ("HAS_BENDING",): ("N_LAWS", "W_LAW_SPAN", "W_LAWS"),
     ("HAS_CROSSING",): (
-        *("N_MEASURES", "N_CROSSINGS", "N_NARROW", "EVENTS"),
-        *("N_POLES", "N_INFINITE"),
-        *("W_MEASURES", "W_RANGES", "W_CROSSINGS", "W_NARROW", "W_POLES"),
+        *("N_CROSSINGS", "N_NARROW", "EVENTS", "N_POLES", "N_INFINITE"),
+        *("W_RANGES", "W_CROSSINGS", "W_NARROW", "W_POLES"),
     ),
+    ("HAS_MEASURE",): ("N_MEASURES", "W_MEASURES"),
+    ("HAS_DISTANCE",): ("N_LENGTHS", "N_DISTANCES", "W_LENGTHS", "W_DISTANCES"),
 }
 #: How wide lines of tables are.
 WIDTH = 92
@@ -452,8 +453,10 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
         "HAS_COORDINATES": "coordinate" in segments,
         "ACCELERATES": not {"v_dot", "coordinates", "reactions"}.isdisjoint(parts),
         "HAS_SWITCHING": "switching" in segments,
-        "HAS_DISTANCES": "distances" in regions,
+        "HAS_GAPS": "gaps" in regions,
         "HAS_BENDING": "bending" in segments,
+        "HAS_MEASURE": "measure" in segments,
+        "HAS_DISTANCE": "distance" in segments,
         "HAS_CROSSING": "crossing" in segments,
     }
     return tuple(name for name, has in features.items() if has)

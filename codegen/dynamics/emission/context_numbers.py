@@ -48,13 +48,15 @@ def sizes(program: Program) -> dict[str, int]:
         "N_WRENCHES": present.get("wrenches", 0),
         "N_SWITCHES": present.get("switches", 0) // BOUNDS,
         "N_FEATURES": present.get("features", 0) // BOUNDS,
-        "N_DISTANCES": present.get("distances", 0) // BOUNDS,
+        "N_GAPS": present.get("gaps", 0) // BOUNDS,
         "N_LAWS": present.get("laws", 0) // BOUNDS,
         "N_MEASURES": present.get("measures", 0) // 2,
         "N_CROSSINGS": (present.get("crossings", 0) + present.get("poles", 0)) // BOUNDS,
         "N_POLES": present.get("poles", 0) // BOUNDS,
         "N_NARROW": present.get("narrow", 0) // BOUNDS,
         "N_INFINITE": present.get("infinite", 0) // BOUNDS,
+        "N_LENGTHS": present.get("lengths", 0),
+        "N_DISTANCES": present.get("lengths", 0) + present.get("distances", 0),
     }
 
 

@@ -38,9 +38,11 @@ TEMPLATES = {
     "__init__.py": "dynamics/__init__.py.jinja",
     "integrate/methods.h": "dynamics/methods.h.jinja",
 }
-#: What scenes lack whose parameters change no rows of loops, or that drivers leave freedom.
+#: What scenes lack whose parameters change no rows of loops, or that drivers leave freedom, or
+#: without forces along distances.
 OF_RANK = tuple(f"integrate/{name}" for name in ("rank.h", "rank.py", "nearly_dependent.py"))
 OF_KINEMATICS = ("integrate/kinematics.h", "integrate/kinematics.py")
+OF_DISTANCES = ("integrate/distances.h", "integrate/distances.py")
 
 
 def emit_dynamics(
@@ -74,6 +76,7 @@ def emit_dynamics(
     parts = tuple(part for name, part in PARTS_OF_ROWS.items() if name in outputs)
     context = solver_context(program, system, length, parts)
     lacked = OF_RANK * (not context.looks_at_rank) + OF_KINEMATICS * (not context.is_driven)
+    lacked += OF_DISTANCES * ("HAS_DISTANCE" not in context.features)
     integrator = {name: text for name, text in along("integrate").items() if name not in lacked}
     given = {
         "solver": context,

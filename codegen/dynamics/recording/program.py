@@ -320,6 +320,7 @@ REGIONS = {
     "switches": "of each switching function of time least and most between these times, then those"
     " of its rate",
     "features": "of each part of a formula that varies with time, likewise",
+    "gaps": "of what drivers prescribe of distances, less what counts as none, likewise",
     "law_span": "two times, s",
     "laws": "of each driver's law that is no polynomial, and of two derivatives, likewise",
     "measures": "value and rate of what formulas read of a state, in their units",
@@ -328,6 +329,8 @@ REGIONS = {
     "poles": "of what is zero where forces may be infinite, likewise",
     "narrow": "of each part of a formula that varies with the state, likewise",
     "infinite": "of each part of a formula that may be infinite, likewise",
+    "lengths": "squares of lengths along which forces act",
+    "distances": "squares of distances in formulas that may come down to zero; right behind these",
     "design": "numbers of the scene that depend on parameters",
     "constants": "the scene's numbers",
 }
@@ -335,8 +338,9 @@ REGIONS = {
 #: The regions that only segments of ``ON_DEMAND`` write.
 ON_DEMAND_REGIONS = (
     *("more_lam", "more_power", "all_lam", "wrenches"),
-    *("span", "switches", "features", "law_span", "laws"),
+    *("span", "switches", "features", "gaps", "law_span", "laws"),
     *("measures", "ranges", "crossings", "poles", "narrow", "infinite"),
+    *("lengths", "distances"),
 )
 
 #: What the segments read and write, in the order in which they can run.
@@ -361,6 +365,7 @@ ON_DEMAND = {
     "switching": "span, parameters -> switches, features",
     "bending": "law_span, parameters -> laws",
     "measure": "q, v -> measures",
+    "distance": "t, measures, parameters -> lengths, distances",
     "crossing": "ranges, parameters -> crossings, poles, narrow, infinite",
 }
 
