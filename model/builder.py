@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
-import sys
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
 
 from kousoku.model.decode import decode, join
 from kousoku.model.errors import SceneError
 from kousoku.model.loads import Force
+from kousoku.model.of_sympy import is_of_sympy, plain_of
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
 from kousoku.model.read import scene_from_dict
 from kousoku.model.spatial import Body, Coordinate, Driver, Event, Joint
@@ -42,9 +41,6 @@ RECORDS: MappingProxyType[str, type[msgspec.Struct]] = MappingProxyType(
     }
 )
 """What the elements of each table are."""
-
-OF_SYMPY = {"Abs": "abs", "Min": "min", "Max": "max", "E": "exp(1)"}
-"""What SymPy writes otherwise than a formula of a scene."""
 
 
 class SceneBuilder:
@@ -229,37 +225,13 @@ class SceneBuilder:
 
 def _plain(value: Any) -> Any:
     """Turn NumPy's and SymPy's values into Python's, and leave out keys that are None."""
-    if _is_of_sympy(value):
-        return _formula(value)
+    if is_of_sympy(value):
+        try:
+            return plain_of(value)
+        except ValueError as error:
+            raise SceneError(str(error)) from None
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items() if item is not None}
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
     return value.tolist() if hasattr(value, "tolist") else value
-
-
-def _is_of_sympy(value: Any) -> bool:
-    """Whether a value is an expression or a matrix of SymPy, which is not imported here."""
-    sympy: Any = sys.modules.get("sympy")
-    return sympy is not None and isinstance(value, (sympy.Basic, sympy.MatrixBase))
-
-
-def _formula(value: Any) -> Any:
-    """Number for a number of SymPy, a list for a vector, else the text of a formula.
-
-    The text is read by the grammar of scenes as any other is: what it does not have is refused.
-    """
-    sympy: Any = sys.modules["sympy"]
-    if isinstance(value, sympy.MatrixBase):
-        is_vector = 1 in value.shape
-        return [_plain(item) for item in (value if is_vector else value.tolist())]
-    if not isinstance(value, sympy.Expr):
-        raise SceneError(f"{type(value).__name__} of SymPy is no expression; wanted one, or text")
-    if value.is_Integer:
-        return int(value)
-    if value.is_number and value.is_real and value.is_finite:
-        return float(value)
-    # A Float is printed in 15 digits: a name with all of them stands for it.
-    digits = {one: sympy.Symbol(f"({float(one)!r})") for one in value.atoms(sympy.Float)}
-    text = str(value.xreplace(digits)).replace("**", "^")
-    return re.sub(r"[A-Za-z_]\w*", lambda word: OF_SYMPY.get(word[0], word[0]), text)

@@ -17,6 +17,7 @@ import msgspec
 from kousoku.model.angles import Angle
 from kousoku.model.design import Design, Formula, NumberOrAngle
 from kousoku.model.errors import SceneError
+from kousoku.model.of_sympy import is_of_sympy, plain_of
 from kousoku.model.problems import Problems
 from kousoku.model.text import with_a
 
@@ -294,7 +295,12 @@ def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
     if problems.is_full:
         problems.break_(key)
         return FAILED
-    if hasattr(value, "tolist"):
+    if is_of_sympy(value):
+        try:
+            value = plain_of(value)
+        except ValueError as error:
+            return _failed(str(error), key, problems)
+    elif hasattr(value, "tolist"):
         value = value.tolist()
     kind = _without_none(kind)
     if kind == Design and isinstance(value, str):

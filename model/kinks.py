@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.derivative import derivative
+from kousoku.model.folds import without_folds
 from kousoku.model.graph import Op
 from kousoku.model.switching import SMOOTH, even_root, may_be_zero
 from kousoku.model.terms import (
@@ -52,7 +53,9 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Expr
     parameters : mapping of str to float
         Those of the scene; others near them are looked at, too.
     """
+    law, folds = without_folds(law)
     law, roots = _without_roots(law)
+    roots = folds | roots
     parts = [part for part in ordered(law) if part.op in KINKS]
     if not parts:
         return None

@@ -31,6 +31,10 @@ SAME = CONTEXT.mpf(2) ** -53
 """Elements of a tensor below this part of its largest moment are zero: doubles do not show them."""
 
 
+RIGHT = precise.sqrt(CONTEXT.mpf(0.5))
+"""Cosine and sine of 45 degrees."""
+TINY = CONTEXT.mpf(10) ** -300
+"""No number, added where it would be 0/0."""
 UNIT = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 PAIRS = ((0, 1), (0, 2), (1, 2))
 """Elements off the diagonal."""
@@ -188,11 +192,12 @@ def _value(x: High, k: int) -> High:
     return x.values[k] if isinstance(x, Traced) else x
 
 
-def _tangent(less: High, element: High) -> High:
-    """Tangent of the turn that clears an element, given the difference of moments.
+def _turn(less: High, element: High) -> tuple[High, High]:
+    """Cosine and sine of the turn that clears an element, given the difference of moments.
 
     It is at most 45 degrees in the scene, which it is where moments are equal with any parameters,
-    and has a value where the element is zero.
+    and at most 90 degrees with others: the larger moment may become the smaller one, or both
+    equal. Of the double angle, half of that with the larger cosine is known to all digits.
 
     Raises
     ------
@@ -200,27 +205,35 @@ def _tangent(less: High, element: High) -> High:
         In the scene all axes are principal axes, and which ones are with others is not known.
     """
     if not any(less.values if isinstance(less, Traced) else (less,)):
-        return precise.number(1.0)
+        return RIGHT, RIGHT
     if not (at_scene(less) or at_scene(element)):
         raise SceneError(
             "has equal principal moments, and parameters that turn its axes once they differ;"
             " wanted other values of the parameters, or numbers instead of the formulas"
         )
-    root = precise.sqrt(less * less + 4 * element * element)
-    return 2 * element / (less + root if less >= 0 else less - root)
+    if less < 0:
+        less, element = -less, -element
+    size = precise.sqrt(less * less + 4 * element * element + TINY)
+    cosine, sine = less / size, 2 * element / size
+    larger = precise.sqrt((1 + abs(cosine)) / 2)
+    both = larger + abs(sine) / (2 * larger)
+    c, s = (both + cosine / both) / 2, (both - cosine / both) / 2
+    norm = precise.sqrt(c * c + s * s)
+    side = sine + TINY
+    return c / norm, side / abs(side) * (s / norm)
 
 
 def _clear(a: list[list[High]], axes: list[list[High]], i: int, j: int) -> None:
     """Turn rows and columns i and j of a, and rows of ``axes``, until a_ij is zero."""
     less, element = a[j][j] - a[i][i], a[i][j]
     if isinstance(less, Traced) or isinstance(element, Traced):
-        t = _tangent(less, element)
+        c, s = _turn(less, element)
     else:
         theta = less / (2 * element)
         root = abs(theta) + CONTEXT.sqrt(theta * theta + 1)
         t = 1 / root if theta >= 0 else -1 / root
-    c = 1 / precise.sqrt(t * t + 1)
-    s = t * c
+        c = 1 / precise.sqrt(t * t + 1)
+        s = t * c
     for rows in (a, axes):
         first, second = rows[i], rows[j]
         rows[i] = [c * x - s * y for x, y in zip(first, second, strict=True)]

@@ -127,7 +127,7 @@ def scene_from_dict(
     ----------
     tree : object
         The tables of a scene; whatever is not a mapping of the right shape is refused. NumPy's
-        numbers and arrays stand for Python's.
+        numbers and arrays, and SymPy's with its expressions, stand for Python's.
     file : str
         The file that messages name.
     kinds : mapping of str to OwnKind, optional

@@ -15,11 +15,24 @@ from kousoku.model.derivative import derivative
 from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.exponentials import without_overflow
 from kousoku.model.expression import parse_expression
+from kousoku.model.folds import without_folds
 from kousoku.model.formulas import RATE, TIME, used_names
 from kousoku.model.graph import Op
 from kousoku.model.multibody import LAW_NAMES
 from kousoku.model.polynomials import is_never_zero, root_of_even_power, square_part
-from kousoku.model.terms import ONE, Expression, add, apply, mul, names_of, neg, ordered, symbol
+from kousoku.model.terms import (
+    ONE,
+    Expression,
+    add,
+    apply,
+    mul,
+    names_of,
+    neg,
+    number,
+    ordered,
+    symbol,
+)
+from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -33,6 +46,9 @@ SMOOTH = 2
 #: Polynomials up to this degree vary no faster than the stages of a step see: (1 - t^2)^n is a hill
 #: of a width of 1.7/sqrt(n) in an interval of 2, a third of it for n = 6.
 HIGHEST = 12
+#: A distance counts as none that is no more than this part of what it is at the start: rounding of
+#: places hides most digits of its direction there.
+NO_DISTANCE = 1e-9
 #: Functions with a jump, or that jump through infinity.
 JUMPING = frozenset({Op.SIGN, Op.TAN, Op.ATAN2})
 #: Functions of which those of their arguments may be looked at instead.
@@ -99,6 +115,11 @@ class Seen:
         Squares of lengths along which forces act: these turn round where they come down to zero.
     distances : tuple of Expression
         Squares of distances in formulas, of points or of speeds from rest, likewise.
+    gaps : tuple of Expression
+        What drivers prescribe of distances, less what counts as none: where one is zero its two
+        points meet, and nothing tells in which direction they part.
+    drawn : tuple of str
+        Which driver each of these is of.
     """
 
     switches: tuple[Expression, ...]
@@ -114,6 +135,8 @@ class Seen:
     infinite: tuple[Expression, ...] = ()
     lengths: tuple[Expression, ...] = ()
     distances: tuple[Expression, ...] = ()
+    gaps: tuple[Expression, ...] = ()
+    drawn: tuple[str, ...] = ()
 
 
 def seen_of(system: System) -> Seen:
@@ -122,7 +145,9 @@ def seen_of(system: System) -> Seen:
     names = {TIME, *(name for name, _ in system.parameters)}
     names.update(chain.from_iterable((one.name, one.rate) for one in measures))
     texts = dict.fromkeys(text for text, _ in _texts(system) if text)
-    parsed = {text: parse_expression(text, names, longest=len(text)) for text in texts}
+    parsed = {
+        text: without_folds(parse_expression(text, names, longest=len(text)))[0] for text in texts
+    }
     formulas = list(parsed.values())
     events = [parse_expression(one.when, names) for one in system.events]
     of_state = {name for one in measures for name in (one.name, one.rate)}
@@ -146,7 +171,8 @@ def seen_of(system: System) -> Seen:
             laws.setdefault(parse_expression(one.law, names, longest=len(one.law)), one.joint)
     breaks = {one: tuple(filter(_varies, _places_of(one))) for one in laws}
     followed = [one for one, places in breaks.items() if places or any(varying_parts(one, {TIME}))]
-    switches = (*found(switching_functions, is_state=False), *chain(*breaks.values()))
+    gaps = dict(_gaps(system, names))
+    switches = (*gaps, *found(switching_functions, is_state=False), *chain(*breaks.values()))
     poles: dict[Expression, str] = {}
     infinite: dict[Expression, None] = {}
     for text, key in _texts(system):
@@ -173,7 +199,21 @@ def seen_of(system: System) -> Seen:
         tuple(infinite),
         lengths,
         distances,
+        tuple(gaps),
+        tuple(gaps.values()),
     )
+
+
+def _gaps(system: System, names: Collection[str]) -> Iterator[tuple[Expression, str]]:
+    """Laws of distances, less a part of what they are at the start, with their drivers."""
+    for one in system.constraints:
+        if not one.law or system.coordinates[one.terms[0].coordinate].kind != "length":
+            continue
+        law = parse_expression(one.law, names, longest=len(one.law))
+        if _varies(law):
+            start = value_of(law, {TIME: 0.0, **dict(system.parameters)})
+            least = NO_DISTANCE * abs(start) if isfinite(start) else 0.0
+            yield add(law, neg(number(Fraction(least)))), one.joint
 
 
 def _measures(system: System) -> Iterator[Measure]:

@@ -117,7 +117,7 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
         raise SceneError(_with_state(scene, str(error)), key=key) from None
     kink = kink_of(law, TIME, scene.parameters)
     if kink is not None:
-        what = "a power" if kink.op is Op.POW else kink.op.value
+        what = {Op.POW: "a power", Op.DIV: "a quotient"}.get(kink.op, kink.op.value)
         raise SceneError(
             f"{what} has a kink, where velocities or accelerations would jump: a "
             "driver must have two derivatives; wanted a smooth formula",

@@ -13,7 +13,7 @@ import numpy as np
 from kousoku.model.errors import SolveError
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate.nearly_dependent import nearly_dependent
-from kousoku.runtime.integrate.result import key_of
+from kousoku.runtime.integrate.result import key_of, listed
 from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.run_stop import SHOWN
 
@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.integrate.arithmetic import Array
+
+
+#: Rows, and moves, depend on others by less than this part.
+INDEPENDENT = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,6 +128,58 @@ def not_closed(solver: DynamicsSolver, work: Array, times: float) -> str:
         if not sizes[k] <= limit * (solver.length if unit == "m" else 1.0):
             worst.setdefault(joint, f"{key_of(joint)} by {sizes[k]:.3g} {unit}")
     return ", ".join(list(worst.values())[:SHOWN])
+
+
+def loops_that_open(solver: DynamicsSolver, values: Array) -> str:
+    """Rows of loops that depend on others with the parameters of the scene only.
+
+    Each is told by the row that is left out, by how much it misses for each length or radian that
+    bodies move as the rows allow that are kept, and by the joints whose rows implied it.
+
+    Parameters
+    ----------
+    solver : DynamicsSolver
+        A scene.
+    values : array
+        All parameters, in the order of the scene.
+    """
+    scene = solver if solver.base is None else solver.base
+    rows, count = solver.checked, len(solver.rows)
+    units = np.array([solver.length if unit == "m" else 1.0 for _, unit in rows])
+    before = _rates_of_rows(scene) / units[:, np.newaxis]
+    after = _rates_of_rows(with_parameters(scene, values), values) / units[:, np.newaxis]
+    if not (np.isfinite(before).all() and np.isfinite(after).all()):
+        return ""
+    _, sizes, moves = np.linalg.svd(after[:count])
+    free = moves[np.count_nonzero(sizes > INDEPENDENT * sizes.max(initial=0.0)) :]
+    found: dict[str, str] = {}
+    for k in range(count, len(rows)):
+        joint, unit = rows[k]
+        missed = units[k] * float(np.linalg.norm(free @ after[k]))
+        if missed <= solver.layout.closure_tolerance * units[k]:
+            continue
+        shares = np.linalg.lstsq(before[:count].T, before[k], rcond=INDEPENDENT)[0]
+        others = [rows[n][0] for n in np.flatnonzero(np.abs(shares) > INDEPENDENT).tolist()]
+        loop = listed(list(dict.fromkeys(map(key_of, [joint, *others]))))
+        found.setdefault(joint, f"{key_of(joint)} by {missed:.3g} {unit} in the loop of {loop}")
+    return ", ".join(list(found.values())[:SHOWN])
+
+
+def _rates_of_rows(solver: DynamicsSolver, values: Array | None = None) -> Array:
+    """Jacobian C_q of all rows at the start, by velocities relative to the length of the scene."""
+    work, target = np.zeros(solver.target.work_size), solver.target
+    if values is None:
+        values = np.array([value for _, value in solver.parameters])
+    base, size = solver.places["C_dot"]
+    columns = []
+    for v in (np.zeros(len(solver.v)), *np.eye(len(solver.v))):
+        target.evaluate(0.0, solver.q, v, values, work)
+        columns.append(work[base : base + size].copy())
+    lengths = np.ones(len(solver.v))
+    for body in solver.layout.bodies:
+        lengths[[k for k in body.v if isinstance(k, int)]] = solver.length
+    found: Array = (np.array(columns[1:]) - columns[0]).T * lengths
+    return found
 
 
 def nearly_redundant(solver: DynamicsSolver, values: Array) -> str:

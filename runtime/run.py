@@ -11,11 +11,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.runtime.design import not_closed, told, with_parameters
+from kousoku.runtime.design import loops_that_open, not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
 from kousoku.runtime.given import require_callable
-from kousoku.runtime.integrate.events import EventLog, add_row, bends, infinite, without_value
+from kousoku.runtime.integrate.events import (
+    EventLog,
+    add_row,
+    bends,
+    infinite,
+    without_direction,
+    without_value,
+)
 from kousoku.runtime.integrate.given import (
     require_numbers,
     require_room,
@@ -275,7 +282,8 @@ class Run:
             return MESSAGES[status]
         given = told(self.solver, self._values)
         if status == Status.NOT_CLOSED:
-            joints = not_closed(self.solver, self._memory.work, 1.0)
+            joints = loops_that_open(self.solver, self._values)
+            joints = joints or not_closed(self.solver, self._memory.work, 1.0)
             return (
                 f"with {given}: joints stay open, or come open by more than closure_tolerance for"
                 f" each length or radian that bodies move: {joints}; only with the parameters of"
@@ -426,6 +434,9 @@ class Run:
         if self._status == Status.BENDS:
             bent = [self.state.item(self._places[name]) for name in ("bent", "limit", "behind")]
             why = bends(self.solver.layout, *bent)
+            return f"{self.solver.name}: at t = {self.time:.9g} s: {why}"
+        if self._status == Status.NO_DIRECTION:
+            why = without_direction(self.solver.layout, self.state.item(self._places["bent"]))
             return f"{self.solver.name}: at t = {self.time:.9g} s: {why}"
         if self._status == Status.INFINITE:
             why = infinite(self.solver.layout, self.state.item(self._places["pole"]))

@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .events import EventLog, add_row, bends, infinite, without_value
+from .events import (
+    EventLog,
+    add_row,
+    bends,
+    infinite,
+    without_direction,
+    without_value,
+)
 from .given import require_options, require_steps, times_of, values_of
 from .given_start import given_start
 from .initial_given import initial_of, parameters_of
@@ -239,6 +246,9 @@ class Run:
         state = state_of(self._scene.solver.scene, self.state)
         if status == Status.BENDS:
             why = bends(self._layout, state.bent, state.limit, state.behind)
+            return f"{self._scene.layout.name}: {why}, at t = {self.time:.9g} s"
+        if status == Status.NO_DIRECTION:
+            why = without_direction(self._layout, state.bent)
             return f"{self._scene.layout.name}: {why}, at t = {self.time:.9g} s"
         if status == Status.DEPENDENT:
             from .nearly_dependent import nearly_dependent  # other scenes do not have it

@@ -5,6 +5,9 @@
 #define CLOSE 0.02
 /* the smallest part of the way from the parameters of the scene to those of the run */
 #define SHORTEST 1e-9
+/* the least square of Euler parameters that are all there, and the cosine of half a jump */
+#define ALL_OF_IT 0.999999
+#define JUMP 0.5
 /* positions that are looked at to see whether joints come open, how far bodies move from one to the
  * next, relative to LENGTH or in radians, and how many shorter steps are tried; a direction that is
  * smaller than this is none */
@@ -27,12 +30,51 @@ static int is_possible(const double *w)
     return are_finite(w + W_DESIGN, N_DESIGN);
 }
 
+/* whether the principal axes of a body become others, as beside equal moments: its Euler parameters
+ * at the start are then far from those before. All that are not zero vary */
+static int axes_jump(size_t n, const double *before, const double *after)
+{
+    double sizes[3] = { 0.0 };
+    for (size_t k = 0; k != n; ++k) {
+        sizes[0] += before[k] * before[k];
+        sizes[1] += after[k] * after[k];
+        sizes[2] += before[k] * after[k];
+    }
+    return sizes[0] > ALL_OF_IT && sizes[1] > ALL_OF_IT && fabs(sizes[2]) < JUMP;
+}
+
+/* the product of Euler parameters; those of a turn in a plane are two */
+static void turned_by(size_t n, const double *q, double *p)
+{
+    const double a = p[0], b = p[1], c = n == 2 ? 0.0 : p[2], d = n == 2 ? 0.0 : p[3];
+    if (n == 2) {
+        p[0] = a * q[0] - b * q[1];
+        p[1] = a * q[1] + b * q[0];
+        return;
+    }
+    p[0] = a * q[0] - b * q[1] - c * q[2] - d * q[3];
+    p[1] = a * q[1] + b * q[0] + c * q[3] - d * q[2];
+    p[2] = a * q[2] - b * q[3] + c * q[0] + d * q[1];
+    p[3] = a * q[3] + b * q[2] - c * q[1] + d * q[0];
+}
+
 /* computes the numbers of the design anew, and moves a state as they move the start */
 static void follow_design(double *y, double *w)
 {
-    for (size_t k = 0; k != STARTS; ++k) y[starts[k][0]] -= w[W_DESIGN + starts[k][1]];
+    double before[ROOM(NY)] = { 0.0 }, after[ROOM(NY)] = { 0.0 };
+    for (size_t k = 0; k != STARTS; ++k) before[starts[k][0]] = w[W_DESIGN + starts[k][1]];
     if (HAS_DESIGN) setup(w);
-    for (size_t k = 0; k != STARTS; ++k) y[starts[k][0]] += w[W_DESIGN + starts[k][1]];
+    for (size_t k = 0; k != STARTS; ++k) after[starts[k][0]] = w[W_DESIGN + starts[k][1]];
+    for (size_t k = 0; STARTS != 0 && k != TURNS; ++k) {
+        const size_t first = turns[k][0], n = turns[k][2];
+        if (!axes_jump(n, before + first, after + first)) continue;
+        for (size_t i = first + 1; i != first + n; ++i) before[i] = -before[i];
+        turned_by(n, before + first, y + first);
+        turned_by(n, after + first, y + first);
+        for (size_t i = first; i != first + n; ++i) before[i] = after[i] = 0.0;
+    }
+    for (size_t k = 0; k != STARTS; ++k) y[starts[k][0]] -= before[starts[k][0]];
+    for (size_t k = 0; k != STARTS; ++k) y[starts[k][0]] += after[starts[k][0]];
 }
 
 /* turns the parameters of the scene into those that are given by a part of the way */

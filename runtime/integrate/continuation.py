@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 CLOSE = 0.02
 #: The smallest part of the way from the parameters of the scene to those of the run.
 SHORTEST = 1e-9
+#: The least square of Euler parameters that are all there, and the cosine of half a jump.
+ALL_OF_IT = 0.999999
+JUMP = 0.5
 #: Positions that are looked at to see whether joints come open, how far bodies move from one to the
 #: next, in lengths of the scene or radians, and how many shorter steps are tried; a direction that
 #: is smaller than this is none.
@@ -41,12 +44,46 @@ def is_possible(w: Workspace) -> bool:
     return bool((positive > 0.0).all() and np.isfinite(w.design).all())
 
 
+def axes_jump(before: Array, after: Array) -> bool:
+    """Whether the principal axes of a body become others, as beside equal moments.
+
+    Its Euler parameters at the start are then far from those before; all that are not zero vary.
+    """
+    sizes = [0.0, 0.0, 0.0]
+    for a, b in zip(before.tolist(), after.tolist(), strict=True):
+        sizes = [sizes[0] + a * a, sizes[1] + b * b, sizes[2] + a * b]
+    return sizes[0] > ALL_OF_IT and sizes[1] > ALL_OF_IT and abs(sizes[2]) < JUMP
+
+
+def turned_by(p: Array, q: Array) -> Array:
+    """Product of Euler parameters; those of a turn in a plane are two."""
+    if len(p) == 2:
+        return np.array([p[0] * q[0] - p[1] * q[1], p[0] * q[1] + p[1] * q[0]])
+    return np.array(
+        [
+            p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+            p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+            p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
+            p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
+        ]
+    )
+
+
 def follow_design(y: Array, w: Workspace) -> None:
     """Compute the numbers of the design anew, and move a state as they move the start."""
     place, at = w.scene.starts.T
-    y[place] -= w.design[at]
+    before, after = np.zeros((2, len(y)))
+    before[place] = w.design[at]
     w.run("setup")
-    y[place] += w.design[at]
+    after[place] = w.design[at]
+    for first, _, count in w.scene.turns.tolist():
+        one = slice(first, first + count)
+        if axes_jump(before[one], after[one]):
+            back = before[one] * np.where(np.arange(count) > 0, -1.0, 1.0)
+            y[one] = turned_by(turned_by(y[one], back), after[one])
+            place = place[(place < first) | (place >= first + count)]
+    y[place] -= before[place]
+    y[place] += after[place]
 
 
 def set_parameters(given: Array, part: float, w: Workspace) -> None:

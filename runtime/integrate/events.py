@@ -70,6 +70,24 @@ def bends(layout: Layout, bent: float, limit: float, behind: float) -> str:
     )
 
 
+def without_direction(layout: Layout, drawn: float) -> str:
+    """Message on which driver brings two points together, and what to do.
+
+    Parameters
+    ----------
+    layout : Layout
+        Of the scene.
+    drawn : float
+        The number of its distance in the state of the run, counted from 1.
+    """
+    driver = layout.drawn[int(drawn) - 1]
+    return (
+        f"no step can be taken: drivers.{driver} prescribes a distance of 0, or less, where its two"
+        " points meet: nothing tells in which direction they part; wanted a formula that stays"
+        " positive, or a driver of a displacement along an axis, which has a sign"
+    )
+
+
 def infinite(layout: Layout, pole: float) -> str:
     """Message on which force no motion leads through, and what to do.
 

@@ -125,8 +125,8 @@ static void coordinate(double *w) { (void)w; }
 #define ACCELERATES 0
 #endif
 
-/* formulas of time that switch or vary; laws of drivers; events, and formulas of the state that do
- * so */
+/* formulas of time that switch or vary; gaps and laws of drivers; events, and formulas of the
+ * state that do so */
 #ifndef HAS_SWITCHING
 #define N_SWITCHES 0
 #define N_FEATURES 0
@@ -134,6 +134,10 @@ static void coordinate(double *w) { (void)w; }
 #define W_SWITCHES 0
 #define W_FEATURES 0
 static void switching(double *w) { (void)w; }
+#endif
+#ifndef HAS_GAPS
+#define N_GAPS 0
+#define W_GAPS 0
 #endif
 #ifndef HAS_BENDING
 #define N_LAWS 0

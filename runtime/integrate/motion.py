@@ -125,6 +125,8 @@ class Layout:
         Their formulas.
     led : tuple of str
         Drivers whose laws are no polynomials.
+    drawn : tuple of str
+        Drivers of distances.
     poles : tuple of str
         For each function that is zero where a force may be infinite the key of that force.
     given : tuple of GivenStart
@@ -152,6 +154,7 @@ class Layout:
     events: tuple[tuple[str, str], ...] = ()
     whens: tuple[str, ...] = ()
     led: tuple[str, ...] = ()
+    drawn: tuple[str, ...] = ()
     poles: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
     given: tuple[GivenStart, ...] = ()
@@ -191,6 +194,7 @@ class Layout:
             events=tuple((name, action) for name, action in data["events"]),
             whens=tuple(data["whens"]),
             led=tuple(data["led"]),
+            drawn=tuple(data["drawn"]),
             poles=tuple(data["poles"]),
             given=tuple(map(GivenStart.from_data, data.get("given", ()))),
             driven=tuple(data.get("driven", ())),

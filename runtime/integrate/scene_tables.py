@@ -323,6 +323,7 @@ class Workspace:
     law_span: Array
     switches: Array
     features: Array
+    gaps: Array
     laws: Array
     measures: Array
     ranges: Array

@@ -76,7 +76,8 @@ class Status(IntEnum):
     ``NO_VALUE``: the formula of an event has no finite value at the start, or none from where the
     run came. ``BENDS``: the law of a driver bends or jumps where the run came.
     ``INFINITE``: a force is infinite right behind the time that was reached. ``DEPENDENT``: rows
-    depend on each other nearly that do not with the parameters of the scene.
+    depend on each other nearly that do not with the parameters of the scene. ``NO_DIRECTION``: two
+    points whose distance is driven meet where the run came.
     """
 
     GOOD = 0
@@ -94,6 +95,7 @@ class Status(IntEnum):
     BENDS = -8
     INFINITE = -9
     DEPENDENT = -10
+    NO_DIRECTION = -11
 
 
 class Doubt(IntFlag):

@@ -458,3 +458,18 @@ def test_copied_folder_of_bodies_says_which_driver_bends(tmp_path: Path) -> None
     got = run("import bent\nbent.simulate(2.0, samples=2)", tmp_path)
     assert "StoppedError: bent: no step can be taken: the law of drivers.motor bends" in got.stderr
     assert "at t = 0.5 s" in got.stderr
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_copied_folder_of_bodies_says_which_driver_brings_points_together(tmp_path: Path) -> None:
+    scene = scene_from_toml(
+        'name = "drawn"\nunit = "m"\n[bodies.slider]\nposition = [1, 0, 0]\npoint = true\n'
+        "mass = 1\n"
+        '[joints.rail]\ntype = "inline"\nbodies = ["ground", "slider"]\nat = [0, 0, 0]\n'
+        "axis = [1, 0, 0]\n[coordinates]\n"
+        'far = { bodies = ["ground", "slider"], points = [[0, 0, 0], [0, 0, 0]] }\n'
+        '[drivers]\nwinch = { coordinate = "far", value = "(1 - t)^2" }\n'
+    )
+    write_tree(tmp_path / "drawn", generate_dynamics(scene))
+    got = run("import drawn\ndrawn.simulate(2.0, samples=2)", tmp_path)
+    assert "StoppedError: drawn: no step can be taken: drivers.winch prescribes" in got.stderr

@@ -119,3 +119,18 @@ def test_a_stroke_stops_where_the_crank_is_stretched(solver_in: SolverIn, target
         got = rows_from(moving, stroke)
         assert (got.status, got.done) == (AnalysisStatus.DEAD_CENTRE, 0)
         assert got.reached[0] == pytest.approx(end, abs=1e-5)
+
+
+def test_two_inputs_begin_many_turns_away(solver_in: SolverIn) -> None:
+    """They went there in one division, whose shortest steps were too many, or too long."""
+    moving = solver_in("five_bar", "c")
+    begin = moving.scene.origin
+    for turns in (3, -40_000):
+        way = math.tau * turns
+        got = rows_from(moving, begin[0] + way, begin[1] - 2.0 * way)
+        assert (got.status, got.done) == (AnalysisStatus.GOOD, 2)
+        wanted = rows_from(moving, *begin).position
+        np.testing.assert_allclose(got.position, wanted, rtol=0, atol=1e-6)
+    far = rows_from(moving, begin[0] + 1e12, begin[1] - 2e12)
+    assert far.status == AnalysisStatus.TOO_FAR
+    assert "to the first row or from row to row" in AnalysisStatus(far.status).message

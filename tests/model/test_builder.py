@@ -13,7 +13,7 @@ import sympy
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import parse_expression
-from kousoku.model.read import read_scene
+from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.typed_keys import keys_text
 from kousoku.model.values import value_of
 
@@ -227,3 +227,27 @@ def test_numbers_and_vectors_of_sympy_are_numbers() -> None:
     body = scene.build().bodies["b"]
     assert body.position == (0.25, 0.0, float(sympy.sqrt(2)))
     assert body.mass == 2
+
+
+def test_tables_take_values_of_sympy_as_calls_do() -> None:
+    """A vector was told to be lists of one, and a number a value of type Half."""
+    tree: dict[str, Any] = {
+        "name": "s",
+        "unit": "m",
+        "bodies": {"b": {"position": sympy.Matrix([sympy.Rational(1, 4), 0, 2]), "mass": 1}},
+        "coordinates": {"x": {"body": "b", "along": sympy.Matrix([[1, 0, 0]])}},
+        "forces": {"f": {"type": "along", "coordinate": "x", "force": -(sympy.Symbol("x") ** 2)}},
+    }
+    tree["bodies"]["b"]["point"] = True
+    scene = scene_from_dict(tree)
+    assert scene.bodies["b"].position == (0.25, 0.0, 2.0)
+    nodes = {"A": {"at": sympy.Matrix([1, 2]), "fixed": True}, "B": {"at": [1, sympy.Integer(5)]}}
+    linkage = scene_from_dict({
+        "name": "l", "unit": "mm", "divisions": 4, "nodes": nodes,
+        "links": {"c": {"nodes": ["A", "B"]}},
+        "inputs": {"al": {"link": "c", "about": "A", "from": 0, "turns": 1, "rate": 1}},
+    })  # fmt: skip
+    assert linkage.nodes["A"].at == (1, 2)
+    tree["forces"]["f"]["force"] = sympy.Eq(sympy.Symbol("x"), 1)
+    with pytest.raises(SceneError, match=r"forces\.f\.force: Equality of SymPy is no expression"):
+        scene_from_dict(tree)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import subprocess
 import sys
 from functools import partial
@@ -430,3 +431,38 @@ def test_a_driver_that_jumps_stops_the_motion_there(
     for samples in (2, 11, 40):
         with pytest.raises(MotionError, match=r"at t = 0\.31415926\d* s: .*drivers\.d"):
             solver.simulate(1.0, samples=samples)
+
+
+#: Three gears on parallel shafts, each with the others.
+GEARS = """
+name = "gears"
+unit = "m"
+parameters = { i = 1.0 }
+[bodies]
+a = { position = [0, 0, 0], spheres = [{ mass = 1, radius = 0.2 }] }
+b = { position = [1, 0, 0], spheres = [{ mass = 1, radius = 0.2 }] }
+c = { position = [2, 0, 0], spheres = [{ mass = 1, radius = 0.2 }] }
+[joints]
+ja = { type = "hinge", bodies = ["ground", "a"], at = [0, 0, 0], axis = [0, 0, 1] }
+jb = { type = "hinge", bodies = ["ground", "b"], at = [1, 0, 0], axis = [0, 0, 1] }
+jc = { type = "hinge", bodies = ["ground", "c"], at = [2, 0, 0], axis = [0, 0, 1] }
+g1 = { type = "gear", joints = ["ja", "jb"], ratio = -1 }
+g2 = { type = "gear", joints = ["jb", "jc"], ratio = -1 }
+g3 = { type = "gear", joints = ["jc", "ja"], ratio = "i" }
+"""
+
+
+@pytest.mark.parametrize("ratio", [-1.0, 1.001, 1.5])
+def test_gears_that_parameters_lock_are_named_with_their_loop(
+    bodies_folder: Callable[..., Path], ratio: float
+) -> None:
+    """A hinge was told to be open, by metres: whichever row was left over of all."""
+    solver = load_dynamics(bodies_folder(scene_from_toml(GEARS), ("positions",)))
+    with pytest.raises(SolveError) as caught:
+        solver.simulate(1.0, samples=2, parameters={"i": ratio})
+    told = re.search(r"joints\.(g\d) by (\S+) rad in the loop of (.*); only", str(caught.value))
+    assert told is not None, caught.value
+    assert sorted(told[3].split(", ")) == ["joints.g1", "joints.g2", "joints.g3"]
+    # what is left of g1, or of another gear, while the two others turn all three
+    turns = math.sqrt(sum(x * x for x in (1.0, 1.0, ratio)))
+    assert 0.3 < float(told[2]) / (abs(ratio - 1.0) / turns) < 1.1

@@ -347,3 +347,46 @@ def test_rows_that_take_over_are_weighed_with_the_masses_of_the_run(
 def _made(folder: Path) -> Path:
     folder.mkdir()
     return folder
+
+
+#: A body that hangs on a ball joint: two rods, and a mass off their axes.
+RODS = """
+name = "rods"
+unit = "m"
+gravity = [0, 0, -9.81]
+parameters = { c = 0.6, s = 0.8, m = 1.0, p = 0.5 }
+[bodies.b]
+position = [0, 0, 0]
+orientation = { axis = [1, 2, 3], angle = 0.7 }
+velocity = [0.1, 0.2, 0.3]
+angular_velocity = [1, 2, -3]
+rods = [
+    { mass = 1, ends = [[-1, 0, 0], [1, 0, 0]] },
+    { mass = "m", ends = [["-c", "-s", 0], ["c", "s", 0]] },
+]
+mass_points = [{ mass = 0.3, at = ["p", "-p/2", 0] }]
+[joints.j]
+type = "ball"
+bodies = ["ground", "b"]
+points = [[0, 0, 0], [0.2, "s", 0.1]]
+"""
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"c": 0.0, "s": 1.0, "m": 1.0, "p": 0.0},  # equal moments
+        {"c": 0.0, "s": 1.2, "m": 1.0, "p": 0.5},  # the larger is the smaller one
+        {"c": -0.8, "s": -0.6, "m": 3.0, "p": -1.0},
+    ],
+)
+def test_principal_axes_go_through_equal_moments(
+    load: Callable[..., Any], backend: str, values: dict[str, float]
+) -> None:
+    """The inertia was no number where moments are equal, and behind that no way led there."""
+    scene = scene_from_toml(RODS)
+    motion = load(scene, backend).simulate(1.0, samples=3, parameters=values, tolerance=1e-11)
+    wanted = load(folded(scene, values), backend).simulate(1.0, samples=3, tolerance=1e-11)
+    for name in ("position", "orientation", "velocity", "angular_velocity"):
+        found, other = (getattr(one, name)["b"] for one in (motion, wanted))
+        np.testing.assert_allclose(found, other, rtol=0, atol=1e-9, err_msg=name)

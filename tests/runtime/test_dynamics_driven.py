@@ -402,3 +402,49 @@ def test_methods_name_where_they_do_not_belong(load: Load) -> None:
         load(four_bar()).simulate(1.0, step=0.1)
     with pytest.raises(SolveError, match="wanted one of dopri5, dop853, kinematics"):
         load(four_bar()).simulate(1.0, method="euler")
+
+
+def drawn(law: str, joint: str = '"inline"') -> Scene:
+    """Point on a rail, or in a plane, whose distance from a point of it is driven."""
+    return scene_from_toml(
+        'name = "drawn"\nunit = "m"\n[parameters]\nleast = 0.0\n'
+        "[bodies.slider]\nposition = [1, 0, 0]\npoint = true\nmass = 1\n[joints]\n"
+        f'rail = {{ type = {joint}, bodies = ["ground", "slider"], at = [0, 0, 0],'
+        f" axis = {[1, 0, 0] if 'line' in joint else [0, 0, 1]} }}\n[coordinates]\n"
+        'far = { bodies = ["ground", "slider"], points = [[0, 0, 0], [0, 0, 0]] }\n'
+        f'[drivers]\nwinch = {{ coordinate = "far", value = "{law}" }}\n'
+    )
+
+
+@pytest.mark.parametrize(
+    "law",
+    ["(1 - t)^2 + least", "0.5 + 0.5*cos(pi*t) + least", "1 - t + least", "1.1 - 0.1*exp(3*t)"],
+)
+@pytest.mark.parametrize("samples", [2, 4, 5, 21])
+def test_points_whose_distance_is_driven_to_zero_stop_there(
+    load: Load, law: str, samples: int
+) -> None:
+    """They parted on one side or the other, by the rows that were asked for, without a word."""
+    scene = drawn(law if "least" in law else f"{law} + least")
+    with pytest.raises(MotionError, match=r"winch prescribes a distance of 0") as stop:
+        load(scene).simulate(2.0, samples=samples)
+    assert "nothing tells in which direction they part" in str(stop.value)
+    wanted = math.log(11.0) / 3.0 if "exp" in law else 1.0
+    reached = float(str(stop.value).split("t = ")[1].split(" s")[0])
+    assert reached == pytest.approx(wanted, abs=1e-4)
+
+
+@pytest.mark.parametrize("law", ["(1 - t)^2 + least", "0.5 + 0.5*cos(pi*t) + least"])
+def test_points_whose_distance_stays_positive_part_where_they_came(load: Load, law: str) -> None:
+    solver = load(drawn(law))
+    for samples in (2, 4, 5, 21):
+        motion = solver.simulate(2.0, samples=samples, parameters={"least": 1e-6})
+        assert motion.position["slider"][-1, 0] == pytest.approx(1.0, abs=1e-5)
+        assert motion.ledger.trust
+
+
+def test_free_points_whose_distance_is_driven_to_zero_stop_there(load: Load) -> None:
+    solver = load(drawn("sqrt((1 - t)^2 + 0.01) - 0.1 + least", '"inplane"'))
+    for samples in (2, 7, 101):
+        with pytest.raises(MotionError, match=r"winch prescribes a distance of 0"):
+            solver.simulate(2.0, samples=samples)

@@ -837,3 +837,47 @@ def test_forces_that_begin_as_a_root_do_not_stop_a_body(
     assert np.ptp(x) > 1.9
     assert run.ledger.trust.is_trusted
     assert run.ledger.steps < 300
+
+
+@pytest.mark.parametrize(
+    ("law", "counts"),
+    [
+        ("-0.5*sign(x_dot)", (1, 1, 0)),
+        ("-0.8*sign(x_dot) - 0.3*x", (1, 1, 0)),
+        ("-0.25*sign(x_dot) - 0.3*x", (2, 1, 1)),  # turns round before it comes to rest
+    ],
+)
+@pytest.mark.parametrize("method", ["dop853", "dopri5"])
+def test_body_that_dry_friction_holds_comes_to_rest_once(
+    solver_of: Callable[[str], DynamicsSolver], law: str, counts: tuple[int, ...], method: str
+) -> None:
+    """Its rate went through zero in both directions some hundred times where it was held."""
+    events = '[events]\nrest = { when = "x_dot" }\n'
+    for direction in ("falling", "rising"):
+        events += f'{direction} = {{ when = "x_dot", direction = "{direction}" }}\n'
+    solver = solver_of(HILL.replace("LAW", law) + events)
+    with pytest.raises(MotionError) as stop:
+        solver.simulate(9.0, samples=2, method=method, most_steps=900)
+    found = stop.value.result.events
+    assert tuple(found[name].count for name in ("rest", "falling", "rising")) == counts
+
+
+@pytest.mark.parametrize(
+    ("law", "speed"),
+    [
+        ("asin(sin(t))", 1.0 + (math.pi / 2) ** 2 - 0.5 * (10.0 - 3.0 * math.pi) ** 2),
+        ("(t - 5)/abs(t - 5)", 1.0),
+        ("acos(cos(2*t))", None),
+    ],
+)
+def test_forces_that_fold_are_followed_over_their_kinks(
+    solver_of: Callable[[str], DynamicsSolver], law: str, speed: float | None
+) -> None:
+    """A run made a million steps, or was not trusted, though its velocities were right."""
+    motion = solver_of(HILL.replace("LAW", law)).simulate(10.0, samples=2)
+    assert motion.ledger.trust
+    assert motion.ledger.steps < 60
+    if speed is None:
+        times = np.linspace(0.0, 10.0, 2_000_001)
+        speed = 1.0 + float(np.trapezoid(np.arccos(np.cos(2.0 * times)), times))
+    assert motion.velocity["bead"][-1, 0] == pytest.approx(speed, abs=1e-9)

@@ -152,6 +152,7 @@ def record_switching(
 
     if seen.switches or seen.features:
         parts = {"switches": seen.switches, "features": seen.features}
+        parts |= {"gaps": seen.gaps}
         record("switching", recorder.region("span", 2), parts)
     if seen.laws:
         record("bending", recorder.region("law_span", 2), {"laws": seen.laws})

@@ -61,6 +61,7 @@ COME_WITH = {
     ("HAS_COORDINATES",): ("N_SHOWN", "PER_SHOWN", "W_COORDINATES"),
     ("HAS_WRENCHES",): ("N_WRENCHES", "W_ALL_LAM", "W_WRENCHES"),
     ("HAS_SWITCHING",): ("N_SWITCHES", "N_FEATURES", "W_SPAN", "W_SWITCHES", "W_FEATURES"),
+    ("HAS_GAPS",): ("N_GAPS", "W_GAPS"),
     ("HAS_BENDING",): ("N_LAWS", "W_LAW_SPAN", "W_LAWS"),
     ("HAS_CROSSING",): (
         *("N_CROSSINGS", "N_NARROW", "EVENTS", "N_POLES", "N_INFINITE"),
@@ -452,6 +453,7 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
         "HAS_COORDINATES": "coordinate" in segments,
         "ACCELERATES": not {"v_dot", "coordinates", "reactions"}.isdisjoint(parts),
         "HAS_SWITCHING": "switching" in segments,
+        "HAS_GAPS": "gaps" in regions,
         "HAS_BENDING": "bending" in segments,
         "HAS_MEASURE": "measure" in segments,
         "HAS_DISTANCE": "distance" in segments,

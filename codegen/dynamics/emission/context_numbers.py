@@ -48,6 +48,7 @@ def sizes(program: Program) -> dict[str, int]:
         "N_WRENCHES": present.get("wrenches", 0),
         "N_SWITCHES": present.get("switches", 0) // BOUNDS,
         "N_FEATURES": present.get("features", 0) // BOUNDS,
+        "N_GAPS": present.get("gaps", 0) // BOUNDS,
         "N_LAWS": present.get("laws", 0) // BOUNDS,
         "N_MEASURES": present.get("measures", 0) // 2,
         "N_CROSSINGS": (present.get("crossings", 0) + present.get("poles", 0)) // BOUNDS,

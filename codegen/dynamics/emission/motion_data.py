@@ -120,6 +120,7 @@ def motion_data(
         "events": [[one.name, one.action] for one in system.events],
         "whens": [one.when for one in system.events],
         "led": list(seen_of(system).led),
+        "drawn": list(seen_of(system).drawn),
         "poles": list(seen_of(system).pushed),
         "works": [[one.name, one.place.slot - q] for one in program.auxiliary if one.kind == WORK],
     }

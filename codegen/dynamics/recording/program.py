@@ -320,6 +320,7 @@ REGIONS = {
     "switches": "of each switching function of time least and most between these times, then those"
     " of its rate",
     "features": "of each part of a formula that varies with time, likewise",
+    "gaps": "of what drivers prescribe of distances, less what counts as none, likewise",
     "law_span": "two times, s",
     "laws": "of each driver's law that is no polynomial, and of two derivatives, likewise",
     "measures": "value and rate of what formulas read of a state, in their units",
@@ -337,7 +338,7 @@ REGIONS = {
 #: The regions that only segments of ``ON_DEMAND`` write.
 ON_DEMAND_REGIONS = (
     *("more_lam", "more_power", "all_lam", "wrenches"),
-    *("span", "switches", "features", "law_span", "laws"),
+    *("span", "switches", "features", "gaps", "law_span", "laws"),
     *("measures", "ranges", "crossings", "poles", "narrow", "infinite"),
     *("lengths", "distances"),
 )
