@@ -31,9 +31,10 @@ from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
 from kousoku.model.interpret import ARRAY
 from kousoku.model.interpret import evaluate as evaluated
+from kousoku.model.parametric import fixed_system
 from kousoku.model.system import system_of
 from kousoku.model.values import value_of
-from kousoku.model.varying import Varying, fixed_system
+from kousoku.model.varying import Varying
 from kousoku.runtime.integrate.body_tables import (
     BodyPlaces,
     rotated,

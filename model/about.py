@@ -8,13 +8,12 @@ from math import dist, hypot
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
-from kousoku.model.decode import join
 from kousoku.model.design_numbers import with_numbers
+from kousoku.model.dotted_keys import join
 from kousoku.model.errors import ExpressionError
 from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import RATE, state_names, texts_of, used_names
+from kousoku.model.formulas import LAW_NAMES, RATE, state_names, texts_of, used_names
 from kousoku.model.graph import Op
-from kousoku.model.multibody import LAW_NAMES
 from kousoku.model.quaternions import quaternion
 from kousoku.model.spatial import GROUND
 from kousoku.model.switching import may_jump

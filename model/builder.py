@@ -5,7 +5,8 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
 
-from kousoku.model.decode import decode, join
+from kousoku.model.decode import decode
+from kousoku.model.dotted_keys import join
 from kousoku.model.errors import SceneError
 from kousoku.model.loads import Force
 from kousoku.model.of_sympy import is_of_sympy, plain_of

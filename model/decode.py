@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import difflib
-import json
-import re
 from collections.abc import Mapping
 from functools import cache
 from math import inf
@@ -15,17 +12,16 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, cast, get_args, 
 import msgspec
 
 from kousoku.model.angles import Angle
-from kousoku.model.design import Design, Formula, NumberOrAngle
+from kousoku.model.design import LARGEST, Design, Formula, NumberOrAngle
+from kousoku.model.dotted_keys import join, nearest
+from kousoku.model.elements.type_keys import keys_of_type, own_inputs
 from kousoku.model.errors import SceneError
 from kousoku.model.of_sympy import is_of_sympy, plain_of
 from kousoku.model.problems import Problems
 from kousoku.model.text import with_a
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Sequence
-
     from kousoku.model.elements.inputs import ElementInput
-    from kousoku.model.errors import Problem
     from kousoku.model.own_kind import OwnInput, OwnKind
 
 S = TypeVar("S", bound=msgspec.Struct)
@@ -33,11 +29,6 @@ S = TypeVar("S", bound=msgspec.Struct)
 FAILED = object()
 """Stands for a value that cannot be built."""
 
-LARGEST = 1e50
-"""Numbers beyond it are refused: their products would leave the range of doubles."""
-
-MOST_COMPARED = 1000
-"""Names with which an unknown one is compared: it takes a millisecond for a hundred of them."""
 
 MOST_ELEMENTS = 20_000
 """Bodies, joints … of the largest scene; larger tables are refused before they are read."""
@@ -132,7 +123,7 @@ def _fields(
         if own is None or name in known or name in own or problems.is_full:
             continue
         problems.add(_unknown_key(str(name), tree, record, own), join(key, str(name)))
-        meant.update(dict.fromkeys(_nearest(str(name), (*known, *own))))
+        meant.update(dict.fromkeys(nearest(str(name), (*known, *own))))
     values: dict[str, Any] = {}
     if own:
         given = {
@@ -172,17 +163,7 @@ def _own_inputs(
     sort = tree.get("type") if "type" in _fields_of(record) else ""
     if not isinstance(sort, str):
         return {}
-    found: Mapping[str, OwnInput | ElementInput] | None
-    found = cast("Any", record).own_inputs(sort, problems.kinds)
-    return found
-
-
-def _keys_of_type(sort: object, record: type[msgspec.Struct]) -> tuple[str, ...]:
-    """Keys of a record of a type, none where there is no such type."""
-    if not isinstance(sort, str):
-        return ()
-    found: tuple[str, ...] = getattr(record, "keys_of_type", lambda _: ())(sort)
-    return found
+    return own_inputs(record, sort, problems.kinds)
 
 
 def _unknown_key(
@@ -193,9 +174,9 @@ def _unknown_key(
 ) -> str:
     """Message for a key that a record does not have, with those that it may have."""
     fields = (*inputs, *_fields_of(record))
-    near = _nearest(name, fields)
+    near = nearest(name, fields)
     sort = tree.get("type")
-    own = _keys_of_type(sort, record)
+    own = keys_of_type(record, sort)
     if inputs and not own and "type" in tree:
         own = ("type", "bodies", *inputs)
     listed = ", ".join(own or fields)
@@ -203,91 +184,6 @@ def _unknown_key(
     if name in NOT_THERE:
         return f"unknown key: {NOT_THERE[name]}; {known}"
     return f"unknown key; did you mean {near[0]!r}?" if near else f"unknown key; {known}"
-
-
-def unknown(what: str, name: str, known: tuple[str, ...]) -> str:
-    """Message for a name that is not among `known`, with the nearest one."""
-    near = _nearest(name, known)
-    if near:
-        return f"unknown {what}; did you mean {near[0]!r}?"
-    listed = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
-    return f"unknown {what}; known here: {listed or 'none'}"
-
-
-class UnknownNameError(SceneError):
-    """Something is named that is not there; the message says which name is nearest.
-
-    Parameters
-    ----------
-    what : str
-        What is named, such as ``body``.
-    name : str
-        Its name.
-    known : tuple of str
-        The names that there are.
-    key : str
-        The dotted key where it stands.
-    """
-
-    def __init__(self, what: str, name: str, known: tuple[str, ...], key: str) -> None:
-        self.what, self.name, self.known = what, name, known
-        super().__init__(unknown(f"{what} {name[:40]!r}", name, known), key=key)
-
-    def problems_beside(self, broken: Callable[[str], Sequence[str]]) -> Sequence[Problem]:
-        """Problem with the names of elements among the known ones that are wrong."""
-        if self.key.endswith(".type"):  # no name of an element
-            return self.problems
-        also = broken({"body": "bodies"}.get(self.what, f"{self.what}s"))
-        known = tuple(dict.fromkeys((*self.known, *also)))
-        return UnknownNameError(self.what, self.name, known, self.key).problems
-
-
-def require_known(what: str, name: str, known: Collection[str], key: str, *also: str) -> None:
-    """Refuse a name of something that is not there.
-
-    Parameters
-    ----------
-    what : str
-        What is named, such as ``body``.
-    name : str
-        Its name.
-    known : collection of str
-        The names that there are.
-    key : str
-        The dotted key where it stands.
-    *also : str
-        What may stand there, too, such as the ground.
-
-    Raises
-    ------
-    SceneError
-        There is none of that name; the message says which is nearest.
-    """
-    if name not in known and name not in also:
-        raise UnknownNameError(what, name, (*known, *also), key)
-
-
-def join(key: str, name: str) -> str:
-    """Dotted key of `name` in the table `key`, quoted and cut short where it must be."""
-    shown = name if len(name) <= 40 else name[:40] + "…"
-    if not re.fullmatch("[A-Za-z0-9_-]+…?", shown):
-        shown = json.dumps(shown, ensure_ascii=not shown.isprintable())
-    return f"{key}.{shown}" if key else shown
-
-
-def dotted(path: Iterable[str | int]) -> str:
-    """Dotted key of a path of keys and of places in lists."""
-    key = ""
-    for part in path:
-        key = f"{key}[{part}]" if isinstance(part, int) else join(key, part)
-    return key
-
-
-def _nearest(name: str, known: tuple[str, ...]) -> list[str]:
-    """Known name that resembles `name` most, if any does."""
-    if len(known) > MOST_COMPARED:
-        return []
-    return difflib.get_close_matches(name[:80], known, n=1)
 
 
 def _value(value: object, kind: Any, key: str, problems: Problems) -> object:

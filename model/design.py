@@ -22,6 +22,12 @@ Turns = tuple[NumberOrAngle, NumberOrAngle, NumberOrAngle]
 DesignVector = tuple[Design, Design, Design]
 """Three of them: a point, or a direction."""
 
+LARGEST = 1e50
+"""Numbers beyond it are refused: their products would leave the range of doubles."""
+
+CLOSURE_TOLERANCE = 1e-4
+"""What joints may miss that others imply, in lengths of the scene or rad, unless it says so."""
+
 
 class Guarded(float):
     """A double that depends on parameters: it is compared as a double is, but equals none.

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import msgspec
 
-from kousoku.model.decode import LARGEST, join
-from kousoku.model.design import Formula
+from kousoku.model.design import LARGEST, Formula
+from kousoku.model.dotted_keys import join
 from kousoku.model.errors import ExpressionError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME, WORD, state_names, used_names

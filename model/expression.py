@@ -22,7 +22,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.model.angles import DEGREE, PI
-from kousoku.model.decode import LARGEST, unknown
+from kousoku.model.design import LARGEST
+from kousoku.model.dotted_keys import unknown
 from kousoku.model.errors import ExpressionError
 from kousoku.model.graph import BINARY_OPS, Op
 from kousoku.model.polynomials import with_squares_apart

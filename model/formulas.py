@@ -113,3 +113,7 @@ def formula_problems(
         is_known = all(name in start for name in used_names(value, names))
         if is_known and not isfinite(value_of(formula, start)):
             yield Problem("has no finite value at t = 0; wanted one", key)
+
+
+LAW_NAMES = ("x", "v", "t")
+"""What the tension of a spring may depend on: elongation, rate of its length, time."""

@@ -7,20 +7,10 @@ from typing import Any, ClassVar
 import msgspec
 
 from kousoku.model.design import DesignVector
-from kousoku.model.elements.forces import FORCES
-from kousoku.model.elements.inputs import Dependence, ElementInput
 from kousoku.model.spatial import Components, Free, Value
 
 Six = tuple[Value, Value, Value, Value, Value, Value]
 """Along three directions, then about them."""
-
-
-DEPENDS_ON: dict[str, Dependence] = {
-    **dict.fromkeys(("stiffness", "damping", "free_length", "free_angle"), "parameters"),
-    **dict.fromkeys(("tension", "moment"), "law"),
-    **dict.fromkeys(("force", "force_b", "torque", "torque_b"), "motion"),
-}
-"""What formulas of its keys may depend on."""
 
 
 class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -87,16 +77,6 @@ class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     """
 
     FLAT: ClassVar = "inputs"
-
-    @staticmethod
-    def keys_of_type(sort: str) -> tuple[str, ...]:
-        """Keys of a force of a type, none where there is no such type."""
-        return ("type", *FORCES[sort].all_keys) if sort in FORCES else ()
-
-    @staticmethod
-    def own_inputs(sort: str, kinds: object) -> Mapping[str, ElementInput]:
-        """Keys that a type of forces alone has."""
-        return FORCES[sort].inputs if sort in FORCES else {}
 
     type: str
     body: str | None = None

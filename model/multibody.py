@@ -10,18 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from kousoku.model.design import CLOSURE_TOLERANCE
 from kousoku.model.elements.constraints import COMBINATION, COORDINATES
 
 if TYPE_CHECKING:
     from kousoku.model.orientation import Quaternion, Vector
 
 GROUND_INDEX = -1
-
-CLOSURE_TOLERANCE = 1e-4
-"""What joints may miss that others imply, in lengths of the scene or rad, unless it says so."""
-
-LAW_NAMES = ("x", "v", "t")
-"""What the tension of a spring may depend on: elongation, rate of its length, time."""
 
 
 @dataclass(frozen=True, slots=True)

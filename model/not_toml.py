@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from kousoku.model.decode import dotted
+from kousoku.model.dotted_keys import dotted
 from kousoku.model.errors import Problem
 from kousoku.model.lines import twice_given
 

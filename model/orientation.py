@@ -6,8 +6,7 @@ from typing import ClassVar, Literal
 
 import msgspec
 
-from kousoku.model.decode import LARGEST
-from kousoku.model.design import NumberOrAngle, Turns
+from kousoku.model.design import LARGEST, NumberOrAngle, Turns
 from kousoku.model.errors import SceneError
 
 Vector = tuple[float, float, float]

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from kousoku.model.decode import decode_parts, dotted
+from kousoku.model.decode import decode_parts
 from kousoku.model.design_numbers import read_formulas
+from kousoku.model.dotted_keys import dotted
 from kousoku.model.errors import AssemblyError, Problem, SceneError
 from kousoku.model.lines import deep_key_line, each_key_line
 from kousoku.model.not_toml import toml_problem

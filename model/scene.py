@@ -9,9 +9,8 @@ from typing import Literal, Self
 
 import msgspec
 
-from kousoku.model.design import NumberOrAngle
+from kousoku.model.design import CLOSURE_TOLERANCE, NumberOrAngle
 from kousoku.model.loads import Force
-from kousoku.model.multibody import CLOSURE_TOLERANCE
 from kousoku.model.own_kind import OwnKind
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
 from kousoku.model.spatial import Body, Components, Coordinate, Driver, Event, Joint

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from kousoku.model import loads, own_kind, planar, scene, spatial
-from kousoku.model.decode import LARGEST
+from kousoku.model.design import LARGEST
 from kousoku.model.elements.drivers import own_inputs
 from kousoku.model.elements.forces import FORCES
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES

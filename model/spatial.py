@@ -7,10 +7,7 @@ from typing import Any, ClassVar, Literal
 import msgspec
 
 from kousoku.model.design import Design, DesignVector, NumberOrAngle, Turns
-from kousoku.model.elements.inputs import ElementInput
-from kousoku.model.joints import inputs_of, keys_of
 from kousoku.model.orientation import Orientation, Vector
-from kousoku.model.own_kind import OwnInput, OwnKind
 from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 
 Free = Literal["angle", "second_angle", "displacement", "second_displacement"]
@@ -142,24 +139,6 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     FLAT: ClassVar = "inputs"
 
-    @staticmethod
-    def keys_of_type(sort: str) -> tuple[str, ...]:
-        """Keys of a joint of a type, none where there is no such type."""
-        return keys_of(sort)
-
-    @staticmethod
-    def own_inputs(
-        sort: str, kinds: Mapping[str, OwnKind]
-    ) -> Mapping[str, OwnInput | ElementInput] | None:
-        """Inputs that a type alone has: a shipped one, or a kind of one's own.
-
-        None where nobody knows the type: what keys it has is not known either, and that it is
-        unknown is said where types are looked at.
-        """
-        if keys_of(sort):
-            return inputs_of(sort)
-        return kinds[sort].inputs if sort in kinds else None
-
     type: str
     bodies: tuple[str, str] | None = None
     points: tuple[DesignVector, DesignVector] | None = None
@@ -261,14 +240,6 @@ class Driver(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     """
 
     FLAT: ClassVar = "inputs"
-
-    @staticmethod
-    def own_inputs(sort: str, kinds: object) -> Mapping[str, ElementInput]:
-        """Keys that sorts of drivers have for themselves; no key says beforehand which it is."""
-        # What drivers are checked with knows bodies, of this file.
-        from kousoku.model.elements.drivers import own_inputs  # noqa: PLC0415
-
-        return own_inputs()
 
     coordinate: str | None = None
     joint: str | None = None

@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
 from itertools import chain
 from math import inf, isfinite, pi
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import join
 from kousoku.model.derivative import derivative
-from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.exponentials import without_overflow
-from kousoku.model.expression import parse_expression
-from kousoku.model.folds import without_folds
-from kousoku.model.formulas import RATE, TIME, used_names
+from kousoku.model.formulas import TIME
 from kousoku.model.graph import Op
-from kousoku.model.multibody import LAW_NAMES
 from kousoku.model.polynomials import is_never_zero, root_of_even_power, square_part
 from kousoku.model.terms import (
     ONE,
@@ -28,16 +20,12 @@ from kousoku.model.terms import (
     mul,
     names_of,
     neg,
-    number,
     ordered,
-    symbol,
 )
-from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
-    from kousoku.model.multibody import System
 
 #: Functions with a kink or a jump.
 SWITCHES = frozenset({Op.MIN, Op.MAX, Op.ABS, Op.SIGN})
@@ -46,213 +34,18 @@ SMOOTH = 2
 #: Polynomials up to this degree vary no faster than the stages of a step see: (1 - t^2)^n is a hill
 #: of a width of 1.7/sqrt(n) in an interval of 2, a third of it for n = 6.
 HIGHEST = 12
-#: A distance counts as none that is no more than this part of what it is at the start: rounding of
-#: places hides most digits of its direction there.
-NO_DISTANCE = 1e-9
 #: Functions with a jump, or that jump through infinity.
 JUMPING = frozenset({Op.SIGN, Op.TAN, Op.ATAN2})
 #: Functions of which those of their arguments may be looked at instead.
 TRANSPARENT = frozenset({*SWITCHES, Op.ADD, Op.NEG, Op.MUL})
 
 
-@dataclass(frozen=True, slots=True)
-class Measure:
-    """What formulas read of a state: a coordinate, or how far a spring is from where it is free.
-
-    Of a spring whose ends may meet it is the distance of these, too.
-
-    Parameters
-    ----------
-    name : str
-        Its name in formulas: that of the coordinate, or of the force with ``.x``.
-    rate : str
-        The name of its rate.
-    coordinate : int
-        Place of the coordinate, or of the one that a spring acts against; -1 of a spring between
-        points.
-    force : int
-        Place of the spring, -1 of a coordinate.
-    is_length : bool
-        Whether it is the distance of a spring's ends.
-    """
-
-    name: str
-    rate: str
-    coordinate: int
-    force: int
-    is_length: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Seen:
-    """What a run looks at so that no step leaps over it.
-
-    Parameters
-    ----------
-    switches, features : tuple of Expression
-        Functions of time: those that are zero where a formula has a kink or a jump, and smooth
-        parts that vary with it beyond polynomials.
-    measures : tuple of Measure
-        What those below depend on beside time and parameters.
-    crossings : tuple of Expression
-        The formulas of events, then functions of the state that are zero where a formula has a kink
-        or a jump, or one of an event gets or loses its value.
-    narrow : tuple of Expression
-        Smooth parts that vary with the state beyond polynomials.
-    jumps : tuple of bool
-        Of each event whether its formula may jump, also through infinity.
-    laws : tuple of Expression
-        Those of drivers that are no polynomials, with two derivatives, which must not jump.
-    led : tuple of str
-        Which driver each of these laws, of three expressions, is of.
-    poles : tuple of Expression
-        Functions of time and the state that are zero where a force may be infinite.
-    pushed : tuple of str
-        The key of the force that each of them is of.
-    infinite : tuple of Expression
-        The parts of formulas that may be infinite there.
-    lengths : tuple of Expression
-        Squares of lengths along which forces act: these turn round where they come down to zero.
-    distances : tuple of Expression
-        Squares of distances in formulas, of points or of speeds from rest, likewise.
-    gaps : tuple of Expression
-        What drivers prescribe of distances, less what counts as none: where one is zero its two
-        points meet, and nothing tells in which direction they part.
-    drawn : tuple of str
-        Which driver each of these is of.
-    """
-
-    switches: tuple[Expression, ...]
-    features: tuple[Expression, ...]
-    measures: tuple[Measure, ...]
-    crossings: tuple[Expression, ...]
-    narrow: tuple[Expression, ...]
-    jumps: tuple[bool, ...] = ()
-    laws: tuple[Expression, ...] = ()
-    led: tuple[str, ...] = ()
-    poles: tuple[Expression, ...] = ()
-    pushed: tuple[str, ...] = ()
-    infinite: tuple[Expression, ...] = ()
-    lengths: tuple[Expression, ...] = ()
-    distances: tuple[Expression, ...] = ()
-    gaps: tuple[Expression, ...] = ()
-    drawn: tuple[str, ...] = ()
-
-
-def seen_of(system: System) -> Seen:
-    """Quantities that runs of a system look at: forces, springs, gravity, drivers, and events."""
-    measures = tuple(_measures(system))
-    names = {TIME, *(name for name, _ in system.parameters)}
-    names.update(chain.from_iterable((one.name, one.rate) for one in measures))
-    texts = dict.fromkeys(text for text, _ in _texts(system) if text)
-    parsed = {
-        text: without_folds(parse_expression(text, names, longest=len(text)))[0] for text in texts
-    }
-    formulas = list(parsed.values())
-    events = [parse_expression(one.when, names) for one in system.events]
-    of_state = {name for one in measures for name in (one.name, one.rate)}
-
-    def found(
-        parts: Callable[[Expression], Iterator[Expression]], *, is_state: bool
-    ) -> tuple[Expression, ...]:
-        every = dict.fromkeys(chain.from_iterable(map(parts, formulas)))
-        used = ((one, set(names_of(one))) for one in every)
-        if is_state:
-            return tuple(one for one, own in used if own & of_state)
-        return tuple(one for one, own in used if TIME in own and not own & of_state)
-
-    varying = partial(varying_parts, varying={TIME, *of_state})
-    edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(_edges_of, events))))
-    crossings = (*events, *found(switching_functions, is_state=True), *edges)
-    narrow = tuple(map(without_overflow, found(varying, is_state=True)))
-    laws: dict[Expression, str] = {}
-    for one in system.constraints:
-        if one.law:
-            laws.setdefault(parse_expression(one.law, names, longest=len(one.law)), one.joint)
-    breaks = {one: tuple(filter(_varies, _places_of(one))) for one in laws}
-    followed = [one for one, places in breaks.items() if places or any(varying_parts(one, {TIME}))]
-    gaps = dict(_gaps(system, names))
-    switches = (*gaps, *found(switching_functions, is_state=False), *chain(*breaks.values()))
-    poles: dict[Expression, str] = {}
-    infinite: dict[Expression, None] = {}
-    for text, key in _texts(system):
-        if text and key:
-            for part in _summands(parsed[text]):
-                own = dict.fromkeys(_poles_of(part, {TIME, *of_state}), key)
-                poles = own | poles
-                infinite |= dict.fromkeys([part] * bool(own))
-    lengths = tuple(_lengths(system))
-    distances = tuple(one for one in found(_squares_of, is_state=True) if one not in lengths)
-    told = (*crossings, *narrow, *poles, *infinite, *lengths, *distances)
-    read = set(chain.from_iterable(map(names_of, told)))
-    return Seen(
-        tuple(dict.fromkeys(switches)),
-        tuple(map(without_overflow, found(varying, is_state=False))),
-        tuple(one for one in measures if {one.name, one.rate} & read),
-        crossings,
-        narrow,
-        tuple(any(map(_may_jump, ordered(one))) for one in events),
-        tuple(chain.from_iterable(map(_with_rates, followed))),
-        tuple(laws[one] for one in followed),
-        tuple(poles),
-        tuple(poles.values()),
-        tuple(infinite),
-        lengths,
-        distances,
-        tuple(gaps),
-        tuple(gaps.values()),
-    )
-
-
-def _gaps(system: System, names: Collection[str]) -> Iterator[tuple[Expression, str]]:
-    """Laws of distances, less a part of what they are at the start, with their drivers."""
-    for one in system.constraints:
-        if not one.law or system.coordinates[one.terms[0].coordinate].kind != "length":
-            continue
-        law = parse_expression(one.law, names, longest=len(one.law))
-        if _varies(law):
-            start = value_of(law, {TIME: 0.0, **dict(system.parameters)})
-            least = NO_DISTANCE * abs(start) if isfinite(start) else 0.0
-            yield add(law, neg(number(Fraction(least)))), one.joint
-
-
-def _measures(system: System) -> Iterator[Measure]:
-    for place, one in enumerate(system.coordinates):
-        yield Measure(one.name, f"{one.name}{RATE}", place, -1)
-    for place, force in enumerate(system.forces):
-        if force.law:
-            x, v = (f"{force.name}_{place}.{name}" for name in LAW_NAMES[:2])
-            yield Measure(x, v, force.coordinate, place)
-        if isinstance(force, PointSpring):
-            yield Measure(*_length_of(place, force), -1, place, is_length=True)
-
-
-def _length_of(place: int, force: PointSpring) -> tuple[str, str]:
-    """Names of the distance of a spring's ends and of its rate."""
-    name = f"{force.name}_{place}.l"
-    return name, f"{name}{RATE}"
-
-
-def _lengths(system: System) -> Iterator[Expression]:
-    """Squares of the lengths along which forces act, or that they depend on."""
-    texts = [text for text, _ in _texts(system) if text]
-    acted = {force.coordinate for force in system.forces}
-    for place, one in enumerate(system.coordinates):
-        names = (one.name, f"{one.name}{RATE}")
-        if one.kind == "length" and (
-            place in acted or any(used_names(text, names) for text in texts)
-        ):
-            yield _square(symbol(one.name))
-    for place, force in enumerate(system.forces):
-        if isinstance(force, PointSpring) and not force.is_smooth:
-            yield _square(symbol(_length_of(place, force)[0]))
-
-
-def _square(a: Expression) -> Expression:
+def square(a: Expression) -> Expression:
+    """Square of an expression."""
     return mul(a, a)
 
 
-def _squares_of(formula: Expression) -> Iterator[Expression]:
+def squares_of(formula: Expression) -> Iterator[Expression]:
     """Squares of distances in a formula: what is never negative and may come down to zero.
 
     Roots are of them, or they divide: x/sqrt(x^2 + y^2) turns round, and ``atan2(y, x)``.
@@ -262,7 +55,7 @@ def _squares_of(formula: Expression) -> Iterator[Expression]:
         root = None  # it has no value where this is negative
         match part:
             case Expression(Op.ATAN2, (a, b)):
-                found = (add(_square(a), _square(b)),)
+                found = (add(square(a), square(b)),)
             case Expression(Op.SQRT | Op.LOG, (a,)) if even_root(part) is None:
                 found, root = _zeros_of(a), a
             case Expression(Op.DIV, (_, a)):
@@ -275,19 +68,6 @@ def _squares_of(formula: Expression) -> Iterator[Expression]:
         for one in found:
             if (one == root or range_of(one)[0] >= 0.0) and may_be_zero(one):
                 yield one
-
-
-def _texts(system: System) -> Iterator[tuple[str, str]]:
-    """Formulas with the key of what pushes; those of springs name their own length."""
-    for place, force in enumerate(system.forces):
-        key = join("forces", force.name)
-        yield from ((text, key) for _, text in force.formulas)
-        text = force.law
-        for name in LAW_NAMES[:2]:
-            text = re.sub(rf"\b{name}\b", f"{force.name}_{place}.{name}", text)
-        yield text, key
-    yield from ((text, "gravity") for text in system.gravity_law)
-    yield from ((one.law, "") for one in system.constraints)
 
 
 def switching_functions(formula: Expression) -> Iterator[Expression]:
@@ -316,7 +96,7 @@ def _divisors_of(formula: Expression) -> Iterator[Expression]:
             yield from filter(may_be_zero, _crossed(part.args[1]))
 
 
-def _edges_of(formula: Expression) -> Iterator[Expression]:
+def edges_of(formula: Expression) -> Iterator[Expression]:
     """Functions that are negative where a root, a logarithm or an arc sine has no value."""
     for part in ordered(formula):
         edge = None
@@ -343,7 +123,7 @@ def even_root(part: Expression) -> tuple[Expression, Fraction] | None:
     return None if found is None or found[1] % 2 == 0 else found
 
 
-def _places_of(law: Expression) -> Iterator[Expression]:
+def places_of(law: Expression) -> Iterator[Expression]:
     """Functions that are zero where the law of a driver or a derivative of it may jump."""
     yield from switching_functions(law)
     for part in ordered(law):
@@ -352,7 +132,7 @@ def _places_of(law: Expression) -> Iterator[Expression]:
             yield from filter(may_be_zero, _crossed(place))
 
 
-def _poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
+def poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
     """Functions that are zero where a formula may be infinite, as far as it varies."""
     for part in ordered(formula):
         place = None
@@ -369,10 +149,10 @@ def _poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Express
                 yield zero
 
 
-def _summands(formula: Expression) -> Iterator[Expression]:
+def summands(formula: Expression) -> Iterator[Expression]:
     """Summands of a formula: a product may be finite where a factor is not."""
     if formula.op in {Op.ADD, Op.NEG}:
-        yield from chain.from_iterable(map(_summands, formula.args))
+        yield from chain.from_iterable(map(summands, formula.args))
     else:
         yield formula
 
@@ -469,11 +249,13 @@ def _range(part: Expression, args: Sequence[tuple[float, float]]) -> tuple[float
     return -inf, inf
 
 
-def _varies(place: Expression) -> bool:
+def varies(place: Expression) -> bool:
+    """Whether a formula depends on the time."""
     return TIME in names_of(place)
 
 
-def _with_rates(law: Expression) -> tuple[Expression, ...]:
+def with_rates(law: Expression) -> tuple[Expression, ...]:
+    """Law of a driver and its first and second derivative by the time."""
     law = without_overflow(law)
     rate = derivative(law, TIME)
     return law, rate, derivative(rate, TIME)
@@ -484,12 +266,12 @@ def may_jump(formula: Expression, varying: Collection[str]) -> bool:
 
     A quotient does so where what it is divided by may be zero, as far as :func:`may_be_zero` tells.
     """
-    parts = filter(_may_jump, ordered(formula))
+    parts = filter(is_jump, ordered(formula))
     places = (_place_of(part) or part for part in parts)  # a sign has none, and may be zero itself
     return any(may_be_zero(one) and not set(varying).isdisjoint(names_of(one)) for one in places)
 
 
-def _may_jump(part: Expression) -> bool:
+def is_jump(part: Expression) -> bool:
     """Whether the last function of a formula is one that may jump, also to infinity."""
     if part.op is Op.DIV:
         return part.args[1].value is None

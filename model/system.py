@@ -31,6 +31,7 @@ from kousoku.model.mass import mass_properties
 from kousoku.model.multibody import Instance, MovingBody, System
 from kousoku.model.own_kind import FRAMES, ORIGINS, input_name
 from kousoku.model.parallel_rows import variant
+from kousoku.model.parametric import positive_numbers, varying_scene
 from kousoku.model.precise import ZERO, High, Triple
 from kousoku.model.quaternions import quaternion
 from kousoku.model.spatial import GROUND
@@ -39,7 +40,7 @@ from kousoku.model.system_forces import events_of, force_elements, gravity_law, 
 from kousoku.model.traced import Traced
 from kousoku.model.validate_mass import POSSIBLE
 from kousoku.model.validate_unused import OUTPUTS, output_problem
-from kousoku.model.varying import Varying, fixed, is_varying, positive_numbers, varying_scene
+from kousoku.model.varying import Varying, fixed, is_varying
 from kousoku.model.zero_directions import check_zero_directions
 
 if TYPE_CHECKING:

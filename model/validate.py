@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from kousoku.model.decode import join
+from kousoku.model.design import CLOSURE_TOLERANCE
 from kousoku.model.design_numbers import with_numbers
+from kousoku.model.dotted_keys import join
 from kousoku.model.errors import SceneError
 from kousoku.model.grashof import check_closure
 from kousoku.model.mobility import check_mobility
-from kousoku.model.multibody import CLOSURE_TOLERANCE
 from kousoku.model.names import name_problem, scene_name_problem
 from kousoku.model.problems import Problems
 from kousoku.model.scene import TABLES

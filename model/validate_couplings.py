@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import require_known
+from kousoku.model.dotted_keys import require_known
+from kousoku.model.elements.checks import check_counted
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import COUPLINGS, NAMES, leaves_of
 from kousoku.model.spatial import GROUND
 from kousoku.model.text import with_a
-from kousoku.model.validate_coordinates import check_counted
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -5,8 +5,9 @@ from __future__ import annotations
 from math import isfinite, pi
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import join
+from kousoku.model.dotted_keys import join
 from kousoku.model.drivers import text_of
+from kousoku.model.elements.checks import only_one, refuse_foreign
 from kousoku.model.elements.drivers import DRIVERS, own_inputs
 from kousoku.model.errors import ExpressionError, SceneError
 from kousoku.model.exponentials import rate_of
@@ -16,7 +17,6 @@ from kousoku.model.graph import Op
 from kousoku.model.joints import sort_of
 from kousoku.model.kinks import kink_of
 from kousoku.model.problems import Problems
-from kousoku.model.validate_coordinates import only_one, refuse_foreign
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import join, require_known
-from kousoku.model.elements.forces import FORCES
+from kousoku.model.dotted_keys import join, require_known
+from kousoku.model.elements.forces import DEPENDS_ON, FORCES
 from kousoku.model.errors import SceneError
 from kousoku.model.formulas import (
+    LAW_NAMES,
     TIME,
     fixed_names,
     formula_problems,
@@ -15,8 +16,6 @@ from kousoku.model.formulas import (
     used_names,
     values_at_start,
 )
-from kousoku.model.loads import DEPENDS_ON
-from kousoku.model.multibody import LAW_NAMES
 from kousoku.model.spatial import GROUND
 from kousoku.model.text import with_a
 
@@ -129,10 +128,8 @@ def _check_formulas(scene: Scene, force: Force, key: str, names: Collection[str]
     known = {"parameters": fixed, "time": fixed_names(scene, TIME), "motion": names}
     known["law"] = fixed_names(scene, *LAW_NAMES)
     given = [(name, getattr(force, name), depends_on) for name, depends_on in DEPENDS_ON.items()]
-    given += [
-        (name, force.input(name), one.depends_on)
-        for name, one in force.own_inputs(force.type, ()).items()
-    ]
+    inputs = FORCES[force.type].inputs if force.type in FORCES else {}
+    given += [(name, force.input(name), one.depends_on) for name, one in inputs.items()]
     found = [
         problem
         for name, value, depends_on in given

@@ -6,7 +6,7 @@ from math import isfinite, isnan, tau
 from typing import TYPE_CHECKING
 
 from kousoku.model.angles import Angle
-from kousoku.model.decode import join, require_known
+from kousoku.model.dotted_keys import join, require_known
 from kousoku.model.drivers import time_of, way_of
 from kousoku.model.errors import SceneError
 from kousoku.model.input_motion import turns_of

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.model.decode import LARGEST
+from kousoku.model.design import LARGEST
 from kousoku.model.errors import SceneError
 from kousoku.model.orientation import check_orientation
 from kousoku.model.problems import Problems

@@ -5,7 +5,8 @@ from __future__ import annotations
 from math import hypot, isfinite
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import LARGEST, join, require_known, unknown
+from kousoku.model.design import LARGEST
+from kousoku.model.dotted_keys import join, require_known, unknown
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:

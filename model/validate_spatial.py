@@ -5,8 +5,9 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import LARGEST, join, require_known, unknown
+from kousoku.model.design import LARGEST
 from kousoku.model.design_numbers import FORMULAS
+from kousoku.model.dotted_keys import join, require_known, unknown
 from kousoku.model.errors import Problem, SceneError
 from kousoku.model.formulas import state_names
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import join, unknown
+from kousoku.model.dotted_keys import join, unknown
 from kousoku.model.elements.forces import FORCES
 from kousoku.model.planar import Method
 from kousoku.model.spatial import SOLIDS

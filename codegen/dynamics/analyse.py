@@ -44,7 +44,7 @@ from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.codegen.dynamics.simplification.placeholder_masses import with_placeholder_masses
 from kousoku.codegen.dynamics.simplification.planarity import plane_of
 from kousoku.model.errors import SceneError
-from kousoku.model.varying import fixed_system
+from kousoku.model.parametric import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence

@@ -106,7 +106,7 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
         It cannot be moved.
     """
     from kousoku.codegen.linkage.assemble import assemble
-    from kousoku.model.decode import join
+    from kousoku.model.dotted_keys import join
     from kousoku.model.validate import check as checked_again
 
     if not scene.is_spatial:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import require_known
+from kousoku.model.dotted_keys import require_known
 from kousoku.model.elements.kind import ForceKind, require_one, scalars
 from kousoku.model.errors import SceneError
 from kousoku.model.multibody import ForceElement

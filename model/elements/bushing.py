@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import LARGEST
+from kousoku.model.design import LARGEST
 from kousoku.model.elements.coordinate_spring import linear_spring
 from kousoku.model.elements.kind import ForceKind
 from kousoku.model.errors import SceneError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import join, require_known
+from kousoku.model.dotted_keys import join, require_known
 from kousoku.model.elements.driver import DriverKind, require_value
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import sort_of

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.model.elements.checks import check_leaves
 from kousoku.model.elements.driver import DriverKind, require_value
-from kousoku.model.validate_coordinates import check_leaves
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.model.elements.checks import check_place
 from kousoku.model.elements.driver import DriverKind
 from kousoku.model.errors import SceneError
-from kousoku.model.validate_coordinates import check_place
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -12,6 +12,7 @@ from kousoku.model.elements.rotational_spring_damper import RotationalSpringDamp
 from kousoku.model.elements.spring_damper import SpringDamper
 
 if TYPE_CHECKING:
+    from kousoku.model.elements.inputs import Dependence
     from kousoku.model.elements.kind import ForceKind
 
 FORCES: dict[str, ForceKind] = {
@@ -24,3 +25,10 @@ FORCES: dict[str, ForceKind] = {
     "bushing": Bushing(),
 }
 """Forces of a scene by their types."""
+
+DEPENDS_ON: dict[str, Dependence] = {
+    **dict.fromkeys(("stiffness", "damping", "free_length", "free_angle"), "parameters"),
+    **dict.fromkeys(("tension", "moment"), "law"),
+    **dict.fromkeys(("force", "force_b", "torque", "torque_b"), "motion"),
+}
+"""What formulas of the keys of forces may depend on."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.model.elements.checks import check_leaves
 from kousoku.model.elements.coordinate_spring import linear_spring
 from kousoku.model.elements.kind import ForceKind, require_one
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import leaves_of
-from kousoku.model.validate_coordinates import check_leaves
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -6,7 +6,7 @@ from dataclasses import replace
 from math import frexp, ldexp
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.model.decode import require_known
+from kousoku.model.dotted_keys import require_known
 from kousoku.model.elements.coupling import Coupling
 from kousoku.model.errors import SceneError
 

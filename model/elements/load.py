@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.model.decode import require_known
+from kousoku.model.dotted_keys import require_known
 from kousoku.model.elements.kind import ForceKind, require_only_point
 from kousoku.model.errors import SceneError
 from kousoku.model.multibody import GROUND_INDEX, ForceElement

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import LARGEST
+from kousoku.model.design import LARGEST
 from kousoku.model.elements.joint import JointKind
 from kousoku.model.errors import SceneError
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model.elements.along import known_coordinate
+from kousoku.model.elements.checks import check_leaves
 from kousoku.model.elements.coordinate_spring import linear_spring, spring_against
 from kousoku.model.elements.joint import ANGLE, ANGLES, DISPLACEMENTS, SECOND_ANGLE
 from kousoku.model.elements.kind import ForceKind
@@ -12,7 +13,6 @@ from kousoku.model.elements.spring import check_law, unused_free
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import leaves_of, sort_of
 from kousoku.model.text import with_a
-from kousoku.model.validate_coordinates import check_leaves
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

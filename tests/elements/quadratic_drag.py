@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.model.decode import require_known
 from kousoku.model.design import DesignVector
+from kousoku.model.dotted_keys import require_known
 from kousoku.model.elements.inputs import ElementInput
 from kousoku.model.elements.kind import ForceKind, require_one, scalars
 from kousoku.model.errors import SceneError

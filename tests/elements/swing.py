@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from kousoku.model.drivers import text_of
+from kousoku.model.elements.checks import check_leaves
 from kousoku.model.elements.driver import DriverKind
 from kousoku.model.elements.inputs import ElementInput
 from kousoku.model.elements.joint import ANGLE
 from kousoku.model.errors import SceneError
 from kousoku.model.spatial import Value
-from kousoku.model.validate_coordinates import check_leaves
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -8,7 +8,7 @@ import pytest
 
 from kousoku.model.about import About, scene_notes
 from kousoku.model.read import scene_from_dict
-from kousoku.model.switching import seen_of
+from kousoku.model.root_functions import seen_of
 from kousoku.model.system import system_of
 
 HINGE = {"type": "revolute", "axis": [0, 0, 1]}

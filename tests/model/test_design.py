@@ -14,9 +14,10 @@ from kousoku.model.design import Formula
 from kousoku.model.design_numbers import with_numbers
 from kousoku.model.errors import MOST_FOUND, SceneError
 from kousoku.model.expression import parse_expression
+from kousoku.model.parametric import fixed_system
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
-from kousoku.model.varying import fixed_system, is_varying
+from kousoku.model.varying import is_varying
 from kousoku.model.write import to_toml
 
 if TYPE_CHECKING:

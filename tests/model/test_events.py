@@ -9,7 +9,7 @@ import pytest
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import SceneError
 from kousoku.model.read import scene_from_dict
-from kousoku.model.switching import seen_of
+from kousoku.model.root_functions import seen_of
 from kousoku.model.system import system_of
 
 Tree = dict[str, Any]

@@ -17,10 +17,10 @@ from kousoku.model.families import chain, n_four_bar
 from kousoku.model.interpret import evaluate
 from kousoku.model.joints import JOINTS, NAMES
 from kousoku.model.multibody import GROUND_INDEX, Instance, RelativeCoordinate, System, Term
+from kousoku.model.parametric import fixed_system
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of
 from kousoku.model.values import value_of
-from kousoku.model.varying import fixed_system
 
 ROOT = Path(__file__).parents[2]
 Tree = dict[str, Any]

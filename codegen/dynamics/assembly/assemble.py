@@ -26,7 +26,7 @@ from kousoku.codegen.dynamics.assembly.violations import key_of, sizes_of, worst
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
-from kousoku.model.varying import fixed_system
+from kousoku.model.parametric import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence

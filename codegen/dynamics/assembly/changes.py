@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.model import precise
-from kousoku.model.varying import fixed_system
+from kousoku.model.parametric import fixed_system
 from kousoku.runtime.integrate.given_start import Change, Moved, known
 
 if TYPE_CHECKING:

@@ -27,8 +27,8 @@ from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.digits import HIGH
 from kousoku.model.graph import EXACT_OPS, Op
 from kousoku.model.jsontext import to_text
+from kousoku.model.parametric import fixed_system
 from kousoku.model.traced import other_value
-from kousoku.model.varying import fixed_system
 from kousoku.runtime.integrate.motion import Layout
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from kousoku.codegen.dynamics.composition.equations import system_equations
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
-from kousoku.model.switching import seen_of
+from kousoku.model.root_functions import seen_of
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
     from kousoku.model.multibody import ForceElement, System
     from kousoku.model.precise import High
-    from kousoku.model.switching import Measure
+    from kousoku.model.root_functions import Measure
 
     Effect = tuple[dict[int, SlotMatrix], SlotMatrix | None]
 

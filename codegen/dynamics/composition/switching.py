@@ -13,7 +13,7 @@ from kousoku.model.enclosure import Bounds, enclosure
 from kousoku.model.exponentials import without_overflow
 from kousoku.model.formulas import TIME
 from kousoku.model.quotients import without_quotients
-from kousoku.model.switching import seen_of
+from kousoku.model.root_functions import seen_of
 from kousoku.model.terms import add, mul, symbol
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.multibody import System
     from kousoku.model.quotients import Quotient
-    from kousoku.model.switching import Measure
+    from kousoku.model.root_functions import Measure
     from kousoku.model.terms import Expression
 
 #: Numbers of each function: least and most, and those of its rate.

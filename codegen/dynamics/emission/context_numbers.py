@@ -12,7 +12,7 @@ from kousoku.codegen.dynamics.redundancy.redundant_rows import take_over
 from kousoku.codegen.dynamics.simplification.body_blocks import inverse_masses as of_body
 from kousoku.model import precise
 from kousoku.model.elements.constraints import is_length
-from kousoku.model.switching import seen_of
+from kousoku.model.root_functions import seen_of
 from kousoku.model.varying import is_varying
 from kousoku.runtime.integrate.settings import ACTIONS
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
     from kousoku.model.multibody import System
-    from kousoku.model.switching import Measure
+    from kousoku.model.root_functions import Measure
 
 #: An error that is compared with this counts as none.
 IGNORED = 1e300

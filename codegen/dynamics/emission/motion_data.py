@@ -22,7 +22,7 @@ from kousoku.codegen.dynamics.recording.program import (
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.model.about import About
 from kousoku.model.elements.constraints import is_length
-from kousoku.model.switching import seen_of
+from kousoku.model.root_functions import seen_of
 from kousoku.model.system import UNIT_NAMES
 from kousoku.model.varying import is_varying
 from kousoku.runtime.integrate.state import fields_as_data

@@ -27,8 +27,8 @@ from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
 from kousoku.codegen.kernel_json import shipped_kinds
 from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name
+from kousoku.model.parametric import fixed_system
 from kousoku.model.text import counted
-from kousoku.model.varying import fixed_system
 from kousoku.runtime.integrate.result import listed
 
 if TYPE_CHECKING:

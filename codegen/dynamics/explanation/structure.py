@@ -12,7 +12,7 @@ from kousoku.codegen.dynamics.operations.elimination_order import minimum_degree
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.model.multibody import GROUND_INDEX
-from kousoku.model.varying import fixed_system
+from kousoku.model.parametric import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

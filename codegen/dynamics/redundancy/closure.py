@@ -31,8 +31,8 @@ from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
 from kousoku.model import precise
 from kousoku.model.errors import SceneError
 from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.parametric import fixed_system
 from kousoku.model.system import UNIT_NAMES
-from kousoku.model.varying import fixed_system
 from kousoku.runtime.integrate.continuation import NEAR_SINGULAR
 from kousoku.runtime.integrate.row_switch import FALL_BACK
 from kousoku.runtime.integrate.settings import CLEARLY

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.redundancy.closure import SHOWN
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.redundant_rows import MOST_DENSE
-from kousoku.model.varying import fixed_system
+from kousoku.model.parametric import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

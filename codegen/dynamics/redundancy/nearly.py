@@ -29,7 +29,7 @@ from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.codegen.dynamics.simplification.planarity import plane_of
 from kousoku.model.errors import AssemblyError
 from kousoku.model.held import without_held
-from kousoku.model.varying import fixed_system
+from kousoku.model.parametric import fixed_system
 from kousoku.runtime.integrate.settings import CLEARLY
 
 if TYPE_CHECKING:

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.operations.heights import FLAT, height
-from kousoku.model.varying import fixed_system, is_varying
+from kousoku.model.parametric import fixed_system
+from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
     from kousoku.model.multibody import ForceElement, Instance, RelativeCoordinate, System

@@ -11,7 +11,8 @@ from kousoku.model.errors import AssemblyError, SceneError
 from kousoku.model.formulas import used_names
 from kousoku.model.frames import to_quaternion
 from kousoku.model.multibody import WrittenStart
-from kousoku.model.varying import fixed, fixed_system
+from kousoku.model.parametric import fixed_system
+from kousoku.model.varying import fixed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

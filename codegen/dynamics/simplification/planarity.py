@@ -40,7 +40,7 @@ from kousoku.model.elements.constraints import is_axis
 from kousoku.model.interpret import evaluate
 from kousoku.model.multibody import GROUND_INDEX
 from kousoku.model.own_kind import is_own
-from kousoku.model.varying import fixed_system
+from kousoku.model.parametric import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

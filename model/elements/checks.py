@@ -1,0 +1,123 @@
+"""Checks that kinds of elements share: one key of several, what a joint leaves free, a place."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.dotted_keys import join, require_known
+from kousoku.model.elements.inputs import given as value_given
+from kousoku.model.elements.joint import DISPLACEMENTS
+from kousoku.model.errors import SceneError
+from kousoku.model.joints import JOINTS, NAMES, leaves_of, listed, sort_of
+from kousoku.model.text import with_a
+
+if TYPE_CHECKING:
+    from kousoku.model.orientation import Vector
+    from kousoku.model.scene import Scene
+
+
+def only_one(given: object, names: tuple[str, ...], key: str) -> str:
+    """Key that is given of some, one of which is wanted.
+
+    Raises
+    ------
+    SceneError
+        None of them is, or more than one.
+    """
+    found = [name for name in names if value_given(given, name) is not None]
+    if len(found) != 1:
+        listed = f"{', '.join(names[:-1])} and {names[-1]}"
+        got = " and ".join(found) or "none of them"
+        raise SceneError(f"wanted one of {listed}, got {got}", key=key)
+    return found[0]
+
+
+def refuse_foreign(given: object, own: tuple[str, ...], known: tuple[str, ...], key: str) -> None:
+    """Refuse keys that belong to another sort.
+
+    Raises
+    ------
+    SceneError
+        One of the known keys is given that is not the sort's own.
+    """
+    for name in known:
+        if name not in own and value_given(given, name) is not None:
+            raise SceneError(f"does not belong to '{own[0]}'; leave it out", key=f"{key}.{name}")
+
+
+def check_leaves(scene: Scene, name: str, of: str | None, key: str) -> str:
+    """Coordinate of a joint that is meant.
+
+    Raises
+    ------
+    SceneError
+        There is no such joint, or it does not leave that free, or leaves two free.
+    """
+    require_known("joint", name, scene.joints, f"{key}.joint")
+    kind = scene.joints[name].type
+    leaves = leaves_of(kind)
+    if not leaves:
+        known = ", ".join(other for other, entry in JOINTS.items() if entry.leaves)
+        raise SceneError(
+            f"{name} is {with_a(kind)} joint, which leaves free no angle or displacement that is "
+            f"one number; wanted one of {known}",
+            key=f"{key}.joint",
+        )
+    if of is not None and of not in leaves:
+        raise SceneError(
+            f"{name} is {with_a(kind)} joint, which has no {of} that is one number; wanted "
+            f"{listed([repr(leaf) for leaf in leaves], 'or')}",
+            key=f"{key}.of",
+        )
+    if of is None and len(leaves) > 1:
+        raise SceneError(
+            f"is missing; {name} is {with_a(kind)} joint, which leaves {len(leaves)} free: wanted "
+            f"{listed([repr(leaf) for leaf in leaves], 'or')}",
+            key=f"{key}.of",
+        )
+    sort = sort_of(kind, of)
+    check_counted(scene, name, sort, key)
+    return sort
+
+
+def check_counted(scene: Scene, name: str, sort: str, key: str) -> None:
+    """Refuse a displacement in a plane in which no direction is given.
+
+    Raises
+    ------
+    SceneError
+        The joint leaves two displacements free, and does not say along what the first is.
+    """
+    joint = scene.joints[name]
+    is_across = JOINTS[NAMES[joint.type]].counts_along_zero and sort in DISPLACEMENTS
+    if is_across and joint.zero is None:
+        raise SceneError(
+            f"is missing; {key} takes the {sort} of {name}: wanted the direction across the axis "
+            "along which the first displacement is, in each body",
+            key=f"{join('joints', name)}.zero",
+        )
+
+
+def check_place(scene: Scene, body: str | None, point: Vector | None, key: str) -> None:
+    """Check a body and a point of it.
+
+    Raises
+    ------
+    SceneError
+        There is no such body, or it is a point and has no other one.
+    """
+    assert body is not None
+    require_known("body", body, scene.bodies, f"{key}.body")
+    check_only_point(scene, body, point, f"{key}.point")
+
+
+def check_only_point(scene: Scene, body: str, point: Vector | None, key: str) -> None:
+    """Refuse any point but the origin of a body that is a point.
+
+    Raises
+    ------
+    SceneError
+        The body has no other point.
+    """
+    if scene.bodies[body].point and any(point or ()):
+        raise SceneError(f"{body} is a point; wanted [0, 0, 0], its only point", key=key)

@@ -1,0 +1,48 @@
+"""Keys of a scene that depend on a type: those of joints, couplings, forces and drivers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements import drivers
+from kousoku.model.elements.forces import FORCES
+from kousoku.model.joints import inputs_of, keys_of
+from kousoku.model.loads import Force
+from kousoku.model.spatial import Driver, Joint
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import msgspec
+
+    from kousoku.model.elements.inputs import ElementInput
+    from kousoku.model.own_kind import OwnInput, OwnKind
+
+
+def keys_of_type(record: type[msgspec.Struct], sort: object) -> tuple[str, ...]:
+    """Keys of a record of a type, none where there is no such type."""
+    if not isinstance(sort, str):
+        return ()
+    if record is Joint:
+        return keys_of(sort)
+    if record is Force and sort in FORCES:
+        return ("type", *FORCES[sort].all_keys)
+    return ()
+
+
+def own_inputs(
+    record: type[msgspec.Struct], sort: str, kinds: Mapping[str, OwnKind]
+) -> Mapping[str, OwnInput | ElementInput] | None:
+    """Inputs that a type alone has: a shipped one, or a kind of one's own.
+
+    Drivers have no type: theirs are those of all sorts, as no key says beforehand which it is. None
+    where nobody knows the type of a joint: what keys it has is not known either, and that it is
+    unknown is said where types are looked at.
+    """
+    if record is Driver:
+        return drivers.own_inputs()
+    if record is Force:
+        return FORCES[sort].inputs if sort in FORCES else {}
+    if keys_of(sort):
+        return inputs_of(sort)
+    return kinds[sort].inputs if sort in kinds else None
