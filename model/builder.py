@@ -148,19 +148,19 @@ class SceneBuilder:
         return self._add("inputs", name, **target, **way, rate=rate, acceleration=acceleration)
 
     def body(self, name: str, **keys: Unpack[BodyKeys]) -> Self:
-        """Add a body with the keys of :class:`kousoku.model.spatial.Body`, tables as dicts."""
+        """Add a body, see :class:`kousoku.model.spatial.Body`; its tables are dicts."""
         return self._add("bodies", name, **keys)
 
     def joint(self, name: str, **keys: Unpack[JointKeys]) -> Self:
-        """Add a joint with the keys of :class:`kousoku.model.spatial.Joint`."""
+        """Add a joint, see :class:`kousoku.model.spatial.Joint`."""
         return self._add("joints", name, **keys)
 
     def coordinate(self, name: str, **keys: Unpack[CoordinateKeys]) -> Self:
-        """Name a coordinate with the keys of :class:`kousoku.model.spatial.Coordinate`."""
+        """Name a coordinate, see :class:`kousoku.model.spatial.Coordinate`."""
         return self._add("coordinates", name, **keys)
 
     def driver(self, name: str, **keys: Unpack[DriverKeys]) -> Self:
-        """Drive a coordinate or a point with the keys of :class:`kousoku.model.spatial.Driver`."""
+        """Drive a coordinate or a point, see :class:`kousoku.model.spatial.Driver`."""
         return self._add("drivers", name, **keys)
 
     def parameter(self, name: str, value: Value) -> Self:
@@ -168,11 +168,11 @@ class SceneBuilder:
         return self._put("parameters", name, value)
 
     def force(self, name: str, **keys: Unpack[ForceKeys]) -> Self:
-        """Add a force, torque or spring with the keys of :class:`kousoku.model.loads.Force`."""
+        """Add a force, torque or spring, see :class:`kousoku.model.loads.Force`."""
         return self._add("forces", name, **keys)
 
     def event(self, name: str, **keys: Unpack[EventKeys]) -> Self:
-        """Say where a formula passes zero with the keys of :class:`kousoku.model.spatial.Event`."""
+        """Say where a formula passes zero, see :class:`kousoku.model.spatial.Event`."""
         return self._add("events", name, **keys)
 
     def gravity(self, x: Value, y: Value, z: Value) -> Self:

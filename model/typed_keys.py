@@ -1,6 +1,7 @@
 """Write the keys of records as typed dictionaries, for type checkers and editors.
 
-``python -m kousoku.model.typed_keys`` prints what is committed as ``model/keys.py``.
+What ``python -m kousoku.model.typed_keys`` prints is committed as
+``model/keys.py``.
 """
 
 from __future__ import annotations

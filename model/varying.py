@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Varying(Guarded):
-    """A double that depends on parameters; :func:`kousoku.model.precise.number` computes with it.
+    """A double that depends on parameters, see :func:`kousoku.model.precise.number`.
 
     Parameters
     ----------

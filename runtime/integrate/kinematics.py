@@ -469,17 +469,17 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     elsewhere: before that position as long as possible, then behind it, also behind the time that
     is asked for.
     """
-    part, is_deep = 1.0, False
+    part, is_deep, look = 1.0, False, Look(state, work, state.time)
     longest = smaller(state.step_size, s.largest_step) if state.step_size > 0.0 else s.largest_step
     tells_works = "energies" in work.scene.parts or bool(s.checks)  # in rows, or the ledger
-    look = Look(state, work, state.time)
     while True:
         is_last = state.time + 1.0000001 * longest >= asked
         whole = asked - state.time if is_last else longest
         end = asked if is_last and part == 1.0 else state.time + part * whole
         if not end - state.time > SMALLEST * larger(abs(state.time), abs(asked)):
             return Status.STEP_TOO_SMALL
-        parts = LEAP if part > 1.0 else NODES if tells_works and state.simpson >= SURE else HALVES
+        has_nodes = tells_works and state.simpson >= SURE
+        parts = LEAP if part > 1.0 else NODES if has_nodes else HALVES
         weak = WEAK * (DEEPER if is_deep else 1.0)
         drift, rough = reach(end, parts, weak, state, work)
         is_good, ratio = drift >= 0.0, pivot_ratio(work, state)
