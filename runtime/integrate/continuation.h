@@ -2,19 +2,19 @@
  * run. */
 
 /* the largest correction with which parameters are changed at the start */
-#define CLOSE 0.02
+#define LARGEST_CORRECTION 0.02
 /* the smallest part of the way from the parameters of the scene to those of the run */
-#define SHORTEST 1e-9
+#define SHORTEST_PARAMETER_STEP 1e-9
 /* the least square of Euler parameters that are all there, and the cosine of half a jump */
 #define ALL_OF_IT 0.999999
 #define JUMP 0.5
 /* positions that are looked at to see whether joints come open, how far bodies move from one to the
  * next, relative to LENGTH or in radians, and how many shorter steps are tried; a direction that is
  * smaller than this is none */
-#define LOOKS 24
+#define MOST_CLOSURE_CHECKS 24
 #define STEP_ASIDE 0.25
-#define HALVINGS 5
-#define NO_WAY 1e-6
+#define MOST_HALVINGS 5
+#define SMALLEST_DIRECTION 1e-6
 /* at a pivot ratio so much smaller than the largest on the way a singular configuration is near */
 #define NEAR_SINGULAR 0.25
 
@@ -95,7 +95,8 @@ static int continue_parameters(State *s, Work *work)
     double *w = work->w, *y = work->k[0], *v = work->k[1];
     double drift = 0.0, reached = 0.0, part = 1.0;
     memcpy(y, s->y, NY * sizeof *y);
-    if (project(s->time, 0.0, y, NULL, NULL, work, s, &drift) && drift <= CLOSE) return 1;
+    if (project(s->time, 0.0, y, NULL, NULL, work, s, &drift) && drift <= LARGEST_CORRECTION)
+        return 1;
     memcpy(v, s->y + NQ, NV * sizeof *v);
     set_parameters(given, 0.0, w);
     follow_design(s->y, w);
@@ -107,13 +108,13 @@ static int continue_parameters(State *s, Work *work)
         if (HAS_DESIGN) setup(w);
         set_parameters(given, next, w);
         follow_design(y, w);
-        if (project(s->time, 0.0, y, NULL, NULL, work, s, &drift) && drift <= CLOSE) {
+        if (project(s->time, 0.0, y, NULL, NULL, work, s, &drift) && drift <= LARGEST_CORRECTION) {
             memcpy(s->y, y, NY * sizeof *y);
             reached = next;
             part = 2.0 * part;
         } else {
             part = 0.5 * part;
-            if (part < SHORTEST) return 0;
+            if (part < SHORTEST_PARAMETER_STEP) return 0;
         }
     }
     memcpy(s->y + NQ, v, NV * sizeof *v);
@@ -133,13 +134,14 @@ static int are_changed(const double *given)
 static int step_along(const double *u, double *y, Work *work, State *s)
 {
     double *w = work->w, *there = work->y, drift = 0.0, way = STEP_ASIDE;
-    for (int n = 0; n < HALVINGS; ++n) {
+    for (int n = 0; n < MOST_HALVINGS; ++n) {
         place(s->time, y, w);
         for (size_t k = 0; k < NV; ++k) w[W_DQ + k] = way * u[k];
         displace(w, NULL);
         memcpy(there, w + W_Q, NQ * sizeof *there);
         memcpy(there + NQ, y + NQ, NV * sizeof *there);
-        if (project(s->time, 0.0, there, NULL, NULL, work, s, &drift) && drift <= CLOSE) {
+        if (project(s->time, 0.0, there, NULL, NULL, work, s, &drift) &&
+            drift <= LARGEST_CORRECTION) {
             memcpy(y, there, NY * sizeof *there);
             return 1;
         }
@@ -163,7 +165,7 @@ static int stay_closed_along(State *s, Work *work)
         const double x = 0.6180339887498949 * (double)(k + 1);
         u[k] = (x - floor(x) - 0.5) * (is_length[k] ? LENGTH : 1.0);
     }
-    for (int look = 0; look < LOOKS; ++look) {
+    for (int look = 0; look < MOST_CLOSURE_CHECKS; ++look) {
         const double ratio = pivot_ratio(work, s);
         const int is_regular = ratio >= NEAR_SINGULAR * usual;
         usual = larger(usual, ratio);
@@ -171,7 +173,7 @@ static int stay_closed_along(State *s, Work *work)
         if (is_regular && !are_closed(w + W_C, look ? CLEARLY : 1.0)) return 0;
         take_normal_part(1.0, y + NQ, work, u);
         const double size = size_of(u);
-        if (ratio < WEAK || !(size > NO_WAY)) return 1;
+        if (ratio < WEAK_PIVOT_RATIO || !(size > SMALLEST_DIRECTION)) return 1;
         double motion = 0.0;
         for (size_t k = 0; k < NV; ++k) {
             u[k] /= size;

@@ -1,12 +1,12 @@
 /* Kinematics: a motion that drivers determine, position by position. */
 
 /* what a prediction may miss: a part of the way of a step, and what always may */
-#define FAITHFUL 0.02
-#define NEGLIGIBLE 1e-9
+#define PREDICTION_ERROR_PART 0.02
+#define NEGLIGIBLE_PREDICTION_ERROR 1e-9
 /* the part of the way of a step that velocities may not explain, and what always may: a driver
  * jumps */
-#define UNEXPLAINED 1e-3
-#define NO_JUMP 1e-6
+#define UNEXPLAINED_MOTION_PART 1e-3
+#define SMALLEST_JUMP 1e-6
 /* ratios that tell branches may grow or shrink by so much in each half of a step: beside a singular
  * configuration there is another branch. So they tell it where bodies move less than this in a
  * half, in lengths and radians: the angle between two of them turns by twice as much, and the root
@@ -16,30 +16,30 @@
 #define FINEST_WAY 1e-6
 /* how far behind a position where rows are nearly dependent a step is tried, in its length; where
  * branches do not meet there, positions in between may have ratios this much smaller */
-#define FURTHEST 8.0
-#define DEEPER 1e-3
+#define FURTHEST_TRIAL 8.0
+#define DEEP_RATIO_PART 1e-3
 /* the largest turn of a step: angles count their turns [rad] */
-#define COUNTABLE 1.0
+#define MOST_TURN 1.0
 /* what Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
  * many steps it is tried even so */
-#define SURE 1e-3
-#define TRIALS 64.0
+#define SURE_WORK_ERROR 1e-3
+#define RULE_TRIAL_STEPS 64.0
 /* energies are rounding below that part of them */
-#define CERTAIN 1e-13
+#define ENERGY_ROUNDING 1e-13
 /* what a rule left counts from step to step by this part: at a turning point of the rate it is
  * small */
-#define FADING 0.5
+#define ERROR_DECAY 0.5
 /* a node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2 */
-#define LOBATTO 0.17267316464601143
+#define LOBATTO_NODE 0.17267316464601143
 
 /* its error goes with the cube of what it changes, over the square of what Simpson's rule does: so
  * it is twice that of a sine. Where even powers of time change nothing by chance, odd ones do:
  * where its nodes in the half of a step around the middle are, the square of what a cubic
  * polynomial is off a straight line there, and what that counts */
-#define EVEN 0.2
+#define EVEN_ERROR_PART 0.2
 #define ODD_PLACE 0.6546536707079772
 #define ODD_PART 0.14
-#define ODD 4e-4
+#define ODD_ERROR_PART 4e-4
 
 /* up to which part of a step a position is found, and where it is kept */
 typedef struct {
@@ -48,7 +48,8 @@ typedef struct {
 } Part;
 static const Part leap[1] = { { 1.0, 1 } };
 static const Part halves[2] = { { 0.5, 0 }, { 1.0, 1 } };
-static const Part nodes[4] = { { LOBATTO, 2 }, { 0.5, 0 }, { 1.0 - LOBATTO, 3 }, { 1.0, 1 } };
+static const Part nodes[4] = { { LOBATTO_NODE, 2 }, { 0.5, 0 }, { 1.0 - LOBATTO_NODE, 3 },
+    { 1.0, 1 } };
 
 /* a position and velocity, and their derivative */
 typedef struct {
@@ -84,11 +85,12 @@ static double roughness(
     for (size_t k = 0; k < NV; ++k) {
         change[k] = h * (v[1][k] - v[0][k] - 0.5 * h * (v_dot[0][k] + v_dot[1][k]));
     }
-    const double known = larger(larger(NEGLIGIBLE, blur_of(work, s)), FAITHFUL * way);
+    const double known = larger(
+        larger(NEGLIGIBLE_PREDICTION_ERROR, blur_of(work, s)), PREDICTION_ERROR_PART * way);
     double rough = larger(drift, size_of(change)) / known;
     /* no prediction tells how far drivers turn */
     for (size_t k = COUNTED; FITS && k != COUNTED_END; ++k) {
-        const double turn = fabs(to.y[k] - from.y[k]) / COUNTABLE;
+        const double turn = fabs(to.y[k] - from.y[k]) / MOST_TURN;
         rough = larger(rough, turn * turn);
     }
     return rough;
@@ -100,7 +102,7 @@ static int is_explained(double h, Position start, Position half, Position last)
 {
     const double fastest = larger(
         larger(size_of(start.y + NQ), size_of(half.y + NQ)), size_of(last.y + NQ));
-    const double most = larger(NO_JUMP, UNEXPLAINED * 2.0 * h * fastest);
+    const double most = larger(SMALLEST_JUMP, UNEXPLAINED_MOTION_PART * 2.0 * h * fastest);
     for (size_t k = 0; k < NQ; ++k) {
         const double rates = start.f[k] + 4.0 * half.f[k] + last.f[k];
         const double left = last.y[k] - start.y[k] - h / 3.0 * rates;
@@ -198,7 +200,8 @@ static int find_between(double end, double weak, State *s, Work *work)
     for (size_t k = 0; k != 2; ++k) {
         const Position from = k == 0 ? (Position){ s->y, s->f } : position_at(0, work);
         const Position to = position_at(2 + k, work);
-        const double x = k == 0 ? LOBATTO : 1.0 - LOBATTO, way = (k == 0 ? x : x - 0.5) * h;
+        const double x = k == 0 ? LOBATTO_NODE : 1.0 - LOBATTO_NODE,
+                     way = (k == 0 ? x : x - 0.5) * h;
         double drift = 0.0;
         if (!predict_and_correct(s->time + x * h, way, from, to, work, s, &drift)) return 0;
         if (!(roughness(way, drift, from, to, work, s) <= 1.0)) return 0;
@@ -236,9 +239,9 @@ static double unbalanced(const Settings *settings, double h, const State *s, Wor
         most = larger(larger(fabs(s->y[k]), fabs(end[k])), most);
     }
     const double size = moving_energy(h, s, work) + most;
-    const double known = CERTAIN * larger(fabs(w[W_ENERGIES + 1]), fabs(s->energy));
+    const double known = ENERGY_ROUNDING * larger(fabs(w[W_ENERGIES + 1]), fabs(s->energy));
     const double blur = blur_of(work, s); /* velocities: as much of the way to another branch */
-    return left / ((settings->tolerance + blur * blur / BLURRED) * size + known);
+    return left / ((settings->tolerance + blur * blur / BRANCH_ROUNDING) * size + known);
 }
 
 /* sums the works of a step by a better rule than Simpson's, unless that is good enough, and returns
@@ -264,9 +267,9 @@ static double sum_works(const Settings *settings, double end, double weak, int h
         const double left = (2.0 * half[k] - rate[k] - f[k]) / 6.0;
         if (way > 0.0) error = larger(0.5 * h * left * (left / way) / size, error);
     }
-    error = s->simpson = larger(error / settings->tolerance, FADING * s->simpson);
+    error = s->simpson = larger(error / settings->tolerance, ERROR_DECAY * s->simpson);
     if (!has_nodes) {
-        if (error < SURE && fmod(s->steps, TRIALS) != 0.0) return error;
+        if (error < SURE_WORK_ERROR && fmod(s->steps, RULE_TRIAL_STEPS) != 0.0) return error;
         has_nodes = find_between(end, weak, s, work);
         place(end, y, work->w); /* its geometry again */
         ratio_at(y, work, s);
@@ -279,21 +282,23 @@ static double sum_works(const Settings *settings, double end, double weak, int h
         const double more = 49.0 / 90.0 * h * (inner - half[k] - 3.0 / 7.0 * (ends - half[k]));
         const double coarse = h * (ends - half[k]) / 3.0;
         const double square = more * more + coarse * coarse;
-        if (square > 0.0) told = larger(EVEN * fabs(more) * (more * more / square) / size, told);
+        if (square > 0.0)
+            told = larger(EVEN_ERROR_PART * fabs(more) * (more * more / square) / size, told);
         const double slope = 0.5 * (f[k] - rate[k]);
         const double odd = 0.5 * (other[k] - one[k]) - ODD_PLACE * slope;
         const double squares = odd * odd + slope * slope * ODD_PART;
-        if (squares > 0.0) told = larger(ODD * h * fabs(odd) * (odd * odd / squares) / size, told);
+        if (squares > 0.0)
+            told = larger(ODD_ERROR_PART * h * fabs(odd) * (odd * odd / squares) / size, told);
         most = larger(fabs(more), most);
         missed = larger(fabs(more) / size, missed);
         y[k] += more;
     }
     s->simpson = larger(missed / settings->tolerance, s->simpson);
-    if (error < SURE) {
-        s->work_error += most / h * smaller(s->untold, TRIALS * h);
+    if (error < SURE_WORK_ERROR) {
+        s->work_error += most / h * smaller(s->untold, RULE_TRIAL_STEPS * h);
         s->untold = 0.0;
     }
-    return larger(told / settings->tolerance, FADING * s->error);
+    return larger(told / settings->tolerance, ERROR_DECAY * s->error);
 }
 
 /* what is known of the works of a step: their error, in units of the tolerance, and at its end the
@@ -344,8 +349,8 @@ static void accept_position(
 static void note_ratios(double ratio, double end, int is_deep, State *s, const Work *work)
 {
     note_pivot_ratio(ratio, end, s);
-    if (ratio < WEAK * s->largest_pivot_ratio)
-        s->largest_pivot_ratio = ratio / WEAK * (is_deep ? DEEPER : 1.0);
+    if (ratio < WEAK_PIVOT_RATIO * s->largest_pivot_ratio)
+        s->largest_pivot_ratio = ratio / WEAK_PIVOT_RATIO * (is_deep ? DEEP_RATIO_PART : 1.0);
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, ratio);
     note_largest_pivot(work, s);
     s->position_ratio = told_ratio(work, s);
@@ -397,17 +402,18 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         const double whole = is_last ? asked - s->time : longest;
         const double end = is_last && part == 1.0 ? asked : s->time + part * whole;
         if (!(end - s->time > SMALLEST * larger(fabs(s->time), fabs(asked)))) return STEP_TOO_SMALL;
-        const int has_nodes = part <= 1.0 && tells_works && s->simpson >= SURE;
+        const int has_nodes = part <= 1.0 && tells_works && s->simpson >= SURE_WORK_ERROR;
         const Part *ways = part > 1.0 ? leap : has_nodes ? nodes : halves;
         const size_t n = part > 1.0 ? 1 : has_nodes ? 4 : 2;
-        const double weak = WEAK * (is_deep ? DEEPER : 1.0);
+        const double weak = WEAK_PIVOT_RATIO * (is_deep ? DEEP_RATIO_PART : 1.0);
         const int good = reach(end, ways, n, weak, s, work, &drift, &rough);
         const double ratio = pivot_ratio(work, s);
         WorkEstimate told = { 0.0, 0.0, 0.0, 0 };
         if (good && tells_works) tell_works(settings, end, weak, n, s, work, &told);
         const double error = part > 1.0 ? 0.0 : told.error; /* leaps sum no works well */
         const double factor = following(error, rough, good, told.is_told);
-        const int is_avoided = part < FURTHEST && !is_deep && ratio < WEAK * s->largest_pivot_ratio;
+        const int is_avoided = part < FURTHEST_TRIAL && !is_deep &&
+                               ratio < WEAK_PIVOT_RATIO * s->largest_pivot_ratio;
         const int is_fit = good && error <= 1.0 && !is_avoided;
         const int branch = is_fit ? branch_at(end, s, work) : STAYS;
         /* onto another branch, or over what one can go through, as works want */

@@ -25,8 +25,8 @@ from .crossing import (
 from .dense_output import hermite_cubic
 from .methods import METHODS
 from .pivot_monitor import (
-    BLURRED,
-    WEAK,
+    BRANCH_ROUNDING,
+    WEAK_PIVOT_RATIO,
     blur_of,
     branch_ratio,
     note_largest_pivot,
@@ -55,12 +55,12 @@ if TYPE_CHECKING:
     from .state import State
 
 #: What a prediction may miss: a part of the way of a step, and what always may.
-FAITHFUL = 0.02
-NEGLIGIBLE = 1e-9
+PREDICTION_ERROR_PART = 0.02
+NEGLIGIBLE_PREDICTION_ERROR = 1e-9
 #: The part of the way of a step that velocities may not explain, and what always may: a driver
 #: jumps.
-UNEXPLAINED = 1e-3
-NO_JUMP = 1e-6
+UNEXPLAINED_MOTION_PART = 1e-3
+SMALLEST_JUMP = 1e-6
 #: Ratios that tell branches may grow or shrink by so much in each half of a step: beside a singular
 #: configuration there is another branch. So they tell it where bodies move less than this in a
 #: half, in lengths and radians: the angle between two of them turns by twice as much, and the root
@@ -70,33 +70,33 @@ LONGEST_WAY = 0.6
 FINEST_WAY = 1e-6
 #: How far behind a position where rows are nearly dependent a step is tried, in its length; where
 #: branches do not meet there, positions in between may have ratios this much smaller.
-FURTHEST = 8.0
-DEEPER = 1e-3
+FURTHEST_TRIAL = 8.0
+DEEP_RATIO_PART = 1e-3
 #: The largest turn of a step: angles count their turns [rad].
-COUNTABLE = 1.0
+MOST_TURN = 1.0
 #: What Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
 #: many steps it is tried even so.
-SURE = 1e-3
-TRIALS = 64.0
+SURE_WORK_ERROR = 1e-3
+RULE_TRIAL_STEPS = 64.0
 #: Energies are rounding below that part of them.
-CERTAIN = 1e-13
+ENERGY_ROUNDING = 1e-13
 #: What a rule left counts from step to step by this part: at a turning point of the rate it is
 #: small.
-FADING = 0.5
+ERROR_DECAY = 0.5
 #: A node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2.
-LOBATTO = 0.17267316464601143
+LOBATTO_NODE = 0.17267316464601143
 #: Its error goes with the cube of what it changes, over the square of what Simpson's rule does: so
 #: it is twice that of a sine. Where even powers of time change nothing by chance, odd ones do:
 #: where its nodes in the half of a step around the middle are, the square of what a cubic
 #: polynomial is off a straight line there, and what that counts.
-EVEN = 0.2
+EVEN_ERROR_PART = 0.2
 ODD_PLACE = 0.6546536707079772
 ODD_PART = 0.14
-ODD = 4e-4
+ODD_ERROR_PART = 4e-4
 #: Up to which parts of a step positions are found in turn, and where each is kept.
 LEAP = ((1.0, 1),)
 HALVES = ((0.5, 0), (1.0, 1))
-NODES = ((LOBATTO, 2), (0.5, 0), (1.0 - LOBATTO, 3), (1.0, 1))
+NODES = ((LOBATTO_NODE, 2), (0.5, 0), (1.0 - LOBATTO_NODE, 3), (1.0, 1))
 
 
 class Position(NamedTuple):
@@ -157,11 +157,13 @@ def roughness(
     nq = scene.nq
     way = work.w.way_of(h, start.y, to.y)
     change = h * (to.y[nq:] - start.y[nq:] - 0.5 * h * (start.f[nq:] + to.f[nq:]))
-    known = larger(larger(NEGLIGIBLE, blur_of(work, state)), FAITHFUL * way)
+    known = larger(
+        larger(NEGLIGIBLE_PREDICTION_ERROR, blur_of(work, state)), PREDICTION_ERROR_PART * way
+    )
     rough = larger(drift, size_of(change)) / known
     if scene.fits:  # no prediction tells how far drivers turn
         counted = slice(*scene.counted)
-        turn = float(np.max(np.abs(to.y[counted] - start.y[counted]), initial=0.0)) / COUNTABLE
+        turn = float(np.max(np.abs(to.y[counted] - start.y[counted]), initial=0.0)) / MOST_TURN
         rough = larger(rough, turn * turn)
     return rough
 
@@ -178,7 +180,7 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
     left = last.y[:nq] - start.y[:nq] - h / 3.0 * rates
     fastest = larger(larger(size_of(start.y[nq:]), size_of(half.y[nq:])), size_of(last.y[nq:]))
     miss = float(np.max(np.abs(left) / scene.floors))
-    return miss <= larger(NO_JUMP, UNEXPLAINED * 2.0 * h * fastest)
+    return miss <= larger(SMALLEST_JUMP, UNEXPLAINED_MOTION_PART * 2.0 * h * fastest)
 
 
 def told_ratio(work: Work, state: State) -> float:
@@ -280,7 +282,10 @@ def find_between(end: float, weak: float, state: State, work: Work) -> bool:
     """Find the positions of a step in halves at the other nodes; return whether they are."""
     h = end - state.time
     start, half = Position(state.y, state.f), position_at(0, work)
-    for x, place, before, gone in ((LOBATTO, 2, start, 0.0), (1.0 - LOBATTO, 3, half, 0.5)):
+    for x, place, before, gone in (
+        (LOBATTO_NODE, 2, start, 0.0),
+        (1.0 - LOBATTO_NODE, 3, half, 0.5),
+    ):
         way, to = (x - gone) * h, position_at(place, work)
         drift = predict_and_correct(state.time + x * h, way, before, to, work, state)
         if not roughness(way, drift, before, to, work, state) <= 1.0:
@@ -317,9 +322,9 @@ def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:
     left = abs(energy_balance(end, work, state) - state.balance)
     most = float(np.max(np.maximum(np.abs(state.y[done]), np.abs(end[done]))))
     size = moving_energy(h, state, work) + most
-    known = CERTAIN * larger(abs(w.energies[1]), abs(state.energy))
+    known = ENERGY_ROUNDING * larger(abs(w.energies[1]), abs(state.energy))
     blur = blur_of(work, state)  # velocities are known to as much of the way to another branch
-    return left / ((s.tolerance + blur * blur / BLURRED) * size + known)
+    return left / ((s.tolerance + blur * blur / BRANCH_ROUNDING) * size + known)
 
 
 def sum_works(
@@ -351,9 +356,9 @@ def sum_works(
     way = np.abs(rate) + 2.0 * np.abs(half) + np.abs(f)
     relative = left / np.where(way > 0.0, way, 1.0)
     most = larger(float(np.max(0.5 * h * left * relative / sizes)), 0.0)
-    error = state.simpson = larger(most / s.tolerance, FADING * state.simpson)
+    error = state.simpson = larger(most / s.tolerance, ERROR_DECAY * state.simpson)
     if not has_nodes:
-        if error < SURE and math.fmod(state.steps, TRIALS) != 0.0:
+        if error < SURE_WORK_ERROR and math.fmod(state.steps, RULE_TRIAL_STEPS) != 0.0:
             return error, False
         has_nodes = find_between(end, weak, state, work)
         work.w.place(end, position_at(1, work).y)  # its geometry again
@@ -363,21 +368,21 @@ def sum_works(
     one, other = (position_at(place, work).f[done] for place in (2, 3))
     ends = 0.5 * (rate + f)
     more = 49.0 / 90.0 * h * (0.5 * (one + other) - half - 3.0 / 7.0 * (ends - half))
-    if error < SURE:
-        untold = smaller(state.untold, TRIALS * h)
+    if error < SURE_WORK_ERROR:
+        untold = smaller(state.untold, RULE_TRIAL_STEPS * h)
         state.work_error += float(np.max(np.abs(more))) / h * untold
         state.untold = 0.0
     coarse = h * (ends - half) / 3.0
     square = more * more + coarse * coarse
-    even_left = EVEN * np.abs(more) * (more * more / np.where(square > 0.0, square, 1.0))
+    even_left = EVEN_ERROR_PART * np.abs(more) * (more * more / np.where(square > 0.0, square, 1.0))
     slope = 0.5 * (f - rate)
     odd = 0.5 * (other - one) - ODD_PLACE * slope
     square = odd * odd + slope * slope * ODD_PART
-    odd_left = ODD * h * np.abs(odd) * (odd * odd / np.where(square > 0.0, square, 1.0))
+    odd_left = ODD_ERROR_PART * h * np.abs(odd) * (odd * odd / np.where(square > 0.0, square, 1.0))
     position_at(1, work).y[done] += more
     state.simpson = larger(float(np.max(np.abs(more) / sizes)) / s.tolerance, state.simpson)
     told = larger(float(np.max(even_left / sizes)), float(np.max(odd_left / sizes)))
-    return larger(told / s.tolerance, FADING * state.error), True
+    return larger(told / s.tolerance, ERROR_DECAY * state.error), True
 
 
 def tell_works(
@@ -425,8 +430,8 @@ def note_ratios(ratio: float, end: float, state: State, work: Work, *, is_deep: 
     Where it is weak later ones are compared with what it is, or less where it is deep.
     """
     note_pivot_ratio(ratio, end, state)
-    if ratio < WEAK * state.largest_pivot_ratio:
-        state.largest_pivot_ratio = ratio / WEAK * (DEEPER if is_deep else 1.0)
+    if ratio < WEAK_PIVOT_RATIO * state.largest_pivot_ratio:
+        state.largest_pivot_ratio = ratio / WEAK_PIVOT_RATIO * (DEEP_RATIO_PART if is_deep else 1.0)
     state.largest_pivot_ratio = larger(state.largest_pivot_ratio, ratio)
     note_largest_pivot(work, state)
     state.position_ratio = told_ratio(work, state)
@@ -478,16 +483,20 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         end = asked if is_last and part == 1.0 else state.time + part * whole
         if not end - state.time > SMALLEST * larger(abs(state.time), abs(asked)):
             return Status.STEP_TOO_SMALL
-        has_nodes = tells_works and state.simpson >= SURE
+        has_nodes = tells_works and state.simpson >= SURE_WORK_ERROR
         parts = LEAP if part > 1.0 else NODES if has_nodes else HALVES
-        weak = WEAK * (DEEPER if is_deep else 1.0)
+        weak = WEAK_PIVOT_RATIO * (DEEP_RATIO_PART if is_deep else 1.0)
         drift, rough = reach(end, parts, weak, state, work)
         is_good, ratio = drift >= 0.0, pivot_ratio(work, state)
         tells = is_good and tells_works
         told = tell_works(s, end, weak, state, work, parts) if tells else WorkEstimate()
         error = told.error if part <= 1.0 else 0.0  # leaps sum no works well
         factor = following(error, rough, is_good=is_good, is_told=told.is_told)
-        is_avoided = part < FURTHEST and not is_deep and ratio < WEAK * state.largest_pivot_ratio
+        is_avoided = (
+            part < FURTHEST_TRIAL
+            and not is_deep
+            and ratio < WEAK_PIVOT_RATIO * state.largest_pivot_ratio
+        )
         is_fit = is_good and error <= 1.0 and not is_avoided
         branch = branch_at(end, state, work) if is_fit else STAYS
         # onto another branch, or over what one can go through, as works want

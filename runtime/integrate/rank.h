@@ -121,7 +121,7 @@ static int is_regular_beside(size_t wanted, State *s, Work *work)
         }
         for (size_t k = 0; k < NV; ++k) u[k] *= rank->columns_by[k];
         const double size = size_of(u);
-        if (!(size > NO_WAY)) return 0;
+        if (!(size > SMALLEST_DIRECTION)) return 0;
         for (size_t k = 0; k < NV; ++k) u[k] /= size;
         if (!step_along(u, y, work, s)) continue;
         double moved = 0.0;

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .continuation import NO_WAY, follow_design, set_parameters, step_along
+from .continuation import SMALLEST_DIRECTION, follow_design, set_parameters, step_along
 from .projection import project
 from .settings import CLEARLY
 from .state import SINGLE
@@ -132,7 +132,7 @@ def is_regular_beside(wanted: int, rank: Rank, state: State, work: Work) -> bool
             u -= np.cumsum(row * u)[-1] * row
         u *= rank.columns_by
         size = work.w.size_of(u)
-        if not size > NO_WAY:
+        if not size > SMALLEST_DIRECTION:
             return False
         u /= size
         if not step_along(u, y, work, state):

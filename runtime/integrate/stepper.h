@@ -487,7 +487,8 @@ static Trial next_trial(Attempts *tried, const State *s)
 /* whether rows are nearly dependent at a pivot ratio */
 static int is_weak(double ratio, const Attempts *tried, const State *s)
 {
-    return ratio < (tried->is_fixed ? VAGUE : WEAK) * s->largest_pivot_ratio;
+    return ratio <
+           (tried->is_fixed ? VAGUE_PIVOT_RATIO : WEAK_PIVOT_RATIO) * s->largest_pivot_ratio;
 }
 
 /* makes the stages of a trial. 0 where Newton has gone far away in a step that cannot be shorter,
@@ -552,7 +553,8 @@ static int is_clear(Attempts *tried, Trial *trial, State *s)
     if (!is_weak(trial->least_ratio, tried, s)) return 1;
     if (trial->least_ratio > 0.0 && is_weak(trial->most_ratio, tried, s)) {
         /* it is so everywhere: shorter steps stay there */
-        s->largest_pivot_ratio = trial->least_ratio / (tried->is_fixed ? VAGUE : WEAK);
+        s->largest_pivot_ratio = trial->least_ratio /
+                                 (tried->is_fixed ? VAGUE_PIVOT_RATIO : WEAK_PIVOT_RATIO);
     } else if (tried->avoided <= MOST_AVOIDED) {
         if (trial->least_ratio > tried->best) {
             tried->best = trial->least_ratio;

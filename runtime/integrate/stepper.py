@@ -28,8 +28,8 @@ from .crossing import (
 )
 from .dense_output import combine
 from .pivot_monitor import (
-    VAGUE,
-    WEAK,
+    VAGUE_PIVOT_RATIO,
+    WEAK_PIVOT_RATIO,
     branch_ratio,
     note_largest_pivot,
     note_pivot_ratio,
@@ -622,7 +622,10 @@ def next_trial(tried: Attempts, state: State) -> Trial:
 
 def is_weak(ratio: float, tried: Attempts, state: State) -> bool:
     """Whether rows are nearly dependent at a pivot ratio."""
-    return ratio < (VAGUE if tried.is_fixed else WEAK) * state.largest_pivot_ratio
+    return (
+        ratio
+        < (VAGUE_PIVOT_RATIO if tried.is_fixed else WEAK_PIVOT_RATIO) * state.largest_pivot_ratio
+    )
 
 
 def is_made(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
@@ -676,7 +679,9 @@ def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:
         return True
     if trial.least_ratio > 0.0 and is_weak(trial.most_ratio, tried, state):
         # it is so everywhere: shorter steps stay there
-        state.largest_pivot_ratio = trial.least_ratio / (VAGUE if tried.is_fixed else WEAK)
+        state.largest_pivot_ratio = trial.least_ratio / (
+            VAGUE_PIVOT_RATIO if tried.is_fixed else WEAK_PIVOT_RATIO
+        )
     elif tried.avoided <= MOST_AVOIDED:
         if trial.least_ratio > tried.best:
             tried.best, tried.best_h = trial.least_ratio, trial.h

@@ -13,7 +13,7 @@ from kousoku.runtime.integrate import kinematics
 from kousoku.runtime.integrate.crossing import Look
 from kousoku.runtime.integrate.kinematics import HALVES, driven_step, watched_end
 from kousoku.runtime.integrate.methods import METHODS
-from kousoku.runtime.integrate.pivot_monitor import WEAK
+from kousoku.runtime.integrate.pivot_monitor import WEAK_PIVOT_RATIO
 from kousoku.runtime.integrate.settings import Status
 
 ANY: Any = None
@@ -74,8 +74,8 @@ def test_a_step_is_put_before_where_rows_are_nearly_dependent_and_then_behind_it
     monkeypatch: pytest.MonkeyPatch, state: Any, work: Any
 ) -> None:
     parts = [1.0, 0.75, 0.5, *(1.25**n for n in range(1, 11))]
-    assert parts[-2] < kinematics.FURTHEST < parts[-1]
-    tried = step(monkeypatch, state, work, 100.0, ratios=[0.5 * WEAK] * 13)
+    assert parts[-2] < kinematics.FURTHEST_TRIAL < parts[-1]
+    tried = step(monkeypatch, state, work, 100.0, ratios=[0.5 * WEAK_PIVOT_RATIO] * 13)
     assert tried.ends == [(2.0 + part, part <= 1.0) for part in parts]
     assert (state.avoided, state.rejected) == (12, 0)
     assert tried.kept == (2.0 + parts[-1], 100.0)
@@ -84,7 +84,7 @@ def test_a_step_is_put_before_where_rows_are_nearly_dependent_and_then_behind_it
 def test_a_ratio_at_the_threshold_is_not_weak(
     monkeypatch: pytest.MonkeyPatch, state: Any, work: Any
 ) -> None:
-    tried = step(monkeypatch, state, work, 100.0, ratios=[WEAK])
+    tried = step(monkeypatch, state, work, 100.0, ratios=[WEAK_PIVOT_RATIO])
     assert tried.ends == [(3.0, True)]
     assert state.avoided == 0
 
@@ -127,7 +127,7 @@ def test_a_place_that_is_not_smooth_behind_a_weak_one_is_given_up(
     monkeypatch: pytest.MonkeyPatch, state: Any, work: Any
 ) -> None:
     """The step begins again, half as long."""
-    ratios = [0.5 * WEAK] * 3
+    ratios = [0.5 * WEAK_PIVOT_RATIO] * 3
     tried = step(monkeypatch, state, work, 100.0, ratios=ratios, drifts=[0.0, 0.0, 0.0, -1.0, 0.0])
     assert [end - 2.0 for end, _ in tried.ends] == [1.0, 0.75, 0.5, 1.25, 0.5]
     assert (state.avoided, state.rejected) == (3, 1)
