@@ -363,7 +363,7 @@ def open_dynamics(sources: Sources, target: Target) -> DynamicsSolver:
         target=open_target(sources, target),
         rows=tuple((joint, unit) for joint, unit in data["rows"]),
         left_out=tuple((joint, unit) for joint, unit in data["left_out"]),
-        satisfied=tuple((joint, unit) for joint, unit in data["reduced"]),
+        satisfied=tuple((joint, unit) for joint, unit in data["satisfied"]),
         conserved=tuple(map(ConservedPlaces.from_data, data["kept"])),
         parameters=tuple((name, value) for name, value in data["parameters"]),
         is_driven=data["is_driven"],

@@ -162,7 +162,7 @@ class Run:
         from .placing import started
 
         data, scene = self._scene.data, self._scene.solver.scene
-        rows = [tuple(row) for part in ("rows", "left_out", "reduced") for row in data[part]]
+        rows = [tuple(row) for part in ("rows", "left_out", "satisfied") for row in data[part]]
         y = state_of(scene, self.state).y.copy()
         return started(self._layout, rows, self._evaluate(parameters), y, initial)
 

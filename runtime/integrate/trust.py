@@ -45,14 +45,14 @@ class CheckedRows(NamedTuple):
 
     Parameters
     ----------
-    rows, left_out, reduced : sequence of (str, str)
+    rows, left_out, satisfied : sequence of (str, str)
         Those solved for; those that others imply but for the closure tolerance; those that
-        coordinates of the solver fulfil.
+        joint coordinates satisfy identically.
     """
 
     rows: Sequence[tuple[str, str]]
     left_out: Sequence[tuple[str, str]]
-    reduced: Sequence[tuple[str, str]]
+    satisfied: Sequence[tuple[str, str]]
 
 
 class RunVerdict(NamedTuple):
@@ -238,7 +238,7 @@ def judge(
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
     units = [unit for part in rows for _, unit in part]
     lengths = [layout.length if unit == "m" else 1.0 for unit in units]
-    residuals, held = state["violations"][0] / lengths, len(rows.rows) + len(rows.reduced)
+    residuals, held = state["violations"][0] / lengths, len(rows.rows) + len(rows.satisfied)
     ends = (residuals[:held], residuals[held:])
     constraints, missed = (float(np.max(part, initial=0.0)) for part in ends)  # a NaN stays
     moved, is_free = single["energy_moved"], layout.sizes["v"] != held
@@ -301,7 +301,7 @@ def trust_of(
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
     checks, is_led = bool(settings.checks), settings.method == len(METHODS)
     knows_energy = checks and is_weighed
-    is_free = layout.sizes["v"] != len(rows.rows) + len(rows.reduced)
+    is_free = layout.sizes["v"] != len(rows.rows) + len(rows.satisfied)
     told = larger(verdict.limit * single["energy_moved"], known_energy(single))
     is_still = knows_energy and told < single["energy_error"] <= verdict.energy_limit
     advice = "a smaller step" if settings.fixed_step else "a smaller tolerance or largest_step"

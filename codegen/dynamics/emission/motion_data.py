@@ -89,7 +89,7 @@ def motion_data(
         "closure_tolerance": system.closure_tolerance,
         "rows": [row_of(row, system) for row in program.rows],
         "left_out": [row_of(row, system) for row in program.left_out],
-        "reduced": [row_of(row, system) for row in program.satisfied],
+        "satisfied": [row_of(row, system) for row in program.satisfied],
         "checked": _checked(program, system),
         "places": {
             region.name: [region.base, region.size]
