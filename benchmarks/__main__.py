@@ -24,7 +24,7 @@ from rich.progress import Progress
 
 import benchmarks
 from benchmarks import commits
-from benchmarks.kit import Figures, Question, Record, Size, Target, matches
+from benchmarks.kit import BenchmarkTarget, Figures, Question, Record, Size, matches
 from benchmarks.machine import machine
 from benchmarks.race import MISSING, OURS, Workers, race
 from kousoku.model.cache import write_atomically
@@ -220,17 +220,20 @@ def run(name: str, question: Question, contest: str, size: Size, tell: Any) -> l
         workers.stop()
 
 
-def targets_of(chosen: dict[str, Question], answers: dict[str, Answer]) -> list[Target]:
+def targets_of(chosen: dict[str, Question], answers: dict[str, Answer]) -> list[BenchmarkTarget]:
     """Targets that the page promises, judged."""
     return [target for name, answer in answers.items() for target in judged(chosen[name], answer)]
 
 
-def judged(question: Question, answer: Answer) -> list[Target]:
+def judged(question: Question, answer: Answer) -> list[BenchmarkTarget]:
     """Targets of a question; what failed has none of its own, and misses that nothing fails."""
     failed = Counter(one.contest for one in answer.records if has_failed(one))
     return [
         *question.targets(answer.records),
-        *(Target(name, "cases that fail", float(count), 0.0) for name, count in failed.items()),
+        *(
+            BenchmarkTarget(name, "cases that fail", float(count), 0.0)
+            for name, count in failed.items()
+        ),
     ]
 
 

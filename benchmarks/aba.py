@@ -23,7 +23,7 @@ from benchmarks.chains import (
     bars,
     joint_states,
 )
-from benchmarks.kit import MissingError, required
+from benchmarks.kit import PeerMissingError, required
 from benchmarks.loops import cpp_compiler, eigen, started
 from kousoku.model.cache import cache_folder
 from kousoku.runtime.toolchain import find_toolchain
@@ -46,7 +46,7 @@ def loop_library() -> Path:
 
     Raises
     ------
-    MissingError
+    PeerMissingError
         Pinocchio, Eigen or a C++ compiler is not there.
     """
     found = hashlib.sha256(SOURCE.read_bytes())
@@ -67,7 +67,7 @@ def build_loop() -> None:
 
     Raises
     ------
-    MissingError
+    PeerMissingError
         What it needs is not there, or it does not compile in time.
     """
     library = loop_library()
@@ -79,9 +79,9 @@ def build_loop() -> None:
         try:
             _, said = process.communicate(timeout=PATIENCE)
         except subprocess.TimeoutExpired:
-            raise MissingError(f"{SOURCE.name} compiles for more than {PATIENCE:g} s") from None
+            raise PeerMissingError(f"{SOURCE.name} compiles for more than {PATIENCE:g} s") from None
     if process.returncode:
-        raise MissingError(f"{SOURCE.name} does not compile: {said[-500:]}")
+        raise PeerMissingError(f"{SOURCE.name} does not compile: {said[-500:]}")
     begun.rename(library)
 
 
@@ -90,12 +90,12 @@ def looped(count: int) -> Accelerations:
 
     Raises
     ------
-    MissingError
+    PeerMissingError
         It was not compiled.
     """
     library = loop_library()
     if not library.exists():
-        raise MissingError(f"{SOURCE.name} was not compiled")
+        raise PeerMissingError(f"{SOURCE.name} was not compiled")
     exported = ctypes.CDLL(str(library))
     exported.chain_new.restype = ctypes.c_void_p
     numbers = [CENTRE, MOMENTS, GRAVITY]

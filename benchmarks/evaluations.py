@@ -11,15 +11,15 @@ import numpy as np
 
 from benchmarks import aba, chains
 from benchmarks.kit import (
+    BenchmarkTarget,
     Call,
     Case,
     Figures,
     Judged,
-    MissingError,
+    PeerMissingError,
     Question,
     Record,
     Size,
-    Target,
     fastest_and_median,
     interleave,
     rounds_of,
@@ -84,7 +84,7 @@ def run(contest: str, size: Size, workers: Workers) -> list[Record]:
     if size.is_full and _chain_of(contest) in CHAINS:
         try:
             aba.build_loop()
-        except MissingError as error:
+        except PeerMissingError as error:
             reason = str(error)
     found = race(contest, cases(contest, size), workers, QUESTION.seconds)
     for one in found:
@@ -206,7 +206,7 @@ def _kousoku(count: int) -> Call:
         if count in CHAINS:
             try:
                 peer = aba.called(count)
-            except MissingError:
+            except PeerMissingError:
                 return Judged(call.judge().error, extra)
             peer.run(1)
             extra["Pinocchio"] = chains.difference(entry.results(), peer.results())
@@ -230,7 +230,7 @@ def _looped(count: int) -> Call:
 # ---------------------------------------------------------------- the page
 
 
-def targets(records: Sequence[Record]) -> list[Target]:
+def targets(records: Sequence[Record]) -> list[BenchmarkTarget]:
     """Targets that the page promises of chains that were run."""
     found = []
     for contest in dict.fromkeys(one.contest for one in records):
@@ -240,11 +240,15 @@ def targets(records: Sequence[Record]) -> list[Target]:
             continue
         if count in CHAINS:
             value = _of_pinocchio(records, count)
-            found.append(Target(contest, "time over Pinocchio's", value, OF_PINOCCHIO))
+            found.append(BenchmarkTarget(contest, "time over Pinocchio's", value, OF_PINOCCHIO))
             peer = ours.extra.get("Pinocchio")
-            found.append(Target(contest, "relative difference from Pinocchio", peer, EQUAL))
+            found.append(
+                BenchmarkTarget(contest, "relative difference from Pinocchio", peer, EQUAL)
+            )
         other = ours.extra.get("recursion")
-        found.append(Target(contest, "relative difference from the recursion", other, EQUAL))
+        found.append(
+            BenchmarkTarget(contest, "relative difference from the recursion", other, EQUAL)
+        )
     return found
 
 

@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.kit import (
+    BenchmarkTarget,
     Case,
     Figures,
     Kind,
     Question,
     Record,
     Size,
-    Target,
     duration,
     fastest_and_median,
     listed,
@@ -235,7 +235,7 @@ def _line(running: subprocess.Popen[str]) -> str:
 # ---------------------------------------------------------------- the page
 
 
-def targets(records: Sequence[Record]) -> list[Target]:
+def targets(records: Sequence[Record]) -> list[BenchmarkTarget]:
     """Targets that the page promises of chains that were run."""
     found = []
     for one in records:
@@ -243,11 +243,13 @@ def targets(records: Sequence[Record]) -> list[Target]:
             limit = FIRST_STEPS.get(bars_of(one.contest))
             if limit is not None:
                 quantity = "seconds from scene to first step"
-                found.append(Target(one.contest, quantity, one.median, limit))
+                found.append(BenchmarkTarget(one.contest, quantity, one.median, limit))
     timed = [one for one in records if one.contest == STEPS]
     if timed:
         spread = timed[0].extra.get("spread")
-        found.append(Target(STEPS, "largest over smallest time of a step and bar", spread, GROWTH))
+        found.append(
+            BenchmarkTarget(STEPS, "largest over smallest time of a step and bar", spread, GROWTH)
+        )
     return found
 
 

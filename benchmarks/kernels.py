@@ -20,6 +20,7 @@ import numpy as np
 from benchmarks import limits
 from benchmarks.kernel_peers import heyoka_functions, lambdified, stacked
 from benchmarks.kit import (
+    BenchmarkTarget,
     Call,
     Case,
     Figures,
@@ -27,7 +28,6 @@ from benchmarks.kit import (
     Question,
     Record,
     Size,
-    Target,
     listed,
     table,
 )
@@ -464,7 +464,7 @@ def _batch_call(one: Measured, way: str, n: int) -> Callable[[], object]:
 # ---------------------------------------------------------------- the page
 
 
-def targets(records: Sequence[Record]) -> list[Target]:
+def targets(records: Sequence[Record]) -> list[BenchmarkTarget]:
     """Targets that the page promises of contests that were run."""
     found = []
     for contest in dict.fromkeys(one.contest for one in records):
@@ -472,11 +472,13 @@ def targets(records: Sequence[Record]) -> list[Target]:
         for (tool, line), peer, limit in _judged_pairs(contest):
             if (tool, line) in own:
                 value = _ratio(own[tool, line], own.get(peer))
-                found.append(Target(contest, f"{line} over {' '.join(peer)}", value, limit))
+                found.append(
+                    BenchmarkTarget(contest, f"{line} over {' '.join(peer)}", value, limit)
+                )
         for line, limit in MICROSECONDS.items() if contest == CALLS else ():
             one = own.get(("kousoku", line))
             value = None if one is None or one.fastest is None else one.fastest * 1e6
-            found.append(Target(contest, f"µs of a {line}", value, limit))
+            found.append(BenchmarkTarget(contest, f"µs of a {line}", value, limit))
     return found
 
 

@@ -39,7 +39,7 @@ KINDS: dict[Kind, str] = {
 SLICE, ROUNDS, SPENT = 0.02, 7, 1.0
 
 
-class MissingError(Exception):
+class PeerMissingError(Exception):
     """A program to compare with is not installed; the text says what to install."""
 
 
@@ -48,7 +48,7 @@ def required(name: str, install: str = "pip install 'kousoku[bench]'") -> Any:
 
     Raises
     ------
-    MissingError
+    PeerMissingError
         It is not installed.
     """
     try:
@@ -56,7 +56,7 @@ def required(name: str, install: str = "pip install 'kousoku[bench]'") -> Any:
         if getattr(found, "__file__", None) is None:  # what a package that is removed may leave
             raise ImportError(f"{name} is a folder without modules")
     except ImportError as error:
-        raise MissingError(f"{name.partition('.')[0]} ({error}); {install}") from error
+        raise PeerMissingError(f"{name.partition('.')[0]} ({error}); {install}") from error
     return found
 
 
@@ -184,7 +184,7 @@ def _plain(value: Any) -> Any:
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class BenchmarkTarget:
     """What ``--check`` judges and the page states.
 
     Parameters
@@ -264,7 +264,7 @@ class Question:
     contests: Callable[[Size], Sequence[str]]
     cases: Callable[[str, Size], list[Case]]
     body: Callable[[Sequence[Record], Figures], str]
-    targets: Callable[[Sequence[Record]], list[Target]] = lambda _: []
+    targets: Callable[[Sequence[Record]], list[BenchmarkTarget]] = lambda _: []
     words: Callable[[Sequence[Record]], str] = lambda _: ""
     run: Callable[[str, Size, Workers], list[Record]] | None = None
     seconds: float = 150.0

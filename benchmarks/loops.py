@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from benchmarks.kernel_peers import casadi_source, symforce_header, sympy_source
-from benchmarks.kit import MissingError, end_group, required
+from benchmarks.kit import PeerMissingError, end_group, required
 from benchmarks.p2 import SIZES
 from kousoku.runtime.library import LANES
 from kousoku.runtime.toolchain import find_toolchain
@@ -90,7 +90,7 @@ def symforce_loop(folder: Path) -> CallLoop:
 
     Raises
     ------
-    MissingError
+    PeerMissingError
         SymForce, Eigen or a C++ compiler is not there.
     """
     header = symforce_header(folder)
@@ -189,7 +189,7 @@ def _build(loop: Path, text: str, sources: Sequence[Path], extra: Sequence[str])
         command[command.index("-std=c99")] = "-std=c++17"
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise MissingError(f"{loop.name} does not compile:\n{done.stderr}")
+        raise PeerMissingError(f"{loop.name} does not compile:\n{done.stderr}")
     return CallLoop(library)
 
 
@@ -211,16 +211,16 @@ def eigen() -> Path:
 
     Raises
     ------
-    MissingError
+    PeerMissingError
         There are none.
     """
     places = [Path(base) for base in INCLUDES]
-    with suppress(MissingError):
+    with suppress(PeerMissingError):
         places.append(Path(required("casadi").__file__).parent / "include")
     for place in places:
         if (place / "eigen3" / "Eigen").is_dir():
             return place / "eigen3"
-    raise MissingError("headers of Eigen are missing; apt-get install libeigen3-dev")
+    raise PeerMissingError("headers of Eigen are missing; apt-get install libeigen3-dev")
 
 
 def cpp_compiler(command: Sequence[str]) -> list[str]:
@@ -233,4 +233,4 @@ def cpp_compiler(command: Sequence[str]) -> list[str]:
             found = other if before else shutil.which(other)
             if found:
                 return [*before, found]
-    raise MissingError(f"no C++ compiler beside {' '.join(command)}; SymForce's code is C++")
+    raise PeerMissingError(f"no C++ compiler beside {' '.join(command)}; SymForce's code is C++")

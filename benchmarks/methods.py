@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from benchmarks.kit import Case, Figures, Question, Record, Size, Target, number, table
+from benchmarks.kit import BenchmarkTarget, Case, Figures, Question, Record, Size, number, table
 from benchmarks.problems.catalog import PROBLEMS
 from benchmarks.problems.problem import kousoku_call
 from kousoku.runtime.integrate.settings import LEAST_TOLERANCES, method_for
@@ -54,7 +54,7 @@ def run(contest: str, _size: Size, _workers: Workers) -> list[Record]:
     return found
 
 
-class Choice(NamedTuple):
+class MethodChoice(NamedTuple):
     """What a tolerance gives, in the geometric mean of problems.
 
     Parameters
@@ -83,7 +83,7 @@ class Choice(NamedTuple):
         return self.ratio if self.chosen == METHODS[0] else 1.0 / self.ratio
 
 
-def choices(records: Sequence[Record]) -> list[Choice]:
+def choices(records: Sequence[Record]) -> list[MethodChoice]:
     """Choices at each tolerance, as far as both methods reach the errors of each other."""
     found = []
     for tolerance in TOLERANCES:
@@ -99,7 +99,9 @@ def choices(records: Sequence[Record]) -> list[Choice]:
                 if first and second:
                     ratios.append(first / second)
         if ratios:
-            found.append(Choice(tolerance, (_mean(errors[0]), _mean(errors[1])), _mean(ratios)))
+            found.append(
+                MethodChoice(tolerance, (_mean(errors[0]), _mean(errors[1])), _mean(ratios))
+            )
     return found
 
 
@@ -144,13 +146,15 @@ def body(records: Sequence[Record], _figures: Figures) -> str:
     return table(["tolerance", *heads, "dopri5 over dop853", "chosen"], rows) if rows else ""
 
 
-def targets(records: Sequence[Record]) -> list[Target]:
+def targets(records: Sequence[Record]) -> list[BenchmarkTarget]:
     """Targets of the choice, which is made from all problems: few of them say little."""
     measured = {one.contest for one in records if one.line in METHODS}
     if not measured.issuperset(contests(Size(is_full=True))):
         return []
     return [
-        Target("all", f"evaluations of the method chosen at {one.tolerance:.0e}", one.cost, WORSE)
+        BenchmarkTarget(
+            "all", f"evaluations of the method chosen at {one.tolerance:.0e}", one.cost, WORSE
+        )
         for one in choices(records)
     ]
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from benchmarks.kit import (
     Call,
     Case,
-    MissingError,
+    PeerMissingError,
     Record,
     Size,
     fastest_and_median,
@@ -63,7 +63,7 @@ def answer(question: str, command: str) -> RaceAnswer:
         case = _cases(question, wanted["contest"], wanted["full"])[wanted["case"]]
         try:
             _prepared[key] = case.prepare()
-        except MissingError as error:
+        except PeerMissingError as error:
             return {"missing": f"{MISSING}{error}"}
     call = _prepared[key]
     if wanted["do"] == "prepare":

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 from benchmarks.kit import (
     KINDS,
+    BenchmarkTarget,
     Figures,
     Question,
     Record,
     Size,
-    Target,
     duration,
     listed,
     number,
@@ -320,10 +320,10 @@ def _fastest(record: Record | None) -> float | None:
     return None if record is None else record.fastest
 
 
-def targets(records: Sequence[Record]) -> list[Target]:
+def targets(records: Sequence[Record]) -> list[BenchmarkTarget]:
     """Targets that the page promises."""
     found = [
-        Target(
+        BenchmarkTarget(
             one.contest, f"time over the best with all bodies, error {error:.0e}", one.ratio, 1.0
         )
         for error in JUDGED
@@ -343,12 +343,14 @@ def targets(records: Sequence[Record]) -> list[Target]:
             worst = max(known) if len(known) == len(errors) else None
             promised = PROBLEMS[contest].promised
             found.append(
-                Target(contest, "error of positions at 1e-12, all methods", worst, promised)
+                BenchmarkTarget(
+                    contest, "error of positions at 1e-12, all methods", worst, promised
+                )
             )
     return found
 
 
-def _over_exudyn(records: Sequence[Record]) -> list[Target]:
+def _over_exudyn(records: Sequence[Record]) -> list[BenchmarkTarget]:
     """Target beside Exudyn: the loosest run that keeps positions and the energy."""
     own = [one for one in records if one.contest == FOUR_BARS]
     theirs = [one for one in own if (one.line, one.setting) == EXUDYN]
@@ -356,7 +358,7 @@ def _over_exudyn(records: Sequence[Record]) -> list[Target]:
         return []
     kept = [one for one in own if is_door(one) and one.extra.get("energy", ENERGY + 1) <= ENERGY]
     ratio = _ratio(best(kept, POSITION), theirs[0])
-    return [Target(FOUR_BARS, "time over Exudyn's with 10,000 steps", ratio, OVER_EXUDYN)]
+    return [BenchmarkTarget(FOUR_BARS, "time over Exudyn's with 10,000 steps", ratio, OVER_EXUDYN)]
 
 
 def words(records: Sequence[Record]) -> str:

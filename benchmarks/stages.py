@@ -17,7 +17,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from benchmarks.kit import MissingError, required
+from benchmarks.kit import PeerMissingError, required
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -271,7 +271,7 @@ def main() -> None:
     if how in PEERS:
         try:
             PEERS[how](int(count), clock)
-        except MissingError as error:
+        except PeerMissingError as error:
             print(json.dumps({"missing": str(error)}))
             return
         more = memory()

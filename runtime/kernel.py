@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     ]
 
 
-class Target(Protocol):
+class KernelTarget(Protocol):
     """What runs a kernel whose arguments have been checked."""
 
     #: Lanes of a block in the blocked layout.
@@ -48,7 +48,7 @@ class Kernel:
         Names, shapes, units and meaning of the arrays.
     signature : Signature
         The checks.
-    target : Target
+    target : KernelTarget
         What computes.
     fast : callable, optional
         Tried first; it takes only arguments that need no conversion.
@@ -60,7 +60,7 @@ class Kernel:
         self,
         manifest: KernelManifest,
         signature: Signature,
-        target: Target,
+        target: KernelTarget,
         fast: FastCall | None = None,
     ) -> None:
         self.manifest = manifest

@@ -69,15 +69,15 @@ class Alone:
             end = self.layout.duration
         size = self.solver.scene.row_size
         chosen = times_of(self.layout.name, end, times, samples, size)
-        return Run(self, chosen, **options).finish()
+        return RunAlone(self, chosen, **options).finish()
 
-    def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
+    def begin(self, times: Sequence[float] | Array, **options: Any) -> RunAlone:
         """Run at time 0 that can be stopped and go on."""
         require_options(self.layout.name, options, OPTIONS, "times")
-        return Run(self, times_of(self.layout.name, None, times, 0), **options)
+        return RunAlone(self, times_of(self.layout.name, None, times, 0), **options)
 
 
-class Run:
+class RunAlone:
     """A run that can be stopped and go on.
 
     Parameters

@@ -6,7 +6,7 @@ import os
 import time
 from typing import TYPE_CHECKING
 
-from benchmarks.kit import Call, Case, Judged, MissingError, Question, required
+from benchmarks.kit import Call, Case, Judged, PeerMissingError, Question, required
 
 if TYPE_CHECKING:
     from benchmarks.kit import Size
@@ -30,7 +30,7 @@ def deadly() -> Call:
 
 def absent() -> Call:
     required("no_such_peer")
-    raise MissingError("not reached")
+    raise PeerMissingError("not reached")
 
 
 def cases(contest: str, size: Size) -> list[Case]:

@@ -7,7 +7,7 @@ import pytest
 
 import kousoku as ks
 from benchmarks import aba, chains, evaluations
-from benchmarks.kit import Figures, MissingError, Record, Size
+from benchmarks.kit import Figures, PeerMissingError, Record, Size
 from benchmarks.problems.problem import finished
 from benchmarks.segments import (
     END_OF_SOURCE,
@@ -176,12 +176,12 @@ def test_what_could_not_be_measured_misses_its_target() -> None:
 
 def test_without_pinocchio_its_case_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     def missing(name: str) -> None:
-        raise MissingError(name)
+        raise PeerMissingError(name)
 
     monkeypatch.setattr(aba, "required", missing)
     cases = evaluations.cases(evaluations.chain_name(10), Size())
     assert [case.tool for case in cases] == ["kousoku", "Pinocchio", "MuJoCo"]
-    with pytest.raises(MissingError, match="pinocchio"):
+    with pytest.raises(PeerMissingError, match="pinocchio"):
         cases[1].prepare()
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import kousoku as ks
 from benchmarks import solvers
-from benchmarks.kit import Figures, MissingError, Record, Size
+from benchmarks.kit import Figures, PeerMissingError, Record, Size
 from benchmarks.peers import mujoco
 from benchmarks.problems import andrews, closed, linkage, n_four_bar, pendulum, trees
 from benchmarks.problems.catalog import PROBLEMS
@@ -182,7 +182,7 @@ def test_a_peer_that_is_not_there_says_what_to_install(monkeypatch: pytest.Monke
         monkeypatch.setitem(sys.modules, name, None)
     others = [one for one in solvers.cases("andrews", Size(is_full=True)) if one.tool != "kousoku"]
     for case in others:
-        with pytest.raises(MissingError, match="pip install"):
+        with pytest.raises(PeerMissingError, match="pip install"):
             case.prepare()
     assert {one.tool for one in others} == {
         *("heyoka", "SciPy", "CasADi", "MuJoCo", "Pinocchio", "Exudyn")

@@ -13,12 +13,12 @@ from benchmarks import __main__ as command
 from benchmarks import race, solvers
 from benchmarks.kit import (
     ROUNDS,
+    BenchmarkTarget,
     Figures,
-    MissingError,
+    PeerMissingError,
     Question,
     Record,
     Size,
-    Target,
     fastest_and_median,
     interleave,
     required,
@@ -93,7 +93,7 @@ def test_a_missing_peer_is_named_with_what_to_install_and_the_rest_runs(workers:
     assert first.note.startswith("missing: no_such_peer (")
     assert "pip install 'kousoku[bench]'" in first.note
     assert other.fastest is not None
-    with pytest.raises(MissingError, match="no_such_peer"):
+    with pytest.raises(PeerMissingError, match="no_such_peer"):
         required("no_such_peer.part")
 
 
@@ -102,7 +102,7 @@ def test_a_folder_that_a_removed_peer_leaves_is_no_peer(
 ) -> None:
     (tmp_path / "removed_peer" / "plugins").mkdir(parents=True)
     monkeypatch.syspath_prepend(tmp_path)
-    with pytest.raises(MissingError, match=r"removed_peer \(.*\); pip install"):
+    with pytest.raises(PeerMissingError, match=r"removed_peer \(.*\); pip install"):
         required("removed_peer")
 
 
@@ -388,7 +388,7 @@ def test_check_fails_and_names_the_target_that_is_missed(
     value: float | None,
     status: int,
 ) -> None:
-    judged = [Target("a contest", "time over a peer's", value, 1.0)]
+    judged = [BenchmarkTarget("a contest", "time over a peer's", value, 1.0)]
     question = replace(bench_question.QUESTION, targets=lambda _: judged)
     monkeypatch.setattr(command, "questions", lambda: {"bench_question": question})
     monkeypatch.setattr(command, "BUILD", tmp_path)

@@ -20,7 +20,14 @@ import pytest
 
 from kousoku.runtime.kinematics.rows import RunRequest, empty_rows
 from kousoku.runtime.kinematics.solve import solve
-from kousoku.runtime.kinematics.tables import Block, Curve, Input, Link, LinkageTables, Unknown
+from kousoku.runtime.kinematics.tables import (
+    Block,
+    Curve,
+    InputRecord,
+    LinkageTables,
+    LinkRecord,
+    Unknown,
+)
 from kousoku.runtime.linkage import record_of
 
 if TYPE_CHECKING:
@@ -102,9 +109,10 @@ class FourBar:
             outputs=("velocities", "accelerations", "angles"),
             nodes=("A", "B"),
             links=tuple(
-                Link(f"l{k + 1}", *nodes[k], length=length) for k, length in enumerate(lengths)
+                LinkRecord(f"l{k + 1}", *nodes[k], length=length)
+                for k, length in enumerate(lengths)
             ),
-            inputs=(Input("alpha", "rad", scale=self.crank, start=self.alpha),),
+            inputs=(InputRecord("alpha", "rad", scale=self.crank, start=self.alpha),),
             unknowns=(
                 Unknown("A.x", start=self.crank, scale=1.0, is_angle=False),
                 Unknown("A.y", start=0.0, scale=1.0, is_angle=False),

@@ -17,7 +17,7 @@ from kousoku.runtime.kinematics.certificate import Certifier, CubicTube
 from kousoku.runtime.kinematics.continuation import Continuation
 from kousoku.runtime.kinematics.equations import LinkageCoordinates
 from kousoku.runtime.kinematics.status import MOST_TILT
-from kousoku.runtime.kinematics.tables import Block, Curve, Input, LinkageTables, Unknown
+from kousoku.runtime.kinematics.tables import Block, Curve, InputRecord, LinkageTables, Unknown
 from kousoku.runtime.linkage import load_linkage
 
 if TYPE_CHECKING:
@@ -250,7 +250,7 @@ def test_an_arm_is_left_by_cubics_as_little_as_is_said(a: float, b: float, c: fl
     rest = turn[-1] - 1 - sum(rates)
     left = np.abs(turn - (1 + rates[0] * s + rates[1] * s**2 + rest * s**3)).max()
     block = Block(slice(0, 1), (), (Curve(0, 2.0, (), (), True, ((0, 1.0),)),))
-    angle = (Input("beta", "rad", 1.0, start=0.0),)
+    angle = (InputRecord("beta", "rad", 1.0, start=0.0),)
     unknown = (Unknown("x", 0.0, 1.0, is_angle=False),)
     mechanism = LinkageTables("m", 2.0, (), (), (), angle, unknown, (block,), 0, {}, {})
     first, second, third = (np.array([x, 0.0]) for x in (a, b, c))
