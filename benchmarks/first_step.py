@@ -24,9 +24,9 @@ from benchmarks.kit import (
     Question,
     Record,
     Size,
+    bullet_list,
     duration,
     fastest_and_median,
-    listed,
     table,
 )
 from benchmarks.limits import size_text
@@ -395,7 +395,7 @@ def words(records: Sequence[Record]) -> str:
                     f"{_cell(one)} for {bars_of(one.contest)} bars, {_cell(found[0])} when it is"
                     f" found by its content, {_cell(best)} with {best.tool}"
                 )
-    return listed("From a scene to its first step it takes", told) if told else ""
+    return bullet_list("From a scene to its first step it takes", told) if told else ""
 
 
 QUESTION = Question(

@@ -28,7 +28,7 @@ from benchmarks.kit import (
     Question,
     Record,
     Size,
-    listed,
+    bullet_list,
     table,
 )
 from benchmarks.limits import Limits, aligned, measured, repeated, size_text, together
@@ -645,7 +645,7 @@ def words(records: Sequence[Record]) -> str:
     for (what, name), found in ratios.items():
         parts.setdefault(what, []).append(f"{_range(found)} of {name}")
     told = [f"{what}: {', '.join(each)}" for what, each in parts.items()]
-    return listed("A kernel, p2, takes of the time of others", told)
+    return bullet_list("A kernel, p2, takes of the time of others", told)
 
 
 def _range(found: Sequence[float]) -> str:

@@ -342,7 +342,7 @@ def duration(seconds: float | None) -> str:
     return f"{seconds * 1e9:.3g} ns"
 
 
-def listed(lead: str, items: Sequence[str]) -> str:
+def bullet_list(lead: str, items: Sequence[str]) -> str:
     """Paragraph in Markdown: one sentence, its parts as a list."""
     return f"{lead}\n- " + ";\n- ".join(items) + "."
 

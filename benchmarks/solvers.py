@@ -12,8 +12,8 @@ from benchmarks.kit import (
     Question,
     Record,
     Size,
+    bullet_list,
     duration,
-    listed,
     number,
     table,
 )
@@ -389,7 +389,7 @@ def words(records: Sequence[Record]) -> str:
             )
         if said:
             lead = f"To an error of {error:.0e}, beside the best tool that gets all bodies, kousoku"
-            parts.append(listed(lead, said))
+            parts.append(bullet_list(lead, said))
     return "\n\n".join(parts)
 
 

@@ -12,7 +12,7 @@ from kousoku.codegen.context_body import count_operations
 from kousoku.codegen.context_calls import arguments_of, calls_of, unwanted_of
 from kousoku.codegen.context_choices import Bodies
 from kousoku.codegen.context_lines import ascii_of, plain
-from kousoku.codegen.context_names import Namer, checked
+from kousoku.codegen.context_names import Namer, identifier
 from kousoku.codegen.context_records import ArgumentContext, KernelContext, PackageContext
 from kousoku.codegen.passes.trace import without_sharing
 from kousoku.model.graph import Op
@@ -36,7 +36,7 @@ def package_context(package: Package, version: str, digest: str) -> PackageConte
     """
     nodes = (node for kernel in package.kernels for node in kernel.nodes)
     return PackageContext(
-        name=checked(package.name, "package name"),
+        name=identifier(package.name, "package name"),
         title=plain(package.title),
         title_ascii=ascii_of(plain(package.title)),
         regenerate=plain(package.regenerate),
@@ -57,7 +57,7 @@ def _kernel_contexts(family: Sequence[Kernel], choices: Sequence[str]) -> Iterat
     kernel, namer = family[0], Namer()
     name = kernel.name.removesuffix(f"_{choices[0]}") if choices else kernel.name
     for quantity in (*kernel.inputs, *kernel.outputs):
-        checked(quantity.name, f"argument of {kernel.name}")
+        identifier(quantity.name, f"argument of {kernel.name}")
     inputs = arguments_of(kernel.inputs, namer)
     outputs = arguments_of(kernel.outputs, namer)
     unwanted = unwanted_of(outputs, namer)
@@ -69,7 +69,7 @@ def _kernel_contexts(family: Sequence[Kernel], choices: Sequence[str]) -> Iterat
     )
     costs = {one.name: _cost(one) for one in family}
     first = KernelContext(
-        name=checked(kernel.name, "kernel name"),
+        name=identifier(kernel.name, "kernel name"),
         family=name,
         choice=("0",) if choices else (),
         is_first=True,
@@ -99,7 +99,7 @@ def _kernel_contexts(family: Sequence[Kernel], choices: Sequence[str]) -> Iterat
     for number, other in enumerate(family[1:], 1):
         yield replace(
             first,
-            name=checked(other.name, "kernel name"),
+            name=identifier(other.name, "kernel name"),
             choice=(str(number),),
             is_first=False,
             summary=_summary(other),

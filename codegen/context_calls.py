@@ -5,7 +5,7 @@ from __future__ import annotations
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.context_lines import ascii_of, filled, plain
+from kousoku.codegen.context_lines import ascii_of, filled_lines, plain
 from kousoku.codegen.context_records import ArgumentContext, CallsContext
 
 if TYPE_CHECKING:
@@ -60,7 +60,9 @@ def calls_of(inputs: Sequence[ArgumentContext], outputs: Sequence[ArgumentContex
             *(f"in[{a.index}] + i * stride[{a.index}]" for a in inputs),
             *(f"out[{a.index}] ? out[{a.index}] + i * {a.size} : NULL" for a in outputs),
         ),
-        arrays=filled([f"{a.symbol}[{a.size}]" for a in (*inputs, *outputs)], " " * 12).lstrip(),
+        arrays=filled_lines(
+            [f"{a.symbol}[{a.size}]" for a in (*inputs, *outputs)], " " * 12
+        ).lstrip(),
         signature="\n        ".join(f'"{line}"' for line in _strings(signature)),
     )
 

@@ -40,10 +40,10 @@ def c_call(indent: str, head: str, items: Sequence[str]) -> str:
     if len(whole) < WIDTH:
         return whole
     inner = indent + "    "
-    return f"{indent}{head}(\n{filled(items, inner)})"
+    return f"{indent}{head}(\n{filled_lines(items, inner)})"
 
 
-def filled(items: Sequence[str], indent: str) -> str:
+def filled_lines(items: Sequence[str], indent: str) -> str:
     """Items with commas between them, as many on a line as fit."""
     lines = [indent]
     for k, item in enumerate(items):

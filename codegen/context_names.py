@@ -42,7 +42,7 @@ RESERVED = frozenset(" ".join((_C, _CPP, _PYTHON, _LIBM, _OURS)).split())
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
-def checked(name: str, what: str) -> str:
+def identifier(name: str, what: str) -> str:
     """``name`` if it is an identifier of both languages.
 
     Raises

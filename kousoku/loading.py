@@ -159,12 +159,12 @@ class GivenScene:
 
     @classmethod
     def _of_file(cls, path: Path, kinds: Mapping[str, OwnKind] | None) -> GivenScene:
-        from kousoku.model.read import scene_from_toml, text_of
+        from kousoku.model.read import scene_from_toml, scene_text
 
         with suppress(OSError):  # a name that is too long is refused where it is read
             if path.is_dir():
                 raise SceneError("is a folder; wanted a scene file", file=str(path))
-        text = text_of(path)
+        text = scene_text(path)
         read = partial(scene_from_toml, text, file=str(path), kinds=kinds)
         return cls(str(path), _told(text, kinds), read)
 
@@ -238,7 +238,7 @@ def solver_folder(
     """
     limit = size_limit()
     options = json.dumps([outputs, references])
-    by_bytes = key_of(given.data, options)
+    by_bytes = cache_key(given.data, options)
     folder = None if anew else _look(_found(by_bytes), options)
     if folder is not None:
         yield folder
@@ -247,7 +247,7 @@ def solver_folder(
         tell(f"reading {given.file or 'the scene'}")
         scene = given.read()
         text = _text(scene)
-        key = key_of(text, options)
+        key = cache_key(text, options)
         folder = None if anew else _look(key, options)
         if folder is None:
             tell(f"generating {scene.name}")
@@ -317,7 +317,7 @@ def _look(key: str, options: str) -> Path | None:
     """Folder of the solver that the cache holds under a key, with its own scene."""
     try:
         shelf = cache_folder() / "scenes" / key
-        if not key or key_of((shelf / SCENE_FILE).read_bytes(), options) != key:
+        if not key or cache_key((shelf / SCENE_FILE).read_bytes(), options) != key:
             return None
         folder = next((path.parent for path in shelf.glob(f"*/{MANIFEST}")), None)
     except OSError:
@@ -344,7 +344,7 @@ def stamp() -> str:
     return hashlib.sha256("\n".join(listed).encode()).hexdigest()
 
 
-def key_of(*parts: str | bytes) -> str:
+def cache_key(*parts: str | bytes) -> str:
     """Key of what this kousoku makes of some parts."""
     digest = hashlib.sha256(stamp().encode())
     for part in parts:

@@ -20,7 +20,7 @@ from kousoku.linkage_equations import LinkageEquations
 from kousoku.model.errors import SolveError
 from kousoku.runtime.design import nearly_redundant
 from kousoku.runtime.integrate.body_tables import body_tables, solver_state, written_state
-from kousoku.runtime.integrate.result import key_of, listed, shortly
+from kousoku.runtime.integrate.result import listed, scene_key, shortly
 from kousoku.runtime.run_ledger import violations_of
 
 if TYPE_CHECKING:
@@ -310,7 +310,7 @@ def _gaps(
         limit = equations.system.closure_tolerance * size
         far = sorted((x for x in parts if parts[x] > limit), key=lambda x: -parts[x])
         gaps = [
-            f"{key_of(name)} by "
+            f"{scene_key(name)} by "
             + " and ".join(
                 f"{shortly(gap, 3)} {unit}{per}"
                 for gap, unit in ((one.metres[k], "m"), (one.radians[k], "rad"))

@@ -30,7 +30,7 @@ def drivers_of(scene: Scene) -> dict[str, Driver]:
 
 def law_of(given: Input) -> str:
     """Formula of an input: its start, its rate and its acceleration."""
-    start, rate, acceleration = map(text_of, (given.start, given.rate, given.acceleration))
+    start, rate, acceleration = map(formula_text, (given.start, given.rate, given.acceleration))
     return f"{start} + {rate}*t + {acceleration}/2*t^2"
 
 
@@ -72,7 +72,7 @@ def times_of(scene: Scene) -> list[float] | None:
     return [time_of(given, k / scene.divisions) for k in range(scene.divisions + 1)]
 
 
-def text_of(value: Value) -> str:
+def formula_text(value: Value) -> str:
     """Value as a formula; what is too small for a number of the grammar as a quotient."""
     if isinstance(value, str):
         return value

@@ -51,10 +51,10 @@ def read_scene(path: str | Path, *, kinds: Mapping[str, OwnKind] | None = None) 
         The file cannot be read, is not TOML, or does not describe a mechanism that can be solved;
         the message names the file, the key, the reason and what was wanted.
     """
-    return scene_from_toml(text_of(path), file=str(path), kinds=kinds)
+    return scene_from_toml(scene_text(path), file=str(path), kinds=kinds)
 
 
-def text_of(path: str | Path) -> str:
+def scene_text(path: str | Path) -> str:
     """Text of a scene file.
 
     Raises

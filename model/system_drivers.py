@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model.drivers import drivers_of, text_of
+from kousoku.model.drivers import drivers_of, formula_text
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.elements.drivers import kind_of
 from kousoku.model.elements.joint import ANGLES
@@ -38,7 +38,7 @@ def start_values(scene: Scene, coordinates: CoordinateList) -> None:
 
 
 def _at_start(scene: Scene, value: Value) -> float:
-    expression = parse_expression(text_of(value), (TIME, *scene.parameters))
+    expression = parse_expression(formula_text(value), (TIME, *scene.parameters))
     return value_of(expression, {**scene.parameters, TIME: 0.0})
 
 
@@ -58,7 +58,7 @@ def _driver(name: str, place: int, value: Value, coordinates: CoordinateList) ->
         i,
         j,
         terms=(Term(place, 1.0),),
-        law=text_of(value),
+        law=formula_text(value),
         law_unit=float(scale),
         unit=unit,
     )

@@ -6,7 +6,7 @@ from math import isfinite, pi
 from typing import TYPE_CHECKING
 
 from kousoku.model.dotted_keys import join
-from kousoku.model.drivers import text_of
+from kousoku.model.drivers import formula_text
 from kousoku.model.elements.checks import only_one, refuse_foreign
 from kousoku.model.elements.drivers import DRIVERS, own_inputs
 from kousoku.model.errors import ExpressionError, SceneError
@@ -112,7 +112,7 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
     """
     start = values_at_start(scene)
     try:
-        law = parse_expression(text_of(value), start)
+        law = parse_expression(formula_text(value), start)
     except ExpressionError as error:
         raise SceneError(_with_state(scene, str(error)), key=key) from None
     kink = kink_of(law, TIME, scene.parameters)

@@ -13,7 +13,7 @@ import numpy as np
 from kousoku.model.errors import SolveError
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate.nearly_dependent import nearly_dependent
-from kousoku.runtime.integrate.result import key_of, listed
+from kousoku.runtime.integrate.result import listed, scene_key
 from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.run_stop import SHOWN
 
@@ -126,7 +126,7 @@ def not_closed(solver: DynamicsSolver, work: Array, times: float) -> str:
     for k in np.argsort(-sizes).tolist():
         joint, unit = rows[k]
         if not sizes[k] <= limit * (solver.length if unit == "m" else 1.0):
-            worst.setdefault(joint, f"{key_of(joint)} by {sizes[k]:.3g} {unit}")
+            worst.setdefault(joint, f"{scene_key(joint)} by {sizes[k]:.3g} {unit}")
     return ", ".join(list(worst.values())[:SHOWN])
 
 
@@ -160,8 +160,8 @@ def loops_that_open(solver: DynamicsSolver, values: Array) -> str:
             continue
         shares = np.linalg.lstsq(before[:count].T, before[k], rcond=INDEPENDENT)[0]
         others = [rows[n][0] for n in np.flatnonzero(np.abs(shares) > INDEPENDENT).tolist()]
-        loop = listed(list(dict.fromkeys(map(key_of, [joint, *others]))))
-        found.setdefault(joint, f"{key_of(joint)} by {missed:.3g} {unit} in the loop of {loop}")
+        loop = listed(list(dict.fromkeys(map(scene_key, [joint, *others]))))
+        found.setdefault(joint, f"{scene_key(joint)} by {missed:.3g} {unit} in the loop of {loop}")
     return ", ".join(list(found.values())[:SHOWN])
 
 

@@ -23,7 +23,7 @@ from kousoku.runtime.integrate.state import fields_of
 from kousoku.runtime.momenta import ConservedPlaces
 from kousoku.runtime.options import ALL_OPTIONS, options_of, with_values
 from kousoku.runtime.run import Run
-from kousoku.runtime.saved import SavedRun, checked
+from kousoku.runtime.saved import SavedRun, checked_run
 from kousoku.runtime.sources import MOTION_FILE, Sources
 
 if TYPE_CHECKING:
@@ -313,7 +313,7 @@ class DynamicsSolver:
         SolveError
             It belongs to another solver, or is no saved run, or was cut, forged or damaged.
         """
-        found = checked(self, saved)
+        found = checked_run(self, saved)
         return Run(self, found.times, found.options, found)
 
 

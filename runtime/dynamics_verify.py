@@ -18,7 +18,7 @@ from kousoku.model.errors import SolveError
 from kousoku.runtime.dynamics import DynamicsSolver, open_dynamics
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.independent_verify import independent_rows
-from kousoku.runtime.integrate.result import key_of
+from kousoku.runtime.integrate.result import scene_key
 from kousoku.runtime.integrate.settings import Doubt, Status
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
 from kousoku.runtime.order import shown_order_problems, table_problems
@@ -131,7 +131,7 @@ def _rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterat
 def _owner(solver: DynamicsSolver, region: str, element: int) -> str:
     """Say which joint a number belongs to."""
     if region in BY_ROW and element < len(solver.rows):
-        return f", {key_of(solver.rows[element][0])}"
+        return f", {scene_key(solver.rows[element][0])}"
     return ""
 
 

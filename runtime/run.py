@@ -100,7 +100,7 @@ class Run:
     options : Options
         How.
     saved : SavedRun, optional
-        Go on from there; what :func:`kousoku.runtime.saved.checked` returned.
+        Go on from there; what :func:`kousoku.runtime.saved.checked_run` returned.
     """
 
     #: What moves, where kousoku loaded it; results pass it on.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.runtime.integrate.result import Named, key_of, listed
+from kousoku.runtime.integrate.result import Named, listed, scene_key
 from kousoku.runtime.integrate.settings import KINEMATICS
 from kousoku.runtime.integrate.trust import MISSES, CheckedRows, missed_by, released, trust_of
 from kousoku.runtime.momenta import momenta_of
@@ -215,16 +215,16 @@ class RunLedger:
             metres, radians = self.worst(level)
             yield (
                 f"left of the constraints, {level}: {metres:.1e} m{per}, {radians:.1e} rad{per},"
-                f" most at {key_of(self.worst_joint(level))}"
+                f" most at {scene_key(self.worst_joint(level))}"
             )
         if self.missed:
             texts = [
-                f"{key_of(joint)} by {metres:.1e} m, {radians:.1e} rad"
+                f"{scene_key(joint)} by {metres:.1e} m, {radians:.1e} rad"
                 for joint, (metres, radians) in self.missed.items()
             ]
             yield f"redundant rows, which others imply, missed at most: {listed(texts)}"
         if self.released:
-            names = listed([key_of(name) for name in self.released])
+            names = listed([scene_key(name) for name in self.released])
             yield (
                 f"came open: {names}; a constraint that was left out, because others imply it"
                 " where it was looked at, is not implied by them here: this is not the motion of"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.runtime.integrate.result import key_of
+from kousoku.runtime.integrate.result import scene_key
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -43,14 +43,14 @@ def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Ar
     if left:
         worst = {rows[k][0]: k for k in reversed(left)}
         shown = sorted(worst.items(), key=lambda item: -sizes[item[1]])[:SHOWN]
-        texts = [f"{key_of(name)} by {sizes[k]:.3g} {rows[k][1]}" for name, k in shown]
+        texts = [f"{scene_key(name)} by {sizes[k]:.3g} {rows[k][1]}" for name, k in shown]
         parts.append(f"open: {', '.join(texts)}")
     known = np.where(np.isfinite(pivots), pivots, np.inf)
     most = pivots.max(where=np.isfinite(pivots), initial=0.0)
     ratio = known.min() / most if most > 0.0 else 0.0
     order = np.argsort(known).tolist()
     weak = dict.fromkeys(rows[k][0] for k in order if known[k] <= max(NEAR * known.min(), 0.0))
-    names = ", ".join(map(key_of, list(weak)[:SHOWN]))
+    names = ", ".join(map(scene_key, list(weak)[:SHOWN]))
     dependent = "rows are nearly dependent" if ratio < DEPENDENT else "the smallest pivots are"
     return f"; {'; '.join([*parts, f'{dependent} at {names} (pivot ratio {ratio:.1e})'])}"
 
@@ -73,5 +73,5 @@ def joints_of_bodies(
     if is_driven and drivers:
         return f"; {', '.join(drivers[:SHOWN])} cannot lead on"
     if names and not rows:
-        return f"; bodies move on {', '.join(map(key_of, list(names)[:SHOWN]))}"
+        return f"; bodies move on {', '.join(map(scene_key, list(names)[:SHOWN]))}"
     return ""

@@ -89,7 +89,7 @@ class SavedRun:
         return f"<SavedRun: {len(self.rows)} of {len(self.times)} rows to {last:g} s>"
 
 
-def checked(solver: DynamicsSolver, saved: object) -> SavedRun:
+def checked_run(solver: DynamicsSolver, saved: object) -> SavedRun:
     """Saved run whose numbers fit the solver and each other.
 
     Raises

@@ -36,7 +36,7 @@ from kousoku.codegen.dynamics.simplification.given_start import given_start
 from kousoku.model.about import About
 from kousoku.model.manifest import REFERENCE_FILE
 from kousoku.runtime.integrate.given_start import notes_of
-from kousoku.runtime.integrate.result import key_of, listed
+from kousoku.runtime.integrate.result import listed, scene_key
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -147,7 +147,7 @@ def _of_reactions(program: Program) -> Iterator[str]:
     """Notes on what leads out of the plane: not unique, or not computed."""
     joints = program.unique_in_plane
     if joints:
-        names = listed([key_of(name) for name in joints])
+        names = listed([scene_key(name) for name in joints])
         yield (
             f"not unique: of force and torque of {names} only what leads out of the"
             " plane; what acts in the plane is unique"

@@ -127,7 +127,7 @@ for _name, _command, _line in COMMANDS:
     app.command(_name, short_help=_line)(_command)
 
 
-def text_of(error: KousokuError | OSError) -> str:
+def error_text(error: KousokuError | OSError) -> str:
     """Text of an expected error, which begins with its place: for one of the system, a path."""
     if isinstance(error, OSError) and isinstance(error.filename, str) and error.filename2 is None:
         return f"{error.filename}: {error.strerror}"
@@ -142,7 +142,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     try:
         app(args=arguments)
     except (KousokuError, OSError) as error:
-        print(f"kousoku: {as_typed(text_of(error))}", file=sys.stderr)
+        print(f"kousoku: {as_typed(error_text(error))}", file=sys.stderr)
         raise SystemExit(BAD_INPUT) from None
     except KeyboardInterrupt:
         raise SystemExit(INTERRUPTED) from None

@@ -11,7 +11,7 @@ import numpy as np
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
 from .events import EventLog, EventOccurrences
 from .given_start import GivenStart
-from .result import Column, Coordinates, Named, Result, key_of, listed, missing, not_generated
+from .result import Column, Coordinates, Named, Result, listed, missing, not_generated, scene_key
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -608,7 +608,7 @@ class Motion(Result):
             return ""
         joints: dict[tuple[str, ...], list[str]] = {}
         for name, own in self.undetermined.items():
-            joints.setdefault(own, []).append(key_of(name))
+            joints.setdefault(own, []).append(scene_key(name))
         texts = [
             f"{'force and torque' if len(own) == 6 else ', '.join(own)} of {listed(names)}"
             for own, names in joints.items()

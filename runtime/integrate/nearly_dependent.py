@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .result import key_of
+from .result import scene_key
 from .settings import CLEARLY
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def nearly_dependent(
     for k in np.argsort(-missed).tolist():
         if missed[k] > NEARLY * missed.max():
             (joint, unit), size = rows[k], missed[k] if missed[k] > ROUNDING else 0.0
-            worst.setdefault(joint, f"{size:.3g} {unit} of {key_of(joint)}")
+            worst.setdefault(joint, f"{size:.3g} {unit} of {scene_key(joint)}")
     held = ", ".join([*worst.values()][:SHOWN])
     return (
         f"{name}: rows of joints that are independent with the parameters of the scene are nearly"

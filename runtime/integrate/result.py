@@ -640,7 +640,7 @@ def listed(names: Sequence[str], most: int = SHOWN) -> str:
     return ", ".join(names[:most]) + more
 
 
-def key_of(name: str) -> str:
+def scene_key(name: str) -> str:
     """Key in the scene of what rows are named after; that of a driver is its name."""
     return name if "." in name else f"joints.{name}"
 

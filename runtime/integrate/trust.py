@@ -10,7 +10,7 @@ import numpy as np
 
 from .arithmetic import larger, smaller
 from .methods import METHODS
-from .result import key_of, listed, shortly
+from .result import listed, scene_key, shortly
 from .settings import CLEARLY, NOTHING_MOVES, Doubt
 
 if TYPE_CHECKING:
@@ -306,7 +306,7 @@ def trust_of(
     is_still = knows_energy and told < single["energy_error"] <= verdict.energy_limit
     advice = "a smaller step" if settings.fixed_step else "a smaller tolerance or largest_step"
     advice = "a smaller largest_step, or more rows" if is_led else advice
-    opened = map(key_of, released(missed_by(state["violations"][0], rows, layout), layout))
+    opened = map(scene_key, released(missed_by(state["violations"][0], rows, layout), layout))
     moved, count = shortly(single["energy_moved"], 2), single["branch_points"]
     impulse = single["impulse"] / single["fastest"] if single["fastest"] > 0.0 else 0.0
     has_impulse = impulse > (FIXED if settings.fixed_step > 0.0 else settings.tolerance)

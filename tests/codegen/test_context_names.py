@@ -4,7 +4,7 @@ import keyword
 
 import pytest
 
-from kousoku.codegen.context_names import RESERVED, Namer, checked
+from kousoku.codegen.context_names import RESERVED, Namer, identifier
 from kousoku.model.errors import EmitError
 
 
@@ -35,10 +35,10 @@ def test_no_keyword_of_python_is_forgotten() -> None:
 
 @pytest.mark.parametrize("name", ["r_i", "A11", "x"])
 def test_identifiers_pass(name: str) -> None:
-    assert checked(name, "name") == name
+    assert identifier(name, "name") == name
 
 
 @pytest.mark.parametrize("name", ["", "1a", "a b", "δr", "_x", "a;b", "a\n"])
 def test_anything_else_is_refused(name: str) -> None:
     with pytest.raises(EmitError, match="cannot be emitted"):
-        checked(name, "name")
+        identifier(name, "name")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.model.drivers import text_of
+from kousoku.model.drivers import formula_text
 from kousoku.model.elements.checks import check_leaves
 from kousoku.model.elements.driver import DriverKind
 from kousoku.model.elements.inputs import ElementInput
@@ -45,4 +45,4 @@ class Swing(DriverKind):
     ) -> Iterator[tuple[int, Value]]:
         """Law amplitude · sin(phase)."""
         place = coordinates.of_joint(driver.input("swing"), ANGLE)
-        yield place, f"{driver.input('amplitude')}*sin({text_of(driver.input('phase'))})"
+        yield place, f"{driver.input('amplitude')}*sin({formula_text(driver.input('phase'))})"

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from kousoku.model import precise
-from kousoku.model.drivers import drivers_of, text_of, time_of, times_of
+from kousoku.model.drivers import drivers_of, formula_text, time_of, times_of
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import parse_expression
@@ -163,7 +163,7 @@ def test_a_law_without_value_or_derivatives_at_the_start_is_refused(crank: Tree,
 
 @pytest.mark.parametrize("value", [0.1, -2.5e-7, 1e22, -1e50, 3e-50, 1.5e-51, -2e-100, 5e-324])
 def test_a_number_is_a_formula_of_the_same_value(crank: Tree, value: float) -> None:
-    assert float(value_of(parse_expression(text_of(value), ()), {})) == value
+    assert float(value_of(parse_expression(formula_text(value), ()), {})) == value
     crank["drivers"] = {"motor": {"joint": "axle", "value": value}}
     assert system_of(scene_from_dict(crank)).coordinates[0].near == value
     crank["drivers"] = {}

@@ -22,7 +22,7 @@ import pytest
 import kousoku
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.emission.context_numbers import inverse_masses
+from kousoku.codegen.dynamics.emission.context_numbers import inverse_mass_table
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.generate import LEDGER, generate_dynamics
 from kousoku.codegen.dynamics.recording.inline import inline
@@ -146,7 +146,7 @@ def dense(program: Program, system: System, row: Array, phase: float = 0.0) -> t
         rows[:, k] = np.array(work["C_dot"]) - rest
     work["v"] = parts[2].tolist()
     work.run("check")
-    gamma, inverse = -np.array(work["C_ddot"]), np.array(inverse_masses(program, system))
+    gamma, inverse = -np.array(work["C_ddot"]), np.array(inverse_mass_table(program, system))
     free = v_dot + inverse * (rows[:n].T @ lam)
     root = np.sqrt(inverse)
     change = np.linalg.lstsq(rows * root, gamma - rows @ free, rcond=1e-10)[0]

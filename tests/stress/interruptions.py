@@ -538,7 +538,7 @@ def forgetful() -> AbstractContextManager[object]:
     """Forget a count when a run is resumed."""
     from kousoku.runtime import dynamics, saved
 
-    right = saved.checked
+    right = saved.checked_run
 
     def checked(solver: Any, given: object) -> Any:
         found = right(solver, given)

@@ -37,7 +37,7 @@ from kousoku.codegen.dynamics.composition.record_joints import JointRecorder
 from kousoku.codegen.dynamics.composition.schur import Schur
 from kousoku.codegen.dynamics.composition.setup import record_setup
 from kousoku.codegen.dynamics.composition.switching import record_switching
-from kousoku.codegen.dynamics.operations.body_coordinates import sizes
+from kousoku.codegen.dynamics.operations.body_coordinates import coordinate_counts
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.joint_ends import points_of
 from kousoku.codegen.dynamics.operations.mechanics import (
@@ -112,7 +112,7 @@ class _ProgramComposer:
         self.recorder = Recorder()
         self.time = self.recorder.region("t", 1)
         self.parameters = self.recorder.region("parameters", len(system.parameters))
-        own, velocities = sizes(system, is_planar=is_planar)
+        own, velocities = coordinate_counts(system, is_planar=is_planar)
         self.auxiliary = Auxiliaries(entries_of(system), own)
         positions = own + len(self.auxiliary.entries)
         region = self.recorder.region

@@ -16,7 +16,7 @@ from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRe
 from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
 from kousoku.codegen.dynamics.composition.record_joints import JointRecorder
 from kousoku.codegen.dynamics.composition.setup import record_setup
-from kousoku.codegen.dynamics.operations.body_coordinates import sizes
+from kousoku.codegen.dynamics.operations.body_coordinates import coordinate_counts
 from kousoku.codegen.dynamics.operations.mechanics import BodyOrientation
 from kousoku.codegen.dynamics.recording.design import number
 from kousoku.codegen.dynamics.recording.program import Program
@@ -81,7 +81,7 @@ class _Equations:
         self.recorder = Recorder()
         region = self.recorder.region
         fixed = region("t", 1), region("parameters", len(system.parameters))
-        own, self.columns = sizes(system, is_planar=False)
+        own, self.columns = coordinate_counts(system, is_planar=False)
         self.auxiliary = Auxiliaries(entries_of(system), own)
         self.q = region("q", own + len(self.auxiliary.entries))
         self.v = region("v", self.columns)

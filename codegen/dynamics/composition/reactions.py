@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.least_norm import LeastNorm, merged
-from kousoku.codegen.dynamics.operations.joint_ends import ends_of
+from kousoku.codegen.dynamics.operations.joint_ends import loaded_bodies
 from kousoku.codegen.dynamics.recording.recorder import zeros
 from kousoku.model.multibody import GROUND_INDEX
 
@@ -65,7 +65,7 @@ def reactions_of(
     """Reactions of all joints in the order of the system."""
     found: dict[tuple[str, int, int], Reaction] = {}
     for joint in (*kept, *left_out, *satisfied):
-        ends = ends_of(joint.bodies)
+        ends = loaded_bodies(joint.bodies)
         end = joint.i if joint.j == GROUND_INDEX else joint.j
         new = Reaction(joint.name, end, joint.j, ends)
         one = found.setdefault((joint.name, joint.i, joint.j), new)

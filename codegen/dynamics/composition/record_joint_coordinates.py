@@ -31,7 +31,7 @@ from kousoku.codegen.dynamics.simplification.reduced_mass import (
     arms_of,
     inverse_of,
     is_principal,
-    mass_of,
+    reduced_mass_matrix,
     shares_of,
 )
 from kousoku.model import precise
@@ -104,7 +104,7 @@ class JointCoordinateRecorder:
         """R (c, f) of what is free and (Rᵀ M R)⁻¹ (f, f); the arm A (s′ × a′) is recorded."""
         arms = self._table(arms_of(self.one))
         (self.arm,) = self.recorder.call(JointArm(), self.blocks.orientation, arms)
-        masses, free = mass_of(self.one, self.moving), self.one.free
+        masses, free = reduced_mass_matrix(self.one, self.moving), self.one.free
         inverse = self._table(inverse_of([[masses[a][b] for b in free] for a in free]))
         return _chosen(self._columns(), free), inverse
 
@@ -193,7 +193,7 @@ class JointCoordinateRecorder:
         others : SlotMatrix (c,) [N, N m]
             What other joints do to the body, −Σ C_qᵀλ.
         """
-        whole, masses, found = self._columns(), mass_of(self.one, self.moving), []
+        whole, masses, found = self._columns(), reduced_mass_matrix(self.one, self.moving), []
         zero = column((0,))
         for (k, led), rate in zip(self.one.prescribed, self._derivatives(1), strict=True):
             mass = self.recorder.constant((masses[k][k],))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.codegen.dynamics.operations.heights import FLAT, ends_of, is_level
+from kousoku.codegen.dynamics.operations.heights import FLAT, heights_of_ends, is_level
 from kousoku.codegen.dynamics.operations.jets import Jet, atan2, cross, dot, sqrt
 from kousoku.model import precise
 from kousoku.model.digits import CONTEXT
@@ -344,7 +344,7 @@ def _heights(one: RelativeCoordinate, normal: int) -> list[float]:
 
 def _is_level(system: System, one: RelativeCoordinate, normal: int) -> bool:
     """Whether the points of a coordinate are level with the centres of mass and each other."""
-    return is_level(ends_of(system, one, normal), [values for _, values in one.constants])
+    return is_level(heights_of_ends(system, one, normal), [values for _, values in one.constants])
 
 
 def _angle(seen: BodiesAtRest) -> tuple[Real, Real]:

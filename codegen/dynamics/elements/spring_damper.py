@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.elements.facets import Applied, ForceFacets
 from kousoku.codegen.dynamics.operations.forces import ELONGATION, accelerations, column_of
 from kousoku.codegen.dynamics.operations.formulas import formula_node
-from kousoku.codegen.dynamics.operations.heights import ends_of, is_level
+from kousoku.codegen.dynamics.operations.heights import heights_of_ends, is_level
 from kousoku.codegen.dynamics.operations.jets import Jet, dot, sqrt
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, share
 from kousoku.model import precise
@@ -174,7 +174,7 @@ class SpringFacets(ForceFacets[PointSpring]):
 
     def leaves_plane(self, system: System, normal: int) -> bool:
         """Whether its ends are not level with the bodies and each other."""
-        heights = ends_of(system, self.force, normal)
+        heights = heights_of_ends(system, self.force, normal)
         return not is_level(heights, [values for _, values in self.force.constants])
 
     def resting_energy(self, i: Placement, j: Placement) -> Real:

@@ -16,8 +16,8 @@ from kousoku.codegen.dynamics.emission.context_numbers import (
     has_drivers,
     has_row_switch,
     is_driven,
+    layout_sizes,
     mass_places,
-    sizes,
     tables,
     works,
 )
@@ -383,7 +383,7 @@ def solver_context(
     segments, slots = (*program.segments, *program.on_demand), slots_of(program)
     found = tables(program, system, length, parts)
     counted = ("shifts", "turns", "drivers", "starts", "positive", "parts", "events", "rank_rows")
-    counts = sizes(program) | {name.upper(): len(found[name]) for name in counted}
+    counts = layout_sizes(program) | {name.upper(): len(found[name]) for name in counted}
     shown = len(system.shown) if "coordinates" in parts else 0
     counts |= {"N_SHOWN": shown, "PER_SHOWN": 3 if "v_dot" in parts else 2}
     row = 1 + sum(program.region(name).size for name in ("q", "v", *parts))
@@ -412,7 +412,7 @@ def solver_context(
         tables={name: text for name, text in texts.items() if text},
         length=repr(length),
         closure_tolerance=repr(system.closure_tolerance),
-        mass=repr(mass_of(system)),
+        mass=repr(total_mass(system)),
         parts=tuple(parts),
         rows=len(program.rows),
         parameter_names=tuple(name for name, _ in system.parameters),
@@ -421,7 +421,7 @@ def solver_context(
     )
 
 
-def mass_of(system: System) -> float:
+def total_mass(system: System) -> float:
     """Mass of all bodies, 1 where the scene gives none [kg]."""
     return sum(float(body.mass) for body in system.bodies) or 1.0
 

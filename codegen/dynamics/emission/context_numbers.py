@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 IGNORED = 1e300
 
 
-def sizes(program: Program) -> dict[str, int]:
+def layout_sizes(program: Program) -> dict[str, int]:
     """Counts that a solver is laid out by, as C calls them."""
     present = {region.name: region.size for region in program.regions}
     counted = counted_turns(program)
@@ -110,7 +110,7 @@ def tables(
         "turns": [(owner[a], (a - q.start, b - v.start, n)) for a, b, n in turn_slots(program)],
         "inverse_masses": [
             (owner[slot], float(x))
-            for slot, x in zip(v, inverse_masses(program, system), strict=True)
+            for slot, x in zip(v, inverse_mass_table(program, system), strict=True)
         ]
         if switched
         else [],
@@ -181,7 +181,7 @@ def driver_rows(program: Program, system: System) -> Table:
     return [(one.joint, (k, works[one.joint])) for k, one in rows if one.is_driver]
 
 
-def inverse_masses(program: Program, system: System) -> list[float]:
+def inverse_mass_table(program: Program, system: System) -> list[float]:
     """Diagonal of M⁻¹ in the order of v, zero where there is no mass.
 
     A scene that moves in a plane and is computed in space has the thickness that makes it move.
@@ -200,7 +200,7 @@ def inverse_masses(program: Program, system: System) -> list[float]:
 
 def mass_places(program: Program, system: System) -> list[int]:
     """Places of inverse masses in the design, −1 of fixed ones; nothing if all are fixed."""
-    given = inverse_masses(program, system)
+    given = inverse_mass_table(program, system)
     if not any(map(is_varying, given)):
         return []
     return [program.design.place(x) if is_varying(x) else -1 for x in given]

@@ -122,12 +122,12 @@ def solver_folder(
     package = Package(name, title, f"kousoku generate {name}.toml", ())
     inputs = hashed(**made_of, templates=templates_in("dynamics/", "linkage/"))
     promised = promise(package, inputs)
-    stamp = {"version": __version__, "digest": promised.digest, "key": key_of(promised.digest)}
+    stamp = {"version": __version__, "digest": promised.digest, "key": state_key(promised.digest)}
     read = environment().get_template
     texts = {name: read(path).render(**given, **stamp) for name, path in templates.items()}
     return with_manifest({**texts, **files}, promised)
 
 
-def key_of(digest: str) -> str:
+def state_key(digest: str) -> str:
     """Number that a state of a package begins with: never 0, and exact in a double."""
     return f"{int(digest[:13], 16) | 1}.0"

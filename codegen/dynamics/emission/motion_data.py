@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.emission.context_numbers import (
     start_places,
 )
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
-from kousoku.codegen.dynamics.operations.joint_ends import ends_of, points_of
+from kousoku.codegen.dynamics.operations.joint_ends import loaded_bodies, points_of
 from kousoku.codegen.dynamics.recording.program import (
     ON_DEMAND_REGIONS,
     BodyCoordinates,
@@ -183,7 +183,7 @@ def _reactions(program: Program, system: System) -> list[dict[str, object]]:
     first = 0
     for joint, instances in joints.items():
         bodies = tuple(dict.fromkeys(body for one in instances for body in one.bodies))
-        ends = ends_of(bodies)
+        ends = loaded_bodies(bodies)
         for body in ends:
             own = system.bodies[body]
             live = sorted(slot for slot in bases[body] if slot >= 0)

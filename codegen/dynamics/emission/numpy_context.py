@@ -16,7 +16,7 @@ from kousoku.codegen.context_names import Namer
 from kousoku.codegen.dynamics.emission.context import (
     contents_of,
     in_lines,
-    mass_of,
+    total_mass,
 )
 from kousoku.codegen.dynamics.emission.context_numbers import (
     Table,
@@ -158,7 +158,7 @@ def numpy_context(
     numbers = {
         "length": length,
         "closure_tolerance": system.closure_tolerance,
-        "mass": mass_of(system),
+        "mass": total_mass(system),
         "work_size": program.size,
         "parts": tuple(parts),
         "added": added(program),

@@ -15,7 +15,7 @@ from kousoku.codegen.dynamics.choose import cheaper, choice_of
 from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
-from kousoku.codegen.dynamics.explanation.text import text_of
+from kousoku.codegen.dynamics.explanation.text import explanation_text
 from kousoku.codegen.dynamics.generate import LEDGER
 from kousoku.codegen.dynamics.operations.body_coordinates import thickened
 from kousoku.codegen.dynamics.recording.counts import counts, operations
@@ -105,7 +105,7 @@ class Explanation:
     is_planar: bool
 
     def __str__(self) -> str:
-        return text_of(self)
+        return explanation_text(self)
 
     def __repr__(self) -> str:
         return (

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 SHOWN = 12
 
 
-def text_of(found: Explanation) -> str:
+def explanation_text(found: Explanation) -> str:
     """Explanation as tables and lines."""
     total = sum(count for _, count in found.segments)
     parts = [

@@ -88,7 +88,7 @@ def _thickened(body: MovingBody) -> MovingBody:
     return replace(body, inertia=(x or thin, y or thin, z or thin))
 
 
-def sizes(system: System, *, is_planar: bool) -> tuple[int, int]:
+def coordinate_counts(system: System, *, is_planar: bool) -> tuple[int, int]:
     """Sizes of q and v."""
     shapes = [shape(body, is_planar=is_planar) for body in system.bodies]
     return sum(len(kept) for kept, _ in shapes), sum(len(columns) for _, columns in shapes)

@@ -26,7 +26,9 @@ def is_level(heights: Sequence[float], sizes: Sequence[Sequence[float]]) -> bool
     return max(map(abs, heights)) <= FLAT * largest
 
 
-def ends_of(system: System, one: ForceElement | RelativeCoordinate, normal: int) -> list[float]:
+def heights_of_ends(
+    system: System, one: ForceElement | RelativeCoordinate, normal: int
+) -> list[float]:
     """Distances (n,) [m] of the ends from the centres of their bodies, s′·n, and from each other.
 
     n is the axis ``normal`` of frame O, which is that of all principal frames.

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from kousoku.model.orientation import Vector
 
 
-def ends_of(bodies: Sequence[int]) -> tuple[int, ...]:
+def loaded_bodies(bodies: Sequence[int]) -> tuple[int, ...]:
     """Bodies on which force and torque of a joint are given.
 
     Of two bodies it is j, or i where j is the ground; of more, as a gear has them, all that move.

@@ -55,8 +55,8 @@ class DesignNumbers:
         """Places of numbers, by the numbers."""
         return cls(
             tuple(places.items()),
-            tuple((slot, key_of(value)) for slot, value in start),
-            tuple((name, key_of(value)) for name, value in positive),
+            tuple((slot, formula_key(value)) for slot, value in start),
+            tuple((name, formula_key(value)) for name, value in positive),
             tuple(dict.fromkeys(names)),
         )
 
@@ -69,10 +69,10 @@ class DesignNumbers:
 
     def place(self, value: float) -> int:
         """Place of a number that depends on parameters."""
-        return dict(self.places)[key_of(value)]
+        return dict(self.places)[formula_key(value)]
 
 
-def key_of(value: float) -> str:
+def formula_key(value: float) -> str:
     """Key of a number that depends on parameters."""
     assert isinstance(value, Varying)
     return value.traced.expression.key

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.codegen.dynamics.operations.joint_ends import ends_of, points_of
+from kousoku.codegen.dynamics.operations.joint_ends import loaded_bodies, points_of
 from kousoku.model.multibody import GROUND_INDEX
 from kousoku.runtime.integrate.body_tables import crossed, rotated
 from kousoku.runtime.integrate.motion import JOINT
@@ -81,7 +81,7 @@ def undetermined(
         most = np.zeros(len(COLUMNS))
         for position in (positions[k] for k in steps):
             pulls = branch.pulls(position, places)
-            for end in ends_of(bodies):
+            for end in loaded_bodies(bodies):
                 at = end if len(bodies) > 2 else bodies[1]
                 arm = np.array(system.bodies[end].origin_b) / length if len(bodies) > 2 else point
                 own = part.bodies.index(end)

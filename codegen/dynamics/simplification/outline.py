@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.body_coordinates import shape, sizes
+from kousoku.codegen.dynamics.operations.body_coordinates import coordinate_counts, shape
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, inputs_of
 from kousoku.codegen.dynamics.recording.program import ConstraintEquation
 from kousoku.codegen.dynamics.recording.recorder import Recorder, pattern_of
@@ -119,7 +119,7 @@ def live_elements(system: System, *, is_planar: bool) -> Iterator[tuple[tuple[in
     Parameters are those of :func:`live_rows`.
     """
     recorder = Recorder()
-    q, v = (recorder.region("", size) for size in sizes(system, is_planar=is_planar))
+    q, v = (recorder.region("", size) for size in coordinate_counts(system, is_planar=is_planar))
     bodies = body_blocks(system, recorder, q, v, is_planar=is_planar)
 
     def body(index: int) -> BodyBlocks:

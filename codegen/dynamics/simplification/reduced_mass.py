@@ -35,7 +35,7 @@ def arms_of(one: VelocityTransformation) -> Square:
     return [[arm[k] for arm in arms] for k in range(3)]
 
 
-def mass_of(one: VelocityTransformation, body: MovingBody) -> Square:
+def reduced_mass_matrix(one: VelocityTransformation, body: MovingBody) -> Square:
     """Mass matrix Rᵀ M R (f, f) of all freedoms, turns first, those too that are driven.
 
     (s′ × a′)·m (s′ × b′) + a′·I′b′ [kg m²] of turns about a′ and b′, m [kg] of a displacement, body
@@ -63,7 +63,7 @@ def shares_of(one: VelocityTransformation, body: MovingBody) -> tuple[Square, Sq
 
     Units are 1/m² and [-]; a′ and I′ are in the body frame.
     """
-    turns, whole = range(one.turns), mass_of(one, body)
+    turns, whole = range(one.turns), reduced_mass_matrix(one, body)
     inverse = inverse_of([[whole[a][b] for b in turns] for a in turns])
     mass, moments = Fraction(body.mass), [Fraction(x) for x in body.inertia]
     spins = [[x * m for x, m in zip(axis, moments, strict=True)] for axis in axes_of(one)]
