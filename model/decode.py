@@ -13,12 +13,12 @@ import msgspec
 
 from kousoku.model.angles import Angle
 from kousoku.model.design import LARGEST, Design, Formula, NumberOrAngle
-from kousoku.model.dotted_keys import join, nearest
+from kousoku.model.dotted_keys import join
 from kousoku.model.elements.type_keys import keys_of_type, own_inputs
 from kousoku.model.errors import SceneError
 from kousoku.model.of_sympy import is_of_sympy, plain_of
 from kousoku.model.problems import Problems
-from kousoku.model.text import with_a
+from kousoku.model.text import nearest, with_a
 
 if TYPE_CHECKING:
     from kousoku.model.elements.inputs import ElementInput
@@ -123,7 +123,7 @@ def _fields(
         if own is None or name in known or name in own or problems.is_full:
             continue
         problems.add(_unknown_key(str(name), tree, record, own), join(key, str(name)))
-        meant.update(dict.fromkeys(nearest(str(name), (*known, *own))))
+        meant.setdefault(nearest(name, (*known, *own)))
     values: dict[str, Any] = {}
     if own:
         given = {
@@ -183,7 +183,7 @@ def _unknown_key(
     known = f"{with_a(str(sort))} has {listed}" if own else f"known here: {listed}"
     if name in NOT_THERE:
         return f"unknown key: {NOT_THERE[name]}; {known}"
-    return f"unknown key; did you mean {near[0]!r}?" if near else f"unknown key; {known}"
+    return f"unknown key; did you mean {near!r}?" if near else f"unknown key; {known}"
 
 
 def _value(value: object, kind: Any, key: str, problems: Problems) -> object:

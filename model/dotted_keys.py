@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import re
 from typing import TYPE_CHECKING
 
 from kousoku.model.errors import SceneError
+from kousoku.model.text import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Sequence
@@ -15,15 +15,11 @@ if TYPE_CHECKING:
     from kousoku.model.errors import Problem
 
 
-MOST_COMPARED = 1000
-"""Names with which an unknown one is compared: it takes a millisecond for a hundred of them."""
-
-
 def unknown(what: str, name: str, known: tuple[str, ...]) -> str:
     """Message for a name that is not among `known`, with the nearest one."""
     near = nearest(name, known)
     if near:
-        return f"unknown {what}; did you mean {near[0]!r}?"
+        return f"unknown {what}; did you mean {near!r}?"
     listed = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
     return f"unknown {what}; known here: {listed or 'none'}"
 
@@ -95,10 +91,3 @@ def dotted(path: Iterable[str | int]) -> str:
     for part in path:
         key = f"{key}[{part}]" if isinstance(part, int) else join(key, part)
     return key
-
-
-def nearest(name: str, known: tuple[str, ...]) -> list[str]:
-    """Known name that resembles `name` most, if any does."""
-    if len(known) > MOST_COMPARED:
-        return []
-    return difflib.get_close_matches(name[:80], known, n=1)

@@ -31,7 +31,7 @@ from kousoku.model.elements.screw import Screw
 from kousoku.model.elements.universal import Universal
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from kousoku.model.elements.coupling import Coupling
     from kousoku.model.elements.inputs import ElementInput
@@ -162,12 +162,6 @@ def leaves_of(kind: str) -> tuple[str, ...]:
     """
     name = NAMES.get(kind)
     return JOINTS[name].leaves if name in JOINTS else ()
-
-
-def listed(names: Sequence[str], last: str = "and") -> str:
-    """Names as a list in words: ``a``, ``a and b``, ``a, b and c``."""
-    *most, end = names
-    return f"{', '.join(most)} {last} {end}" if most else end
 
 
 def sort_of(kind: str, of: str | None) -> str:

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+#: Names with which an unknown one is compared: it takes a millisecond for a hundred of them.
+MOST_COMPARED = 1000
+
 
 def table(
     columns: Sequence[str],
@@ -39,9 +42,18 @@ def with_a(noun: str) -> str:
     return f"{'an' if noun[:1] in 'aeiou' and not noun.startswith('uni') else 'a'} {noun}"
 
 
+def in_words(names: Sequence[str], last: str = "and") -> str:
+    """Names as a list in words: ``a``, ``a and b``, ``a, b and c``."""
+    *most, end = names
+    return f"{', '.join(most)} {last} {end}" if most else end
+
+
 def nearest(name: object, known: Iterable[str]) -> str:
-    """Known name that resembles ``name`` most; empty where none does."""
-    return next(iter(get_close_matches(str(name), list(known), n=1)), "")
+    """Known name that resembles ``name`` most; empty where none does, or too many are known."""
+    names = list(known)
+    if len(names) > MOST_COMPARED:
+        return ""
+    return next(iter(get_close_matches(str(name)[:80], names, n=1)), "")
 
 
 def near_name(name: object, known: Iterable[str]) -> str:

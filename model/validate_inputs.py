@@ -10,8 +10,8 @@ from kousoku.model.dotted_keys import join, require_known
 from kousoku.model.drivers import time_of, way_of
 from kousoku.model.errors import SceneError
 from kousoku.model.input_motion import turns_of
-from kousoku.model.joints import leaves_of, listed
-from kousoku.model.text import with_a
+from kousoku.model.joints import leaves_of
+from kousoku.model.text import in_words, with_a
 
 if TYPE_CHECKING:
     from kousoku.model.planar import Input
@@ -123,7 +123,7 @@ def _check_joint(scene: Scene, given: Input, joint: str, key: str) -> None:
         problem = (
             "leaves free no angle or displacement that is one number; wanted another joint"
             if not leaves
-            else f"leaves free {listed(leaves)}; wanted a driver with 'of'"
+            else f"leaves free {in_words(leaves)}; wanted a driver with 'of'"
         )
         raise SceneError(f"{joint} is {with_a(kind)} joint, which {problem}", key=f"{key}.joint")
     if leaves[0] == "displacement":

@@ -8,8 +8,8 @@ from kousoku.model.dotted_keys import join, require_known
 from kousoku.model.elements.inputs import given as value_given
 from kousoku.model.elements.joint import DISPLACEMENTS
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import JOINTS, NAMES, leaves_of, listed, sort_of
-from kousoku.model.text import with_a
+from kousoku.model.joints import JOINTS, NAMES, leaves_of, sort_of
+from kousoku.model.text import in_words, with_a
 
 if TYPE_CHECKING:
     from kousoku.model.orientation import Vector
@@ -66,13 +66,13 @@ def check_leaves(scene: Scene, name: str, of: str | None, key: str) -> str:
     if of is not None and of not in leaves:
         raise SceneError(
             f"{name} is {with_a(kind)} joint, which has no {of} that is one number; wanted "
-            f"{listed([repr(leaf) for leaf in leaves], 'or')}",
+            f"{in_words([repr(leaf) for leaf in leaves], 'or')}",
             key=f"{key}.of",
         )
     if of is None and len(leaves) > 1:
         raise SceneError(
             f"is missing; {name} is {with_a(kind)} joint, which leaves {len(leaves)} free: wanted "
-            f"{listed([repr(leaf) for leaf in leaves], 'or')}",
+            f"{in_words([repr(leaf) for leaf in leaves], 'or')}",
             key=f"{key}.of",
         )
     sort = sort_of(kind, of)
