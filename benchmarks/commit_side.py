@@ -39,7 +39,7 @@ COUNTS = {
 
 
 class LoadedTree:
-    """What a tree has loaded, by name."""
+    """Modules that a tree has loaded, by name."""
 
     def __init__(self, tree: Path) -> None:
         import kousoku  # noqa: PLC0415 (of whichever tree is in the path)

@@ -108,7 +108,7 @@ class Count:
 
 @dataclass(frozen=True, slots=True)
 class Time:
-    """What something takes.
+    """Time that something takes.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ class Times:
 
 @dataclass(slots=True)
 class Comparison:
-    """What was found.
+    """Comparison of two commits.
 
     Parameters
     ----------
@@ -203,13 +203,13 @@ class Comparison:
 
     @property
     def worse(self) -> list[Count | Time]:
-        """What rose too much."""
+        """Quantities that rose too much."""
         every: list[Count | Time] = [*self.counts, *self.times]
         return [one for one in every if one.is_worse]
 
     @property
     def better(self) -> list[Count | Time]:
-        """What fell clearly."""
+        """Quantities that fell clearly."""
         every: list[Count | Time] = [*self.counts, *self.times]
         return [one for one in every if one.is_better]
 

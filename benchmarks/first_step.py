@@ -114,7 +114,7 @@ def run(contest: str, size: Size, _workers: Workers) -> list[Record]:
 
 @dataclass(slots=True)
 class ProcessAnswer:
-    """What a process said.
+    """Answer of a process.
 
     Parameters
     ----------

@@ -75,7 +75,7 @@ class Size:
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """What the result of a case is worth.
+    """Verdict on the result of a case.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ class Case:
 
 @dataclass(slots=True)
 class Record:
-    """What a case took and bought.
+    """Record of a case: its time, and its errors.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ def _plain(value: Any) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class BenchmarkTarget:
-    """What ``--check`` judges and the page states.
+    """Target that ``--check`` judges and the page states.
 
     Parameters
     ----------

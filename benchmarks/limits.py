@@ -1,4 +1,4 @@
-"""What this machine can do at most: operations on doubles, and bytes that are read and written."""
+"""Limits of this machine: operations on doubles, and bytes that are read and written."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def run(contest: str, _size: Size, _workers: Workers) -> list[Record]:
 
 
 class MethodChoice(NamedTuple):
-    """What a tolerance gives, in the geometric mean of problems.
+    """Choice of a method by tolerance, in the geometric mean of problems.
 
     Parameters
     ----------

@@ -95,7 +95,7 @@ def count_operations(kernel: Kernel, outputs: Sequence[int]) -> int:
 
 @dataclass(frozen=True, slots=True)
 class LineLayout:
-    """What is computed for some outputs, and where lines begin: the same in every language.
+    """Nodes that some outputs need, and where lines begin: the same in every language.
 
     Parameters
     ----------

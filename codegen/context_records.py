@@ -1,4 +1,4 @@
-"""What a template may see of a kernel: strings, whole numbers, and tuples of them."""
+"""Context of the templates of a kernel: strings, whole numbers, and tuples of them."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class ArgumentContext:
 
     @property
     def load(self) -> str:
-        """What makes lanes of the rows of an input."""
+        """Transposition of the rows of an input to lanes."""
         at = f"in[{self.index}], i, stride[{self.index}]"
         if self.size >= LONGEST:
             return f"load_rows({at}, {self.size}, {self.symbol})"
@@ -53,7 +53,7 @@ class ArgumentContext:
 
     @property
     def store(self) -> str:
-        """What makes rows of the lanes of an output."""
+        """Transposition of the lanes of an output to rows."""
         if self.size >= LONGEST:
             return f"store_rows({self.symbol}, out[{self.index}], i, {self.size})"
         return f"store_{self.size}({self.symbol}, out[{self.index}], i)"
@@ -88,7 +88,7 @@ class BodyText:
 
 @dataclass(frozen=True, slots=True)
 class TailText:
-    """What one choice of rows computes and writes.
+    """Operations and outputs of one choice of rows.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ class BodyContext:
 
     @property
     def python_parameters(self) -> tuple[str, ...]:
-        """What its function in NumPy takes."""
+        """Parameters of its function in NumPy."""
         choice = ("choice: int",) if len(self.c.tails) > 1 else ()
         return (*choice, *(f"{a.symbol}: Sequence[Any]" for a in self.numpy.inputs))
 
@@ -221,7 +221,7 @@ class KernelContext:
 
     @property
     def python_parameters(self) -> tuple[str, ...]:
-        """What its function in NumPy takes."""
+        """Parameters of its function in NumPy."""
         inputs = (f"{a.symbol}: ArrayLike" for a in self.inputs)
         return (*inputs, "*", "out: Out = None", "outputs: Sequence[str] | None = None")
 
@@ -307,7 +307,7 @@ class KernelContext:
 
 @dataclass(frozen=True, slots=True)
 class PackageContext:
-    """What the templates of all files get.
+    """Context of the templates of all files.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What deriving a kind gives, kept on disk by content: SymPy runs once for each version of it."""
+"""Derived kinds, kept on disk by content: SymPy runs once for each version of one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What kousoku knows: kinds, and what a scene may hold, with names, keys and one line each."""
+"""Catalog of kousoku: kinds, and what a scene may hold, with names, keys and one line each."""
 
 from __future__ import annotations
 

@@ -85,17 +85,17 @@ class Mechanism:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """What is computed beside positions and velocities."""
+        """Outputs that are computed beside positions and velocities."""
         return tuple(self.scene.outputs if self._outputs is None else self._outputs)
 
     @property
     def parameters(self) -> dict[str, float]:
-        """What a run may change, and its value in the scene."""
+        """Parameters that a run may change, and their values in the scene."""
         return dict(self.solver.parameters)
 
     @property
     def target(self) -> str:
-        """What computes, ``c`` or ``numpy``."""
+        """Target that computes, ``c`` or ``numpy``."""
         return self.solver.target.name
 
     @property

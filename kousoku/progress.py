@@ -1,4 +1,4 @@
-"""What takes long is told while it lasts: on a terminal and in a notebook, silently elsewhere."""
+"""Progress of what takes long, on a terminal and in a notebook, silently elsewhere."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ OF_LINKAGES = ("name", "unit", "method", "divisions", "target", "is_in_time", "l
 
 
 class FileFormat(msgspec.Struct, kw_only=True):
-    """What a file says first: which format it has.
+    """Format of a file, which it says first.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class FileFormat(msgspec.Struct, kw_only=True):
 
 
 class KeptMotion(FileFormat, tag="bodies", kw_only=True):
-    """What a file says of a run of bodies; its rows stand beside it.
+    """Run of bodies in a file; its rows stand beside it.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class KeptMotion(FileFormat, tag="bodies", kw_only=True):
 
 
 class KeptTrajectory(FileFormat, tag="nodes", kw_only=True):
-    """What a file says of a linkage; its tables stand beside it.
+    """Run of a linkage in a file; its tables stand beside it.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ class KeptTrajectory(FileFormat, tag="nodes", kw_only=True):
 
 
 class MovedScene:
-    """What moved in a run that was opened: its scene, to draw it.
+    """Scene of a run that was opened, to draw it.
 
     Parameters
     ----------

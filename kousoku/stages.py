@@ -53,7 +53,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class KernelExplanation:
-    """What becomes of the formulas of a derivation on the way to its kernels.
+    """Stages of the formulas of a derivation on the way to its kernels.
 
     ``print`` shows the operations of each kernel, stage by stage: frozen from the components, as it
     would be to print SymPy's formulas as they are, and from the matrix level, which is emitted.

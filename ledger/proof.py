@@ -39,7 +39,7 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """What ran for an entry, in order."""
+    """Steps that ran for an entry, in order."""
 
     lines: tuple[Line, ...]
 

@@ -1,4 +1,4 @@
-r"""What a document prints, made ready for a LaTeX page.
+r"""Formulas and texts of a document, made ready for a LaTeX page.
 
 A printed form may be broken: brackets that do not pair, an environment that never ends. Such a form
 is shown letter by letter instead of typeset.

@@ -1,4 +1,4 @@
-"""What the symbols of a document mean, and the reader that gives a formula's sides as values."""
+"""Symbols of a document and their meaning, and the reader of a formula's sides as values."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _FUNCTIONS = {"cos": sympy.cos, "sin": sympy.sin, "sqrt": sympy.sqrt}
 
 @dataclass(frozen=True, slots=True)
 class Vocabulary:
-    """What the symbols of a document mean.
+    """Symbols of a document and their meaning.
 
     Parameters
     ----------

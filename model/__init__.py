@@ -1,1 +1,1 @@
-"""What a user describes: scenes, and the records that every stage shares."""
+"""Scenes as users describe them, and the records that every stage shares."""

@@ -1,4 +1,4 @@
-"""What a solver of bodies tells of its scene beside numbers: notes, and where forces jump."""
+"""Notes on a scene of bodies that its solver tells beside numbers, and where forces jump."""
 
 from __future__ import annotations
 

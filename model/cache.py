@@ -37,7 +37,7 @@ RECENT = 600.0
 
 @dataclass(frozen=True, slots=True)
 class CacheEntry:
-    """What the cache holds under one key.
+    """Entry of the cache under one key.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 class Bounds(NamedTuple):
-    """What a formula is not below, and not above."""
+    """Lower and upper bound of a formula."""
 
     least: Expression
     most: Expression

@@ -1,4 +1,4 @@
-"""What assembly may not change, as constraints between a body and the ground."""
+"""Values that assembly may not change, as constraints between a body and the ground."""
 
 from __future__ import annotations
 

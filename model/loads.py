@@ -1,4 +1,4 @@
-"""What acts on the bodies of a spatial mechanism beside gravity, as a scene describes it."""
+"""Forces and torques on the bodies of a spatial mechanism beside gravity, as in a scene."""
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 from collections.abc import Mapping

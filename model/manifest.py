@@ -65,7 +65,7 @@ class KernelManifest:
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """What stands in ``manifest.json``.
+    """Content of ``manifest.json``.
 
     Parameters
     ----------

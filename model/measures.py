@@ -1,4 +1,4 @@
-"""What is measured between two bodies, in 50 digits: angles, cosines, distances, places."""
+"""Measures between two bodies, in 50 digits: angles, cosines, distances, places."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What parameters move in a scene: points and directions, seen in the frames of the user."""
+"""Points and directions that parameters move, seen in the frames of the user."""
 
 from __future__ import annotations
 

@@ -183,7 +183,7 @@ class Instance:
 
 @dataclass(frozen=True, slots=True)
 class ForceElement:
-    """What acts on bodies beside gravity; :mod:`kousoku.model.elements` has a class for each kind.
+    """Force or torque beside gravity; :mod:`kousoku.model.elements` has a class for each kind.
 
     Its facets in a program, such as its equations and whether it leaves a plane, are in
     :mod:`kousoku.codegen.dynamics.elements`.

@@ -19,7 +19,7 @@ R = TypeVar("R")
 
 
 class Problems:
-    """What was found so far.
+    """Problems that were found so far.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a run of a system looks for in its formulas: events, kinks, jumps, poles, narrow parts."""
+"""Functions of a system whose roots a run looks for: events, kinks, jumps, poles."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ NO_DISTANCE = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """What formulas read of a state: a coordinate, or how far a spring is from where it is free.
+    """Quantity of a state in formulas: a coordinate, or the elongation of a spring.
 
     Of a spring whose ends may meet it is the distance of these, too.
 
@@ -74,7 +74,7 @@ class Measure:
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """What a run looks at so that no step leaps over it.
+    """Functions that a run watches, so that no step leaps over their roots and narrow parts.
 
     Parameters
     ----------

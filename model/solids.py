@@ -1,4 +1,4 @@
-"""What the mass of a body is made of, as a scene describes it."""
+"""Solids and points of mass that a body is made of, as a scene describes them."""
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 from typing import ClassVar

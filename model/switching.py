@@ -1,4 +1,4 @@
-"""What formulas of a motion do: where they switch, how fast they vary."""
+"""Kinks, jumps and poles of formulas of a motion, and parts of them that vary fast."""
 
 from __future__ import annotations
 

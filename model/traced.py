@@ -61,7 +61,7 @@ class Traced:
 
     @property
     def value(self) -> Any:
-        """What it is with the parameters of the scene."""
+        """Value with the parameters of the scene."""
         return self.values[0]
 
     def __add__(self, other: object) -> Any:

@@ -46,7 +46,7 @@ _TRIVIAL = b"#include <math.h>\ndouble half(double x);\ndouble half(double x) { 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """What a library is made of.
+    """Source of a library.
 
     Parameters
     ----------

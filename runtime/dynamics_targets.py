@@ -1,4 +1,4 @@
-"""What computes the motion of a scene: the compiled solver, or the one in NumPy."""
+"""Targets that compute the motion of a scene: the compiled solver, or the one in NumPy."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Opened = TypeVar("Opened")
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """What the caller owns.
+    """Memory that the caller owns.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def _address(array: Array) -> ctypes.c_void_p:
 
 
 class NumpySolver:
-    """What ``solver.py`` has, with the methods of :class:`CompiledSolver`.
+    """Solver of ``solver.py``, with the methods of :class:`CompiledSolver`.
 
     Parameters
     ----------
@@ -285,7 +285,7 @@ def open_either(
     in_c: Callable[[ctypes.CDLL, Sources], Opened],
     in_numpy: Callable[[Sources, Exception | None], Opened],
 ) -> Opened:
-    """What computes a scene for a target.
+    """Solver of a scene for a target.
 
     Parameters
     ----------

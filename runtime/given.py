@@ -1,4 +1,4 @@
-"""What a caller gives: folders and functions, refused in one line where they are none."""
+"""Folders and functions that a caller gives, refused in one line where they are none."""
 
 from __future__ import annotations
 

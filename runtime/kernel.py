@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class KernelTarget(Protocol):
-    """What runs a kernel whose arguments have been checked."""
+    """Target that runs a kernel whose arguments have been checked."""
 
     #: Lanes of a block in the blocked layout.
     width: int

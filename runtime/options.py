@@ -35,7 +35,7 @@ ALL_OPTIONS = (*OPTIONS, "strict", "estimate_error")
 
 
 class RunOptions(TypedDict, total=False):
-    """What a run may be told, as :func:`options_of` takes it."""
+    """Options of a run, as :func:`options_of` takes them."""
 
     tolerance: float
     method: Literal["dopri5", "dop853", "kinematics"] | None

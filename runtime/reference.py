@@ -25,7 +25,7 @@ FORMAT = 1
 
 @dataclass(frozen=True, slots=True)
 class Expected:
-    """What one output must be at every point, elements flat.
+    """Reference values of one output at every point, elements flat.
 
     Parameters
     ----------

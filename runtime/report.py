@@ -1,4 +1,4 @@
-"""What `verify` found."""
+"""Report of what `verify` found."""
 
 from __future__ import annotations
 

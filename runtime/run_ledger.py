@@ -37,7 +37,7 @@ MOST_WORKS = 12
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """What is left of the constraints of a joint, the largest of all rows that were written.
+    """Residuals of the constraints of a joint, the largest of all rows that were written.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class Violation:
 
 @dataclass(frozen=True, slots=True)
 class RunLedger:
-    """What a run cost, and how far it can be trusted.
+    """Ledger of a run: its cost, and how far it can be trusted.
 
     Parameters
     ----------

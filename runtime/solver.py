@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class LoadedTarget(Protocol):
-    """What computes."""
+    """Target that computes."""
 
     @property
     def name(self) -> str:
@@ -37,7 +37,7 @@ class Solver(Protocol):
 
     @property
     def target(self) -> LoadedTarget:
-        """What computes."""
+        """Target that computes."""
 
     @property
     def sources(self) -> Sources:
@@ -45,7 +45,7 @@ class Solver(Protocol):
 
     @property
     def parameters(self) -> tuple[tuple[str, float], ...]:
-        """What a run may change, and its value in the scene."""
+        """Parameters that a run may change, and their values in the scene."""
 
     @property
     def counts(self) -> tuple[tuple[int, str, str], ...]:

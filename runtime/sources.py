@@ -70,7 +70,7 @@ class Sources:
 
     @property
     def data(self) -> dict[str, Any]:
-        """What ``motion.json`` tells of the scene, empty where there is none."""
+        """Data of ``motion.json`` on the scene, empty where there is none."""
         told: dict[str, Any] = json.loads(self.files.get(MOTION_FILE, "{}"))
         return told
 

@@ -1,4 +1,4 @@
-"""What computes a kernel: the emitted NumPy function, or the compiled library through ctypes."""
+"""Targets of a kernel: the emitted NumPy function, or the compiled library by ctypes."""
 
 from __future__ import annotations
 

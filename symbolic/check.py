@@ -1,4 +1,4 @@
-"""What a derivation must hold before it is proved and emitted, each mistake in one message."""
+"""Checks of a derivation before it is proved and emitted, each mistake in one message."""
 
 from __future__ import annotations
 

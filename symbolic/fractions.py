@@ -14,7 +14,7 @@ class SparsePolynomial(Protocol):
 
     @property
     def ring(self) -> Any:
-        """What it is an element of."""
+        """Ring that it is an element of."""
 
     @property
     def is_one(self) -> bool:

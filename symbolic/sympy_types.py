@@ -1,4 +1,4 @@
-"""What is used of SymPy's classes, as types: SymPy itself is untyped.
+"""Types of SymPy's classes, as far as they are used: SymPy itself is untyped.
 
 mypy takes whatever comes from SymPy as it is. What is handed on has one of these types, so that a
 matrix is not taken for a number, and a misspelt word is found.

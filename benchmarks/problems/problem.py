@@ -1,4 +1,4 @@
-"""What a problem is: a scene for kousoku, digits to judge by, and the forms that peers get."""
+"""Problem: a scene for kousoku, digits to judge by, and the forms that peers get."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ TIMES, ROWS = 100, 200
 
 @dataclass(frozen=True, slots=True)
 class Digits:
-    """What is right at 100 times.
+    """Right positions at 100 times.
 
     Parameters
     ----------

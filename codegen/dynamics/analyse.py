@@ -1,4 +1,4 @@
-"""What is decided of a system before it is composed, analysis by analysis.
+"""Analyses of a system before it is composed, one after the other.
 
 Each takes a system and tells what it found; what one changes the next one sees:
 

@@ -89,7 +89,7 @@ def generate_dynamics(
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """What a solver is emitted from.
+    """System and program that a solver is emitted from.
 
     Parameters
     ----------

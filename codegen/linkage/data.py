@@ -1,4 +1,4 @@
-"""What tells which number of a linkage belongs to which node and link, and its tables."""
+"""Places of nodes and links among the numbers of a linkage, and its tables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the kernels of a linkage must give, computed element by element, without their graphs.
+"""Reference values of the kernels of a linkage, element by element, without their graphs.
 
 Each link element is evaluated on its own and its numbers are put together by the formulas of the
 paper, so that a mistake in composing, binding or printing shows.

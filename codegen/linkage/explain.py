@@ -1,4 +1,4 @@
-"""What is solved for a planar linkage: blocks of unknowns, and the operations of its kernels."""
+"""Explanation of a planar linkage: blocks of unknowns, and operations of its kernels."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class LinkageExplanation:
-    """What is solved for a linkage, whose inputs determine everything.
+    """Explanation of the solver of a linkage, whose inputs determine everything.
 
     Parameters
     ----------

@@ -111,7 +111,7 @@ class WorkspaceLayout:
 
     @property
     def workspace(self) -> Quantity:
-        """What every kernel takes."""
+        """Workspace, which every kernel takes."""
         return Quantity("x0", (self.size,), "", "the workspace")
 
     def is_moving(self, term: Affine) -> bool:

@@ -1,4 +1,4 @@
-"""What a pass did: the record that ``kousoku explain`` prints; nothing of it is emitted."""
+"""Trace of a pass: the record that ``kousoku explain`` prints; nothing of it is emitted."""
 
 from __future__ import annotations
 

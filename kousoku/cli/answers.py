@@ -1,4 +1,4 @@
-"""What each command prints with ``--json``: records, from which ``kousoku schema --json`` is made.
+"""Records that commands print with ``--json``; ``kousoku schema --json`` is made of them.
 
 A key is never taken away, and never means something else, without another number of the format;
 keys may be added. A number that is not finite is the text ``"inf"``, ``"-inf"`` or ``"nan"``.
@@ -22,7 +22,7 @@ class Shelf(TypedDict):
 
 
 class Cache(TypedDict):
-    """What ``kousoku cache`` found; ``limit`` is the bytes that it may take."""
+    """Answer of ``kousoku cache``; ``limit`` is the bytes that it may take."""
 
     format: int
     folder: str
@@ -41,7 +41,7 @@ class Remark(TypedDict):
 
 
 class CheckedScene(TypedDict):
-    """What was found of a scene file; ``what`` is empty where it is not valid."""
+    """Scene file that was checked; ``what`` is empty where it is not valid."""
 
     file: str
     is_valid: bool
@@ -51,7 +51,7 @@ class CheckedScene(TypedDict):
 
 
 class CheckAnswer(TypedDict):
-    """What ``kousoku check`` found."""
+    """Answer of ``kousoku check``."""
 
     format: int
     scenes: list[CheckedScene]
@@ -78,7 +78,7 @@ class DerivedFunction(TypedDict):
 
 
 class Derive(TypedDict):
-    """What ``kousoku derive`` derived."""
+    """Answer of ``kousoku derive``."""
 
     format: int
     name: str
@@ -90,7 +90,7 @@ class Derive(TypedDict):
 
 
 class ExplainedStep(TypedDict):
-    """What a step leaves out of a solver: rows, columns, operations, bytes of the workspace."""
+    """Saving of a step in a solver: rows, columns, operations, bytes of the workspace."""
 
     name: str
     detail: str
@@ -101,7 +101,7 @@ class ExplainedStep(TypedDict):
 
 
 class StructureAnswer(TypedDict):
-    """What remains to be solved; dense, schur and fill_in are counts of elements."""
+    """Structure that remains to be solved; dense, schur and fill_in are counts of elements."""
 
     positions: int
     velocities: int
@@ -160,7 +160,7 @@ class FreedomAnswer(TypedDict):
 
 
 class ExplainBodies(TypedDict):
-    """What ``kousoku explain`` says of a scene of bodies; segments have operations."""
+    """Answer of ``kousoku explain`` for a scene of bodies; segments have operations."""
 
     format: int
     name: str
@@ -181,7 +181,7 @@ class BlockAnswer(TypedDict):
 
 
 class ExplainLinkage(TypedDict):
-    """What ``kousoku explain`` says of a linkage of nodes; kernels have operations."""
+    """Answer of ``kousoku explain`` for a linkage of nodes; kernels have operations."""
 
     format: int
     name: str
@@ -198,14 +198,14 @@ class WrittenPackage(TypedDict):
 
 
 class Generate(TypedDict):
-    """What ``kousoku generate`` wrote."""
+    """Answer of ``kousoku generate``."""
 
     format: int
     packages: list[WrittenPackage]
 
 
 class GenerateCheck(TypedDict):
-    """What ``kousoku generate --check`` found, each in a line; foreign are files of the user."""
+    """Answer of ``kousoku generate --check``, a line each; foreign are files of the user."""
 
     format: int
     ok: bool
@@ -229,7 +229,7 @@ class LedgerEntry(TypedDict):
 
 
 class LedgerAnswer(TypedDict):
-    """What ``kousoku ledger`` proved."""
+    """Answer of ``kousoku ledger``."""
 
     format: int
     entries: list[LedgerEntry]
@@ -246,7 +246,7 @@ class PackageAnswer(TypedDict):
 
 
 class Listing(TypedDict):
-    """What ``kousoku list`` lists."""
+    """Answer of ``kousoku list``."""
 
     format: int
     packages: list[PackageAnswer]
@@ -262,7 +262,7 @@ class CatalogEntry(TypedDict):
 
 
 class ListedSection(TypedDict):
-    """What ``kousoku list joints`` lists."""
+    """Answer of ``kousoku list joints``."""
 
     format: int
     section: str
@@ -270,7 +270,7 @@ class ListedSection(TypedDict):
 
 
 class MovedByAssembly(TypedDict):
-    """What assembly changed of a body; velocities where the scene gives one."""
+    """Change of a body by assembly; velocities where the scene gives one."""
 
     moved: JsonNumber
     turned: JsonNumber
@@ -279,7 +279,7 @@ class MovedByAssembly(TypedDict):
 
 
 class ViolationAnswer(TypedDict):
-    """What is left of a joint's constraints: positions, velocities [1/s], accelerations [1/s²]."""
+    """Residuals of a joint's constraints: positions, velocities [1/s], accelerations [1/s²]."""
 
     metres: list[JsonNumber]
     radians: list[JsonNumber]
@@ -330,7 +330,7 @@ class TrustAnswer(TypedDict):
 
 
 class RunLedgerAnswer(TypedDict):
-    """What a run cost, and how far it can be trusted; in metres, joules, seconds."""
+    """Cost of a run, and how far it can be trusted; in metres, joules, seconds."""
 
     method: str
     tolerance: JsonNumber
@@ -369,7 +369,7 @@ class RunLedgerAnswer(TypedDict):
 
 
 class EventAnswer(TypedDict):
-    """What a run does at an event, how often it was, and when, unless it is only counted."""
+    """Event of a run: its action, how often it was, and when, unless it is only counted."""
 
     action: Literal["record", "count", "stop"]
     count: int
@@ -377,7 +377,7 @@ class EventAnswer(TypedDict):
 
 
 class MovedBodies(TypedDict):
-    """What ``simulate`` and ``solve`` say of a run of bodies; errors are null there."""
+    """Answer of ``simulate`` and ``solve`` for a run of bodies; errors are null there."""
 
     format: int
     scene: str
@@ -407,7 +407,7 @@ class IterationsAnswer(TypedDict):
 
 
 class MovedLinkage(TypedDict):
-    """What ``simulate`` and ``solve`` say of a linkage; errors are those of the closed form."""
+    """Answer of ``simulate`` and ``solve`` for a linkage; errors are those of the closed form."""
 
     format: int
     scene: str
@@ -455,7 +455,7 @@ class VerifiedPackage(TypedDict):
 
 
 class Verify(TypedDict):
-    """What ``kousoku verify`` found."""
+    """Answer of ``kousoku verify``."""
 
     format: int
     ok: bool

@@ -1,4 +1,4 @@
-"""What the shell completes after a command: names of files that it takes."""
+"""Completion in the shell, after a command: names of files that it takes."""
 
 from collections.abc import Callable
 from pathlib import Path

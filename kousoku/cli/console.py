@@ -1,4 +1,4 @@
-"""What the commands share: where generated packages are found, tables, JSON, progress."""
+"""Parts that commands share: where generated packages are found, tables, JSON, progress."""
 
 import json
 import sys
@@ -24,7 +24,7 @@ DISAGREEMENT, BAD_INPUT, STOPPED, INTERRUPTED, UNREAD = 1, 2, 3, 130, 141
 
 
 class TargetChoice(StrEnum):
-    """What computes."""
+    """Target that computes."""
 
     AUTO = "auto"
     C = "c"

@@ -1,4 +1,4 @@
-"""What ``simulate``, ``solve`` and ``animate`` share: load, move, write, draw, print."""
+"""Parts that ``simulate``, ``solve`` and ``animate`` share: load, move, write, draw, print."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ Of = Annotated[
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What a command asks for.
+    """Request of a command.
 
     Parameters
     ----------

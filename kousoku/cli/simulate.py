@@ -31,7 +31,7 @@ MethodName = Literal["dopri5", "dop853", "kinematics", OfLinkages]
 
 
 class OutputChoice(StrEnum):
-    """What can be computed beside positions and velocities."""
+    """Outputs beside positions and velocities."""
 
     ACCELERATIONS = "accelerations"
     COORDINATES = "coordinates"

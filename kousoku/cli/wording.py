@@ -1,4 +1,4 @@
-"""What went wrong, in the words of the command line: options where Python has arguments."""
+"""Errors in the words of the command line: options where Python has arguments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a planar linkage of nodes looks like: bars in layers, pins, sliders, the ground."""
+"""Pictures of planar linkages of nodes: bars in layers, pins, sliders, the ground."""
 
 from __future__ import annotations
 

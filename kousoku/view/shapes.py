@@ -1,4 +1,4 @@
-"""What a mechanism looks like: solids, sticks and joint signs in the frames of its bodies."""
+"""Shapes of a mechanism: solids, sticks and joint signs in the frames of its bodies."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class MeshPart:
 
 @dataclass(slots=True)
 class BodyShape:
-    """What is drawn of a body.
+    """Shape of a body, as it is drawn.
 
     Parameters
     ----------

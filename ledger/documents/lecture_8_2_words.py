@@ -1,4 +1,4 @@
-"""What the symbols of lecture 8.2 mean; its variations are differentiated, not stated.
+"""Symbols of lecture 8.2 and their meaning; variations are differentiated, not stated.
 
 A letter without a prime is read as the lecture defines it: components in frame O. A letter with a
 prime has components in the frame of its body.

@@ -35,7 +35,7 @@ def is_axis(name: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class ConstraintKind:
-    """What is known of a kind beside its equations.
+    """Kind of constraint: what is known of it beside its equations.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Lowering:
-    """What forces of a scene are turned into elements with.
+    """Scene, frames and coordinates with which forces are turned into elements.
 
     Parameters
     ----------

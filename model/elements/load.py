@@ -58,13 +58,13 @@ class Load(ForceElement):
 
     @property
     def vectors(self) -> tuple[Vector, ...]:
-        """What it is the sum of, (n, 3) [N or N m], but for the values of formulas."""
+        """Vectors (n, 3) [N or N m] that it is the sum of, but for the values of formulas."""
         given = (values for name, values in self.constants if name != "s_j_b")
         return tuple((x, y, z) for x, y, z in given)
 
 
 class OnBody(ForceKind):
-    """What forces and torques on a body have in common."""
+    """Force or torque on a body."""
 
     name: ClassVar[str]
 

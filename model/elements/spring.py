@@ -1,4 +1,4 @@
-"""What springs have in common: a linear law or one of their own, and where they are free."""
+"""Springs: a linear law or one of their own, and where they are free."""
 
 from __future__ import annotations
 

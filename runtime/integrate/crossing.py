@@ -110,7 +110,7 @@ def note_unresolved(time: float, state: State) -> None:
 
 @dataclass(slots=True)
 class TimeNode:
-    """What is seen at a time of a step.
+    """Node of the search, at a time of a step.
 
     Parameters
     ----------
@@ -379,7 +379,7 @@ def reach_between(
 
 
 def band_at(node: TimeNode, look: Look) -> Array:
-    """What functions are known to at a node: of an event that it starts short of no more."""
+    """Band of functions at a node: of an event that it starts short of no more."""
     found = half_width(node)
     if look.is_short.any():
         known = half_width(look_closely(look.noise, node.time, look))

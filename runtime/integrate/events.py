@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class EventLog(NamedTuple):
-    """What a run tells of its events.
+    """Log of the events of a run.
 
     Parameters
     ----------

@@ -107,7 +107,7 @@ class Position(NamedTuple):
 
 
 class WorkEstimate(NamedTuple):
-    """What is known of the works of a step.
+    """Estimate of the works of a step and of their error.
 
     Parameters
     ----------

@@ -83,7 +83,7 @@ class ReactionPlaces:
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """What stands where in a row, as ``motion.json`` says.
+    """Layout of a row, as ``motion.json`` says.
 
     Parameters
     ----------
@@ -360,7 +360,7 @@ class Motion(Result):
 
     @property
     def ledger(self) -> Ledger:
-        """What the run cost, and how far it can be trusted: a ``RunLedger``."""
+        """Ledger of the run, its cost and how far it can be trusted: a ``RunLedger``."""
         if self._ledger is None:
             raise missing(f"{self.name}: no ledger: install kousoku, which keeps it")
         if callable(self._ledger):
@@ -405,7 +405,7 @@ class Motion(Result):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader should know before he trusts the numbers, a line each."""
+        """Notes for a reader before he trusts the numbers, a line each."""
         return tuple(filter(None, [*self.layout.notes, self.note(), self._end()]))
 
     def main_columns(self, of: str | None = None) -> list[str]:

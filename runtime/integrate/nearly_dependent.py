@@ -1,4 +1,4 @@
-"""What is said of a run whose rows nearly depend on each other with its parameters."""
+"""Words for a run whose rows nearly depend on each other with its parameters."""
 
 from __future__ import annotations
 

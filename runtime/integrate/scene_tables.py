@@ -28,7 +28,7 @@ WAY = 12
 
 @dataclass(frozen=True)
 class SceneTables:
-    """What a solver holds of its scene: what that lacks is not given, and zero or empty.
+    """Tables of a scene in its solver: what the scene lacks is not given, and zero or empty.
 
     Parameters
     ----------
@@ -262,7 +262,7 @@ class SceneTables:
 
     @property
     def state_sizes(self) -> dict[str, int]:
-        """What the layout of a state depends on."""
+        """Sizes that the layout of a state depends on."""
         return {
             "NY": self.ny,
             "DENSE": DENSE,

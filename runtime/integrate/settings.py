@@ -1,4 +1,4 @@
-"""What a run is told, the struct ``settings`` of a solver's header, and what a call returns.
+"""Settings of a run, as the struct of a solver's header, and the status of a call.
 
 The header is written from here, field by field and code by code.
 """
@@ -69,7 +69,7 @@ class Settings(NamedTuple):
 
 
 class Status(IntEnum):
-    """What a call returns; a run that was stopped goes on from where it is, with the same bits.
+    """Status of a call; a run that was stopped goes on from where it is, with the same bits.
 
     ``EVENT`` and ``STOPPED``: an event is at the time that was reached. Its row stands behind those
     that were written, and is not counted with them; after ``STOPPED`` a run does not go on.
@@ -99,7 +99,7 @@ class Status(IntEnum):
 
 
 class Doubt(IntFlag):
-    """What speaks against a run, in bits; ``OPEN`` are rows that were left out."""
+    """Doubts about a run, in bits; ``OPEN`` are rows that were left out."""
 
     NOT_FINITE = 1
     OPEN = 2

@@ -506,7 +506,7 @@ def dipping_part(first: float, last: float, trial: Trial) -> float:
 
 
 def turning_place(trial: Trial) -> tuple[float, float]:
-    """Return at which part of a step roots seem to change their sign, and how steeply they do.
+    """Part of a step at which roots seem to change their sign, and how steeply they do.
 
     They go with the distance from a place where branches meet, so that lines through two of them
     tell the next. The slope is 0 where none changes its sign.

@@ -56,7 +56,7 @@ class CheckedRows(NamedTuple):
 
 
 class RunVerdict(NamedTuple):
-    """What speaks against a run, bits of :class:`Doubt`, and its limits; ``solver.h`` has units."""
+    """Verdict on a run: bits of :class:`Doubt`, and its limits; ``solver.h`` has units."""
 
     doubts: int
     limit: float
@@ -195,7 +195,7 @@ class Trust:
 
     @property
     def why(self) -> str:
-        """What speaks against the run, in one line."""
+        """Doubts about the run, in one line."""
         return "; ".join(self.problems)
 
 
@@ -400,7 +400,7 @@ def untold(single: Mapping[str, float], advice: str) -> str:
 
 
 class Missed(NamedTuple):
-    """What the rows of a joint that are left out missed at most.
+    """Largest residual of the rows of a joint that are left out.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What an analysis ends with, and the tolerances that decide it; ``status.h`` states the same.
+"""Status of an analysis at its end, and tolerances that decide it, as in ``status.h``.
 
 They stand in both languages because each solver works alone: the C program without Python, the
 NumPy solver without a compiler.
@@ -24,7 +24,7 @@ MOST_TRIES = 1_000_000
 
 
 class AnalysisStatus(IntEnum):
-    """What an analysis ends with."""
+    """Status of an analysis at its end."""
 
     GOOD = 0
     NOT_ASSEMBLED = 1

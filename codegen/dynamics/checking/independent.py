@@ -1,4 +1,4 @@
-"""What a scene does at a few states, from :mod:`.newton_euler`, for comparison with its solver.
+"""Motion of a scene at a few states, by :mod:`.newton_euler`, to compare its solver with.
 
 States are those that the solver can have: its start, and some beside it that move, brought onto all
 joints and drivers of the scene. There M v̇ + C_qᵀλ = f, C_q v̇ = γ is solved for each body by
@@ -63,7 +63,7 @@ class _UnsuitableError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class GivenSolver:
-    """What is known of a solver.
+    """Solver that is compared, as far as it is known.
 
     Parameters
     ----------

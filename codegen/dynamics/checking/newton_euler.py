@@ -132,7 +132,7 @@ class Course:
 
 @dataclass(slots=True)
 class Found:
-    """What acts at a state: f of M v̇ + C_qᵀλ = f.
+    """Forces at a state: f of M v̇ + C_qᵀλ = f.
 
     Parameters
     ----------

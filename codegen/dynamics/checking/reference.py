@@ -1,4 +1,4 @@
-"""What a scene's solver must give at a few states, in 50 digits, from two sources.
+"""Reference values of a scene's solver at a few states, in 50 digits, from two sources.
 
 The tasks of the program are run as they were composed; straight-line code, C and Python have no
 part in it. What the composition itself does wrong shows against :mod:`.independent`, in which it

@@ -78,7 +78,7 @@ class Law:
 
 @dataclass(frozen=True, slots=True)
 class Combinations:
-    """What records the rows of combinations, C = Σ c u + c₀ − f(t) [m or rad] of coordinates u.
+    """Recorder of the rows of combinations, C = Σ c u + c₀ − f(t) [m or rad] of coordinates u.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class FormulaNames(Mapping[str, "Meaning"]):
-    """What formulas may depend on: time, parameters, coordinates, and rates of coordinates.
+    """Names that formulas may depend on: time, parameters, coordinates, rates of coordinates.
 
     Each is recorded in the segment that asks for it.
 

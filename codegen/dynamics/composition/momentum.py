@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class BodyMomentum:
-    """What a body has of the momenta of its part, in frame O.
+    """Share of a body in the momenta of its part, in frame O.
 
     Blocks: r (3,) [m], A (3, 3), v (3,) [m/s] and ω′ (3,) [rad/s] in the principal frame, mass [kg]
     and moments (3,) [kg m²]; then r and v of the first body of the part, from where places and

@@ -1,4 +1,4 @@
-"""What joints do to their bodies: the segment ``reaction``."""
+"""Reactions of joints on their bodies: the segment ``reaction``."""
 
 from __future__ import annotations
 

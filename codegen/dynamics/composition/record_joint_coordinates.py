@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class JointCoordinateRecorder:
-    """What records one body: v = R u + β, v̇ = R u̇ + η.
+    """Recorder of one body: v = R u + β, v̇ = R u̇ + η.
 
     v (c,) [m/s, rad/s] has the columns δr in frame O, δθ′ in the principal frame, R is (c, f).
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class JointRecorder:
-    """What records the rows of joints: C (n,) [m, rad or -], δC = C_q (δr, δθ′).
+    """Recorder of the rows of joints: C (n,) [m, rad or -], δC = C_q (δr, δθ′).
 
     δr [m] is in frame O, δθ′ [rad] in the principal frame of each body, C_q (n, c) by body.
 

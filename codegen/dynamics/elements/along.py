@@ -40,7 +40,7 @@ class AlongEffect:
 
 
 class OnCoordinate(ForceFacets[E]):
-    """What forces along a coordinate and springs against it have in common.
+    """Force along a coordinate, or spring against it.
 
     A force τ [N or N m] along u acts by Jᵀτ (c,), with u̇ = J v: δr in frame O, δθ′ in the
     principal frame.

@@ -1,4 +1,4 @@
-"""What kinds of constraints and coordinates mean, beside the equations that their kernels have.
+"""Facets of kinds of constraints and coordinates, beside the equations of their kernels.
 
 Each kind is defined again, by geometry: of moving bodies for the equations of each body, at rest
 for how far a joint is open, and by what the ground can do through it.
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class GroundReaction:
-    """What the ground does through one row, or one force: −C_qᵀλ of the row C.
+    """Force of the ground through one row, or one force: −C_qᵀλ of the row C.
 
     Parameters
     ----------

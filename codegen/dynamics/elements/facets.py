@@ -1,4 +1,4 @@
-"""What a force does in a program, in the analyses before it, and in the check beside it."""
+"""Facets of a force: in a program, in the analyses before it, and in the check beside it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ E = TypeVar("E", bound=ForceElement)
 
 @dataclass(frozen=True, slots=True)
 class Applied:
-    """What a force applies from outside to the part of a system that its bodies belong to.
+    """Force and torque from outside on the part of a system that the bodies belong to.
 
     Parameters
     ----------

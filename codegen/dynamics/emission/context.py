@@ -226,12 +226,12 @@ class SolverContext:
 
     @property
     def doubts(self) -> tuple[Doubt, ...]:
-        """What may speak against a run."""
+        """Doubts that may speak against a run."""
         return tuple(Doubt)
 
     @property
     def statuses(self) -> tuple[Status, ...]:
-        """What a call returns."""
+        """Statuses that a call returns."""
         return tuple(Status)
 
     @property
@@ -241,7 +241,7 @@ class SolverContext:
 
     @property
     def meanings(self) -> Mapping[str, str]:
-        """What the regions hold."""
+        """Meanings of the regions."""
         return REGIONS
 
 

@@ -1,4 +1,4 @@
-"""What tells which number of a row belongs to which body and joint."""
+"""Places of bodies and joints in a row of numbers, as ``motion.json`` tells them."""
 
 from __future__ import annotations
 

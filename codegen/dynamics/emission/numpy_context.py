@@ -113,7 +113,7 @@ class PythonSegment:
 
 @dataclass(frozen=True, slots=True)
 class NumpyContext:
-    """What the text of the solver in Python is made of.
+    """Context of the templates of the solver in Python.
 
     Parameters
     ----------

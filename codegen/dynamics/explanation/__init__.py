@@ -1,4 +1,4 @@
-"""What a scene does not need, counted.
+"""Parts of a solver that a scene does not need, counted.
 
 ``explain``, ``structure``, ``text``.
 """

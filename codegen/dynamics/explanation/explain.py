@@ -1,4 +1,4 @@
-"""What a scene does not need, step by step, and the structure of what remains.
+"""Parts that a scene does not need, step by step, and the structure of the rest.
 
 A step compares two programs of the same scene: one that does without, and one that does not.
 """
@@ -49,7 +49,7 @@ BYTES = 8
 
 @dataclass(frozen=True, slots=True)
 class SavedStep:
-    """What one step saved.
+    """Saving of one step.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class SavedStep:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Explanation:
-    """What is solved for a scene, and what is not.
+    """Explanation of a solver: what is solved for a scene, and what is not.
 
     Parameters
     ----------

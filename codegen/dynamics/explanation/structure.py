@@ -1,4 +1,4 @@
-"""What a program solves: its elements that are not zero, in C_q and in the factors of S."""
+"""Structure of a program: elements that are not zero, in C_q and in the factors of S."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ GOLDEN = 0.6180339887498949
 
 @dataclass(frozen=True, slots=True)
 class Structure:
-    """What remains of a scene.
+    """Structure of what remains of a scene.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What one task computes: of a body, a joint, a force, a block of a factorisation.
+"""Operations of one task: on a body, a joint, a force, a block of a factorisation.
 
 ``mechanics``, ``own_frames``, ``coordinates``, ``forces``, ``formulas``, ``elimination``, ``sums``,
 ``joint_coordinates``. Of a system, before there are tasks: ``body_coordinates``, ``placement``,

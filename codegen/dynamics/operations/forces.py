@@ -1,4 +1,4 @@
-"""What operations of forces share: M⁻¹f of a body, a force at a point, columns of nodes."""
+"""Parts of operations of forces: M⁻¹f of a body, a force at a point, columns of nodes."""
 
 from __future__ import annotations
 

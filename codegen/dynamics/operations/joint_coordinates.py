@@ -276,7 +276,7 @@ class DriverPower:
 
 @dataclass(frozen=True, slots=True)
 class JointWrench:
-    """What the joint and its drivers do to the body, of M v̇ + Σ C_qᵀλ = f + it.
+    """Wrench of the joint and its drivers on the body, of M v̇ + Σ C_qᵀλ = f + it.
 
     Blocks: the diagonal of M (1, c) [kg, kg m²], v̇ (c,), M⁻¹f, what all other joints do, −Σ C_qᵀλ.
     """
@@ -291,7 +291,7 @@ class JointWrench:
 
 @dataclass(frozen=True, slots=True)
 class DriverWrench:
-    """What a driver has of that, Jᵀ (Rᵀ w). Blocks: it, the column of R, J of the coordinate.
+    """Share of a driver in that, Jᵀ (Rᵀ w). Blocks: it, the column of R, J of the coordinate.
 
     w (c,) is [N] in frame O, [N m] in the principal frame.
 
@@ -314,7 +314,7 @@ class DriverWrench:
 
 @dataclass(frozen=True, slots=True)
 class PrescribedValue:
-    """What a driver makes of a freedom, u = ±(f(t) − u₀). Blocks: its formula, that at the start.
+    """Value of a driven freedom, u = ±(f(t) − u₀). Blocks: its formula, that at the start.
 
     Parameters
     ----------

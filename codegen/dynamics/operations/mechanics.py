@@ -1,4 +1,4 @@
-"""What joints and bodies contribute: operations on the blocks of two bodies, from the frozen kinds.
+"""Rows of joints and bodies: operations on the blocks of two bodies, from the frozen kinds.
 
 Each operation is a frozen record, so that equal operations on equal patterns share a kernel.
 """
@@ -271,7 +271,7 @@ def _dot(a: Matrix, b: Matrix, i: int, j: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Rates:
-    """What a joint asks of velocities or accelerations.
+    """Right side ν or γ of a joint: what it asks of velocities or accelerations.
 
     Blocks: p, A, v (3,) [m/s] in frame O and ω′ (3,) [rad/s] in the principal frame of body i, then
     what is multiplied by its Jacobian, and the Jacobian; the same of body j; r of both; of each

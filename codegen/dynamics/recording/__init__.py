@@ -1,4 +1,4 @@
-"""What operations are recorded on: kernels, tasks and one workspace.
+"""Recording of operations: kernels, tasks and one workspace.
 
 ``program``, ``recorder``, ``traces``, ``matrix``, ``inline``, ``disjoint``, ``design``; what is
 recorded is run without its source by ``interpreter``, and counted by ``counts``.

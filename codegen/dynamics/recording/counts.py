@@ -1,4 +1,4 @@
-"""What a program costs: tasks and operations, by segment and kind of task."""
+"""Costs of a program: tasks and operations, by segment and kind of task."""
 
 from __future__ import annotations
 

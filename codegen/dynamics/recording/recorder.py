@@ -97,11 +97,11 @@ def _slots(base: int, size: int) -> SlotMatrix:
 
 
 class Operation(Protocol):
-    """What can be traced: hashable, so that equal operations share their kernels."""
+    """Operation that can be traced: hashable, so that equal ones share their kernels."""
 
     @property
     def title(self) -> str:
-        """What it computes, in one line; kernels and counts are named after it."""
+        """Title of what it computes, in one line; kernels and counts are named after it."""
 
     def __hash__(self) -> int:
         """Hash that equal operations share."""

@@ -1,4 +1,4 @@
-"""What the ground can do to a part of a system, whatever its position: which way it can push.
+"""Reactions of the ground on a part of a system in any position: which way it can push.
 
 A row between the ground and a body has a force and a moment whose directions follow from its kind
 and from what is fixed in the ground. What holds at some positions only does not count; that rows
