@@ -27,7 +27,7 @@ from benchmarks import commits
 from benchmarks.kit import BenchmarkTarget, Figures, Question, Record, Size, matches
 from benchmarks.machine import machine
 from benchmarks.race import MISSING, OURS, Workers, race
-from kousoku.model.cache import write_atomically
+from kousoku.model.files.cache import write_atomically
 from kousoku.runtime.lock import locked
 from tests.stress.journal import ROOT, digest_of, done_in, is_on, page_in
 

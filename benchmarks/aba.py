@@ -25,7 +25,7 @@ from benchmarks.chains import (
 )
 from benchmarks.kit import PeerMissingError, required
 from benchmarks.loops import cpp_compiler, eigen, started
-from kousoku.model.cache import cache_folder
+from kousoku.model.files.cache import cache_folder
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.rotations import composed, rotated
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
-from kousoku.model.families import chain
+from kousoku.model.reading.families import chain
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.toolchain import find_toolchain
 

@@ -33,7 +33,7 @@ from typing import TYPE_CHECKING, Any
 from rich.progress import Progress
 
 from benchmarks.kit import Size, duration, end_group, matches, table
-from kousoku.model.cache import write_atomically
+from kousoku.model.files.cache import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

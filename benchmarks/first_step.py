@@ -34,8 +34,8 @@ from benchmarks.loops import started
 from benchmarks.plots import ToolLine, growth
 from benchmarks.race import CAP, MISSING, TOO_LONG
 from benchmarks.stages import ORDER, PEERS, WARMED
-from kousoku.model.families import chain
-from kousoku.model.write import to_toml
+from kousoku.model.reading.families import chain
+from kousoku.model.reading.write import to_toml
 from kousoku.runtime.toolchain import EXTENSION
 
 if TYPE_CHECKING:

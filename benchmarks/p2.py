@@ -12,7 +12,7 @@ import numpy as np
 
 from benchmarks.limits import aligned
 from kousoku.codegen.freeze_components import freeze_components
-from kousoku.model.dual import evaluate_dual
+from kousoku.model.numbers.dual import evaluate_dual
 from kousoku.symbolic.components import cross
 from kousoku.symbolic.kinds import derive
 from kousoku.symbolic.matrices import quadratic_form

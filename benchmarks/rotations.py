@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kousoku.runtime.integrate import body_tables
 
 if TYPE_CHECKING:
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 
 def rotated(p: Array, v: Array) -> Array:

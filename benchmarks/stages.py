@@ -25,7 +25,10 @@ if TYPE_CHECKING:
 #: What belongs to which stage: functions by the modules that call them. What none of them does is
 #: part of the stage around it; of loading a scene, that is to look for it in the cache.
 STAGES: dict[str, dict[str, tuple[str, ...]]] = {
-    "read": {"kousoku.model.read": ("text_of", "scene_from_toml"), "kousoku.loading": ("_text",)},
+    "read": {
+        "kousoku.model.reading.read": ("text_of", "scene_from_toml"),
+        "kousoku.loading": ("_text",),
+    },
     "analyse": {
         "kousoku.codegen.dynamics.generate": (
             *("assemble_scene", "analyse", "given_start", "require_driven"),

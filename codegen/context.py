@@ -15,12 +15,12 @@ from kousoku.codegen.context_lines import ascii_of, plain
 from kousoku.codegen.context_names import Namer, identifier
 from kousoku.codegen.context_records import ArgumentContext, KernelContext, PackageContext
 from kousoku.codegen.passes.trace import without_sharing
-from kousoku.model.graph import Op
+from kousoku.model.operations.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.kernel import Kernel, Package
+    from kousoku.model.operations.kernel import Kernel, Package
 
 #: Operations on which Python's floats behave as arrays do, whatever the operands.
 _POLYNOMIAL = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.NEG})

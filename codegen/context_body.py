@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.printers import FUNCTIONS, C, Text
-from kousoku.model.graph import Op
+from kousoku.model.operations.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.context_names import Namer
     from kousoku.codegen.printers import Printer
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.kernel import Kernel
 
 #: Longest name and right-hand side together: what C writes around them keeps it within 100.
 WIDTH = 77

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.context_names import Namer
-    from kousoku.model.quantity import Quantity
+    from kousoku.model.files.quantity import Quantity
 
 
 def arguments_of(quantities: Sequence[Quantity], namer: Namer) -> tuple[ArgumentContext, ...]:

@@ -16,14 +16,14 @@ from kousoku.codegen.context_body import (
 )
 from kousoku.codegen.context_names import Namer
 from kousoku.codegen.context_records import ArgumentContext, BodyContext, BodyText, TailText
-from kousoku.model.graph import Op
+from kousoku.model.operations.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.printers import Printer
-    from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.graph import OperationNode
+    from kousoku.model.operations.kernel import Kernel
 
 #: Operations whose operands may change places.
 _COMMUTATIVE = frozenset({Op.ADD, Op.MUL})

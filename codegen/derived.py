@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.kernel_json import GRAPH_FILE, dump, parse
 from kousoku.codegen.passes.optimise import optimise
-from kousoku.model.cache import cache_folder, write_atomically
-from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
-from kousoku.model.jsontext import to_text
-from kousoku.model.kernel import Package
-from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.model.files.cache import cache_folder, write_atomically
+from kousoku.model.files.compressed import content
+from kousoku.model.files.jsontext import to_text
+from kousoku.model.files.manifest import REFERENCE_FILE
+from kousoku.model.operations.kernel import Package
 from kousoku.model.version import __version__
 
 if TYPE_CHECKING:
@@ -42,16 +42,16 @@ SOURCES = (
     "codegen/error_unit.py",
     "codegen/kernel_json.py",
     "codegen/sha256_random.py",
-    "model/arithmetic.py",
-    "model/digits.py",
-    "model/dual.py",
-    "model/graph.py",
-    "model/interpret.py",
-    "model/jsontext.py",
-    "model/kernel.py",
-    "model/quantity.py",
-    "model/parallel_rows.py",
-    "model/slopes.py",
+    "model/operations/arithmetic.py",
+    "model/numbers/digits.py",
+    "model/numbers/dual.py",
+    "model/operations/graph.py",
+    "model/operations/interpret.py",
+    "model/files/jsontext.py",
+    "model/operations/kernel.py",
+    "model/files/quantity.py",
+    "model/mechanics/parallel_rows.py",
+    "model/operations/slopes.py",
 )
 #: File beside the committed kinds that says of which sources they were derived.
 RECORD_FILE = "derived.json"

@@ -13,14 +13,14 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from kousoku.codegen.context import package_context
 from kousoku.codegen.context_lines import c_call, python_lines
 from kousoku.codegen.known_errors import known_errors
-from kousoku.model.manifest import ABI, KernelManifest, Manifest
+from kousoku.model.files.manifest import ABI, KernelManifest, Manifest
 from kousoku.model.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.codegen.context_records import PackageContext
-    from kousoku.model.kernel import Kernel, Package
+    from kousoku.model.operations.kernel import Kernel, Package
 
     Inputs = tuple[tuple[str, str], ...]
 

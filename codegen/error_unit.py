@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model.digits import CONTEXT
+from kousoku.model.numbers.digits import CONTEXT
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.model.dual import Dual
+    from kousoku.model.numbers.dual import Dual
 
 SMALLEST_SUBNORMAL = 5e-324
 #: u, the rounding of a double.

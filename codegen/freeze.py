@@ -28,8 +28,8 @@ from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.codegen.matrix_chain import Association, Cells, flip
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model.errors import FreezeError
-from kousoku.model.graph import Graph, Op
-from kousoku.model.kernel import Kernel
+from kousoku.model.operations.graph import Graph, Op
+from kousoku.model.operations.kernel import Kernel
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
@@ -46,7 +46,7 @@ from kousoku.symbolic.matrices import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.quantity import Quantity
+    from kousoku.model.files.quantity import Quantity
     from kousoku.symbolic.derivation import Function
 
 

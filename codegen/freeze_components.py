@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from kousoku.model.errors import FreezeError
-from kousoku.model.graph import Op, OperationNode
-from kousoku.model.kernel import Kernel
+from kousoku.model.operations.graph import Op, OperationNode
+from kousoku.model.operations.kernel import Kernel
 from kousoku.symbolic.matrices import elements
 
 if TYPE_CHECKING:

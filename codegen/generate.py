@@ -16,18 +16,18 @@ from kousoku.codegen.derived import (
 )
 from kousoku.codegen.emit import LIBRARIES, along_file, emit, sha256, with_manifest
 from kousoku.codegen.kernel_json import GRAPH_FILE, dump
-from kousoku.model.cache import write_atomically
-from kousoku.model.compressed import content, stored
-from kousoku.model.jsontext import to_text
-from kousoku.model.kernel import Package
-from kousoku.model.manifest import PLAIN, REFERENCE_FILE, Manifest
+from kousoku.model.files.cache import write_atomically
+from kousoku.model.files.compressed import content, stored
+from kousoku.model.files.jsontext import to_text
+from kousoku.model.files.manifest import PLAIN, REFERENCE_FILE, Manifest
+from kousoku.model.operations.kernel import Package
 from kousoku.symbolic.kinds import KINDS, packages_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.kernel import Kernel
     from kousoku.symbolic.derivation import Derivation
 
     SourceTree = dict[str, str]

@@ -15,14 +15,14 @@ from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model.cache import cache_folder, write_atomically
-from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
-from kousoku.model.graph import GRAPH_OPS, Op, OperationNode
-from kousoku.model.jsontext import to_text
-from kousoku.model.kernel import Kernel, Package
-from kousoku.model.own_kind import PREFIX, is_own, kind_name
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.cache import cache_folder, write_atomically
+from kousoku.model.files.compressed import content
+from kousoku.model.files.jsontext import to_text
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.graph import GRAPH_OPS, Op, OperationNode
+from kousoku.model.operations.kernel import Kernel, Package
+from kousoku.model.records.own_kind import PREFIX, is_own, kind_name
 from kousoku.symbolic.kinds import KINDS
 
 if TYPE_CHECKING:

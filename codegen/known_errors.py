@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.model.interpret import ARRAY, evaluate
+from kousoku.model.operations.interpret import ARRAY, evaluate
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.kernel import Kernel
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.points import is_euler_parameters
-from kousoku.model.digits import CONTEXT
-from kousoku.model.dual import evaluate_dual
+from kousoku.model.numbers.digits import CONTEXT
+from kousoku.model.numbers.dual import evaluate_dual
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.kernel import Kernel
 
     #: An element of an input: the input's name and the element's place, row-major.
     InputElement = tuple[str, int]

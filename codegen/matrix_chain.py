@@ -11,7 +11,7 @@ from kousoku.symbolic.sympy_types import SymbolicMatrix
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from kousoku.model.graph import Graph
+    from kousoku.model.operations.graph import Graph
 
 Cells = tuple[tuple[int, ...], ...]
 MatrixFactors = tuple[SymbolicMatrix, ...]

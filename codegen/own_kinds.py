@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, cast
 from kousoku.codegen.dynamics.operations.own_frames import COLUMNS, PLACES, RATES, own_inputs
 from kousoku.codegen.kernel_json import keep_own
 from kousoku.codegen.passes.rebuild import substitute
+from kousoku.model.elements.joints import NAMES
 from kousoku.model.errors import DerivationError
-from kousoku.model.graph import Graph
-from kousoku.model.joints import NAMES
-from kousoku.model.own_kind import KEYS, OwnInput, OwnKind
+from kousoku.model.operations.graph import Graph
+from kousoku.model.records.own_kind import KEYS, OwnInput, OwnKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import Literal
 
-    from kousoku.model.kernel import Kernel, Package
-    from kousoku.model.quantity import Quantity
+    from kousoku.model.files.quantity import Quantity
+    from kousoku.model.operations.kernel import Kernel, Package
 
 #: Outputs of the kernels that a joint is made of, by kernel.
 OUTPUTS = {"constraint": ("C", "C_q"), "rates": ("nu", "gamma")}

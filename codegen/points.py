@@ -11,16 +11,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
-from kousoku.model.digits import CONTEXT
-from kousoku.model.graph import Op
+from kousoku.model.numbers.digits import CONTEXT
+from kousoku.model.operations.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.sha256_random import Sha256Random
-    from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel import Kernel
-    from kousoku.model.quantity import Quantity
+    from kousoku.model.files.quantity import Quantity
+    from kousoku.model.operations.graph import OperationNode
+    from kousoku.model.operations.kernel import Kernel
 
     Numbers = Mapping[str, tuple[float, ...]]
 

@@ -11,7 +11,7 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, NamedTuple
 
 from kousoku.model.errors import EmitError
-from kousoku.model.graph import Op, literal
+from kousoku.model.operations.graph import Op, literal
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

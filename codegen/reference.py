@@ -25,16 +25,16 @@ from kousoku.codegen.points import (
 )
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.codegen.states import coincident_points, motion_points
-from kousoku.model.digits import CONTEXT
-from kousoku.model.dual import Dual, evaluate_dual
 from kousoku.model.errors import DerivationError
-from kousoku.model.jsontext import to_text
+from kousoku.model.files.jsontext import to_text
+from kousoku.model.numbers.digits import CONTEXT
+from kousoku.model.numbers.dual import Dual, evaluate_dual
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.known_errors import KnownError
-    from kousoku.model.kernel import Kernel, Package
+    from kousoku.model.operations.kernel import Kernel, Package
     from kousoku.symbolic.derivation import DerivedOutput, Function
 
 FORMAT = 1

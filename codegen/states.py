@@ -10,14 +10,14 @@ import math
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.points import EvaluationPoint, ordinary
-from kousoku.model.digits import CONTEXT
+from kousoku.model.numbers.digits import CONTEXT
 from kousoku.symbolic.matrices import quadratic_form
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.sha256_random import Sha256Random
-    from kousoku.model.quantity import Quantity
+    from kousoku.model.files.quantity import Quantity
 
     Numbers = dict[str, tuple[float, ...]]
     Triple = Sequence[float]

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from kousoku.deriving import body, derive, kernels, number
     from kousoku.loading import load
     from kousoku.mechanism import Mechanism
-    from kousoku.model.builder import SceneBuilder
     from kousoku.model.errors import (
         AssemblyError,
         CompilerError,
@@ -32,7 +31,8 @@ if TYPE_CHECKING:
         SceneError,
         SolveError,
     )
-    from kousoku.model.scene import Scene
+    from kousoku.model.reading.builder import SceneBuilder
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.integrate.result import Result
     from kousoku.runtime.run import Interrupted, Run
     from kousoku.runtime.saved import SavedRun
@@ -60,8 +60,8 @@ _MODULES = {
     "Mechanism": "mechanism",
     "open_run": "saved",
     "Result": "runtime.integrate.result",
-    "Scene": "model.scene",
-    "SceneBuilder": "model.builder",
+    "Scene": "model.records.scene",
+    "SceneBuilder": "model.reading.builder",
     "Run": "runtime.run",
     "SavedRun": "runtime.saved",
     "Interrupted": "runtime.run",

@@ -131,9 +131,10 @@ class Catalog(_Named[Section]):
 def _catalog() -> Catalog:
     import json
 
-    from kousoku.model import joints, validate_coordinates
+    from kousoku.model.elements import joints
     from kousoku.model.elements.drivers import DRIVERS
     from kousoku.model.elements.forces import FORCES
+    from kousoku.model.validation import validate_coordinates
 
     text = (files("kousoku.model") / "scene.schema.json").read_text(encoding="utf-8")
     records = json.loads(text)["$defs"]
@@ -190,7 +191,7 @@ def _section(name: str, entries: Sequence[CatalogItem]) -> Section:
 def _kinds() -> list[CatalogItem]:
     """Kinds, with what their kernels take."""
     from kousoku.generated import kinds
-    from kousoku.model.manifest import Manifest
+    from kousoku.model.files.manifest import Manifest
     from kousoku.symbolic import KINDS
 
     found = []

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.explanation.explain import Explanation
     from kousoku.codegen.linkage.explain import LinkageExplanation
-    from kousoku.model.builder import SceneBuilder
-    from kousoku.model.scene import Scene
+    from kousoku.model.reading.builder import SceneBuilder
+    from kousoku.model.records.scene import Scene
     from kousoku.own_kinds import Kind
     from kousoku.runtime.library import Library
     from kousoku.runtime.report import Report

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.model.digits import CONTEXT
-from kousoku.model.input_motion import input_values
+from kousoku.model.linkage.input_motion import input_values
+from kousoku.model.numbers.digits import CONTEXT
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.model.planar import Input, Slider
-    from kousoku.model.real import Array
-    from kousoku.model.scene import Scene
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.planar import Input, Slider
+    from kousoku.model.records.scene import Scene
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from kousoku.joint_shapes import (
 )
 
 if TYPE_CHECKING:
-    from kousoku.model.orientation import Vector
+    from kousoku.model.records.orientation import Vector
 
 
 def _rope(low: Vector, high: Vector) -> Solid:

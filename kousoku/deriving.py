@@ -144,9 +144,9 @@ def kernels(
         An expression cannot be emitted.
     """
     from kousoku.codegen.generate import MANIFEST_FILE, generate, package_of, write_tree
-    from kousoku.model.cache import cache_folder
     from kousoku.model.errors import DerivationError
-    from kousoku.model.manifest import Manifest
+    from kousoku.model.files.cache import cache_folder
+    from kousoku.model.files.manifest import Manifest
     from kousoku.runtime import load
 
     if isinstance(derivation, PathLike):

@@ -27,14 +27,14 @@ from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.labels import columns_of, is_turn, rows_of
 from kousoku.model.errors import SolveError
-from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import TIME
-from kousoku.model.interpret import ARRAY
-from kousoku.model.interpret import evaluate as evaluated
-from kousoku.model.parametric import fixed_system
-from kousoku.model.system import system_of
-from kousoku.model.values import value_of
-from kousoku.model.varying import Varying
+from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.formulas import TIME
+from kousoku.model.expressions.values import value_of
+from kousoku.model.lowering.parametric import fixed_system
+from kousoku.model.lowering.system import system_of
+from kousoku.model.numbers.varying import Varying
+from kousoku.model.operations.interpret import ARRAY
+from kousoku.model.operations.interpret import evaluate as evaluated
 from kousoku.runtime.integrate.body_tables import (
     BodyPlaces,
     rotated,
@@ -50,9 +50,9 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.model.multibody import Instance, MovingBody, System
-    from kousoku.model.real import Array
-    from kousoku.model.scene import Scene
+    from kousoku.model.mechanics.multibody import Instance, MovingBody, System
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
 
 #: Scenes whose equations are kept.

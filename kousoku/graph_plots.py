@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib as mpl
 from matplotlib.collections import LineCollection
 
-from kousoku.model.graph import Op
+from kousoku.model.operations.graph import Op
 from kousoku.plots import Drawing
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.typing import RcKeyType
 
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.kernel import Kernel
 
     #: Where nodes stand, as (x, depth, operation), and the lines between them.
     Layers = tuple[list[tuple[float, int, Op]], list[list[tuple[float, int]]]]

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from kousoku.joint_shapes import JointFreedom, JointPicture, Solid
-    from kousoku.model.orientation import Vector
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.orientation import Vector
 
 _COLORS = {"i": "#5b8db8", "j": "#e0a04d", "-": "#9a9a9a"}
 _SHIFT, _TURN, _AXIS = "#1a7a3c", "#8a2b8f", "#b02020"

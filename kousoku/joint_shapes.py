@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from kousoku.model.orientation import Vector
+    from kousoku.model.records.orientation import Vector
 
 Owner = Literal["i", "j", "-"]
 
@@ -321,4 +321,4 @@ JOINT_PICTURES: dict[str, JointPicture] = {
         sign=_CUP,
     ),
 }
-"""The picture of each joint, by its name in :data:`kousoku.model.joints.JOINTS`."""
+"""The picture of each joint, by its name in :data:`kousoku.model.elements.joints.JOINTS`."""

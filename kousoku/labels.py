@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from kousoku.model.elements.constraints import components_of
-from kousoku.model.own_kind import is_own, kind_name
+from kousoku.model.mechanics.constraints import components_of
+from kousoku.model.records.own_kind import is_own, kind_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
-    from kousoku.model.multibody import Instance, MovingBody, System
+    from kousoku.model.mechanics.multibody import Instance, MovingBody, System
 
 #: Columns of a body: those of a point are the first three.
 COLUMNS = ("x", "y", "z", "theta_x", "theta_y", "theta_z")

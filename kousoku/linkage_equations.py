@@ -15,10 +15,10 @@ import numpy as np
 
 from kousoku.codegen.linkage.assemble import Role, assemble
 from kousoku.codegen.linkage.kernels import link_kernels
-from kousoku.model.arithmetic import FLOAT
-from kousoku.model.directions import unit_vector
 from kousoku.model.errors import SolveError
-from kousoku.model.interpret import evaluate
+from kousoku.model.numbers.directions import unit_vector
+from kousoku.model.operations.arithmetic import FLOAT
+from kousoku.model.operations.interpret import evaluate
 from kousoku.runtime.integrate.given import misfit, numbers_of, require_numbers
 
 if TYPE_CHECKING:
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.codegen.linkage.assemble import LinkElement
-    from kousoku.model.planar import Input, Slider
-    from kousoku.model.real import Array
-    from kousoku.model.scene import Scene
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.planar import Input, Slider
+    from kousoku.model.records.scene import Scene
 
 #: Where an element has its rotations, by the row that belongs to each.
 ROTATION = {1: 2, 2: 5}

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 from kousoku.mechanism import Mechanism
 from kousoku.model import version
-from kousoku.model.cache import cache_folder, shrink, size_limit, touch, write_atomically
 from kousoku.model.errors import (
     AssemblyError,
     CacheError,
@@ -23,6 +22,7 @@ from kousoku.model.errors import (
     SceneError,
     TargetError,
 )
+from kousoku.model.files.cache import cache_folder, shrink, size_limit, touch, write_atomically
 from kousoku.own_kinds import own_kinds
 from kousoku.progress import told
 from kousoku.runtime.integrate.result import shown
@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from typing import Any
 
-    from kousoku.model.builder import SceneBuilder
-    from kousoku.model.own_kind import OwnKind
-    from kousoku.model.scene import Output, Scene
+    from kousoku.model.reading.builder import SceneBuilder
+    from kousoku.model.records.own_kind import OwnKind
+    from kousoku.model.records.scene import Output, Scene
     from kousoku.own_kinds import Kind
     from kousoku.runtime.choice import Target
     from kousoku.runtime.solver import Solver
@@ -129,18 +129,18 @@ class GivenScene:
         SceneError
             The file cannot be read, or what is given is no scene.
         """
-        from kousoku.model.scene import Scene
+        from kousoku.model.records.scene import Scene
 
         if hasattr(scene, "build"):
             scene = scene.build(kinds=kinds) if kinds else scene.build()
         if isinstance(scene, Scene):
             if kinds:
-                from kousoku.model.read import scene_from_toml
+                from kousoku.model.reading.read import scene_from_toml
 
                 scene = scene_from_toml(_text(scene), kinds=kinds)
             return cls("", _text(scene).encode(), partial(_checked, scene))
         if isinstance(scene, str) and ("\n" in scene or ("=" in scene and not _is_path(scene))):
-            from kousoku.model.read import scene_from_toml
+            from kousoku.model.reading.read import scene_from_toml
 
             return cls("", _told(scene, kinds), partial(scene_from_toml, scene, kinds=kinds))
         if isinstance(scene, str) and not scene.strip():
@@ -148,7 +148,7 @@ class GivenScene:
         if isinstance(scene, str | os.PathLike):
             return cls._of_file(Path(scene), kinds)
         if hasattr(scene, "items"):
-            from kousoku.model.read import scene_from_dict
+            from kousoku.model.reading.read import scene_from_dict
 
             built = scene_from_dict(scene, kinds=kinds)
             return cls("", _text(built).encode(), lambda: built)
@@ -159,7 +159,7 @@ class GivenScene:
 
     @classmethod
     def _of_file(cls, path: Path, kinds: Mapping[str, OwnKind] | None) -> GivenScene:
-        from kousoku.model.read import scene_from_toml, scene_text
+        from kousoku.model.reading.read import scene_from_toml, scene_text
 
         with suppress(OSError):  # a name that is too long is refused where it is read
             if path.is_dir():
@@ -287,7 +287,7 @@ def generated(
     SceneError, AssemblyError
         As of :func:`load`.
     """
-    from kousoku.model.validate_unused import output_problem
+    from kousoku.model.validation.validate_unused import output_problem
 
     for output in outputs or ():
         if problem := output_problem(scene, output):
@@ -373,14 +373,14 @@ def _found(given: str) -> str:
 
 def _checked(scene: Scene) -> Scene:
     """Scene that was put together by hand, when it is read: it may not have been checked."""
-    from kousoku.model.validate import check
+    from kousoku.model.validation.validate import check
 
     check(scene)
     return scene
 
 
 def _text(scene: Scene) -> str:
-    from kousoku.model.write import to_toml
+    from kousoku.model.reading.write import to_toml
 
     return to_toml(scene)
 
@@ -406,6 +406,6 @@ def naming(file: str | Path) -> Iterator[None]:
     try:
         yield
     except (SceneError, AssemblyError) as error:
-        from kousoku.model.read import located
+        from kousoku.model.reading.read import located
 
         raise (located(error, file) if file else error) from None

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from kousoku.matrices import Evaluation, Matrices
-    from kousoku.model.real import Array
-    from kousoku.model.scene import Scene
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.integrate.result import Result
     from kousoku.runtime.options import RunOptions
     from kousoku.runtime.run import Run
@@ -69,7 +69,7 @@ class Mechanism:
     @cached_property
     def scene(self) -> Scene:
         """The scene: bodies, joints, forces, as they were given."""
-        from kousoku.model.read import scene_from_toml
+        from kousoku.model.reading.read import scene_from_toml
 
         return scene_from_toml(self.text, file=self.file)
 
@@ -244,7 +244,7 @@ class Mechanism:
 
         import msgspec
 
-        from kousoku.model.drivers import times_of
+        from kousoku.model.linkage.input_drivers import times_of
 
         scene = self.scene
         if divisions is not None:

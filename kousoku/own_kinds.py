@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from os import PathLike
 
-    from kousoku.model.kernel import Package
-    from kousoku.model.own_kind import OwnKind
+    from kousoku.model.operations.kernel import Package
+    from kousoku.model.records.own_kind import OwnKind
     from kousoku.runtime.library import Library
     from kousoku.symbolic.derivation import Derivation
 

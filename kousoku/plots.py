@@ -12,7 +12,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from kousoku.model.cache import write_atomically
+from kousoku.model.files.cache import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from matplotlib.typing import RcKeyType
 
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 STYLE: dict[RcKeyType, Any] = {
     "axes.grid": True,

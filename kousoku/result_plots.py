@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
     from kousoku.runtime.integrate.result import Result
 
 #: Bodies and joints that are drawn where none is named.

@@ -20,8 +20,8 @@ from kousoku.runtime.saved import digest_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kousoku.model.real import Array
-    from kousoku.model.scene import Scene
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.integrate.result import Result
 
 #: Begins the names of arrays that are no columns: no part of a scene has a name with it.
@@ -130,7 +130,7 @@ class MovedScene:
         SolveError
             It is not the one that moved.
         """
-        from kousoku.model.read import scene_from_toml
+        from kousoku.model.reading.read import scene_from_toml
 
         scene = scene_from_toml(self.text, file="the scene in the run")
         if self._parts != [*(scene.bodies if scene.is_spatial else scene.nodes)]:

@@ -17,7 +17,7 @@ from kousoku.symbolic.matrices import elements, symbol
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.kernel import Kernel
     from kousoku.symbolic.derivation import Derivation, Function
 
 #: Heads of the table that is printed.

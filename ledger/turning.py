@@ -14,7 +14,7 @@ from kousoku.symbolic.matrices import elements, quadratic_form
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.quantity import Quantity
+    from kousoku.model.files.quantity import Quantity
     from kousoku.symbolic.sympy_types import Scalar
 
 

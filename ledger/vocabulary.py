@@ -45,7 +45,7 @@ from kousoku.symbolic.sympy_types import as_value
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from kousoku.model.quantity import Quantity
+    from kousoku.model.files.quantity import Quantity
     from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix, Value
 
 

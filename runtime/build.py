@@ -21,8 +21,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kousoku.model.cache import cache_folder
 from kousoku.model.errors import CacheError, CompilerError, NoCompilerError
+from kousoku.model.files.cache import cache_folder
 from kousoku.runtime.lock import locked
 from kousoku.runtime.notice import say_once
 from kousoku.runtime.toolchain import EXTENSION, output, run

@@ -12,7 +12,7 @@ from kousoku.runtime.lanes import from_lanes, to_lanes
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.manifest import KernelManifest
+    from kousoku.model.files.manifest import KernelManifest
     from kousoku.runtime.arguments import Floats
     from kousoku.runtime.kernel import Kernel
     from kousoku.runtime.reference import Reference

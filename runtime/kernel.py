@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from kousoku.model.manifest import KernelManifest
+    from kousoku.model.files.manifest import KernelManifest
     from kousoku.runtime.arguments import CheckedArguments, Floats, Signature
 
     #: Takes inputs, ``out`` and a mask of wanted outputs; returns the outputs, or None for

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import ctypes
     from collections.abc import Callable, Mapping
 
-    from kousoku.model.manifest import Manifest
+    from kousoku.model.files.manifest import Manifest
     from kousoku.runtime.build import Built
     from kousoku.runtime.choice import Target
     from kousoku.runtime.toolchain import Toolchain

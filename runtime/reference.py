@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import VerifyError
-from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.model.files.manifest import REFERENCE_FILE
 from kousoku.runtime.report import LIMIT, Row
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from kousoku.model.manifest import KernelManifest, Manifest
-    from kousoku.model.quantity import Quantity
+    from kousoku.model.files.manifest import KernelManifest, Manifest
+    from kousoku.model.files.quantity import Quantity
     from kousoku.runtime.arguments import Floats
 
 FORMAT = 1

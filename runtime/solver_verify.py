@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from kousoku.model.errors import LoadError, NoCompilerError, TargetError, VerifyError
-from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.model.files.manifest import REFERENCE_FILE
 from kousoku.runtime.notice import silent
 from kousoku.runtime.report import Report, Row
 

@@ -9,9 +9,9 @@ import json
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model.compressed import content, stored
 from kousoku.model.errors import CacheError, LoadError, printable
-from kousoku.model.manifest import PLAIN, Manifest
+from kousoku.model.files.compressed import content, stored
+from kousoku.model.files.manifest import PLAIN, Manifest
 from kousoku.runtime.given import folder_of
 from kousoku.runtime.integrate.result import shown
 
@@ -102,7 +102,7 @@ class Sources:
         """
         import hashlib
 
-        from kousoku.model.cache import cache_folder, write_atomically
+        from kousoku.model.files.cache import cache_folder, write_atomically
 
         if self._lie_in(self.folder):
             return self.folder

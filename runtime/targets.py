@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from kousoku.model.manifest import KernelManifest, Manifest
+    from kousoku.model.files.manifest import KernelManifest, Manifest
     from kousoku.runtime.arguments import CheckedArguments, Floats
 
 #: Lanes of a block where no processor decides it.

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kousoku.model.manifest import KernelManifest
+    from kousoku.model.files.manifest import KernelManifest
     from kousoku.runtime.choice import Target
     from kousoku.runtime.evaluate import EvaluatedOutput
     from kousoku.runtime.reference import Reference

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import sympy
 from sympy.matrices.expressions import Identity, MatrixSymbol
 
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.bodies import BODIES, COMPONENTS, DELTA, RATE, SYMBOLS, A
 from kousoku.symbolic.components import dot, rotate
 from kousoku.symbolic.constraint import derive_constraint

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from sympy import S
 from sympy.matrices.expressions import MatrixSymbol
 
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.components import Flow, half_turn
 from kousoku.symbolic.matrices import OrientationMatrix, elements, symbol, vector
 from kousoku.symbolic.variation import Variation

@@ -8,7 +8,7 @@ from sympy import Symbol
 from sympy.matrices.expressions import MatrixSymbol
 
 from kousoku.model.errors import DerivationError
-from kousoku.model.names import name_problem
+from kousoku.model.validation.names import name_problem
 from kousoku.symbolic.kinds import KINDS, packages_of
 from kousoku.symbolic.matrices import elements
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol
 
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.derivation import Derivation, Function, Step, output_of
 from kousoku.symbolic.matrices import (
     NamedMatrix,

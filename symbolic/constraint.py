@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from sympy import S, Symbol
 from sympy.matrices.expressions import BlockMatrix, MatrixSymbol
 
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.bodies import CONFIGURATION, MOTION, motion_flow, unit_flows
 from kousoku.symbolic.check import check_constraint, check_functions
 from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function, output_of

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     import sympy
 
-    from kousoku.model.quantity import Quantity
+    from kousoku.model.files.quantity import Quantity
 
 #: Characters of a line of a repr, and kernels that it lists.
 LONGEST_LINE, MOST_FUNCTIONS = 100, 6
@@ -102,7 +102,7 @@ class Function:
     Parameters
     ----------
     name, title, formula, source : str
-        As in :class:`kousoku.model.kernel.Kernel`.
+        As in :class:`kousoku.model.operations.kernel.Kernel`.
     inputs : tuple of Quantity
         In the order of the arguments.
     outputs : tuple of DerivedOutput

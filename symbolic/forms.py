@@ -9,7 +9,7 @@ from sympy import postorder_traversal
 from sympy.matrices.expressions import MatrixSymbol
 
 from kousoku.model.errors import DerivationError
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.bodies import COLUMNS, DELTA, PRODUCT_RULE, RATE
 from kousoku.symbolic.derivation import Step
 from kousoku.symbolic.matrices import (

@@ -17,7 +17,7 @@ import sympy
 from sympy.matrices.expressions import BlockMatrix, Identity
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.components import dot
 from kousoku.symbolic.derivation import Derivation, Function, output_of
 from kousoku.symbolic.link_element import (

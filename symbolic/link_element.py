@@ -9,7 +9,7 @@ from sympy import Symbol
 from sympy.matrices.expressions import BlockMatrix, MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.matrices import (
     Dot,
     NamedMatrix,

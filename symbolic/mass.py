@@ -16,7 +16,7 @@ from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.errors import DerivationError
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.components import Flow, cross, dot, half_turn, rotate, rotate_back
 from kousoku.symbolic.derivation import Derivation, Function, Step, output_of
 from kousoku.symbolic.mass_steps import balance_steps, motion_steps, reduction_steps

@@ -13,7 +13,7 @@ from kousoku.symbolic.variation import Variation, coefficient, without
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.quantity import Quantity
+    from kousoku.model.files.quantity import Quantity
     from kousoku.symbolic.mass import BodyTerms
     from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix
 

@@ -50,7 +50,7 @@ from kousoku.symbolic.sympy_types import as_matrix
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.quantity import Quantity
+    from kousoku.model.files.quantity import Quantity
     from kousoku.symbolic.sympy_types import Letter, Scalar, SymbolicMatrix
 
 

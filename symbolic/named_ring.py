@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.matrices import Divisor, NamedMatrix, NamedScalar, elements
 from kousoku.symbolic.ring import Ring
 

@@ -8,7 +8,7 @@ import sympy
 from sympy import S
 from sympy.matrices.expressions import Identity, MatrixSymbol
 
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.components import dot
 from kousoku.symbolic.derivation import Derivation, Function, Step, output_of
 from kousoku.symbolic.matrices import add, elements, mul, neg, symbol, transpose

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from sympy.matrices.expressions import MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
-from kousoku.model.parallel_rows import ROWS
+from kousoku.model.mechanics.parallel_rows import ROWS
 from kousoku.symbolic.bodies import BODIES, COMPONENTS, SYMBOLS, A
 from kousoku.symbolic.components import cross, plus, rotate, rotate_back, subtract
 from kousoku.symbolic.components import dot as dot_product

@@ -13,7 +13,7 @@ from sympy.matrices.expressions import MatrixSymbol
 from sympy.polys.domains import QQ
 
 from kousoku.model.errors import DerivationError
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.components import Flow, half_turn
 from kousoku.symbolic.matrices import (
     Divisor,

@@ -42,7 +42,7 @@ from kousoku.symbolic.matrices import (
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.quantity import Quantity
+    from kousoku.model.files.quantity import Quantity
 
 FractionRows = list[list[Fraction]]
 

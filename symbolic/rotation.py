@@ -9,7 +9,7 @@ from sympy import Integer, Rational, S
 from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.components import Flow, compose, dot, half_turn, plus, rotate
 from kousoku.symbolic.derivation import Derivation, Function, Step, output_of
 from kousoku.symbolic.matrices import (

@@ -15,7 +15,7 @@ import sympy
 from sympy import Rational
 from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol
 
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.bodies import (
     BODIES,
     COLUMNS,

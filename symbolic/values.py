@@ -17,7 +17,7 @@ from kousoku.symbolic.matrices import elements
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from kousoku.model.quantity import Quantity
+    from kousoku.model.files.quantity import Quantity
     from kousoku.symbolic.derivation import Derivation, DerivedOutput
 
 #: Digits to which a root, a sine or an angle is computed before it is rounded to a double.

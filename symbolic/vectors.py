@@ -17,8 +17,8 @@ from sympy.matrices.expressions import Identity, MatAdd, MatMul, MatrixSymbol, T
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.errors import DerivationError
-from kousoku.model.names import name_problem
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.validation.names import name_problem
 from kousoku.symbolic import bodies
 from kousoku.symbolic.components import cross, dot, plus, rotate, rotate_back
 from kousoku.symbolic.derivation import Step

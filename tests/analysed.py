@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 
 def all_rows(system: System, *, may_be_planar: bool = True) -> Analysed:

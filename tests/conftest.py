@@ -37,7 +37,7 @@ from kousoku.runtime.toolchain import find_toolchain
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.toolchain import Toolchain
     from kousoku.symbolic.derivation import Derivation
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from kousoku.model.joints import JOINTS, NAMES, leaves_of
+from kousoku.model.elements.joints import JOINTS, NAMES, leaves_of
 from tests.random_bodies import MASSES, ORIENTATIONS, STARTS
 from tests.random_geometry import DIRECTIONS, Pose, across
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model.elements.joint import ANGLE
-from kousoku.model.joints import COUPLINGS, JOINTS, NAMES, leaves_of
+from kousoku.model.elements.joints import COUPLINGS, JOINTS, NAMES, leaves_of
 from tests.random_geometry import DIRECTIONS, TURNS, Pose, rotation
 
 if TYPE_CHECKING:

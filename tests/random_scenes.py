@@ -11,7 +11,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.elements.joint import ANGLE
-from kousoku.model.joints import leaves_of
+from kousoku.model.elements.joints import leaves_of
 from tests.random_draft import Draft
 from tests.random_geometry import DIRECTIONS
 from tests.random_mechanisms import DETERMINED, JOINT_NAMES, MECHANISMS

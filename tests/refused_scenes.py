@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from kousoku.model.errors import SceneError
-from kousoku.model.read import scene_from_dict
+from kousoku.model.reading.read import scene_from_dict
 
 Tree = dict[str, Any]
 

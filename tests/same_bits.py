@@ -30,14 +30,14 @@ from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
 from kousoku.codegen.linkage.generate import generate_linkage
 from kousoku.model.errors import KousokuError
-from kousoku.model.read import read_scene, scene_from_dict
+from kousoku.model.reading.read import read_scene, scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.linkage import load_linkage
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.run import Run
 

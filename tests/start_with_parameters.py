@@ -10,16 +10,16 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.redundancy.nearly import with_consistent_start
-from kousoku.model import precise
-from kousoku.model.design_numbers import read_formulas, with_numbers
-from kousoku.model.problems import Problems
-from kousoku.model.system import system_of
+from kousoku.model.expressions.design_numbers import read_formulas, with_numbers
+from kousoku.model.lowering.system import system_of
+from kousoku.model.numbers import precise
+from kousoku.model.records.problems import Problems
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.model.multibody import MovingBody, System
-    from kousoku.model.scene import Scene
+    from kousoku.model.mechanics.multibody import MovingBody, System
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.integrate.motion import Motion
 
 

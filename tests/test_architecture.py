@@ -27,14 +27,20 @@ MAY_IMPORT = {
     "runtime": {"model", "library"},
     "generated": {"runtime", "library"},
 }
-#: Rooms of ``codegen/dynamics``, and files beside them; each may import what stands before it.
-STAGES = (
-    *("recording", "operations", "elements", "assembly", "simplification", "redundancy"),
-    *("assembled", "analyse", "composition", "emission", "checking", "choose"),
-    *("generate", "explanation"),
-)
-#: The files of ``model`` that ``runtime`` uses.
-SHARED = {"angles", "quantity", "manifest", "errors", "cache", "compressed", "jsontext"}
+#: Rooms of a folder, and files beside them; each may import what stands before it.
+STAGES = {
+    "model": (
+        *("errors", "angles", "text", "version", "files", "operations", "records", "numbers"),
+        *("expressions", "mechanics", "linkage", "elements", "validation", "reading", "lowering"),
+    ),
+    "codegen/dynamics": (
+        *("recording", "operations", "elements", "assembly", "simplification", "redundancy"),
+        *("assembled", "analyse", "composition", "emission", "checking", "choose"),
+        *("generate", "explanation"),
+    ),
+}
+#: The room of ``model``, and the files beside it, that ``runtime`` uses.
+SHARED = {"angles", "errors", "files"}
 #: Folders of ``runtime`` that generated folders take along.
 LIBRARIES = ("integrate", "kinematics")
 #: Modules that import each other in a circle, at most: at the top of files; inside of functions,
@@ -94,26 +100,27 @@ def test_each_folder_imports_only_what_stands_left_of_it(folder: str) -> None:
     assert not {path: names for path, names in wrong.items() if names}
 
 
-@pytest.mark.parametrize("stage", STAGES)
-def test_each_stage_of_dynamics_imports_only_what_stands_before_it(stage: str) -> None:
+@pytest.mark.parametrize(("within", "stage"), [(a, b) for a in STAGES for b in STAGES[a]])
+def test_each_stage_imports_only_what_stands_before_it(within: str, stage: str) -> None:
     """So that no two rooms import each other, not even for a type.
 
     Elements alone name in types who calls them, and hands itself over.
     """
-    after = STAGES[STAGES.index(stage) + 1 :]
-    folder = ROOT / "codegen" / "dynamics"
-    above = "kousoku.codegen.dynamics."
+    after = STAGES[within][STAGES[within].index(stage) + 1 :]
+    folder = ROOT / within
+    above = f"kousoku.{within.replace('/', '.')}."
     for path in sorted((folder / stage).rglob("*.py")) or [folder / f"{stage}.py"]:
         names = imports(path, with_types=stage != "elements")
         used = {name.removeprefix(above).split(".")[0] for name in names if name.startswith(above)}
         assert used.isdisjoint(after), path
 
 
-def test_every_stage_of_dynamics_has_its_place() -> None:
-    folder = ROOT / "codegen" / "dynamics"
+@pytest.mark.parametrize("within", STAGES)
+def test_every_stage_has_its_place(within: str) -> None:
+    folder = ROOT / within
     assert {path.parent.name for path in folder.glob("*/__init__.py")} | {
         path.stem for path in folder.glob("*.py") if path.stem != "__init__"
-    } == {*STAGES}
+    } == {*STAGES[within]}
 
 
 def test_no_file_imports_a_root_folder_by_its_bare_name() -> None:
@@ -130,7 +137,7 @@ def test_what_runs_needs_numpy_and_the_standard_library_only(folder: str) -> Non
         assert {name.split(".")[0] for name in imports(path, with_types=False)} <= allowed, path
 
 
-def test_runtime_uses_only_the_light_files_of_model() -> None:
+def test_runtime_uses_only_what_is_light_of_model() -> None:
     for path in sources("runtime"):
         used = {n.split(".")[2] for n in imports(path) if n.startswith("kousoku.model.")}
         assert used <= SHARED, path
@@ -215,7 +222,7 @@ def test_generating_the_solver_of_a_scene_needs_no_sympy() -> None:
     """All that is derived is frozen; importing SymPy would be a third of the time it takes."""
     loaded = modules_after(
         "from kousoku.codegen.dynamics.generate import generate_dynamics\n"
-        "from kousoku.model.families import chain\n"
+        "from kousoku.model.reading.families import chain\n"
         "generate_dynamics(chain(2))"
     )
     assert "mpmath" in loaded

@@ -9,10 +9,11 @@ import pytest
 
 from kousoku.cataloging import catalog
 from kousoku.committed import kinds
-from kousoku.model import loads, spatial, validate_coordinates
 from kousoku.model.elements.drivers import DRIVERS
 from kousoku.model.elements.forces import FORCES
-from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
+from kousoku.model.elements.joints import COUPLINGS, JOINTS, NAMES
+from kousoku.model.records import loads, spatial
+from kousoku.model.validation import validate_coordinates
 from kousoku.symbolic import KINDS
 from tests.test_architecture import BLOCK, modules_after
 

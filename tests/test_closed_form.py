@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kousoku.closed_form import NodeMotion, closed_form
-from kousoku.model.read import read_scene, scene_from_toml
+from kousoku.model.reading.read import read_scene, scene_from_toml
 
 SCENES = Path(__file__).parents[1] / "scenes"
 

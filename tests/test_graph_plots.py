@@ -10,9 +10,9 @@ import pytest
 
 import kousoku as ks
 from kousoku.codegen.passes.trace import without_sharing
-from kousoku.model.graph import Graph
-from kousoku.model.kernel import Kernel
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.graph import Graph
+from kousoku.model.operations.kernel import Kernel
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.model.builder import SceneBuilder
-from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
-from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
-from kousoku.model.read import scene_from_toml
-from kousoku.model.system import system_of
+from kousoku.model.elements.joints import COUPLINGS, JOINTS, NAMES
+from kousoku.model.lowering.system import system_of
+from kousoku.model.mechanics.constraints import COMBINATION, CONSTRAINTS
+from kousoku.model.reading.builder import SceneBuilder
+from kousoku.model.reading.read import scene_from_toml
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kousoku.joint_shapes import JointFreedom
-    from kousoku.model.multibody import Instance, RelativeCoordinate, System
+    from kousoku.model.mechanics.multibody import Instance, RelativeCoordinate, System
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "docs" / "joints.md").read_text(encoding="utf-8")

@@ -12,13 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kousoku.model.elements.forces import FORCES
+from kousoku.model.elements.joints import NAMES
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import NAMES
-from kousoku.model.orientation import FORMS
-from kousoku.model.read import scene_from_dict
-from kousoku.model.scene import Scene
-from kousoku.model.spatial import SOLIDS
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.read import scene_from_dict
+from kousoku.model.records.orientation import FORMS
+from kousoku.model.records.scene import Scene
+from kousoku.model.records.spatial import SOLIDS
 from tests.random_draft import LAWS, LOADS, UNITS
 from tests.random_scenes import COUNT, WANTED, numbered_scenes, random_scene
 

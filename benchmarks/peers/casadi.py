@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from benchmarks.peers.equations import StateEquations
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 MOST_STEPS = 10_000_000
 

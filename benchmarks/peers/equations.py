@@ -21,7 +21,7 @@ from kousoku.runtime.toolchain import find_toolchain
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 #: A source that is longer [bytes] is compiled with -O1: gcc needs minutes for more.
 LONG_SOURCE = 4_000_000

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from benchmarks.problems.tree import Point, Tree
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 #: Numerical damping of generalised alpha: 1 is none, and passes no singular position.
 SPECTRAL_RADIUS = 0.95

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from benchmarks.peers.equations import StateEquations
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 
 def translated(expression: Any, x: Any) -> tuple[list[Any], list[Any]]:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from benchmarks.problems.tree import Point, Tree, TreeLink
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 #: How stiff its loops are: two steps are the shortest time constant that it takes.
 LOOPS = {"solref": (2.0, 1.0), "solimp": (0.9999, 0.9999, 0.001, 0.5, 2)}

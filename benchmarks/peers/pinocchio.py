@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from benchmarks.problems.tree import Tree, TreeLink
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 #: Of loops: how exact the proximal iterations are, their damping, and how many at most.
 PROXIMAL = (1e-14, 1e-10, 20)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from benchmarks.peers.equations import StateEquations
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 #: The least relative tolerance that it takes.
 LEAST = 3e-14

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from benchmarks.problems.top import Top
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
     Runs = tuple[Callable[[], object], Callable[[], Array]]
 

@@ -14,13 +14,13 @@ from benchmarks.problems.forms import inertia_of, observed_of
 from benchmarks.problems.problem import SCENES, BenchmarkProblem
 from benchmarks.problems.tools import equation_lines, tree_lines
 from benchmarks.problems.tree import GROUND, LoopClosure, Tree, TreeLink, equations, frames, symbols
-from kousoku.model.builder import SceneBuilder
+from kousoku.model.reading.builder import SceneBuilder
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from benchmarks.kit import Case, Size
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
 
 WEIGHT = 9.81
 #: The crank's bearing, its radius, the length of the rod, and the crank's rate at the start.

@@ -21,7 +21,7 @@ from benchmarks.problems.problem import FOLDER, TIMES
 if TYPE_CHECKING:
     from benchmarks.peers.equations import StateEquations
     from benchmarks.problems.problem import BenchmarkProblem
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 TOLERANCE = 1e-26
 

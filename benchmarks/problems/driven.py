@@ -13,11 +13,11 @@ from benchmarks.problems.forms import observed_of
 from benchmarks.problems.problem import BenchmarkProblem, reaction_norms
 from benchmarks.problems.tools import equation_lines
 from benchmarks.problems.tree import GROUND, Tree, TreeLink
-from kousoku.model.builder import SceneBuilder
+from kousoku.model.reading.builder import SceneBuilder
 
 if TYPE_CHECKING:
     from benchmarks.kit import Case, Size
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
 
 END, WEIGHT = 3.0, 9.81
 #: The pivot is at y = 0.1 m sin(20/s t); the rod is uniform, of 1 m and 1 kg, and starts at 1 rad

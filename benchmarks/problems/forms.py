@@ -19,12 +19,12 @@ from benchmarks.problems.tree import (
     slopes,
 )
 from benchmarks.rotations import rotated
-from kousoku.model.builder import SceneBuilder
+from kousoku.model.reading.builder import SceneBuilder
 
 if TYPE_CHECKING:
     from benchmarks.problems.tree import Point, Vector
-    from kousoku.model.keys import InertiaKeys
-    from kousoku.model.scene import Scene
+    from kousoku.model.reading.keys import InertiaKeys
+    from kousoku.model.records.scene import Scene
 
 
 def scene_of(name: str, tree: Tree) -> Scene:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from benchmarks.problems.problem import BenchmarkProblem
     from kousoku.mechanism import Mechanism
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 #: How far states are moved; what errors of runs make of it is a part of 1e-3.
 MOVE = 1e-9

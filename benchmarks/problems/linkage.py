@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from benchmarks.kit import Size
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 CONTEST, FILE = "linkage", SCENES / "stephenson_six_bar.toml"
 DIVISIONS = 60

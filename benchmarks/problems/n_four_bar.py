@@ -17,7 +17,7 @@ from benchmarks.peers.equations import StateEquations, one_freedom
 from benchmarks.problems.problem import BenchmarkProblem
 from benchmarks.problems.tools import equation_lines, tree_lines
 from benchmarks.problems.tree import GROUND, LoopClosure, Tree, TreeLink
-from kousoku.model.families import n_four_bar
+from kousoku.model.reading.families import n_four_bar
 
 if TYPE_CHECKING:
     from benchmarks.kit import Case, Size

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from benchmarks.kit import Size
     from benchmarks.peers.equations import StateEquations
     from kousoku.mechanism import Mechanism
-    from kousoku.model.real import Array
-    from kousoku.model.scene import Output
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.scene import Output
 
     Runs = tuple[Callable[[], object], Callable[[], Array]]
 

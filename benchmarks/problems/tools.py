@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from benchmarks.peers.equations import StateEquations
     from benchmarks.problems.problem import BenchmarkProblem, Runs
     from benchmarks.problems.tree import Tree
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 #: Tolerances; a Taylor series errs by more than its own where it is loose.
 STEPPERS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)

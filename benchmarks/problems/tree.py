@@ -15,7 +15,7 @@ from benchmarks.kit import required
 from benchmarks.peers.equations import StateEquations, lagrange
 
 if TYPE_CHECKING:
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 Vector = tuple[float, float, float]
 JointType = Literal["x", "y", "z", "slide x", "slide y", "slide z"]

@@ -10,7 +10,7 @@ from benchmarks.problems.forms import flat, observed_of, recursive, scene_of
 from benchmarks.problems.problem import BenchmarkProblem, reaction_norms
 from benchmarks.problems.tools import FEW_TAYLOR, TAYLOR, equation_lines, tree_lines
 from benchmarks.problems.tree import GROUND, Spring, Tree, TreeLink, equations
-from kousoku.model.families import chain
+from kousoku.model.reading.families import chain
 
 if TYPE_CHECKING:
     from benchmarks.kit import Case, Size

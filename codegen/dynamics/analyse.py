@@ -44,7 +44,7 @@ from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.codegen.dynamics.simplification.placeholder_masses import with_placeholder_masses
 from kousoku.codegen.dynamics.simplification.planarity import plane_of
 from kousoku.model.errors import SceneError
-from kousoku.model.parametric import fixed_system
+from kousoku.model.lowering.parametric import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import ConservedMomenta, ConstraintEquation
     from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
     from kousoku.codegen.dynamics.simplification.outline import Outline
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 #: How many velocities a joint may leave to a body: none where drivers lead it, and any number.
 PRESCRIBED, ANY = 0, 6

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.redundancy.nearly import with_consistent_start
 from kousoku.codegen.dynamics.simplification.given_start import require_held
-from kousoku.model.held import require_kept, without_held
-from kousoku.model.system import system_of
+from kousoku.model.lowering.held import require_kept, without_held
+from kousoku.model.lowering.system import system_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.multibody import System
-    from kousoku.model.scene import Scene
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.records.scene import Scene
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.codegen.dynamics.simplification.joint_coordinates import is_worth
 from kousoku.model.errors import SceneError
-from kousoku.model.parametric import fixed_system
+from kousoku.model.lowering.parametric import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -33,8 +33,8 @@ from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
 from kousoku.codegen.dynamics.redundancy.given_rank import notes_of_rank
 from kousoku.codegen.dynamics.simplification.given_start import given_start
-from kousoku.model.about import About
-from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.model.files.manifest import REFERENCE_FILE
+from kousoku.model.lowering.about import About
 from kousoku.runtime.integrate.given_start import notes_of
 from kousoku.runtime.integrate.result import listed, scene_key
 
@@ -42,8 +42,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.multibody import System
-    from kousoku.model.scene import Scene
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.records.scene import Scene
 
 
 #: What every solver has for the ledger of its runs.

@@ -13,12 +13,12 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.linkage.rotations import direction, merge_rotations
-from kousoku.model.directions import HALF_TURN, unit_vector
-from kousoku.model.validate import require_planar
+from kousoku.model.numbers.directions import HALF_TURN, unit_vector
+from kousoku.model.validation.validate import require_planar
 
 if TYPE_CHECKING:
     from kousoku.codegen.linkage.rotations import NodeRotation
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
 
 
 class Role(enum.Enum):

@@ -50,7 +50,8 @@ def triangular_blocks(assembly: Assembly) -> tuple[DiagonalBlock, ...]:
     }
     row_of = _match(unknowns_of)
     count = sum(one.role is Role.UNKNOWN for one in assembly.coordinates)
-    # as many rows as unknowns, and independent ones: model/mobility.py has refused other scenes
+    # as many rows as unknowns, and independent ones: model/linkage/mobility.py has refused other
+    # scenes
     assert len(row_of) == len(unknowns_of) == count
     return _components(unknowns_of, row_of)
 

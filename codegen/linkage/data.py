@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.linkage.solution import span_of
-from kousoku.model.input_motion import turns_of
+from kousoku.model.linkage.input_motion import turns_of
 from kousoku.runtime.kinematics.rows import METHODS
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from kousoku.codegen.dynamics.emission.slots import slots_of
 from kousoku.codegen.emit import along
 from kousoku.codegen.linkage.data import linkage_data
 from kousoku.codegen.linkage.layout import REGIONS
-from kousoku.model.jsontext import to_text
+from kousoku.model.files.jsontext import to_text
 from kousoku.runtime.kinematics.rows import RUN
 
 if TYPE_CHECKING:

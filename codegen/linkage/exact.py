@@ -13,7 +13,7 @@ from kousoku.codegen.linkage.assemble import Role
 from kousoku.codegen.linkage.blocks import DEPENDS
 from kousoku.codegen.linkage.kernels import link_kernels
 from kousoku.codegen.linkage.layout import SUFFIXES
-from kousoku.model.interpret import evaluate
+from kousoku.model.operations.interpret import evaluate
 from kousoku.runtime.kinematics.rows import OF_LINKS, OF_NODES
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.linkage.assemble import Affine, LinkElement
     from kousoku.codegen.linkage.layout import WorkspaceLayout
-    from kousoku.model.arithmetic import Arithmetic
+    from kousoku.model.operations.arithmetic import Arithmetic
 
     #: For ``alpha``, ``x``, ``alpha_dot`` … their elements.
     Motion = Mapping[str, Sequence[Any]]

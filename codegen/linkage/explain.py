@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.codegen.linkage.layout import WorkspaceLayout
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
 
 
 @dataclass(frozen=True, slots=True)

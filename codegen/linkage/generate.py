@@ -24,12 +24,12 @@ from kousoku.codegen.linkage.layout import WorkspaceLayout
 from kousoku.codegen.linkage.outputs import angle_kernel, node_kernel
 from kousoku.codegen.linkage.reference import reference_values
 from kousoku.codegen.linkage.solution import places
-from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.model.files.manifest import REFERENCE_FILE
 
 if TYPE_CHECKING:
     from kousoku.codegen.linkage.assemble import Assembly
-    from kousoku.model.kernel import Kernel
-    from kousoku.model.scene import Scene
+    from kousoku.model.operations.kernel import Kernel
+    from kousoku.model.records.scene import Scene
 
 
 def layout_of(assembly: Assembly) -> WorkspaceLayout:

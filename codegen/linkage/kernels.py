@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.linkage.blocks import DEPENDS
 from kousoku.codegen.passes.rebuild import drop_dead, substitute
-from kousoku.model.graph import Graph
-from kousoku.model.kernel import Kernel
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.graph import Graph
+from kousoku.model.operations.kernel import Kernel
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.program import Region
 from kousoku.codegen.linkage.assemble import Role
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.runtime.kinematics.rows import OF_LINKS, OF_NODES
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.linkage.assemble import Affine, Assembly
     from kousoku.codegen.linkage.blocks import DiagonalBlock
-    from kousoku.model.graph import Graph
+    from kousoku.model.operations.graph import Graph
 
 SUFFIXES = ("", "_dot", "_ddot")
 #: What the segments of a block leave beside its matrix.

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.passes.rebuild import drop_dead
-from kousoku.model.graph import Graph
-from kousoku.model.kernel import Kernel
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.graph import Graph
+from kousoku.model.operations.kernel import Kernel
 
 if TYPE_CHECKING:
     from kousoku.codegen.linkage.layout import WorkspaceLayout

@@ -10,9 +10,9 @@ from kousoku.codegen.error_unit import columns
 from kousoku.codegen.linkage.exact import Exact
 from kousoku.codegen.linkage.layout import SUFFIXES
 from kousoku.codegen.linkage.solution import solution
-from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.dual import DUAL, Dual, variable
-from kousoku.model.jsontext import to_text
+from kousoku.model.files.jsontext import to_text
+from kousoku.model.numbers.digits import CONTEXT, HIGH
+from kousoku.model.numbers.dual import DUAL, Dual, variable
 from kousoku.runtime.kinematics.rows import OF_NODES
 
 if TYPE_CHECKING:

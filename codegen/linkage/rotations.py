@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.model.directions import heading
+from kousoku.model.numbers.directions import heading
 
 if TYPE_CHECKING:
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
 
 
 @dataclass(frozen=True, slots=True)

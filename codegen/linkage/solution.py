@@ -7,17 +7,17 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.linkage.exact import Exact
-from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.directions import HALF_TURN
-from kousoku.model.input_motion import turns_of
+from kousoku.model.linkage.input_motion import turns_of
+from kousoku.model.numbers.digits import CONTEXT, HIGH
+from kousoku.model.numbers.directions import HALF_TURN
 from kousoku.runtime.kinematics.rows import OF_NODES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.linkage.layout import WorkspaceLayout
-    from kousoku.model.planar import Input
-    from kousoku.model.precise import High
+    from kousoku.model.numbers.precise import High
+    from kousoku.model.records.planar import Input
 
 #: Steps over the way of the inputs.
 STEPS = 10

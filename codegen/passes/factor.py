@@ -6,12 +6,12 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.passes.rebuild import copy_node, finish, live_ids
-from kousoku.model.graph import Graph, Op
+from kousoku.model.operations.graph import Graph, Op
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.kernel import Kernel
 
     #: A sign and the nodes of the factors.
     Term = tuple[int, tuple[int, ...]]

@@ -10,7 +10,7 @@ from kousoku.codegen.passes.trace import run_passes
 
 if TYPE_CHECKING:
     from kousoku.codegen.passes.trace import PassTrace
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.kernel import Kernel
 
 #: In the order in which they run. None uses that Euler parameters have norm one.
 PASSES = (drop_dead, factor)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from kousoku.model.graph import Graph, Op
+from kousoku.model.operations.graph import Graph, Op
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.graph import OperationNode
+    from kousoku.model.operations.kernel import Kernel
 
 
 def live_ids(nodes: Sequence[OperationNode[int]], wanted: Iterable[int]) -> list[int]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.kernel import Kernel
 
 BYTES_OF_A_DOUBLE = 8
 

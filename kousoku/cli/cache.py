@@ -16,8 +16,8 @@ def cache(
     All of it can be made again. It is kept below 2 GiB, or what KOUSOKU_CACHE_SIZE says, such as
     500M or 1GiB; KOUSOKU_CACHE chooses another folder.
     """
-    from kousoku.model.cache import SHELVES, cache_folder, entries, size_limit
-    from kousoku.model.cache import clear as cleared
+    from kousoku.model.files.cache import SHELVES, cache_folder, entries, size_limit
+    from kousoku.model.files.cache import clear as cleared
     from kousoku.model.text import counted
 
     limit = size_limit()

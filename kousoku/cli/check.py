@@ -12,7 +12,7 @@ from kousoku.cli.moving import KindsOption
 from kousoku.model.errors import AssemblyError, Problem, SceneError
 
 if TYPE_CHECKING:
-    from kousoku.model.own_kind import OwnKind
+    from kousoku.model.records.own_kind import OwnKind
 
 #: What is wrong with a force of which nobody can tell how large it is at the start.
 NO_VALUE = (
@@ -73,7 +73,7 @@ def checked(path: Path, kinds: Mapping[str, "OwnKind"] | None = None) -> dict[st
         ``file``, ``is_valid``, ``what`` it is, and ``problems`` and ``notes``: each has ``line``,
         0 where there is none, ``key``, ``problem``, and all of it as ``text``.
     """
-    from kousoku.model.read import located, read_scene
+    from kousoku.model.reading.read import located, read_scene
 
     what, notes, problems = "", tuple[str, ...](), list[dict[str, Any]]()
     try:
@@ -106,8 +106,8 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
         It cannot be moved.
     """
     from kousoku.codegen.linkage.assemble import assemble
-    from kousoku.model.dotted_keys import join
-    from kousoku.model.validate import check as checked_again
+    from kousoku.model.records.dotted_keys import join
+    from kousoku.model.validation.validate import check as checked_again
 
     if not scene.is_spatial:
         assemble(scene)
@@ -116,8 +116,8 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
         )
     from kousoku.codegen.dynamics.checking.start import events_without_value, forces_without_value
     from kousoku.codegen.dynamics.generate import compose_scene
-    from kousoku.model.about import notes_of_dry_friction
-    from kousoku.model.formulas import used_parameters
+    from kousoku.model.expressions.formulas import used_parameters
+    from kousoku.model.lowering.about import notes_of_dry_friction
 
     made = compose_scene(scene, scene.outputs)
     if names := forces_without_value(made.written):

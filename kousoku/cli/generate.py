@@ -101,7 +101,7 @@ def generate(
         _report_check(orders, trees, more, is_shipped=out is None, as_json=as_json)
         return
     from kousoku.codegen.generate import write_tree
-    from kousoku.model.cache import write_atomically
+    from kousoku.model.files.cache import write_atomically
     from kousoku.runtime.integrate.result import listed
 
     rows = [
@@ -138,8 +138,8 @@ def _require_place(out: Path, package: str, target: Emitted) -> None:
     EmitError
         The message says why.
     """
-    from kousoku.model.manifest import Manifest
-    from kousoku.model.names import scene_name_problem
+    from kousoku.model.files.manifest import Manifest
+    from kousoku.model.validation.names import scene_name_problem
     from kousoku.runtime.sources import MANIFEST
 
     name = out.resolve().name
@@ -210,7 +210,7 @@ def _scene_order(path: Path, out: Path | None, own: Sequence[Path] | None = None
 
 def _kinds_folder() -> Path:
     """Folder where the kinds go: a checkout's own one, never an installed package."""
-    from kousoku.model.cache import cache_folder
+    from kousoku.model.files.cache import cache_folder
 
     if checkout() is not None:
         return generated_folder() / "kinds"

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from kousoku.cli.console import AsJson, generated_packages, print_json, print_table
-from kousoku.model.manifest import Manifest
+from kousoku.model.files.manifest import Manifest
 from kousoku.symbolic import KINDS
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from kousoku.mechanism import Mechanism
-    from kousoku.model.scene import Output
+    from kousoku.model.records.scene import Output
     from kousoku.runtime.integrate.result import Result
 
 #: Columns of the table on the screen.
@@ -376,8 +376,8 @@ def _number(text: str) -> float | str:
         It is none of them.
     """
     from kousoku.model.angles import number_of
-    from kousoku.model.expression import parse_expression
-    from kousoku.model.values import value_of
+    from kousoku.model.expressions.expression import parse_expression
+    from kousoku.model.expressions.values import value_of
 
     with suppress(ValueError):
         return float(text)

@@ -43,10 +43,10 @@ def new(
     ] = False,
 ) -> None:
     """Write a commented scene that moves, to begin with; no file is overwritten."""
-    from kousoku.model.cache import write_atomically
     from kousoku.model.errors import SceneError
-    from kousoku.model.names import scene_name_problem
-    from kousoku.model.schema import schema_text
+    from kousoku.model.files.cache import write_atomically
+    from kousoku.model.reading.schema import schema_text
+    from kousoku.model.validation.names import scene_name_problem
     from kousoku.runtime.integrate.result import require_folder
 
     path = Path(f"{sort.value.replace('-', '_')}.toml") if file is None else file

@@ -21,7 +21,7 @@ def committed_scenes() -> list[Path]:
 
 def scene_folder(name: str) -> Path:
     """Default folder of a scene's solver: where it is committed, or the user's cache."""
-    from kousoku.model.cache import cache_folder
+    from kousoku.model.files.cache import cache_folder
 
     committed = generated_folder() / name
     if checkout() is not None and committed.is_dir():

@@ -26,7 +26,7 @@ def schema(
     Editors with TOML support (Even Better TOML, taplo) complete and check keys of a scene whose
     first line is "#:schema ./scene.schema.json", with that file beside the scene.
     """
-    from kousoku.model.cache import write_atomically
+    from kousoku.model.files.cache import write_atomically
     from kousoku.runtime.integrate.result import require_folder
 
     text = _scene_schema() if command is None else _answer_schema(command)
@@ -39,7 +39,7 @@ def schema(
 
 
 def _scene_schema() -> str:
-    from kousoku.model.schema import schema_text
+    from kousoku.model.reading.schema import schema_text
 
     return schema_text()
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
 
 __all__ = ["Animation", "animate", "draw_mechanism", "still"]
 

@@ -27,8 +27,8 @@ from kousoku.view.shapes import (
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.model.real import Array
-    from kousoku.model.scene import Scene
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.scene import Scene
 
 OUT = np.array([0.0, 0.0, 1.0])
 UP = np.array([0.0, 1.0, 0.0])

@@ -27,7 +27,7 @@ from kousoku.view.shapes import DARK, LIGHT
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
     from kousoku.view.picture import Picture
 
 FOLDER = Path(__file__).parent
@@ -248,8 +248,8 @@ class Animation:
         SolveError
             The suffix is another one, the folder is missing, or the file cannot be written.
         """
-        from kousoku.model.cache import write_atomically
         from kousoku.model.errors import SolveError
+        from kousoku.model.files.cache import write_atomically
         from kousoku.runtime.integrate.result import require_folder
 
         place = Path(path)

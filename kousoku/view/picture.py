@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kousoku.model.real import Array
-    from kousoku.model.scene import Scene
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.scene import Scene
     from kousoku.view.shapes import Axis, Shapes
 
 MOST_NUMBERS, LEAST_FRAMES = 250_000, 200

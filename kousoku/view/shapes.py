@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kousoku.joint_shapes import Solid
-    from kousoku.model.frames import BodyFrame
-    from kousoku.model.real import Array
-    from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Body, Joint
+    from kousoku.model.mechanics.frames import BodyFrame
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Body, Joint
 
 GROUND, METAL = 0, 1
 """Colours of the ground and of joints; those of bodies follow."""
@@ -217,9 +217,9 @@ def with_values(scene: Scene, parameters: Mapping[str, float | str] | None) -> S
     """
     from msgspec import structs
 
-    from kousoku.model.design_numbers import changed_scene
-    from kousoku.model.expression import parse_expression
-    from kousoku.model.values import value_of
+    from kousoku.model.expressions.design_numbers import changed_scene
+    from kousoku.model.expressions.expression import parse_expression
+    from kousoku.model.expressions.values import value_of
     from kousoku.runtime.integrate.given import values_of
 
     values = values_of(scene.name, scene.parameters, parameters)
@@ -236,7 +236,7 @@ def with_values(scene: Scene, parameters: Mapping[str, float | str] | None) -> S
 
 def written_poses(scene: Scene) -> tuple[Array, Array]:
     """Positions and Euler parameters of the bodies of a scene as they are written."""
-    from kousoku.model.quaternions import quaternion
+    from kousoku.model.numbers.quaternions import quaternion
 
     position = np.array([body.position for body in scene.bodies.values()], dtype=np.float64)
     turns = [_numbers(quaternion(body.orientation)) for body in scene.bodies.values()]
@@ -255,10 +255,10 @@ class _SpatialShapes:
     """The shapes of a scene of bodies while they are collected."""
 
     def __init__(self, scene: Scene, poses: tuple[Array, Array] | None) -> None:
-        from kousoku.model.frames import GROUND_FRAME, BodyFrame
-        from kousoku.model.precise import IDENTITY, ZERO, triple
-        from kousoku.model.quaternions import quaternion
-        from kousoku.model.spatial import GROUND as NAME
+        from kousoku.model.mechanics.frames import GROUND_FRAME, BodyFrame
+        from kousoku.model.numbers.precise import IDENTITY, ZERO, triple
+        from kousoku.model.numbers.quaternions import quaternion
+        from kousoku.model.records.spatial import GROUND as NAME
 
         self._scene = scene
         self._places = {NAME: 0} | {name: k + 1 for k, name in enumerate(scene.bodies)}
@@ -301,8 +301,8 @@ class _SpatialShapes:
 
     def _level(self) -> Array:
         """Axis that is upward without gravity: z, or y where bodies turn about z only."""
-        from kousoku.model.frames import joint_axes
-        from kousoku.model.joints import JOINTS, NAMES
+        from kousoku.model.elements.joints import JOINTS, NAMES
+        from kousoku.model.mechanics.frames import joint_axes
 
         turning = []
         for joint in self._scene.joints.values():
@@ -316,7 +316,7 @@ class _SpatialShapes:
 
     def _mark(self, name: str, joint: Joint) -> JointMark | None:
         """Place of a joint's sign, unless the joint has no point."""
-        from kousoku.model.frames import joint_points
+        from kousoku.model.mechanics.frames import joint_points
 
         if joint.bodies is None:
             return None
@@ -398,8 +398,8 @@ class _SpatialShapes:
         shape.at = np.mean([part.matrix[:, 3] for part in parts], axis=0)
 
     def _add_joint(self, joint: Joint, mark: JointMark) -> None:
-        from kousoku.model.frames import joint_vectors
-        from kousoku.model.joints import JOINTS, NAMES
+        from kousoku.model.elements.joints import JOINTS, NAMES
+        from kousoku.model.mechanics.frames import joint_vectors
 
         kind = NAMES.get(joint.type, GENERIC)
         ends = self._frames[joint.ends[0]], self._frames[joint.ends[1]]
@@ -553,7 +553,7 @@ def pedestal(at: Array, axis: Array | None, up: Array, unit: float) -> MeshPart:
 
 def _solids(body: Body, size: float, thin: float, color: int) -> Iterator[MeshPart]:
     """Solids of a body in its frame."""
-    from kousoku.model.quaternions import quaternion
+    from kousoku.model.numbers.quaternions import quaternion
 
     for given in body.boxes:
         turn = (
@@ -578,7 +578,7 @@ def _like_its_inertia(body: Body, color: int, size: float) -> tuple[Array, MeshP
     A body without solids whose moments are those of no box, or of one that is much larger than the
     mechanism, has none.
     """
-    from kousoku.model.mass import mass_properties
+    from kousoku.model.lowering.mass import mass_properties
 
     properties = mass_properties(body)
     mass, center = float(properties.mass), _numbers(properties.center)

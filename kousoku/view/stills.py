@@ -19,7 +19,7 @@ from kousoku.view.shapes import LIGHT, METAL, rotation, vertices_of
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
     from kousoku.view.picture import Picture
     from kousoku.view.shapes import MeshPart
 

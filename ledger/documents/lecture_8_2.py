@@ -21,7 +21,7 @@ from kousoku.ledger.priming import ways_that_agree
 from kousoku.ledger.proof import equality, value_of
 from kousoku.ledger.registry import Names
 from kousoku.model.errors import LedgerError
-from kousoku.model.parallel_rows import ROWS, variant
+from kousoku.model.mechanics.parallel_rows import ROWS, variant
 from kousoku.symbolic import derive
 from kousoku.symbolic.bodies import COLUMNS, COMPONENTS, SYMBOLS, A, unit_flows
 from kousoku.symbolic.components import cross, dot, plus, rotate, rotate_back, subtract

@@ -19,7 +19,7 @@ from kousoku.ledger.proof import GENERAL
 from kousoku.ledger.registry import Names
 from kousoku.ledger.turning import along, flat, orientation, spatial, turned
 from kousoku.ledger.vocabulary import Vocabulary
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.bodies import BODIES, CONFIGURATION, SYMBOLS, A
 from kousoku.symbolic.components import cross, dot, plus, subtract
 from kousoku.symbolic.matrices import OrientationMatrix, elements, mul, symbol, transpose

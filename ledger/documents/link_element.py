@@ -20,7 +20,7 @@ from kousoku.ledger.proof import equality, value_of
 from kousoku.ledger.registry import Names
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import LedgerError
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.link_element import LENGTH, OFFSET, X
 from kousoku.symbolic.matrices import elements

@@ -30,7 +30,7 @@ from kousoku.ledger.proof import equality, value_of
 from kousoku.ledger.registry import Names
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import FormulaError, LedgerError
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.sympy_types import as_scalar, as_value
 
 if TYPE_CHECKING:

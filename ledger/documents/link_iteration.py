@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import mpmath
 
 from kousoku.ledger.documents.link_mechanisms import LEVER_CRANK, PISTON_CRANK
-from kousoku.model.real import Real
+from kousoku.model.numbers.real import Real
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -22,7 +22,7 @@ from kousoku.ledger.proof import GENERAL, equality, value_of
 from kousoku.ledger.registry import Names
 from kousoku.ledger.vocabulary import Vocabulary, explicit
 from kousoku.model.errors import LedgerError
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.components import Flow
 from kousoku.symbolic.matrices import elements
 from kousoku.symbolic.sympy_types import as_scalar, as_value

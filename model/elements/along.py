@@ -5,17 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.model.dotted_keys import require_known
 from kousoku.model.elements.kind import ForceKind, require_one, scalars
 from kousoku.model.errors import SceneError
-from kousoku.model.multibody import ForceElement
+from kousoku.model.mechanics.multibody import ForceElement
+from kousoku.model.records.dotted_keys import require_known
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.model.elements.kind import Lowering
-    from kousoku.model.loads import Force
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.loads import Force
+    from kousoku.model.records.scene import Scene
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,21 +5,21 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING
 
-from kousoku.model.design import LARGEST
 from kousoku.model.elements.coordinate_spring import linear_spring
 from kousoku.model.elements.kind import ForceKind
 from kousoku.model.errors import SceneError
+from kousoku.model.records.design import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.model.elements.kind import Lowering
-    from kousoku.model.frames import BodyFrame
-    from kousoku.model.loads import Force
-    from kousoku.model.multibody import ForceElement
-    from kousoku.model.precise import Triple
-    from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Value
+    from kousoku.model.mechanics.frames import BodyFrame
+    from kousoku.model.mechanics.multibody import ForceElement
+    from kousoku.model.numbers.precise import Triple
+    from kousoku.model.records.loads import Force
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Value
 
 LETTERS = "xyz"
 
@@ -70,7 +70,7 @@ class Bushing(ForceKind):
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
         """Springs along three directions (3,) of body i, and about them by sines of the turns."""
-        from kousoku.model.measures import PreciseMeasure
+        from kousoku.model.mechanics.measures import PreciseMeasure
 
         assert force.bodies is not None
         i, j = (given.frames[body] for body in force.bodies)
@@ -100,7 +100,7 @@ def _six(values: object) -> Sequence[Value]:
 
 def _middle(force: Force, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, Triple]:
     """Middle of a bushing in the frames of both bodies."""
-    from kousoku.model import precise
+    from kousoku.model.numbers import precise
 
     if force.points is not None:
         start, end = map(precise.triple, force.points)
@@ -113,7 +113,7 @@ def _middle(force: Force, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, Tr
 
 def _directions(force: Force) -> tuple[Triple, Triple, Triple]:
     """Three directions of a bushing in frame O, at the positions as they are written."""
-    from kousoku.model import precise
+    from kousoku.model.numbers import precise
 
     first, near = force.axes or ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     x = precise.unit(precise.triple(first))

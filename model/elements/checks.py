@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model.dotted_keys import join, require_known
 from kousoku.model.elements.inputs import given as value_given
 from kousoku.model.elements.joint import DISPLACEMENTS
+from kousoku.model.elements.joints import JOINTS, NAMES, leaves_of, sort_of
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import JOINTS, NAMES, leaves_of, sort_of
+from kousoku.model.records.dotted_keys import join, require_known
 from kousoku.model.text import in_words, with_a
 
 if TYPE_CHECKING:
-    from kousoku.model.orientation import Vector
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.orientation import Vector
+    from kousoku.model.records.scene import Scene
 
 
 def only_one(given: object, names: tuple[str, ...], key: str) -> str:

@@ -9,9 +9,9 @@ from kousoku.model.elements.joint import JointKind
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
-    from kousoku.model.coordinates import CoordinateList
-    from kousoku.model.multibody import Instance
-    from kousoku.model.spatial import Joint
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.mechanics.multibody import Instance
+    from kousoku.model.records.spatial import Joint
 
 FOLDED = 1e-3
 """Shafts whose 1 + cos of the angle between them is less are folded back on each other."""
@@ -23,11 +23,11 @@ class ConstantVelocity(JointKind):
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
         """Combination C = x_i·y_j − y_i·x_j (1,) [-], frame O; x, y (3,) are across each shaft."""
-        from kousoku.model import precise
-        from kousoku.model.combinations import combination
-        from kousoku.model.digits import CONTEXT
-        from kousoku.model.frames import joint_vectors
-        from kousoku.model.measures import PreciseMeasure
+        from kousoku.model.elements.combinations import combination
+        from kousoku.model.mechanics.frames import joint_vectors
+        from kousoku.model.mechanics.measures import PreciseMeasure
+        from kousoku.model.numbers import precise
+        from kousoku.model.numbers.digits import CONTEXT
 
         ends = coordinates.frames[joint.ends[0]], coordinates.frames[joint.ends[1]]
         i, j = joint_vectors(ends, joint)

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.model.elements.along import is_length
 from kousoku.model.elements.kind import scalars
-from kousoku.model.multibody import ForceElement
+from kousoku.model.mechanics.multibody import ForceElement
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.model.elements.kind import Lowering
-    from kousoku.model.precise import High
-    from kousoku.model.spatial import Value
+    from kousoku.model.numbers.precise import High
+    from kousoku.model.records.spatial import Value
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ def linear_spring(
     free : float or str [m or rad]
         u⁰, where it has no force.
     """
-    from kousoku.model import precise
+    from kousoku.model.numbers import precise
 
     one = precise.number(1)
     stiffness, damping = law

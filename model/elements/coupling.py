@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, ClassVar
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.model.coordinates import CoordinateList
     from kousoku.model.elements.inputs import ElementInput
-    from kousoku.model.multibody import Instance
-    from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Joint
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.mechanics.multibody import Instance
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Joint
 
 
 class Coupling:
@@ -22,8 +22,8 @@ class Coupling:
     title : str
         What it couples, in one line.
     wanted : mapping of str to str
-        The keys of :class:`~kousoku.model.spatial.Joint` that a scene gives, all of them, and what
-        each is.
+        The keys of :class:`~kousoku.model.records.spatial.Joint` that a scene gives, all of them,
+        and what each is.
     inputs : mapping of str to ElementInput
         Keys that it alone has; a scene gives all, and has their values in ``joint.inputs``.
     couples : tuple of str
@@ -43,7 +43,7 @@ class Coupling:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The keys of :class:`~kousoku.model.spatial.Joint` that a scene gives."""
+        """The keys of :class:`~kousoku.model.records.spatial.Joint` that a scene gives."""
         return tuple(self.wanted)
 
     @property

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model.dotted_keys import join, require_known
 from kousoku.model.elements.driver import DriverKind, require_value
+from kousoku.model.elements.joints import sort_of
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import sort_of
+from kousoku.model.records.dotted_keys import join, require_known
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.coordinates import CoordinateList
     from kousoku.model.elements.driver import Driven
-    from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Driver, Value
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Driver, Value
 
 
 class DrivenCoordinate(DriverKind):

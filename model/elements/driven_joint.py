@@ -10,10 +10,10 @@ from kousoku.model.elements.driver import DriverKind, require_value
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.coordinates import CoordinateList
     from kousoku.model.elements.driver import Driven
-    from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Driver, Value
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Driver, Value
 
 
 class DrivenJoint(DriverKind):

@@ -11,10 +11,10 @@ from kousoku.model.errors import SceneError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.coordinates import CoordinateList
     from kousoku.model.elements.driver import Driven
-    from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Driver, Value
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Driver, Value
 
 
 class DrivenPoint(DriverKind):
@@ -36,9 +36,9 @@ class DrivenPoint(DriverKind):
         self, name: str, driver: Driver, coordinates: CoordinateList
     ) -> Iterator[tuple[int, Value]]:
         """Places along the axes of frame O, each with its law f(t), in the unit of the scene."""
-        from kousoku.model import precise
-        from kousoku.model.frames import DIRECTIONS
-        from kousoku.model.measures import place_measure
+        from kousoku.model.mechanics.frames import DIRECTIONS
+        from kousoku.model.mechanics.measures import place_measure
+        from kousoku.model.numbers import precise
 
         assert driver.body is not None
         assert driver.path is not None

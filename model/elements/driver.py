@@ -10,10 +10,10 @@ from kousoku.model.errors import SceneError
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from kousoku.model.coordinates import CoordinateList
     from kousoku.model.elements.inputs import ElementInput
-    from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Driver, Value
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Driver, Value
 
     #: What is driven, the same for the same coordinate by other names.
     Driven = tuple[object, ...]
@@ -27,7 +27,7 @@ class DriverKind(ABC):
     title : str
         What it is, in one line.
     keys : tuple of str
-        The keys of :class:`~kousoku.model.spatial.Driver` that it has.
+        The keys of :class:`~kousoku.model.records.spatial.Driver` that it has.
     inputs : mapping of str to ElementInput
         Keys that it alone has; the scene has their values in ``driver.inputs``.
     """

@@ -12,7 +12,7 @@ from kousoku.model.elements.inputs import given
 if TYPE_CHECKING:
     from kousoku.model.elements.driver import DriverKind
     from kousoku.model.elements.inputs import ElementInput
-    from kousoku.model.spatial import Driver
+    from kousoku.model.records.spatial import Driver
 
 DRIVERS: dict[str, DriverKind] = {
     "coordinate": DrivenCoordinate(),

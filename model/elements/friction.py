@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.elements.checks import check_leaves
 from kousoku.model.elements.coordinate_spring import linear_spring
+from kousoku.model.elements.joints import leaves_of
 from kousoku.model.elements.kind import ForceKind, require_one
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import leaves_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.model.elements.kind import Lowering
-    from kousoku.model.loads import Force
-    from kousoku.model.multibody import ForceElement
-    from kousoku.model.scene import Scene
+    from kousoku.model.mechanics.multibody import ForceElement
+    from kousoku.model.records.loads import Force
+    from kousoku.model.records.scene import Scene
 
 
 class Friction(ForceKind):

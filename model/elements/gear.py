@@ -8,9 +8,9 @@ from kousoku.model.elements.coupling import Coupling
 from kousoku.model.elements.joint import ANGLE
 
 if TYPE_CHECKING:
-    from kousoku.model.coordinates import CoordinateList
-    from kousoku.model.multibody import Instance
-    from kousoku.model.spatial import Joint
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.mechanics.multibody import Instance
+    from kousoku.model.records.spatial import Joint
 
 
 class Gear(Coupling):
@@ -27,8 +27,8 @@ class Gear(Coupling):
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
         """Combination second angle − ratio · the first [rad]."""
-        from kousoku.model import precise
-        from kousoku.model.combinations import as_written
+        from kousoku.model.elements.combinations import as_written
+        from kousoku.model.numbers import precise
 
         assert joint.joints is not None
         assert joint.ratio is not None

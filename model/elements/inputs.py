@@ -10,7 +10,7 @@ Dependence = Literal["nothing", "parameters", "time", "law", "motion"]
 drivers have two derivatives, or ``law`` with elongation, rate and time, or ``motion`` with time,
 coordinates and their rates. ``nothing`` where it has no formulas
 that are checked with the forces: names of elements, and numbers of type
-:data:`~kousoku.model.design.Design`, whose formulas are read with them."""
+:data:`~kousoku.model.records.design.Design`, whose formulas are read with them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +20,7 @@ class ElementInput:
     Parameters
     ----------
     type : object
-        The type of its value in a scene, such as :data:`~kousoku.model.spatial.Value`.
+        The type of its value in a scene, such as :data:`~kousoku.model.records.spatial.Value`.
     meaning : str
         What it is, with its unit.
     depends_on : {"nothing", "parameters", "time", "law", "motion"}

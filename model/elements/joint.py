@@ -9,17 +9,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
+from kousoku.model.mechanics.constraints import COMBINATION, CONSTRAINTS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.model.coordinates import CoordinateList
     from kousoku.model.elements.inputs import ElementInput
-    from kousoku.model.frames import BodyFrame
-    from kousoku.model.measures import PreciseMeasure
-    from kousoku.model.multibody import Instance
-    from kousoku.model.spatial import Joint
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.mechanics.frames import BodyFrame
+    from kousoku.model.mechanics.measures import PreciseMeasure
+    from kousoku.model.mechanics.multibody import Instance
+    from kousoku.model.records.spatial import Joint
 
 ANGLE, SECOND_ANGLE = "angle", "second_angle"
 DISPLACEMENT, SECOND_DISPLACEMENT = "displacement", "second_displacement"
@@ -36,7 +36,7 @@ class JointPart:
     Parameters
     ----------
     kind : str
-        One of :data:`~kousoku.model.elements.constraints.CONSTRAINTS`.
+        One of :data:`~kousoku.model.mechanics.constraints.CONSTRAINTS`.
     i, j : {"axis", "across", "third"}
         Which vectors of the joint frames are a_i and a_j, where the kind has them.
     """
@@ -66,8 +66,8 @@ class JointKind:
         What it leaves free that is one number: its ``angle``, the ``second_angle`` of a universal
         joint, its ``displacement``, the ``second_displacement`` of a planar joint.
     keys : tuple of str
-        Numbers of :class:`~kousoku.model.spatial.Joint` that a scene gives and that no other joint
-        has.
+        Numbers of :class:`~kousoku.model.records.spatial.Joint` that a scene gives and that no
+        other joint has.
     inputs : mapping of str to ElementInput
         Keys that it alone has; a scene has their values in ``joint.inputs``.
     """
@@ -127,8 +127,8 @@ class JointKind:
         a plane it is along the zero direction of i, and the second one along axis × zero direction.
         The vectors (3,) are fixed in the body frames.
         """
-        from kousoku.model.frames import joint_points, joint_vectors
-        from kousoku.model.measures import PreciseMeasure
+        from kousoku.model.mechanics.frames import joint_points, joint_vectors
+        from kousoku.model.mechanics.measures import PreciseMeasure
 
         i, j = joint_vectors(ends, joint)
         if sort == ANGLE:

@@ -11,14 +11,14 @@ from kousoku.model.errors import SceneError
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kousoku.model.coordinates import CoordinateList
     from kousoku.model.elements.inputs import ElementInput
-    from kousoku.model.frames import BodyFrame
-    from kousoku.model.loads import Force
-    from kousoku.model.multibody import ForceElement
-    from kousoku.model.precise import High
-    from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Value
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.mechanics.frames import BodyFrame
+    from kousoku.model.mechanics.multibody import ForceElement
+    from kousoku.model.numbers.precise import High
+    from kousoku.model.records.loads import Force
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Value
 
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
     Formulas = tuple[tuple[str, str], ...]
@@ -55,7 +55,7 @@ class ForceKind(ABC):
     title : str
         What it is, in one line.
     keys : tuple of str
-        The keys of :class:`~kousoku.model.loads.Force` that it has.
+        The keys of :class:`~kousoku.model.records.loads.Force` that it has.
     inputs : mapping of str to ElementInput
         Keys that it alone has; the scene has their values in ``force.inputs``.
     """
@@ -140,7 +140,7 @@ def scalars(given: Mapping[str, tuple[Value | High | None, High]]) -> tuple[Cons
     given : mapping of str to (float or str, number)
         By name the value in the scene, and its unit.
     """
-    from kousoku.model import precise
+    from kousoku.model.numbers import precise
 
     def number(value: Any) -> High:
         return precise.number(1 if isinstance(value, str) else value)

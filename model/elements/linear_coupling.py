@@ -6,17 +6,17 @@ from dataclasses import replace
 from math import frexp, ldexp
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.model.dotted_keys import require_known
 from kousoku.model.elements.coupling import Coupling
 from kousoku.model.errors import SceneError
+from kousoku.model.records.dotted_keys import require_known
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.coordinates import CoordinateList
-    from kousoku.model.multibody import Instance
-    from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Joint
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.mechanics.multibody import Instance
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Joint
 
 USUAL = 8
 """Powers of two that the largest factor of a linear coupling may have, lengths counted in one of
@@ -57,9 +57,9 @@ class LinearCoupling(Coupling):
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
         """Combination Σ factor · coordinate, of angles in rad, else in the unit of the scene."""
-        from kousoku.model import precise
-        from kousoku.model.combinations import as_written
-        from kousoku.model.traced import at_scene
+        from kousoku.model.elements.combinations import as_written
+        from kousoku.model.numbers import precise
+        from kousoku.model.numbers.traced import at_scene
 
         assert joint.coordinates is not None
         assert joint.factors is not None

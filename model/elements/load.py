@@ -5,20 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.model.dotted_keys import require_known
 from kousoku.model.elements.kind import ForceKind, require_only_point
 from kousoku.model.errors import SceneError
-from kousoku.model.multibody import GROUND_INDEX, ForceElement
+from kousoku.model.mechanics.multibody import GROUND_INDEX, ForceElement
+from kousoku.model.records.dotted_keys import require_known
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.model.elements.kind import Constants, Formulas, Lowering
-    from kousoku.model.frames import BodyFrame
-    from kousoku.model.loads import Force
-    from kousoku.model.orientation import Vector
-    from kousoku.model.precise import High, Triple
-    from kousoku.model.scene import Scene
+    from kousoku.model.mechanics.frames import BodyFrame
+    from kousoku.model.numbers.precise import High, Triple
+    from kousoku.model.records.loads import Force
+    from kousoku.model.records.orientation import Vector
+    from kousoku.model.records.scene import Scene
 
 AXES = "xyz"
 
@@ -107,8 +107,8 @@ class OnBody(ForceKind):
         Components that are numbers make one vector. Each that is a formula stands beside the
         direction that it belongs to, in frame O or in the principal frame: F = F₀ + Σ f e.
         """
-        from kousoku.model import precise
-        from kousoku.model.frames import to_vector
+        from kousoku.model.mechanics.frames import to_vector
+        from kousoku.model.numbers import precise
 
         turns = kind != self.name
 
@@ -143,7 +143,7 @@ class ForceOnBody(OnBody):
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
         """Element of the force: s′ (3,) [m] in the principal frame, F (3,) [N] in its frame."""
-        from kousoku.model import precise
+        from kousoku.model.numbers import precise
 
         frame = given.frames[force.body or ""]
         kind = self.kind_of(force)

@@ -8,9 +8,9 @@ from kousoku.model.elements.coupling import Coupling
 from kousoku.model.elements.joint import ANGLE, DISPLACEMENT
 
 if TYPE_CHECKING:
-    from kousoku.model.coordinates import CoordinateList
-    from kousoku.model.multibody import Instance
-    from kousoku.model.spatial import Joint
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.mechanics.multibody import Instance
+    from kousoku.model.records.spatial import Joint
 
 
 class RackAndPinion(Coupling):
@@ -27,8 +27,8 @@ class RackAndPinion(Coupling):
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
         """Combination displacement of the rack − radius · the angle of the pinion [m]."""
-        from kousoku.model import precise
-        from kousoku.model.combinations import as_written
+        from kousoku.model.elements.combinations import as_written
+        from kousoku.model.numbers import precise
 
         assert joint.joints is not None
         assert joint.radius is not None

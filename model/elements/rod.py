@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.model.design import LARGEST
 from kousoku.model.elements.joint import JointKind
 from kousoku.model.errors import SceneError
+from kousoku.model.records.design import LARGEST
 
 if TYPE_CHECKING:
-    from kousoku.model.spatial import Joint
+    from kousoku.model.records.spatial import Joint
 
 
 @dataclass(frozen=True, slots=True)

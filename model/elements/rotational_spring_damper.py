@@ -8,19 +8,19 @@ from kousoku.model.elements.along import known_coordinate
 from kousoku.model.elements.checks import check_leaves
 from kousoku.model.elements.coordinate_spring import linear_spring, spring_against
 from kousoku.model.elements.joint import ANGLE, ANGLES, DISPLACEMENTS, SECOND_ANGLE
+from kousoku.model.elements.joints import leaves_of, sort_of
 from kousoku.model.elements.kind import ForceKind
 from kousoku.model.elements.spring import check_law, unused_free
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import leaves_of, sort_of
 from kousoku.model.text import with_a
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.model.elements.kind import Lowering
-    from kousoku.model.loads import Force
-    from kousoku.model.multibody import ForceElement
-    from kousoku.model.scene import Scene
+    from kousoku.model.mechanics.multibody import ForceElement
+    from kousoku.model.records.loads import Force
+    from kousoku.model.records.scene import Scene
 
 
 class RotationalSpringDamper(ForceKind):
@@ -56,7 +56,7 @@ class RotationalSpringDamper(ForceKind):
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
         """Spring against the coordinate θ [rad]."""
-        from kousoku.model import precise
+        from kousoku.model.numbers import precise
 
         assert not isinstance(force.stiffness, tuple)
         assert not isinstance(force.damping, tuple)

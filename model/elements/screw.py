@@ -10,9 +10,9 @@ from kousoku.model.errors import SceneError
 from kousoku.model.text import with_a
 
 if TYPE_CHECKING:
-    from kousoku.model.coordinates import CoordinateList
-    from kousoku.model.multibody import Instance
-    from kousoku.model.spatial import Joint
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.mechanics.multibody import Instance
+    from kousoku.model.records.spatial import Joint
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,9 +33,9 @@ class Screw(JointKind):
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
         """Combination displacement − pitch / 2π · angle [m]."""
-        from kousoku.model import precise
-        from kousoku.model.combinations import as_written
-        from kousoku.model.digits import CONTEXT
+        from kousoku.model.elements.combinations import as_written
+        from kousoku.model.numbers import precise
+        from kousoku.model.numbers.digits import CONTEXT
 
         assert joint.pitch is not None
         angle = coordinates.of_joint(name, ANGLE)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model.errors import SceneError
-from kousoku.model.formulas import used_names
+from kousoku.model.expressions.formulas import used_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.loads import Force
+    from kousoku.model.records.loads import Force
 
 
 def check_law(force: Force, name: str, key: str) -> None:

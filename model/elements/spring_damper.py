@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 from kousoku.model.elements.kind import ForceKind, require_only_point, scalars
 from kousoku.model.elements.spring import check_law, unused_free
 from kousoku.model.errors import SceneError
-from kousoku.model.multibody import ForceElement
-from kousoku.model.spatial import GROUND
+from kousoku.model.mechanics.multibody import ForceElement
+from kousoku.model.records.spatial import GROUND
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.model.elements.kind import Lowering, Points
-    from kousoku.model.loads import Force
-    from kousoku.model.precise import High
-    from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Value
+    from kousoku.model.numbers.precise import High
+    from kousoku.model.records.loads import Force
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Value
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class SpringDamper(ForceKind):
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
         """Element of the spring: ends (3,) [m], l⁰ = |d| as written where it is not given."""
-        from kousoku.model import precise
+        from kousoku.model.numbers import precise
 
         assert force.bodies is not None
         assert force.points is not None

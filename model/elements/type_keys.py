@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.elements import drivers
 from kousoku.model.elements.forces import FORCES
-from kousoku.model.joints import inputs_of, keys_of
-from kousoku.model.loads import Force
-from kousoku.model.spatial import Driver, Joint
+from kousoku.model.elements.joints import inputs_of, keys_of
+from kousoku.model.records.loads import Force
+from kousoku.model.records.spatial import Driver, Joint
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import msgspec
 
     from kousoku.model.elements.inputs import ElementInput
-    from kousoku.model.own_kind import OwnInput, OwnKind
+    from kousoku.model.records.own_kind import OwnInput, OwnKind
 
 
 def keys_of_type(record: type[msgspec.Struct], sort: object) -> tuple[str, ...]:

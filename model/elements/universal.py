@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from kousoku.model.elements.joint import ANGLE, JointKind
 
 if TYPE_CHECKING:
-    from kousoku.model.frames import BodyFrame
-    from kousoku.model.measures import PreciseMeasure
-    from kousoku.model.spatial import Joint
+    from kousoku.model.mechanics.frames import BodyFrame
+    from kousoku.model.mechanics.measures import PreciseMeasure
+    from kousoku.model.records.spatial import Joint
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,11 +27,11 @@ class Universal(JointKind):
         of body j about its own arm: against it the arm of i turns the other way. Each is
         atan2(b_i·a_j, a_i·a_j) of vectors (3,) in the body frames.
         """
-        from kousoku.model import precise
-        from kousoku.model.digits import CONTEXT
-        from kousoku.model.frames import joint_vectors
-        from kousoku.model.measures import PreciseMeasure
-        from kousoku.model.precise import NOISE
+        from kousoku.model.mechanics.frames import joint_vectors
+        from kousoku.model.mechanics.measures import PreciseMeasure
+        from kousoku.model.numbers import precise
+        from kousoku.model.numbers.digits import CONTEXT
+        from kousoku.model.numbers.precise import NOISE
 
         i, j = joint_vectors(ends, joint)
         first, second = ends

@@ -29,8 +29,8 @@ IN_NUMPY = ("--target", "numpy")
 #: For each command: one that succeeds, one with bad input, and what it calls.
 COMMANDS: dict[str, tuple[tuple[Any, ...], tuple[Any, ...], str]] = {
     "animate": ((LEVER, *IN_NUMPY), ("nowhere.toml",), "kousoku.loading.load"),
-    "cache": ((), ("--everything",), "kousoku.model.cache.entries"),
-    "check": ((LEVER,), ("nowhere.toml",), "kousoku.model.read.read_scene"),
+    "cache": ((), ("--everything",), "kousoku.model.files.cache.entries"),
+    "check": ((LEVER,), ("nowhere.toml",), "kousoku.model.reading.read.read_scene"),
     "derive": (("n1",), ("n9",), "kousoku.symbolic.derive"),
     "explain": ((LEVER,), ("nowhere.toml",), "kousoku.checking.explain"),
     "generate": (
@@ -41,7 +41,7 @@ COMMANDS: dict[str, tuple[tuple[Any, ...], tuple[Any, ...], str]] = {
     "ledger": (("7.19",), ("8.111",), "kousoku.ledger.find"),
     "list": ((), ("all",), "kousoku.cli.listing.generated_packages"),
     "new": (("pendulum",), ("pendulum", "x.txt"), "kousoku.cli.new.template"),
-    "schema": ((), ("--json", "nothing"), "kousoku.model.schema.schema_text"),
+    "schema": ((), ("--json", "nothing"), "kousoku.model.reading.schema.schema_text"),
     "simulate": (
         (LEVER, "--end", 0.1, *IN_NUMPY),
         (LEVER, "--end", -1, *IN_NUMPY),

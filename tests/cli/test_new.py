@@ -11,8 +11,8 @@ import jsonschema
 import pytest
 
 from kousoku.cli.new import Sort, template
-from kousoku.model.read import scene_from_toml
-from kousoku.model.schema import schema_text
+from kousoku.model.reading.read import scene_from_toml
+from kousoku.model.reading.schema import schema_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from kousoku.model.manifest import Manifest
+from kousoku.model.files.manifest import Manifest
 
 if TYPE_CHECKING:
     from collections.abc import Callable

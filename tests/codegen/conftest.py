@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import pytest
 
-from kousoku.model.graph import Graph
-from kousoku.model.kernel import Kernel, Package
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.graph import Graph
+from kousoku.model.operations.kernel import Kernel, Package
 
 
 def body_vector(graph: Graph, p: Sequence[int], a_b: Sequence[int]) -> list[int]:

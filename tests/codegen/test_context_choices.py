@@ -13,7 +13,7 @@ from kousoku.codegen.context import package_context
 from kousoku.codegen.context_choices import together
 from kousoku.codegen.kernel_json import load_frozen, shipped_kinds
 from kousoku.generated.kinds import p1, p2
-from kousoku.model.interpret import ARRAY, evaluate
+from kousoku.model.operations.interpret import ARRAY, evaluate
 
 if TYPE_CHECKING:
     import numpy as np

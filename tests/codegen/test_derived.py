@@ -21,8 +21,8 @@ from kousoku.codegen.derived import (
 )
 from kousoku.codegen.generate import write_tree
 from kousoku.codegen.kernel_json import GRAPH_FILE, dump
-from kousoku.model.kernel import Package
-from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.model.files.manifest import REFERENCE_FILE
+from kousoku.model.operations.kernel import Package
 
 ROOT = Path(__file__).parents[2]
 
@@ -179,7 +179,7 @@ def test_the_key_covers_every_module_that_deriving_imports() -> None:
     out = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
     imported = {Path(name).resolve() for name in out.stdout.decode().split()}
     covered = {path.resolve() for pattern in SOURCES for path in ROOT.glob(pattern)}
-    plumbing = {ROOT / "codegen" / "__init__.py", *(ROOT / "model").glob("[!q]*.py")}
+    plumbing = {ROOT / "codegen" / "__init__.py", *(ROOT / "model").rglob("[!q]*.py")}
     assert imported - covered - plumbing == set()
 
 

@@ -17,15 +17,15 @@ import pytest
 
 from kousoku.codegen.emit import emit
 from kousoku.model.errors import EmitError
-from kousoku.model.kernel import Package
-from kousoku.model.manifest import Manifest
+from kousoku.model.files.manifest import Manifest
+from kousoku.model.operations.kernel import Package
 from kousoku.runtime.batch_numpy import BLOCK
 from kousoku.runtime.importing import import_source
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.kernel import Package
+    from kousoku.model.operations.kernel import Package
 
 ROOT = Path(__file__).parents[2]
 

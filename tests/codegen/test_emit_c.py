@@ -14,16 +14,16 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.emit import emit
-from kousoku.model.graph import Graph
-from kousoku.model.kernel import Kernel, Package
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.graph import Graph
+from kousoku.model.operations.kernel import Kernel, Package
 from kousoku.runtime.importing import import_source
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
     from kousoku.runtime.toolchain import Toolchain
 
     Wanted = tuple[int, ...]

@@ -13,8 +13,8 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.codegen.freeze import freeze
 from kousoku.model.errors import FreezeError
-from kousoku.model.graph import Op
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.graph import Op
 from kousoku.symbolic import KINDS, derive
 from kousoku.symbolic.derivation import DerivedOutput, Function
 from kousoku.symbolic.fractions import Fraction
@@ -30,7 +30,7 @@ from kousoku.symbolic.matrices import (
 from kousoku.symbolic.ring import Ring
 
 if TYPE_CHECKING:
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.kernel import Kernel
     from kousoku.symbolic.derivation import Derivation
 
 PACKAGES = [package for kind in KINDS.values() for package in kind.packages]

@@ -7,11 +7,11 @@ from sympy import atan2, cos, sin, sqrt
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.points import curved_inputs, degrees, infinite_points
 from kousoku.codegen.sha256_random import Sha256Random
-from kousoku.model.digits import CONTEXT
-from kousoku.model.dual import evaluate_dual
 from kousoku.model.errors import FreezeError
-from kousoku.model.kernel import Kernel
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.numbers.digits import CONTEXT
+from kousoku.model.numbers.dual import evaluate_dual
+from kousoku.model.operations.kernel import Kernel
 from kousoku.symbolic.derivation import DerivedOutput, Function
 from kousoku.symbolic.matrices import elements
 

@@ -20,8 +20,8 @@ from kousoku.codegen.generate import (
 )
 from kousoku.codegen.kernel_json import parse
 from kousoku.model.errors import DerivationError
-from kousoku.model.manifest import Manifest
-from kousoku.model.read import scene_from_toml
+from kousoku.model.files.manifest import Manifest
+from kousoku.model.reading.read import scene_from_toml
 
 FILES = {
     "batch_numpy.py",

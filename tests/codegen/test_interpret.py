@@ -5,12 +5,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from kousoku.model.arithmetic import EXACT, FLOAT
-from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.graph import Graph
-from kousoku.model.interpret import ARRAY, evaluate
-from kousoku.model.kernel import Kernel
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.numbers.digits import CONTEXT, HIGH
+from kousoku.model.operations.arithmetic import EXACT, FLOAT
+from kousoku.model.operations.graph import Graph
+from kousoku.model.operations.interpret import ARRAY, evaluate
+from kousoku.model.operations.kernel import Kernel
 
 #: Rational Euler parameters of unit norm, and vectors that they turn to right angles.
 POINT = {

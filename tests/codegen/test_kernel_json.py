@@ -11,9 +11,9 @@ import pytest
 
 from kousoku.codegen.kernel_json import dump, load_frozen, parse
 from kousoku.model.errors import LoadError
-from kousoku.model.graph import Graph
-from kousoku.model.kernel import Kernel, Package
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.graph import Graph
+from kousoku.model.operations.kernel import Kernel, Package
 
 
 def test_a_package_reads_back_equal(n1_package: Package) -> None:

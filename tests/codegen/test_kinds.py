@@ -11,10 +11,10 @@ import pytest
 from kousoku.codegen.generate import package_names
 from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.known_errors import known_errors
-from kousoku.model.compressed import content
-from kousoku.model.interpret import ARRAY, evaluate
-from kousoku.model.kernel import Kernel
-from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.model.files.compressed import content
+from kousoku.model.files.manifest import REFERENCE_FILE
+from kousoku.model.operations.interpret import ARRAY, evaluate
+from kousoku.model.operations.kernel import Kernel
 
 LIMIT = 4
 KINDS = resources.files("kousoku.generated").joinpath("kinds")

@@ -8,8 +8,8 @@ from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.manifold import solve_constraint
 from kousoku.codegen.points import ordinary
 from kousoku.codegen.sha256_random import Sha256Random
-from kousoku.model.dual import evaluate_dual
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.numbers.dual import evaluate_dual
 from kousoku.symbolic import derive
 from kousoku.symbolic.derivation import DerivedOutput, Function
 from kousoku.symbolic.matrices import elements

@@ -20,7 +20,7 @@ from kousoku.codegen.generate import generate, write_tree
 from kousoku.deriving import body, kernels, number
 from kousoku.deriving import derive as derive_own
 from kousoku.model.errors import DerivationError
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.runtime import load, verify
 from kousoku.symbolic import derive
 from kousoku.symbolic.bodies import COMPONENTS, SYMBOLS, A

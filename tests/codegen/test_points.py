@@ -8,9 +8,9 @@ from sympy import ImmutableDenseMatrix, S
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.points import finite_points, infinite_points, ordinary
 from kousoku.codegen.sha256_random import Sha256Random
-from kousoku.model.dual import evaluate_dual
-from kousoku.model.kernel import Kernel
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.numbers.dual import evaluate_dual
+from kousoku.model.operations.kernel import Kernel
 from kousoku.symbolic import derive
 from kousoku.symbolic.derivation import DerivedOutput, Function
 from kousoku.symbolic.matrices import elements

@@ -6,7 +6,7 @@ import pytest
 
 from kousoku.codegen.printers import NUMPY, C, Precedence, Text
 from kousoku.model.errors import EmitError
-from kousoku.model.graph import Op
+from kousoku.model.operations.graph import Op
 
 A, B, X = Text("a"), Text("b"), Text("x")
 

@@ -12,12 +12,12 @@ import sympy
 from kousoku.codegen.freeze import freeze
 from kousoku.codegen.known_errors import known_errors
 from kousoku.codegen.reference import references
-from kousoku.model.arithmetic import EXACT
 from kousoku.model.errors import DerivationError
-from kousoku.model.graph import Graph
-from kousoku.model.interpret import evaluate
-from kousoku.model.kernel import Kernel, Package
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.arithmetic import EXACT
+from kousoku.model.operations.graph import Graph
+from kousoku.model.operations.interpret import evaluate
+from kousoku.model.operations.kernel import Kernel, Package
 from kousoku.symbolic import derive
 from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
 from kousoku.symbolic.matrices import elements

@@ -20,8 +20,8 @@ from kousoku.codegen.generate import package_of
 from kousoku.codegen.points import ordinary
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.codegen.states import coincident_points, motion_points
-from kousoku.model.digits import CONTEXT
-from kousoku.model.dual import evaluate_dual
+from kousoku.model.numbers.digits import CONTEXT
+from kousoku.model.numbers.dual import evaluate_dual
 from kousoku.runtime import load
 from kousoku.runtime.report import LIMIT
 from kousoku.symbolic.components import cross

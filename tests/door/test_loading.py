@@ -17,11 +17,11 @@ import pytest
 
 import kousoku as ks
 from kousoku import loading
-from kousoku.model.builder import SceneBuilder
-from kousoku.model.cache import cache_folder, clear, entries, shrink
 from kousoku.model.errors import CacheError, SceneError
-from kousoku.model.planar import Link
-from kousoku.model.read import read_scene
+from kousoku.model.files.cache import cache_folder, clear, entries, shrink
+from kousoku.model.reading.builder import SceneBuilder
+from kousoku.model.reading.read import read_scene
+from kousoku.model.records.planar import Link
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -22,7 +22,7 @@ from kousoku.codegen.linkage.generate import generate_linkage
 from kousoku.equations import equations_of
 from kousoku.matrices import evaluate, matrices
 from kousoku.model.errors import SolveError
-from kousoku.model.read import read_scene, scene_from_dict
+from kousoku.model.reading.read import read_scene, scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.body_tables import composed, crossed, rotated, written_state
 from kousoku.runtime.linkage import load_linkage
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable
 
     from kousoku.matrices import Evaluation, Matrices
-    from kousoku.model.real import Array
-    from kousoku.model.scene import Scene
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -436,7 +436,7 @@ def test_matrices_start_no_sympy() -> None:
     program = f"""
 import sys
 from kousoku.matrices import matrices
-from kousoku.model.read import read_scene
+from kousoku.model.reading.read import read_scene
 matrices(read_scene({str(FILES["pendulum"])!r}), 0, [0, 0, 0, 1, 0, 0, 0], [0] * 6)
 assert "sympy" not in sys.modules
 """

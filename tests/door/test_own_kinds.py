@@ -22,13 +22,13 @@ from kousoku.codegen import kernel_json
 from kousoku.codegen.dynamics.generate import compose_scene
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.own_kinds import own_kind_of
-from kousoku.model.arithmetic import EXACT
-from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import AssemblyError, DerivationError, LoadError, SceneError
-from kousoku.model.interpret import evaluate
-from kousoku.model.own_kind import is_own, kind_name
-from kousoku.model.quantity import Quantity
-from kousoku.model.read import scene_from_toml
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.arithmetic import EXACT
+from kousoku.model.operations.interpret import evaluate
+from kousoku.model.reading.builder import SceneBuilder
+from kousoku.model.reading.read import scene_from_toml
+from kousoku.model.records.own_kind import is_own, kind_name
 from kousoku.own_kinds import own_kinds
 from kousoku.runtime.dynamics import DynamicsSolver
 from kousoku.symbolic.derivation import Derivation, DerivedOutput, Function
@@ -37,8 +37,8 @@ from kousoku.symbolic.matrices import elements, symbol
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from kousoku.model.kernel import Package
-    from kousoku.model.scene import Scene
+    from kousoku.model.operations.kernel import Package
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.library import Library
 
 BODY_I, BODY_J = ks.body("i"), ks.body("j")

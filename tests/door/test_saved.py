@@ -19,7 +19,7 @@ from kousoku.saved import OWN
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.scene import Output
+    from kousoku.model.records.scene import Output
 
 SCENES = Path(__file__).parents[2] / "scenes"
 ALL: tuple[Output, ...] = ("accelerations", "coordinates", "reactions", "energies")

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.model.design import Design
 from kousoku.model.elements.coupling import Coupling
 from kousoku.model.elements.inputs import ElementInput
 from kousoku.model.elements.joint import ANGLE
 from kousoku.model.errors import SceneError
+from kousoku.model.records.design import Design
 
 if TYPE_CHECKING:
-    from kousoku.model.coordinates import CoordinateList
-    from kousoku.model.multibody import Instance
-    from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Joint
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.mechanics.multibody import Instance
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Joint
 
 
 class Belt(Coupling):
@@ -36,8 +36,8 @@ class Belt(Coupling):
 
     def combination(self, name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
         """Combination radius · angle of the second − radius · angle of the first."""
-        from kousoku.model import precise
-        from kousoku.model.combinations import as_written
+        from kousoku.model.elements.combinations import as_written
+        from kousoku.model.numbers import precise
 
         first, second = (coordinates.of_joint(one, ANGLE) for one in joint.joints or ())
         radii = (coordinates.unit * precise.number(one) for one in joint.input("radii"))

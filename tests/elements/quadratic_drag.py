@@ -5,20 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.model.design import DesignVector
-from kousoku.model.dotted_keys import require_known
 from kousoku.model.elements.inputs import ElementInput
 from kousoku.model.elements.kind import ForceKind, require_one, scalars
 from kousoku.model.errors import SceneError
-from kousoku.model.multibody import GROUND_INDEX, ForceElement
-from kousoku.model.spatial import Value
+from kousoku.model.mechanics.multibody import GROUND_INDEX, ForceElement
+from kousoku.model.records.design import DesignVector
+from kousoku.model.records.dotted_keys import require_known
+from kousoku.model.records.spatial import Value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.model.elements.kind import Lowering
-    from kousoku.model.loads import Force
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.loads import Force
+    from kousoku.model.records.scene import Scene
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ class QuadraticDrag(ForceKind):
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
         """Drag as an element."""
-        from kousoku.model import precise
+        from kousoku.model.numbers import precise
 
         frame = given.frames[force.body or ""]
         point = precise.triple(force.input("centre") or (0.0, 0.0, 0.0))

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.multibody import System
-    from kousoku.model.real import Real
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.numbers.real import Real
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.model.drivers import formula_text
 from kousoku.model.elements.checks import check_leaves
 from kousoku.model.elements.driver import DriverKind
 from kousoku.model.elements.inputs import ElementInput
 from kousoku.model.elements.joint import ANGLE
 from kousoku.model.errors import SceneError
-from kousoku.model.spatial import Value
+from kousoku.model.linkage.input_drivers import formula_text
+from kousoku.model.records.spatial import Value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.coordinates import CoordinateList
     from kousoku.model.elements.driver import Driven
-    from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Driver
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Driver
 
 
 class Swing(DriverKind):

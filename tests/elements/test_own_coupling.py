@@ -10,11 +10,11 @@ import pytest
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
+from kousoku.model.elements.joints import COUPLINGS, NAMES
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import COUPLINGS, NAMES
-from kousoku.model.read import scene_from_dict, scene_from_toml
-from kousoku.model.schema import scene_schema
-from kousoku.model.write import to_toml
+from kousoku.model.reading.read import scene_from_dict, scene_from_toml
+from kousoku.model.reading.schema import scene_schema
+from kousoku.model.reading.write import to_toml
 from kousoku.runtime import verify
 from kousoku.runtime.dynamics import load_dynamics
 from tests.elements.belt import Belt

@@ -16,10 +16,10 @@ from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
 from kousoku.model.elements.forces import FORCES
 from kousoku.model.errors import SceneError
-from kousoku.model.read import scene_from_dict, scene_from_toml
-from kousoku.model.schema import scene_schema
-from kousoku.model.system import system_of
-from kousoku.model.write import to_toml
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.read import scene_from_dict, scene_from_toml
+from kousoku.model.reading.schema import scene_schema
+from kousoku.model.reading.write import to_toml
 from kousoku.runtime import verify
 from kousoku.runtime.dynamics import load_dynamics
 from tests.elements.quadratic_drag import Drag, QuadraticDrag
@@ -28,7 +28,7 @@ from tests.elements.quadratic_drag_facets import DragFacets
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
 
 Tree = dict[str, Any]
 

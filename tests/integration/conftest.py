@@ -11,14 +11,14 @@ from mpmath import MPContext
 from msgspec.structs import astuple
 
 from kousoku.codegen.linkage.generate import generate_linkage
-from kousoku.model.read import read_scene, scene_from_toml
+from kousoku.model.reading.read import read_scene, scene_from_toml
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.linkage import LinkageSolver, load_linkage
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.toolchain import Toolchain
 
     Mover = Callable[..., DynamicsSolver]

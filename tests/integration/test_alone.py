@@ -17,14 +17,14 @@ import kousoku.generated
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import generate_kind, write_tree
 from kousoku.generated import lever_crank
-from kousoku.model.read import read_scene, scene_from_toml
+from kousoku.model.reading.read import read_scene, scene_from_toml
 from kousoku.runtime import load
 from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
 
 ROOT = Path(__file__).parents[2]
 GENERATED = Path(kousoku.generated.__path__[0])
@@ -163,7 +163,7 @@ def test_generated_solver_leaves_sympy_alone() -> None:
 
 def test_generating_a_scene_leaves_sympy_alone() -> None:
     code = (
-        "import sys\nfrom kousoku.model.read import read_scene\n"
+        "import sys\nfrom kousoku.model.reading.read import read_scene\n"
         "from kousoku.codegen.linkage.generate import generate_linkage\n"
         f"generate_linkage(read_scene({str(ROOT / 'scenes' / 'five_bar.toml')!r}))\n"
         "print('sympy' in sys.modules)"

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from kousoku.generated import lever_crank
-from kousoku.model.read import read_scene
+from kousoku.model.reading.read import read_scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.toolchain import Toolchain
 
 ROOT = Path(__file__).parents[2]

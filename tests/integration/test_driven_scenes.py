@@ -12,9 +12,9 @@ import msgspec
 import numpy as np
 import pytest
 
-from kousoku.model.drivers import times_of
-from kousoku.model.read import read_scene, scene_from_dict
-from kousoku.model.spatial import Coordinate, Driver
+from kousoku.model.linkage.input_drivers import times_of
+from kousoku.model.reading.read import read_scene, scene_from_dict
+from kousoku.model.records.spatial import Coordinate, Driver
 from tests.integration.conftest import SCENES
 
 if TYPE_CHECKING:

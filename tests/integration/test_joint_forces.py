@@ -11,7 +11,7 @@ import pytest
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
-from kousoku.model.read import read_scene, scene_from_dict
+from kousoku.model.reading.read import read_scene, scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:

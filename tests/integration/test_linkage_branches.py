@@ -19,7 +19,7 @@ from kousoku.model.errors import MotionError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
     from kousoku.runtime.linkage import LinkageSolver
 
     Solver = Callable[[str], LinkageSolver]

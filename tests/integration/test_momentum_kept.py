@@ -9,7 +9,7 @@ import pytest
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
-from kousoku.model.read import scene_from_dict
+from kousoku.model.reading.read import scene_from_dict
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 
 if TYPE_CHECKING:

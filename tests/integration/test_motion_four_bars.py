@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.model.families import n_four_bar
+from kousoku.model.reading.families import n_four_bar
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kousoku.model.real import Array
-    from kousoku.model.scene import Scene
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
 
     Mover = Callable[[str | Scene], DynamicsSolver]

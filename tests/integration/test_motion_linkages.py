@@ -16,7 +16,7 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.integrate.motion import Motion
     from kousoku.runtime.linkage import LinkageSolver

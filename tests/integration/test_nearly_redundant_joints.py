@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from kousoku.model.errors import SolveError
-from kousoku.model.read import scene_from_dict
+from kousoku.model.reading.read import scene_from_dict
 from kousoku.runtime.integrate.result import shortly
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
 
 TURN = np.linalg.qr(np.array([[1.0, 0.4, 0.2], [0.3, -1.0, 0.7], [0.1, 0.5, 1.0]]))[0]
 #: Corners and axes of the linkage of Bricard, along edges of a cube.

@@ -10,14 +10,14 @@ import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.model import precise
-from kousoku.model.read import read_scene, scene_from_dict
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.numbers import precise
+from kousoku.model.reading.read import read_scene, scene_from_dict
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.integrate.motion import Motion
 
 SCENES = Path(__file__).parents[2] / "scenes"

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.model.read import read_scene
+from kousoku.model.reading.read import read_scene
 from kousoku.runtime.integrate.body_tables import rotated
 
 from .conftest import SCENES

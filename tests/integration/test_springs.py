@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.model.read import scene_from_dict
+from kousoku.model.reading.read import scene_from_dict
 from kousoku.runtime.integrate.body_tables import rotated
 
 if TYPE_CHECKING:

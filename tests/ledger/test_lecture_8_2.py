@@ -29,7 +29,7 @@ from kousoku.ledger.parser import parse
 from kousoku.ledger.priming import readings
 from kousoku.ledger.proof import difference, prove, refuted, value_of
 from kousoku.model.errors import LedgerError
-from kousoku.model.parallel_rows import ROWS
+from kousoku.model.mechanics.parallel_rows import ROWS
 from kousoku.symbolic.bodies import COMPONENTS
 from kousoku.symbolic.matrices import neg
 

@@ -26,7 +26,7 @@ from kousoku.ledger.parser import parse
 from kousoku.ledger.proof import prove, proved
 from kousoku.ledger.reading import read
 from kousoku.model.errors import LedgerError
-from kousoku.model.read import read_scene
+from kousoku.model.reading.read import read_scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

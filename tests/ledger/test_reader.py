@@ -14,7 +14,7 @@ from kousoku.ledger.proof import proved, refuted
 from kousoku.ledger.tokens import differ_in_notation_only
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import FormulaError, LedgerError
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 
 U, V = (Quantity(name, (3,), "", "") for name in "uv")
 WORDS = Vocabulary(

@@ -6,12 +6,12 @@ import math
 
 import pytest
 
-from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import SceneError
-from kousoku.model.precise import number
-from kousoku.model.quaternions import quaternion
-from kousoku.model.read import scene_from_toml
-from kousoku.model.write import to_toml
+from kousoku.model.numbers.precise import number
+from kousoku.model.numbers.quaternions import quaternion
+from kousoku.model.reading.builder import SceneBuilder
+from kousoku.model.reading.read import scene_from_toml
+from kousoku.model.reading.write import to_toml
 
 ARM = """
 name = "arm"

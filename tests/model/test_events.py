@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import SceneError
-from kousoku.model.read import scene_from_dict
-from kousoku.model.root_functions import seen_of
-from kousoku.model.system import system_of
+from kousoku.model.lowering.root_functions import seen_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.builder import SceneBuilder
+from kousoku.model.reading.read import scene_from_dict
 
 Tree = dict[str, Any]
 

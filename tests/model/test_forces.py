@@ -6,12 +6,12 @@ from typing import Any
 
 import pytest
 
-from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import SceneError
-from kousoku.model.multibody import GROUND_INDEX
-from kousoku.model.read import scene_from_dict, scene_from_toml
-from kousoku.model.system import system_of
-from kousoku.model.write import to_toml
+from kousoku.model.lowering.system import system_of
+from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.model.reading.builder import SceneBuilder
+from kousoku.model.reading.read import scene_from_dict, scene_from_toml
+from kousoku.model.reading.write import to_toml
 
 Tree = dict[str, Any]
 

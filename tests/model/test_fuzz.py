@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import MOST_SHOWN, SceneError
-from kousoku.model.read import read_scene, scene_from_dict, scene_from_toml
-from kousoku.model.scene import Scene
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.builder import SceneBuilder
+from kousoku.model.reading.read import read_scene, scene_from_dict, scene_from_toml
+from kousoku.model.records.scene import Scene
 
 if TYPE_CHECKING:
     import pytest

@@ -6,11 +6,11 @@ import re
 
 import pytest
 
+from kousoku.model.elements.joints import COUPLINGS, JOINTS, keys_of
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import COUPLINGS, JOINTS, keys_of
-from kousoku.model.lines import twice_given
-from kousoku.model.read import scene_from_toml
-from kousoku.model.spatial import Joint
+from kousoku.model.reading.lines import twice_given
+from kousoku.model.reading.read import scene_from_toml
+from kousoku.model.records.spatial import Joint
 
 HEAD = 'name = "arm"\nunit = "m"\n'
 BAR = "[bodies.bar]\nposition = [0, 0, 0]\nmass = 1\n"

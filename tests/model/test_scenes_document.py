@@ -11,15 +11,15 @@ from typing import get_args
 import msgspec
 import pytest
 
-from kousoku.model import loads, planar, spatial
-from kousoku.model.decode import MOST_ELEMENTS
+from kousoku.model.elements.joints import COUPLINGS, JOINTS
 from kousoku.model.errors import SceneError
-from kousoku.model.expression import ARGUMENTS
-from kousoku.model.joints import COUPLINGS, JOINTS
-from kousoku.model.orientation import Orientation
-from kousoku.model.read import read_scene, scene_from_dict, scene_from_toml
-from kousoku.model.scene import TABLES, Scene, Unit
-from kousoku.model.system import system_of
+from kousoku.model.expressions.expression import ARGUMENTS
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.decode import MOST_ELEMENTS
+from kousoku.model.reading.read import read_scene, scene_from_dict, scene_from_toml
+from kousoku.model.records import loads, planar, spatial
+from kousoku.model.records.orientation import Orientation
+from kousoku.model.records.scene import TABLES, Scene, Unit
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from kousoku.model.families import chain
-from kousoku.model.read import read_scene
+from kousoku.model.reading.families import chain
+from kousoku.model.reading.read import read_scene
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.view import animate
 from tests.view.runs import arm, lever_crank, turning

@@ -17,7 +17,7 @@ from benchmarks.segments import (
     seconds_of_parts,
     share_of_factors,
 )
-from kousoku.model.families import n_four_bar
+from kousoku.model.reading.families import n_four_bar
 from kousoku.runtime.dynamics import DynamicsSolver
 from kousoku.runtime.toolchain import Toolchain
 

@@ -115,7 +115,7 @@ def test_type_checkers_follow_an_editable_install(tmp_path: Path, has_links: boo
     (pth,) = site.glob("*.pth")
     followed = Path(pth.read_text().strip()) / "kousoku"
     assert (followed / "py.typed").is_file()
-    assert (followed / "model" / "read.py").is_file()
+    assert (followed / "model" / "reading" / "read.py").is_file()
 
 
 #: Refuses all that only deriving, emitting and the command line need.

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from kousoku.model.compressed import stored
-from kousoku.model.manifest import REFERENCE_FILE, KernelManifest, Manifest
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.compressed import stored
+from kousoku.model.files.manifest import REFERENCE_FILE, KernelManifest, Manifest
+from kousoku.model.files.quantity import Quantity
 from kousoku.runtime import load, notice, plan, toolchain
 
 if TYPE_CHECKING:

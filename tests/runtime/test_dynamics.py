@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
-from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import SolveError
-from kousoku.model.families import chain, n_four_bar
-from kousoku.model.read import read_scene
+from kousoku.model.reading.builder import SceneBuilder
+from kousoku.model.reading.families import chain, n_four_bar
+from kousoku.model.reading.read import read_scene
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.run_ledger import LEVELS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.scene import Scene, Unit
+    from kousoku.model.records.scene import Scene, Unit
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.toolchain import Toolchain
 

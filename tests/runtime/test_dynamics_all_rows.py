@@ -29,8 +29,8 @@ from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy import redundant_rows
 from kousoku.codegen.generate import write_tree
-from kousoku.model.read import read_scene, scene_from_toml
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.read import read_scene, scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate import row_switch
@@ -43,9 +43,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.multibody import System
-    from kousoku.model.real import Array
-    from kousoku.model.scene import Scene
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.scene import Scene
 
 SCENES = Path(__file__).parents[2] / "scenes"
 OUTPUTS = ("accelerations", "reactions", "energies")

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from kousoku.model.families import n_four_bar
-from kousoku.model.read import scene_from_toml
-from kousoku.model.write import to_toml
+from kousoku.model.reading.families import n_four_bar
+from kousoku.model.reading.read import scene_from_toml
+from kousoku.model.reading.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
 from tests.runtime.test_dynamics_driven import CRANK, end_of, four_bar, pin
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
 
     Load = Callable[..., DynamicsSolver]

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.model.families import chain, n_four_bar
-from kousoku.model.read import read_scene
+from kousoku.model.reading.families import chain, n_four_bar
+from kousoku.model.reading.read import read_scene
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.settings import Doubt
 

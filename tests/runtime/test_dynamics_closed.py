@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.errors import AssemblyError, MotionError, SceneError, SolveError
-from kousoku.model.read import scene_from_toml
+from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate.settings import Status
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from pathlib import Path
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
 
 pytestmark = pytest.mark.usefixtures("compiler", "numpy_solver")

@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.model.design_numbers import read_formulas, with_numbers
 from kousoku.model.errors import SolveError
-from kousoku.model.problems import Problems
-from kousoku.model.read import scene_from_toml
-from kousoku.model.system import system_of
+from kousoku.model.expressions.design_numbers import read_formulas, with_numbers
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.read import scene_from_toml
+from kousoku.model.records.problems import Problems
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate.settings import Status
@@ -28,7 +28,7 @@ from tests.runtime.test_dynamics_fallback import SCENE as BRICARD
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
 
 FOLDER = Path(__file__).parents[1] / "scenes" / "design"
 SCENES = {path.stem: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.toml"))}

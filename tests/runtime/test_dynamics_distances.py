@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.model.read import scene_from_toml
+from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from tests.stress.forces import blind
 

@@ -12,9 +12,9 @@ from msgspec.structs import replace
 
 import kousoku
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.model.families import n_four_bar
-from kousoku.model.read import scene_from_toml
-from kousoku.model.write import to_toml
+from kousoku.model.reading.families import n_four_bar
+from kousoku.model.reading.read import scene_from_toml
+from kousoku.model.reading.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.result import shortly
@@ -23,8 +23,8 @@ from kousoku.runtime.integrate.settings import Status
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.real import Array
-    from kousoku.model.scene import Scene
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
 
     Load = Callable[..., DynamicsSolver]

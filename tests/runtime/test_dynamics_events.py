@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.model.read import scene_from_toml
+from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.settings import Status
 from tests.stress.force_laws import SHAFT

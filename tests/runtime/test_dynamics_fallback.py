@@ -19,15 +19,15 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.generate import write_tree
-from kousoku.model.read import read_scene, scene_from_toml
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.read import read_scene, scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from tests.analysed import all_rows, without
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
     from kousoku.runtime.dynamics import DynamicsSolver
 
 OUTPUTS = ("accelerations", "reactions", "energies")

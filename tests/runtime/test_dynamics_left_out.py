@@ -14,8 +14,8 @@ from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.generate import LEDGER, generate_dynamics
 from kousoku.codegen.generate import write_tree
 from kousoku.model.errors import MotionError
-from kousoku.model.read import read_scene
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.read import read_scene
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.motion import Motion
 from tests.analysed import all_rows, without

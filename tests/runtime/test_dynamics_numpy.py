@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import MotionError, NoCompilerError, SolveError, TargetError
-from kousoku.model.families import chain, n_four_bar
-from kousoku.model.read import read_scene
+from kousoku.model.reading.builder import SceneBuilder
+from kousoku.model.reading.families import chain, n_four_bar
+from kousoku.model.reading.read import read_scene
 from kousoku.runtime import notice
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory, open_target
@@ -27,7 +27,7 @@ from kousoku.runtime.sources import Sources
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.toolchain import Toolchain
 

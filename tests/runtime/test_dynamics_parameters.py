@@ -10,8 +10,8 @@ import pytest
 
 from kousoku.model.angles import number_of
 from kousoku.model.errors import SolveError
-from kousoku.model.families import chain, n_four_bar
-from kousoku.model.read import scene_from_toml
+from kousoku.model.reading.families import chain, n_four_bar
+from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:

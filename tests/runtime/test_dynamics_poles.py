@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.errors import MotionError
-from kousoku.model.read import scene_from_toml
+from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:

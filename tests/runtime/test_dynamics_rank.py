@@ -15,7 +15,7 @@ import kousoku as ks
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.dynamics.redundancy import given_rank
 from kousoku.model.errors import SceneError, SolveError
-from kousoku.model.read import scene_from_toml
+from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate.settings import Status

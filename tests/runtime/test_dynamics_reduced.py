@@ -15,8 +15,8 @@ from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.generate import LEDGER
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.generate import write_tree
-from kousoku.model.builder import SceneBuilder
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.builder import SceneBuilder
 from kousoku.runtime.dynamics import load_dynamics
 from tests.analysed import independent
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
 
 OUTPUTS = ("accelerations", "reactions", "energies", "coordinates")

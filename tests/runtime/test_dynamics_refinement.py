@@ -18,12 +18,12 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.generate import LEDGER
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
-from kousoku.model.digits import HIGH
 from kousoku.model.errors import MotionError
-from kousoku.model.families import chain, n_four_bar
-from kousoku.model.read import scene_from_dict, scene_from_toml
-from kousoku.model.system import system_of
-from kousoku.model.write import to_toml
+from kousoku.model.lowering.system import system_of
+from kousoku.model.numbers.digits import HIGH
+from kousoku.model.reading.families import chain, n_four_bar
+from kousoku.model.reading.read import scene_from_dict, scene_from_toml
+from kousoku.model.reading.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.motion import Motion
 from tests.analysed import independent
@@ -32,7 +32,7 @@ from tests.stress import extremes
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.run import Run
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from kousoku.model.errors import SolveError
-from kousoku.model.families import chain, n_four_bar
-from kousoku.model.read import scene_from_toml
+from kousoku.model.reading.families import chain, n_four_bar
+from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate.settings import Status

@@ -13,7 +13,7 @@ import pytest
 from kousoku.codegen.dynamics.explanation.explain import explain
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.model.errors import SceneError, SolveError
-from kousoku.model.read import scene_from_toml
+from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate import given_start
 from tests.start_with_parameters import folded, missed

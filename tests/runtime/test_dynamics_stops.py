@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.model.families import chain, n_four_bar
-from kousoku.model.read import scene_from_dict
+from kousoku.model.reading.builder import SceneBuilder
+from kousoku.model.reading.families import chain, n_four_bar
+from kousoku.model.reading.read import scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.run_stop import joints_at_stop
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.toolchain import Toolchain
 

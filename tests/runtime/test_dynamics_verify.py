@@ -17,10 +17,10 @@ import kousoku as ks
 from kousoku.codegen.dynamics.checking import reference
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
-from kousoku.model.compressed import content, stored
 from kousoku.model.errors import SolveError
-from kousoku.model.manifest import Manifest
-from kousoku.model.read import read_scene
+from kousoku.model.files.compressed import content, stored
+from kousoku.model.files.manifest import Manifest
+from kousoku.model.reading.read import read_scene
 from kousoku.runtime import notice, verify
 from kousoku.runtime.dynamics import load_dynamics
 

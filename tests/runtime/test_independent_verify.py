@@ -42,7 +42,7 @@ from kousoku.codegen.dynamics.operations import joint_coordinates as joint_opera
 from kousoku.codegen.dynamics.recording import recorder
 from kousoku.codegen.emit import along
 from kousoku.codegen.generate import write_tree
-from kousoku.model.read import read_scene, scene_from_dict, scene_from_toml
+from kousoku.model.reading.read import read_scene, scene_from_dict, scene_from_toml
 from kousoku.runtime import dynamics_verify, verify
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate import dense_output, methods
@@ -57,7 +57,7 @@ from kousoku.runtime.order import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
 
 SCENES = Path(__file__).parents[2] / "scenes"
 WANTED = ("accelerations", "coordinates", "reactions", "energies")

@@ -21,7 +21,7 @@ from kousoku.model.errors import (
     NoCompilerError,
     TargetError,
 )
-from kousoku.model.manifest import Manifest
+from kousoku.model.files.manifest import Manifest
 from kousoku.runtime import load
 from kousoku.runtime.toolchain import EXTENSION
 from tests.runtime.conftest import DIGEST, write_tiny

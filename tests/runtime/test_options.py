@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.errors import LoadError, SolveError
-from kousoku.model.families import chain
+from kousoku.model.reading.families import chain
 from kousoku.runtime import load, verify
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate import given

@@ -16,7 +16,7 @@ from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
 from kousoku.generated import lever_crank
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.model.read import scene_from_toml
+from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate import body_tables as tables_of_bodies
 from kousoku.runtime.integrate import motion as motions

@@ -16,10 +16,10 @@ from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.generate import LEDGER
 from kousoku.codegen.generate import write_tree
 from kousoku.model.errors import MotionError
-from kousoku.model.families import n_four_bar
-from kousoku.model.read import read_scene, scene_from_toml
-from kousoku.model.system import system_of
-from kousoku.model.write import to_toml
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.families import n_four_bar
+from kousoku.model.reading.read import read_scene, scene_from_toml
+from kousoku.model.reading.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.settings import Doubt, Settings, Status
 from kousoku.runtime.integrate.trust import CheckedRows, RunVerdict, judge

@@ -14,7 +14,7 @@ import pytest
 from kousoku.codegen import emit as emission
 from kousoku.codegen.generate import generate_kind, write_tree
 from kousoku.model.errors import VerifyError
-from kousoku.model.manifest import Manifest
+from kousoku.model.files.manifest import Manifest
 from kousoku.runtime import evaluate as evaluation
 from kousoku.runtime import load, verify
 from kousoku.runtime.reference import Reference, read_references

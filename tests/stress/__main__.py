@@ -25,8 +25,8 @@ from unittest.mock import patch
 import numpy as np
 from rich.progress import Progress
 
-from kousoku.model.cache import write_atomically
 from kousoku.model.errors import CompilerError
+from kousoku.model.files.cache import write_atomically
 from kousoku.runtime.toolchain import find_toolchain
 from tests import stress
 from tests.stress import smaller

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from contextlib import AbstractContextManager
 
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 #: Committed scenes where no force takes or gives energy.
 CONSERVATIVE = ("pendulum", "heavy_top", "n_four_bar", "bricard", "flipping_body")
@@ -230,7 +230,7 @@ def long_steps() -> AbstractContextManager[object]:
 def short_turns() -> AbstractContextManager[object]:
     """Read π with one digit wrong, the thirteenth."""
     pi = Fraction("3.141592653589893")
-    return patch.dict("kousoku.model.expression.CONSTANTS", {"pi": pi})
+    return patch.dict("kousoku.model.expressions.expression.CONSTANTS", {"pi": pi})
 
 
 QUESTION = Question(

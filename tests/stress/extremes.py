@@ -16,8 +16,8 @@ import numpy as np
 import kousoku as ks
 from kousoku.codegen.dynamics import analyse
 from kousoku.codegen.dynamics.simplification import body_blocks
-from kousoku.model.digits import CONTEXT
-from kousoku.model.write import toml_of
+from kousoku.model.numbers.digits import CONTEXT
+from kousoku.model.reading.write import toml_of
 from tests.stress.kit import Fault, Outcome, Question, Size
 from tests.stress.planar import (
     GROUND,

@@ -14,7 +14,7 @@ from unittest.mock import patch
 
 import kousoku as ks
 from kousoku.model.errors import MotionError
-from kousoku.model.root_functions import seen_of
+from kousoku.model.lowering.root_functions import seen_of
 from tests.stress.force_laws import END, FORMS, SPEED, Form
 from tests.stress.kit import Fault, Outcome, Question, Size
 

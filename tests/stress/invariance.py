@@ -11,9 +11,9 @@ from unittest.mock import patch
 import numpy as np
 
 import kousoku as ks
-from kousoku.model import system_forces
 from kousoku.model.errors import KousokuError
-from kousoku.model.write import toml_of
+from kousoku.model.lowering import system_forces
+from kousoku.model.reading.write import toml_of
 from tests.random_draft import UNITS
 from tests.random_geometry import product, turn
 from tests.random_scenes import random_scene
@@ -224,7 +224,7 @@ def pulled(x: float, z: float) -> AbstractContextManager[object]:
         own = right(scene, unit)
         return (own[0] * x, own[1], own[2] * z)
 
-    return patch("kousoku.model.system.gravity_of", wrong)
+    return patch("kousoku.model.lowering.system.gravity_of", wrong)
 
 
 QUESTION = Question(

@@ -33,8 +33,8 @@ from kousoku.codegen.points import (
 from kousoku.codegen.reference import WORKING_DIGITS, values_at
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.codegen.states import coincident_points, motion_points
-from kousoku.model.digits import CONTEXT
 from kousoku.model.errors import NoCompilerError
+from kousoku.model.numbers.digits import CONTEXT
 from kousoku.runtime import load
 from kousoku.runtime.evaluate import different_bits, evaluate, ways
 from kousoku.runtime.reference import reference_of
@@ -52,7 +52,7 @@ from tests.stress.kit import Fault, Outcome, Question, Size
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kousoku.model import kernel as frozen
+    from kousoku.model.operations import kernel as frozen
     from kousoku.runtime.kernel import Kernel
     from kousoku.symbolic.derivation import Function
     from kousoku.symbolic.sympy_types import SymbolicMatrix
@@ -101,9 +101,9 @@ class Subject:
     ----------
     function : Function
         The derivation, all outputs.
-    components : model.kernel.Kernel
+    components : model.operations.kernel.Kernel
         Its formulas.
-    graph : model.kernel.Kernel
+    graph : model.operations.kernel.Kernel
         The frozen kernel; it says which elements are identically zero.
     kernels : tuple of (str, Kernel)
         By target: compiled, where a compiler is in reach, and of NumPy.

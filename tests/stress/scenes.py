@@ -25,8 +25,8 @@ from msgspec import structs
 import kousoku as ks
 from kousoku.model.elements.gear import Gear
 from kousoku.model.errors import KousokuError, MotionError, SceneError
-from kousoku.model.system_forces import events_of
-from kousoku.model.write import toml_of
+from kousoku.model.lowering.system_forces import events_of
+from kousoku.model.reading.write import toml_of
 from kousoku.runtime import run_ledger
 from kousoku.runtime.integrate import trust
 from tests.random_draft import UNITS
@@ -332,7 +332,7 @@ def late() -> AbstractContextManager[object]:
     def wrong(*given: Any) -> Any:
         return tuple(replace(one, when=f"({one.when}) - 1e-10") for one in events_of(*given))
 
-    return patch("kousoku.model.system.events_of", wrong)
+    return patch("kousoku.model.lowering.system.events_of", wrong)
 
 
 def generous() -> AbstractContextManager[object]:

@@ -10,8 +10,8 @@ from unittest.mock import patch
 
 import kousoku as ks
 from kousoku.model.errors import KousokuError
-from kousoku.model.read import scene_from_dict
-from kousoku.model.write import toml_of
+from kousoku.model.reading.read import scene_from_dict
+from kousoku.model.reading.write import toml_of
 from kousoku.runtime.integrate.given_start import GivenStart
 from tests.random_scenes import random_scene
 from tests.start_with_parameters import missed

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 from hypothesis import strategies as st
 
-from kousoku.model.read import scene_from_dict
-from kousoku.model.write import to_toml, toml_of
+from kousoku.model.reading.read import scene_from_dict
+from kousoku.model.reading.write import to_toml, toml_of
 from tests.random_scenes import random_scene
 from tests.stress.kit import ROOT
 

@@ -26,10 +26,10 @@ import kousoku as ks
 from kousoku.cli.app import main
 from kousoku.loading import generated
 from kousoku.model.errors import KousokuError, printable
-from kousoku.model.graph import Op
-from kousoku.model.manifest import Manifest
-from kousoku.model.read import scene_from_dict, scene_from_toml
-from kousoku.model.terms import Expression
+from kousoku.model.files.manifest import Manifest
+from kousoku.model.operations.graph import Op
+from kousoku.model.operations.terms import Expression
+from kousoku.model.reading.read import scene_from_dict, scene_from_toml
 from tests.stress import strange_inputs as strange
 from tests.stress import strange_runs
 from tests.stress.force_laws import BUMP
@@ -267,7 +267,7 @@ def try_tokens(case: str) -> Outcome:
 
 def strange_json(tree: object) -> str:
     """Manifest as kousoku would write it, so that it is refused for what it says."""
-    from kousoku.model.jsontext import to_text
+    from kousoku.model.files.jsontext import to_text
 
     return to_text(tree)
 
@@ -596,7 +596,7 @@ def run(case: str) -> Outcome:
 
 def evaluated() -> AbstractContextManager[object]:
     """Read a formula by running it as Python where it is no number."""
-    from kousoku.model import expression
+    from kousoku.model.expressions import expression
 
     right = expression._Parser.formula
 

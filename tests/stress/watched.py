@@ -176,7 +176,7 @@ def warm() -> None:
     """Import and cache what any input needs, so that it is not taken for its own doing."""
     import kousoku as ks
     from kousoku.loading import generated
-    from kousoku.model.read import read_scene
+    from kousoku.model.reading.read import read_scene
 
     scenes = ROOT / "scenes"
     for name in ("lever_crank", "pendulum"):

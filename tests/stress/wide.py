@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any
 import mpmath
 import numpy as np
 
-from kousoku.model.arithmetic import Arithmetic
-from kousoku.model.interpret import node_values
+from kousoku.model.operations.arithmetic import Arithmetic
+from kousoku.model.operations.interpret import node_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.kernel import Kernel
 
 LONG = np.longdouble
 #: Splits a long double into halves, of which products are exact.

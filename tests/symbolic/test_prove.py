@@ -12,7 +12,7 @@ from sympy.matrices.expressions import BlockMatrix
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.errors import DerivationError
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic import KINDS
 from kousoku.symbolic.bodies import COLUMNS, COMPONENTS, SYMBOLS, A, motion_flow
 from kousoku.symbolic.components import Flow, half_turn

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku import generated
-from kousoku.model.read import read_scene, scene_from_dict
+from kousoku.model.reading.read import read_scene, scene_from_dict
 from kousoku.runtime.linkage import load_linkage
 
 if TYPE_CHECKING:
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.linkage import Trajectory
 
 #: Of the crank of :func:`turning`, about z.

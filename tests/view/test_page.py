@@ -18,7 +18,7 @@ import pytest
 from msgspec import structs
 
 from kousoku.model.errors import SolveError
-from kousoku.model.read import read_scene
+from kousoku.model.reading.read import read_scene
 from kousoku.view import animate, draw_mechanism
 from kousoku.view.picture import picture_of
 from kousoku.view.stills import Camera, moving_svg, paths_seen

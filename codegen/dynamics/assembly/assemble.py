@@ -24,15 +24,15 @@ from kousoku.codegen.dynamics.assembly.residuals import Residuals, remark_on_rat
 from kousoku.codegen.dynamics.assembly.unwrap import unwrapped, wound_as_driven
 from kousoku.codegen.dynamics.assembly.violations import key_of, sizes_of, worst_first
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
-from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
-from kousoku.model.parametric import fixed_system
+from kousoku.model.lowering.parametric import fixed_system
+from kousoku.model.numbers import precise
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
-    from kousoku.model.multibody import MovingBody, System
-    from kousoku.model.precise import High, Quadruple, Triple
+    from kousoku.model.mechanics.multibody import MovingBody, System
+    from kousoku.model.numbers.precise import High, Quadruple, Triple
 
 MOST_ROWS = 6000
 """Rows of the largest system whose positions are moved."""

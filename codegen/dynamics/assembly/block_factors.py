@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.jacobian import Places
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 #: Rows are independent where no pivot is below this part of the largest element.
 REGULAR = 1e-9

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
 from kousoku.codegen.dynamics.assembly.pose import normalised
-from kousoku.model import precise
-from kousoku.model.parametric import fixed_system
+from kousoku.model.lowering.parametric import fixed_system
+from kousoku.model.numbers import precise
 from kousoku.runtime.integrate.given_start import Change, Moved, known
 
 if TYPE_CHECKING:
-    from kousoku.model.multibody import MovingBody, System
-    from kousoku.model.precise import Quadruple, Triple
+    from kousoku.model.mechanics.multibody import MovingBody, System
+    from kousoku.model.numbers.precise import Quadruple, Triple
 
 #: A speed below this part of the scene's is rounding.
 ROUNDING = 1e-12

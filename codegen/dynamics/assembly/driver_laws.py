@@ -11,22 +11,22 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.expressions import to_graph
-from kousoku.model import precise
-from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.errors import AssemblyError
-from kousoku.model.exponentials import rate_of
-from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import TIME
-from kousoku.model.graph import Graph
-from kousoku.model.interpret import evaluate
-from kousoku.model.kernel import Kernel
-from kousoku.model.quantity import Quantity
+from kousoku.model.expressions.exponentials import rate_of
+from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.formulas import TIME
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.digits import CONTEXT, HIGH
+from kousoku.model.operations.graph import Graph
+from kousoku.model.operations.interpret import evaluate
+from kousoku.model.operations.kernel import Kernel
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.multibody import Instance
-    from kousoku.model.precise import High
+    from kousoku.model.mechanics.multibody import Instance
+    from kousoku.model.numbers.precise import High
 
 #: Of one formula: itself and its derivatives by the time.
 LEVELS = ("value", "rate", "second")

@@ -15,7 +15,7 @@ from kousoku.runtime.integrate.result import listed
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.assembly.pose import Pose
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 MOST_ROWS = 1000
 """Rows of the largest system whose freedoms are counted here."""

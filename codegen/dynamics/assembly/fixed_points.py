@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 #: How many steps are remembered.
 DEPTH = 6

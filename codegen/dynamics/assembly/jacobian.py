@@ -8,13 +8,13 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.pose import rates_of_turn
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
-from kousoku.model import precise
+from kousoku.model.numbers import precise
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.precise import High
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.precise import High
+    from kousoku.model.numbers.real import Array
 
     Places = np.ndarray[Any, np.dtype[np.int64]]
 

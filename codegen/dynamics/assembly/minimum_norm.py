@@ -10,8 +10,8 @@ import numpy as np
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
 from kousoku.codegen.dynamics.operations.characteristic_length import extent
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
-from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
+from kousoku.model.numbers import precise
 from kousoku.runtime.integrate.given_start import THIN
 
 if TYPE_CHECKING:
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.jacobian import PreciseJacobian
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
-    from kousoku.model.precise import High
-    from kousoku.model.real import Array
+    from kousoku.model.mechanics.multibody import Instance, MovingBody, RelativeCoordinate, System
+    from kousoku.model.numbers.precise import High
+    from kousoku.model.numbers.real import Array
 
 DEPENDENT = 1e-11
 """Squares of singular values of C_q, in lengths, that belong to rows that depend on others: S has

@@ -13,8 +13,8 @@ from kousoku.codegen.dynamics.operations.characteristic_length import is_ground_
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.multibody import Instance, RelativeCoordinate, System
-    from kousoku.model.orientation import Vector
+    from kousoku.model.mechanics.multibody import Instance, RelativeCoordinate, System
+    from kousoku.model.records.orientation import Vector
 
     Source = TypeVar("Source", Instance, RelativeCoordinate)
 

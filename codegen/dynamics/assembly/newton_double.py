@@ -15,15 +15,15 @@ from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Patter
 from kousoku.codegen.dynamics.assembly.fixed_points import Accelerated
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
-from kousoku.model import precise
-from kousoku.model.precise import IDENTITY, ZERO
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.precise import IDENTITY, ZERO
 from kousoku.runtime.integrate.body_tables import composed
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.assembly.jacobian import Places
     from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 FIRST_DAMPING, LEAST_DAMPING = 1e-3, 1e-12
 """Damping of the first step, and what is as good as none."""

@@ -24,16 +24,16 @@ from kousoku.codegen.dynamics.assembly.newton_double import (
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.violations import key_of, sizes_of, violations
-from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
+from kousoku.model.numbers import precise
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
-    from kousoku.model.multibody import System
-    from kousoku.model.precise import High
-    from kousoku.model.real import Array
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.numbers.precise import High
+    from kousoku.model.numbers.real import Array
 
 CLOSED = 1e-12
 """What is violated by less than this part of the size of the system fits, and smaller steps along

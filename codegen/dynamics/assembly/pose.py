@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
-from kousoku.model import precise
-from kousoku.model.digits import CONTEXT
-from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.digits import CONTEXT
+from kousoku.model.numbers.precise import IDENTITY, ZERO, High, Quadruple, Triple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.multibody import MovingBody, RelativeCoordinate
+    from kousoku.model.mechanics.multibody import MovingBody, RelativeCoordinate
 
 
 _ONE, _NONE = precise.number(1.0), precise.number(0.0)

@@ -19,20 +19,20 @@ from kousoku.codegen.dynamics.assembly.driver_laws import law_at_start
 from kousoku.codegen.dynamics.assembly.jacobian import PreciseJacobian
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
 from kousoku.codegen.passes.rebuild import with_outputs
-from kousoku.model import precise
-from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.interpret import ARRAY, evaluate
-from kousoku.model.multibody import RelativeCoordinate
+from kousoku.model.mechanics.multibody import RelativeCoordinate
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.digits import CONTEXT, HIGH
+from kousoku.model.operations.interpret import ARRAY, evaluate
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.assembly.jacobian import Places
     from kousoku.codegen.dynamics.assembly.pose import Pose
-    from kousoku.model.kernel import Kernel
-    from kousoku.model.multibody import Instance, MovingBody, System
-    from kousoku.model.precise import High
-    from kousoku.model.real import Array
+    from kousoku.model.mechanics.multibody import Instance, MovingBody, System
+    from kousoku.model.numbers.precise import High
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.operations.kernel import Kernel
 
 WIDTH = 2 * COLUMNS
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.assembly.driver_laws import law_at_start
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.model import precise
+from kousoku.model.numbers import precise
 
 if TYPE_CHECKING:
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 
 def wound_as_driven(system: System) -> System:

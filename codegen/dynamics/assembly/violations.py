@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.constraints import BodiesAtRest, facets_of_kind
-from kousoku.model import precise
-from kousoku.model.own_kind import is_own
-from kousoku.model.precise import ZERO
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.precise import ZERO
+from kousoku.model.records.own_kind import is_own
 from kousoku.runtime.integrate.result import listed
 
 if TYPE_CHECKING:
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.pose import Pose
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.model.multibody import Instance
-    from kousoku.model.precise import High, Triple
+    from kousoku.model.mechanics.multibody import Instance
+    from kousoku.model.numbers.precise import High, Triple
 
 
 WORTH_NAMING = 1e-6

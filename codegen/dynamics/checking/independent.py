@@ -21,17 +21,17 @@ from kousoku.codegen.dynamics.checking.newton_euler import (
     rotated_back,
 )
 from kousoku.codegen.sha256_random import Sha256Random
-from kousoku.model.arithmetic import FLOAT
-from kousoku.model.digits import HIGH
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.model.numbers.digits import HIGH
+from kousoku.model.operations.arithmetic import FLOAT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.checking.newton_euler import Found
-    from kousoku.model.arithmetic import FormulaArithmetic
-    from kousoku.model.multibody import System
-    from kousoku.model.real import Array, Real
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.numbers.real import Array, Real
+    from kousoku.model.operations.arithmetic import FormulaArithmetic
     from kousoku.runtime.integrate.body_tables import BodyPlaces
     from kousoku.runtime.integrate.motion import Layout
 

@@ -24,22 +24,22 @@ from kousoku.codegen.dynamics.operations.jets import (
 )
 from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.passes.rebuild import with_outputs
-from kousoku.model.digits import HIGH
-from kousoku.model.elements.constraints import is_length
-from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import RATE, TIME
-from kousoku.model.interpret import evaluate
-from kousoku.model.multibody import GROUND_INDEX
-from kousoku.model.own_kind import PREFIX, is_own
+from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.formulas import RATE, TIME
+from kousoku.model.mechanics.constraints import is_length
+from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.model.numbers.digits import HIGH
+from kousoku.model.operations.interpret import evaluate
+from kousoku.model.records.own_kind import PREFIX, is_own
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.operations.jets import JetVector
-    from kousoku.model.arithmetic import FormulaArithmetic
-    from kousoku.model.multibody import ForceElement, Instance, MovingBody, System
-    from kousoku.model.real import Real
-    from kousoku.model.terms import Expression
+    from kousoku.model.mechanics.multibody import ForceElement, Instance, MovingBody, System
+    from kousoku.model.numbers.real import Real
+    from kousoku.model.operations.arithmetic import FormulaArithmetic
+    from kousoku.model.operations.terms import Expression
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,18 +24,18 @@ from kousoku.codegen.dynamics.operations.characteristic_length import characteri
 from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.sha256_random import Sha256Random
-from kousoku.model.digits import HIGH
-from kousoku.model.graph import EXACT_OPS, Op
-from kousoku.model.jsontext import to_text
-from kousoku.model.parametric import fixed_system
-from kousoku.model.traced import other_value
+from kousoku.model.files.jsontext import to_text
+from kousoku.model.lowering.parametric import fixed_system
+from kousoku.model.numbers.digits import HIGH
+from kousoku.model.numbers.traced import other_value
+from kousoku.model.operations.graph import EXACT_OPS, Op
 from kousoku.runtime.integrate.motion import Layout
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 FORMAT = 2
 #: Programs with more operations get no reference values: they would take minutes.

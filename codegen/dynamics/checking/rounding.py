@@ -15,18 +15,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.model.arithmetic import FLOAT
-from kousoku.model.graph import Op
-from kousoku.model.slopes import SLOPES
+from kousoku.model.operations.arithmetic import FLOAT
+from kousoku.model.operations.graph import Op
+from kousoku.model.operations.slopes import SLOPES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
     from kousoku.codegen.dynamics.recording.program import Task
-    from kousoku.model.graph import OperationNode
-    from kousoku.model.kernel import Kernel
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
+    from kousoku.model.operations.graph import OperationNode
+    from kousoku.model.operations.kernel import Kernel
 
 #: u, the rounding of a double.
 ROUNDING = 2.0**-53

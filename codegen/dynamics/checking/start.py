@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.equations import system_equations
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
-from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import TIME
-from kousoku.model.root_functions import seen_of
-from kousoku.model.values import value_of
+from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.formulas import TIME
+from kousoku.model.expressions.values import value_of
+from kousoku.model.lowering.root_functions import seen_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.multibody import ForceElement, System
+    from kousoku.model.mechanics.multibody import ForceElement, System
 
 
 def forces_without_value(system: System) -> list[str]:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 #: An angle with its turns [rad], which positions tell up to whole turns.
 TURNS = "turns"

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.dynamics.recording.recorder import column, zeros
 from kousoku.codegen.expressions import to_graph
-from kousoku.model.exponentials import rate_of
-from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import TIME
+from kousoku.model.expressions.exponentials import rate_of
+from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.formulas import TIME
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
-    from kousoku.model.multibody import Instance
+    from kousoku.model.mechanics.multibody import Instance
 
 
 @dataclass(frozen=True, slots=True)

@@ -58,7 +58,7 @@ from kousoku.codegen.dynamics.simplification.body_blocks import (
     coordinates,
     gyroscopic_ratios,
 )
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence

@@ -23,13 +23,13 @@ from kousoku.codegen.dynamics.recording.program import Program
 from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix, column, zeros
 from kousoku.codegen.dynamics.simplification.body_blocks import GROUND, body_blocks, coordinates
 from kousoku.codegen.dynamics.simplification.outline import live_rows
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 #: Numbers of a body in the region ``masses``: mass, moments, origin and axes of the user's frame.
 NUMBERS = 11

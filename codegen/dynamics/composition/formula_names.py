@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from kousoku.model.elements.constraints import is_length
-from kousoku.model.formulas import RATE, TIME
+from kousoku.model.expressions.formulas import RATE, TIME
+from kousoku.model.mechanics.constraints import is_length
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.operations.formulas import Meaning
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 
 class FormulaNames(Mapping[str, "Meaning"]):

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
     from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
     #: A matrix, and the vector that it is multiplied with.
     Product = tuple[SlotMatrix, SlotMatrix]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.recorder import Recorder
-    from kousoku.model.multibody import Instance, RelativeCoordinate, System
+    from kousoku.model.mechanics.multibody import Instance, RelativeCoordinate, System
 
 
 @dataclass(slots=True)

@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column, zeros
 from kousoku.model.errors import SceneError
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.recorder import Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
-    from kousoku.model.orientation import Vector
+    from kousoku.model.records.orientation import Vector
 
 ORIGIN = (0.0, 0.0, 0.0)
 #: Rows of a set that are shared out at most: what it takes grows with their cube.

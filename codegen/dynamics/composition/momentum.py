@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 
 @dataclass(frozen=True, slots=True)

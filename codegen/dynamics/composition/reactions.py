@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.composition.least_norm import LeastNorm, merged
 from kousoku.codegen.dynamics.operations.joint_ends import loaded_bodies
 from kousoku.codegen.dynamics.recording.recorder import zeros
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.auxiliary import Auxiliaries
     from kousoku.codegen.dynamics.recording.recorder import Recorder
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
-    from kousoku.model.multibody import RelativeCoordinate, System
+    from kousoku.model.mechanics.multibody import RelativeCoordinate, System
 
 NOTHING = column(())
 

@@ -10,8 +10,8 @@ from kousoku.codegen.dynamics.operations.forces import ELONGATION
 from kousoku.codegen.dynamics.operations.formulas import Relative, ScaledColumn, scaled
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column
-from kousoku.model.formulas import used_names
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.expressions.formulas import used_names
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.recording.recorder import Recorder
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
-    from kousoku.model.multibody import ForceElement, System
-    from kousoku.model.precise import High
-    from kousoku.model.root_functions import Measure
+    from kousoku.model.lowering.root_functions import Measure
+    from kousoku.model.mechanics.multibody import ForceElement, System
+    from kousoku.model.numbers.precise import High
 
     Effect = tuple[dict[int, SlotMatrix], SlotMatrix | None]
 

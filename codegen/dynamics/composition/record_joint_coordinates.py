@@ -34,7 +34,7 @@ from kousoku.codegen.dynamics.simplification.reduced_mass import (
     reduced_mass_matrix,
     shares_of,
 )
-from kousoku.model import precise
+from kousoku.model.numbers import precise
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
         Prescribed,
         VelocityTransformation,
     )
-    from kousoku.model.multibody import MovingBody, System
+    from kousoku.model.mechanics.multibody import MovingBody, System
 
 
 @dataclass(slots=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.operations.coordinates import CoordinateRate
 from kousoku.codegen.dynamics.operations.mechanics import JointRows, JointSystem, Rates
 from kousoku.codegen.dynamics.recording.recorder import column
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 
 @dataclass(frozen=True, slots=True)

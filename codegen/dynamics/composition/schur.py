@@ -16,7 +16,7 @@ from kousoku.codegen.dynamics.operations.elimination import (
 )
 from kousoku.codegen.dynamics.operations.elimination_order import Pivot, minimum_degree
 from kousoku.codegen.dynamics.recording.recorder import zeros
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.recording.design import DesignNumbers, shown_numbers, starts
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.expressions import to_graph
-from kousoku.model.terms import names_of
+from kousoku.model.operations.terms import names_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import BodyCoordinates
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.multibody import System
-    from kousoku.model.terms import Expression
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.operations.terms import Expression
 
 #: Numbers that one task computes: what they share is computed once.
 TOGETHER = 128

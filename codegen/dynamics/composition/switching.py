@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.expressions import to_graph
-from kousoku.model.derivative import derivative
-from kousoku.model.enclosure import Bounds, enclosure
-from kousoku.model.exponentials import without_overflow
-from kousoku.model.formulas import TIME
-from kousoku.model.quotients import without_quotients
-from kousoku.model.root_functions import seen_of
-from kousoku.model.terms import add, mul, symbol
+from kousoku.model.expressions.derivative import derivative
+from kousoku.model.expressions.enclosure import Bounds, enclosure
+from kousoku.model.expressions.exponentials import without_overflow
+from kousoku.model.expressions.formulas import TIME
+from kousoku.model.expressions.quotients import without_quotients
+from kousoku.model.lowering.root_functions import seen_of
+from kousoku.model.operations.terms import add, mul, symbol
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.multibody import System
-    from kousoku.model.quotients import Quotient
-    from kousoku.model.root_functions import Measure
-    from kousoku.model.terms import Expression
+    from kousoku.model.expressions.quotients import Quotient
+    from kousoku.model.lowering.root_functions import Measure
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.operations.terms import Expression
 
 #: Numbers of each function: least and most, and those of its rate.
 BOUNDS = 4

@@ -13,19 +13,19 @@ from typing import TYPE_CHECKING, ClassVar
 
 from kousoku.codegen.dynamics.operations.heights import FLAT, heights_of_ends, is_level
 from kousoku.codegen.dynamics.operations.jets import Jet, atan2, cross, dot, sqrt
-from kousoku.model import precise
-from kousoku.model.digits import CONTEXT
-from kousoku.model.elements.constraints import base_of, is_point
+from kousoku.model.mechanics.constraints import base_of, is_point
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.digits import CONTEXT
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.dynamics.checking.newton_euler import Course
     from kousoku.codegen.dynamics.operations.jets import JetVector
-    from kousoku.model.arithmetic import FormulaArithmetic
-    from kousoku.model.multibody import RelativeCoordinate, System
-    from kousoku.model.precise import Triple
-    from kousoku.model.real import Real
+    from kousoku.model.mechanics.multibody import RelativeCoordinate, System
+    from kousoku.model.numbers.precise import Triple
+    from kousoku.model.numbers.real import Real
+    from kousoku.model.operations.arithmetic import FormulaArithmetic
 
     Digits = FormulaArithmetic[Real]
     #: Its inputs by name.

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
 
 from kousoku.codegen.dynamics.operations.placement import seen_from_carriers
-from kousoku.model import precise
-from kousoku.model.multibody import ForceElement
+from kousoku.model.mechanics.multibody import ForceElement
+from kousoku.model.numbers import precise
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.operations.jets import Jet
     from kousoku.codegen.dynamics.operations.placement import Placement
     from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
-    from kousoku.model.multibody import Instance, RelativeCoordinate, System
-    from kousoku.model.orientation import Vector
-    from kousoku.model.real import Real
+    from kousoku.model.mechanics.multibody import Instance, RelativeCoordinate, System
+    from kousoku.model.numbers.real import Real
+    from kousoku.model.records.orientation import Vector
 
     #: What tells by its kind and constants what the ground does through it.
     Source = Instance | RelativeCoordinate
@@ -74,8 +74,8 @@ class ForceFacets(ABC, Generic[E]):
         """M⁻¹f (c, 1) [m/s², rad/s²] of body i and of body j, then the power (1, 1) [W], recorded.
 
         The power is that of what is no potential energy; it may be missing where nothing
-        :attr:`~kousoku.model.multibody.ForceElement.works`. What is added to the ground is not
-        looked at.
+        :attr:`~kousoku.model.mechanics.multibody.ForceElement.works`. What is added to the ground
+        is not looked at.
         """
 
     def energy(self, tasks: ForceRecorder) -> SlotMatrix:

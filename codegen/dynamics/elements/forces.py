@@ -15,7 +15,7 @@ from kousoku.model.elements.spring_damper import PointSpring
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.elements.facets import ForceFacets
-    from kousoku.model.multibody import ForceElement
+    from kousoku.model.mechanics.multibody import ForceElement
 
 #: By the class of the element of a system.
 FACETS: dict[type[ForceElement], type[ForceFacets[Any]]] = {

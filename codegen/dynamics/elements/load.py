@@ -11,8 +11,8 @@ from kousoku.codegen.dynamics.operations.heights import is_level
 from kousoku.codegen.dynamics.operations.mechanics import frozen, share
 from kousoku.codegen.dynamics.operations.placement import seen_from_carriers
 from kousoku.codegen.dynamics.recording.recorder import column
-from kousoku.model import precise
 from kousoku.model.elements.load import Load
+from kousoku.model.numbers import precise
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.multibody import System
-    from kousoku.model.real import Real
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.numbers.real import Real
 
 
 @dataclass(frozen=True, slots=True)

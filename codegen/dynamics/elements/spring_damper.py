@@ -11,9 +11,9 @@ from kousoku.codegen.dynamics.operations.formulas import formula_node
 from kousoku.codegen.dynamics.operations.heights import heights_of_ends, is_level
 from kousoku.codegen.dynamics.operations.jets import Jet, dot, sqrt
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, share
-from kousoku.model import precise
 from kousoku.model.elements.spring_damper import PointSpring
-from kousoku.model.multibody import RelativeCoordinate
+from kousoku.model.mechanics.multibody import RelativeCoordinate
+from kousoku.model.numbers import precise
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.recorder import SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.multibody import System
-    from kousoku.model.real import Real
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.numbers.real import Real
 
 #: Names of the constants of a spring, in their order.
 ENDS, LAW = ("s_i_b", "s_j_b"), ("stiffness", "damping", "free_length")

@@ -26,7 +26,7 @@ from kousoku.codegen.dynamics.recording.program import REGIONS, meaning_of
 from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.printers import C
 from kousoku.model.errors import EmitError
-from kousoku.model.graph import literal
+from kousoku.model.operations.graph import literal
 from kousoku.runtime.integrate.methods import METHODS, RungeKuttaMethod
 from kousoku.runtime.integrate.scene_tables import DENSE
 from kousoku.runtime.integrate.settings import KINEMATICS, Doubt, Settings, Status
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment, Task
-    from kousoku.model.kernel import Kernel
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.operations.kernel import Kernel
 
 
 #: Tables whose rows have several numbers.

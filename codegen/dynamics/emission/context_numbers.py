@@ -10,18 +10,18 @@ from kousoku.codegen.dynamics.operations.body_coordinates import thickened
 from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.dynamics.redundancy.redundant_rows import take_over
 from kousoku.codegen.dynamics.simplification.body_blocks import inverse_masses as of_body
-from kousoku.model import precise
-from kousoku.model.elements.constraints import is_length
-from kousoku.model.root_functions import seen_of
-from kousoku.model.varying import is_varying
+from kousoku.model.lowering.root_functions import seen_of
+from kousoku.model.mechanics.constraints import is_length
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.varying import is_varying
 from kousoku.runtime.integrate.settings import ACTIONS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
-    from kousoku.model.multibody import System
-    from kousoku.model.root_functions import Measure
+    from kousoku.model.lowering.root_functions import Measure
+    from kousoku.model.mechanics.multibody import System
 
 #: An error that is compared with this counts as none.
 IGNORED = 1e300

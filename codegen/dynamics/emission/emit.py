@@ -17,8 +17,8 @@ from kousoku.codegen.emit import (
     templates_in,
     with_manifest,
 )
-from kousoku.model.jsontext import to_text
-from kousoku.model.kernel import Package
+from kousoku.model.files.jsontext import to_text
+from kousoku.model.operations.kernel import Package
 from kousoku.model.version import __version__
 from kousoku.runtime.integrate.methods import METHODS
 from kousoku.runtime.integrate.motion import PARTS_OF_ROWS
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.about import About
-    from kousoku.model.multibody import System
+    from kousoku.model.lowering.about import About
+    from kousoku.model.mechanics.multibody import System
 
 MOTION_FILE = "motion.json"
 TEMPLATES = {

@@ -20,18 +20,18 @@ from kousoku.codegen.dynamics.recording.program import (
     CoordinatePlace,
 )
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
-from kousoku.model.about import About
-from kousoku.model.elements.constraints import is_length
-from kousoku.model.root_functions import seen_of
-from kousoku.model.system import UNIT_NAMES
-from kousoku.model.varying import is_varying
+from kousoku.model.lowering.about import About
+from kousoku.model.lowering.root_functions import seen_of
+from kousoku.model.lowering.system import UNIT_NAMES
+from kousoku.model.mechanics.constraints import is_length
+from kousoku.model.numbers.varying import is_varying
 from kousoku.runtime.integrate.state import fields_as_data
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.multibody import Carried, Instance, MovingBody, System
+    from kousoku.model.mechanics.multibody import Carried, Instance, MovingBody, System
     from kousoku.runtime.integrate.state import Field
 
 #: Regions that hold what is given, or what no evaluation finds.

@@ -30,15 +30,15 @@ from kousoku.codegen.dynamics.emission.context_numbers import (
 from kousoku.codegen.dynamics.emission.slots import Slots, slots_of
 from kousoku.codegen.dynamics.recording.program import levels, meaning_of
 from kousoku.codegen.printers import NUMPY, Printer
-from kousoku.model.graph import Op, literal
+from kousoku.model.operations.graph import Op, literal
 from kousoku.runtime.integrate.scene_tables import SceneTables
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment
-    from kousoku.model.kernel import Kernel
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.operations.kernel import Kernel
 
 #: A kernel gets the functions of floats or those of arrays, as its argument ``m``.
 PYTHON = Printer(

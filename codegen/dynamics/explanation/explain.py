@@ -25,9 +25,9 @@ from kousoku.codegen.dynamics.simplification.body_blocks import gyroscopic_ratio
 from kousoku.codegen.dynamics.simplification.planarity import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
 from kousoku.codegen.kernel_json import shipped_kinds
-from kousoku.model.multibody import GROUND_INDEX
-from kousoku.model.own_kind import is_own, kind_name
-from kousoku.model.parametric import fixed_system
+from kousoku.model.lowering.parametric import fixed_system
+from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.model.records.own_kind import is_own, kind_name
 from kousoku.model.text import counted
 from kousoku.runtime.integrate.result import listed
 
@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.operations.placement import Constants
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.model.multibody import System
-    from kousoku.model.scene import Scene
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.records.scene import Scene
 
 #: Everything that can be computed.
 ALL = (*LEDGER, "reactions")

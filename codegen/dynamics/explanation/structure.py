@@ -11,14 +11,14 @@ from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.operations.elimination_order import minimum_degree
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
-from kousoku.model.multibody import GROUND_INDEX
-from kousoku.model.parametric import fixed_system
+from kousoku.model.lowering.parametric import fixed_system
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import CoordinatePlace, Program
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 #: What is smaller at a position without a pattern is zero everywhere.
 ZERO = 1e-13

@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.model.errors import Problem, SceneError
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
-    from kousoku.model.multibody import MovingBody, System
+    from kousoku.model.mechanics.multibody import MovingBody, System
 
 #: Places in (r, p) that are coordinates, and in (δr, δθ′), of a rigid body and of a point.
 SPATIAL = ((0, 1, 2, 3, 4, 5, 6), (0, 1, 2, 3, 4, 5))

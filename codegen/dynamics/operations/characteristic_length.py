@@ -7,10 +7,10 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import lengths_of
-from kousoku.model.own_kind import ORIGINS
+from kousoku.model.records.own_kind import ORIGINS
 
 if TYPE_CHECKING:
-    from kousoku.model.multibody import ForceElement, Instance, RelativeCoordinate, System
+    from kousoku.model.mechanics.multibody import ForceElement, Instance, RelativeCoordinate, System
 
 LEAST = 2.0**-18
 """The least length, as a part of the distance from the origin: doubles know a position to 6e-11 of

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.recording.matrix import Matrix
-from kousoku.model.formulas import LAW_NAMES
+from kousoku.model.expressions.formulas import LAW_NAMES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.body_coordinates import NO_TURN, start
 from kousoku.codegen.dynamics.operations.mechanics import frozen
-from kousoku.model import precise
-from kousoku.model.arithmetic import FLOAT
-from kousoku.model.interpret import evaluate
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.model.numbers import precise
+from kousoku.model.operations.arithmetic import FLOAT
+from kousoku.model.operations.interpret import evaluate
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.multibody import ForceElement, Instance, RelativeCoordinate, System
+    from kousoku.model.mechanics.multibody import ForceElement, Instance, RelativeCoordinate, System
 
 #: Heights up to this part of the largest do not count: rounding.
 FLAT = 1e-12

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model.arithmetic import FormulaArithmetic
-from kousoku.model.graph import Op
-from kousoku.model.terms import evaluated
+from kousoku.model.operations.arithmetic import FormulaArithmetic
+from kousoku.model.operations.graph import Op
+from kousoku.model.operations.terms import evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from kousoku.model.real import Real
-    from kousoku.model.terms import Expression
+    from kousoku.model.numbers.real import Real
+    from kousoku.model.operations.terms import Expression
 
 
 class Jet:

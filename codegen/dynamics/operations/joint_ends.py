@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.multibody import System
-    from kousoku.model.orientation import Vector
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.records.orientation import Vector
 
 
 def loaded_bodies(bodies: Sequence[int]) -> tuple[int, ...]:

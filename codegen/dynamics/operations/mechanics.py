@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.operations.own_frames import framed
 from kousoku.codegen.dynamics.recording.matrix import Matrix, square, stack
 from kousoku.codegen.kernel_json import load_frozen
-from kousoku.model.elements.constraints import COMBINATION
-from kousoku.model.multibody import GROUND_INDEX
-from kousoku.model.own_kind import is_own, kind_name
+from kousoku.model.mechanics.constraints import COMBINATION
+from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.model.records.own_kind import is_own, kind_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.kernel import Kernel
-    from kousoku.model.multibody import Instance, RelativeCoordinate
+    from kousoku.model.mechanics.multibody import Instance, RelativeCoordinate
+    from kousoku.model.operations.kernel import Kernel
 
 #: Columns of a Jacobian for one body: δr in frame O, then δθ′ in the frame of the body.
 COLUMNS = 6

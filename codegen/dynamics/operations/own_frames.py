@@ -21,14 +21,14 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.matrix import Matrix, stack
 from kousoku.codegen.passes.rebuild import drop_dead, substitute
-from kousoku.model.graph import Graph
-from kousoku.model.own_kind import FRAMES, ORIGINS, input_name
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.graph import Graph
+from kousoku.model.records.own_kind import FRAMES, ORIGINS, input_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.kernel import Kernel, Package
+    from kousoku.model.operations.kernel import Kernel, Package
 
 #: Columns of a Jacobian for one body.
 COLUMNS = 6
@@ -54,7 +54,7 @@ def framed(package: Package, orientation: Kernel) -> Package:
     -------
     Package
         Its kernels take ``origin_i``, ``frame_i`` and those of j, and own inputs by the names that
-        :func:`kousoku.model.own_kind.input_name` gives them.
+        :func:`kousoku.model.records.own_kind.input_name` gives them.
     """
     constraint, rates = (
         next(kernel for kernel in package.kernels if kernel.name == name)

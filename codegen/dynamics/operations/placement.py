@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.model import precise
-from kousoku.model.digits import CONTEXT
-from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.digits import CONTEXT
+from kousoku.model.numbers.precise import IDENTITY, ZERO, High, Quadruple, Triple
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.orientation import Quaternion, Vector
+    from kousoku.model.records.orientation import Quaternion, Vector
 
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
 

@@ -11,16 +11,16 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model import precise
-from kousoku.model.traced import Traced, at_scene
-from kousoku.model.varying import Varying, is_varying
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.traced import Traced, at_scene
+from kousoku.model.numbers.varying import Varying, is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import BodyCoordinates
-    from kousoku.model.multibody import Carried, MovingBody, System
-    from kousoku.model.precise import High, Quadruple, Triple
+    from kousoku.model.mechanics.multibody import Carried, MovingBody, System
+    from kousoku.model.numbers.precise import High, Quadruple, Triple
 
 
 @dataclass(frozen=True, slots=True)

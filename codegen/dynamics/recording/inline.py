@@ -20,9 +20,9 @@ from kousoku.codegen.dynamics.recording.program import (
     writes,
 )
 from kousoku.codegen.passes.rebuild import copy_node, substitute
-from kousoku.model.graph import Graph, Op
-from kousoku.model.kernel import Kernel
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.graph import Graph, Op
+from kousoku.model.operations.kernel import Kernel
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

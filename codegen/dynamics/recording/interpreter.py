@@ -5,14 +5,14 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model.arithmetic import FLOAT
-from kousoku.model.interpret import node_values
+from kousoku.model.operations.arithmetic import FLOAT
+from kousoku.model.operations.interpret import node_values
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Task
-    from kousoku.model.arithmetic import Arithmetic
+    from kousoku.model.operations.arithmetic import Arithmetic
 
 
 class ProgramInterpreter:
@@ -23,8 +23,8 @@ class ProgramInterpreter:
     program : Program
         What is run.
     arithmetic : Arithmetic
-        Its numbers: :data:`~kousoku.model.arithmetic.FLOAT`, or
-        :data:`~kousoku.model.digits.HIGH`.
+        Its numbers: :data:`~kousoku.model.operations.arithmetic.FLOAT`, or
+        :data:`~kousoku.model.numbers.digits.HIGH`.
     """
 
     def __init__(self, program: Program, arithmetic: Arithmetic[Any] = FLOAT) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from kousoku.model.graph import Graph
+    from kousoku.model.operations.graph import Graph
 
     Binary = Callable[[int, int], int]
 

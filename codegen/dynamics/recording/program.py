@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from fractions import Fraction
 
-    from kousoku.model.kernel import Kernel
+    from kousoku.model.operations.kernel import Kernel
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,7 +170,7 @@ class ConstraintEquation:
     joint : str
         As in the scene.
     instance : int
-        Its place in :attr:`kousoku.model.multibody.System.constraints`.
+        Its place in :attr:`kousoku.model.mechanics.multibody.System.constraints`.
     row : int
         Its place in the kind.
     """

@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING, Protocol
 
 from kousoku.codegen.dynamics.recording.program import Region, Segment, Task
 from kousoku.codegen.dynamics.recording.traces import Trace, traced_kernel
-from kousoku.model import precise
-from kousoku.model.digits import exact as exactly
-from kousoku.model.traced import Traced
-from kousoku.model.varying import is_varying
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.digits import exact as exactly
+from kousoku.model.numbers.traced import Traced
+from kousoku.model.numbers.varying import is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.traces import Codes
-    from kousoku.model.kernel import Kernel
-    from kousoku.model.precise import High
+    from kousoku.model.numbers.precise import High
+    from kousoku.model.operations.kernel import Kernel
 
     #: For each block its entries, coded with leaves instead of slots, and its shape.
     OperandPattern = tuple[tuple[tuple[int, ...], int, int], ...]

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.codegen.passes.rebuild import copy_node, substitute
-from kousoku.model.graph import Graph, Op, OperationNode
-from kousoku.model.kernel import Kernel
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.graph import Graph, Op, OperationNode
+from kousoku.model.operations.kernel import Kernel
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

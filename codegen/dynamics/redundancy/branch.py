@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
     from kousoku.codegen.dynamics.redundancy.rank import LQFactors
-    from kousoku.model.multibody import MovingBody
-    from kousoku.model.real import Array
+    from kousoku.model.mechanics.multibody import MovingBody
+    from kousoku.model.numbers.real import Array
 
 #: How far the fastest body moves from one position to the next, in radians or lengths: far enough
 #: to leave what is special of a position, near enough that Newton's method comes back.

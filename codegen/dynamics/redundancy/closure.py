@@ -28,11 +28,11 @@ from kousoku.codegen.dynamics.redundancy.branch import (
     places_of,
 )
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
-from kousoku.model import precise
 from kousoku.model.errors import SceneError
-from kousoku.model.multibody import GROUND_INDEX
-from kousoku.model.parametric import fixed_system
-from kousoku.model.system import UNIT_NAMES
+from kousoku.model.lowering.parametric import fixed_system
+from kousoku.model.lowering.system import UNIT_NAMES
+from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.model.numbers import precise
 from kousoku.runtime.integrate.continuation import NEAR_SINGULAR
 from kousoku.runtime.integrate.row_switch import FALL_BACK
 from kousoku.runtime.integrate.settings import CLEARLY
@@ -45,8 +45,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.branch import BranchPosition
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
     from kousoku.codegen.dynamics.redundancy.rank import LQFactors
-    from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
-    from kousoku.model.real import Array
+    from kousoku.model.mechanics.multibody import Instance, MovingBody, RelativeCoordinate, System
+    from kousoku.model.numbers.real import Array
 
 #: Pivots below it are rounding: rows have size one, and some hundred are eliminated.
 ROUNDING = 1e-12

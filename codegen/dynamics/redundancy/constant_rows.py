@@ -14,7 +14,7 @@ from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.simplification.outline import Outline
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 
 def require_constant_rows_hold(system: System, outline: Outline) -> None:

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
     from kousoku.codegen.dynamics.redundancy.rank import LQFactors
-    from kousoku.model.multibody import System
-    from kousoku.model.real import Array
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.numbers.real import Array
 
 
 class Drivers:

@@ -35,7 +35,7 @@ from kousoku.codegen.dynamics.redundancy.driven import Drivers
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, rows_to_leave
 from kousoku.codegen.dynamics.redundancy.undetermined import undetermined
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 from kousoku.runtime.integrate.settings import CLEARLY
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.rank import LQFactors
     from kousoku.codegen.dynamics.redundancy.undetermined import Undetermined
     from kousoku.codegen.dynamics.simplification.outline import Outline
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 #: Rows of the largest part whose dependent rows are looked for; the time grows with their cube.
 MOST_ROWS = 700

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.redundancy.closure import SHOWN
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.redundant_rows import MOST_DENSE
-from kousoku.model.parametric import fixed_system
+from kousoku.model.lowering.parametric import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 
 def rank_rows(program: Program, system: System) -> list[tuple[str, tuple[int, int]]]:

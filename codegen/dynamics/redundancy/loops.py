@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
     #: A joint that is tried: its place, the body it was reached from, and its other body.
     Step = tuple[int, int, int]

@@ -28,15 +28,15 @@ from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.codegen.dynamics.simplification.planarity import plane_of
 from kousoku.model.errors import AssemblyError
-from kousoku.model.held import without_held
-from kousoku.model.parametric import fixed_system
+from kousoku.model.lowering.held import without_held
+from kousoku.model.lowering.parametric import fixed_system
 from kousoku.runtime.integrate.settings import CLEARLY
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 
 def with_consistent_start(given: System) -> System:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import CoordinatePlace, Program
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
-    from kousoku.model.multibody import System
-    from kousoku.model.real import Array
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.numbers.real import Array
 
 #: Rows of the largest part that is looked at; the time grows with their cube.
 MOST_ROWS = 2000

@@ -16,7 +16,7 @@ from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import places_of
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.errors import SceneError
-from kousoku.model.own_kind import is_own, kind_name
+from kousoku.model.records.own_kind import is_own, kind_name
 from kousoku.runtime.integrate.settings import CLEARLY
 
 if TYPE_CHECKING:
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.model.multibody import System
-    from kousoku.model.real import Array
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.numbers.real import Array
 
 #: Columns of a body that lead out of the xy-plane.
 OUT = (2, 3, 4)

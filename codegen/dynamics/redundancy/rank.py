@@ -15,7 +15,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.real import Array
+    from kousoku.model.numbers.real import Array
 
 #: What is left of a row that depends on others, as a part of the largest row, is below this: rows
 #: are looked at where they hold to 1e-11, and elimination in a large part costs three digits.

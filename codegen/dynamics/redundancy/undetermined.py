@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.operations.joint_ends import loaded_bodies, points_of
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 from kousoku.runtime.integrate.body_tables import crossed, rotated
 from kousoku.runtime.integrate.motion import JOINT
 
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
     from kousoku.codegen.dynamics.redundancy.branch import Branch, BranchPosition
     from kousoku.codegen.dynamics.redundancy.loops import LoopPart
-    from kousoku.model.multibody import System
-    from kousoku.model.real import Array
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.numbers.real import Array
 
     #: Joints, and the columns of their force and torque that are not unique.
     Undetermined = tuple[tuple[str, tuple[str, ...]], ...]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 LIGHT = 1e-4
 """A body of less than this part of the masses of two neighbours, or moments, costs four digits."""

@@ -11,14 +11,14 @@ from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING, TypeVar
 
-from kousoku.model.elements.constraints import components_of, is_known
-from kousoku.model.parallel_rows import ROWS
+from kousoku.model.mechanics.constraints import components_of, is_known
+from kousoku.model.mechanics.parallel_rows import ROWS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
-    from kousoku.model.multibody import Instance, MovingBody, System
+    from kousoku.model.mechanics.multibody import Instance, MovingBody, System
 
     T = TypeVar("T")
     Triple = tuple[T, T, T]

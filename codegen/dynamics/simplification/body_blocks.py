@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.recorder import Recorder
-    from kousoku.model.multibody import MovingBody, System
-    from kousoku.model.precise import High
+    from kousoku.model.mechanics.multibody import MovingBody, System
+    from kousoku.model.numbers.precise import High
 
 
 @dataclass(frozen=True, slots=True)

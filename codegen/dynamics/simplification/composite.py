@@ -12,18 +12,18 @@ from kousoku.codegen.dynamics.operations.placement import (
     rounded_vector,
 )
 from kousoku.codegen.dynamics.recording.design import start_of
-from kousoku.model import precise
 from kousoku.model.errors import SceneError
-from kousoku.model.frames import not_negative, to_vector
-from kousoku.model.mass import principal, steiner
-from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
-from kousoku.model.traced import Traced
-from kousoku.model.varying import fixed
+from kousoku.model.lowering.mass import principal, steiner
+from kousoku.model.mechanics.frames import not_negative, to_vector
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.precise import IDENTITY, ZERO, High, Quadruple, Triple
+from kousoku.model.numbers.traced import Traced
+from kousoku.model.numbers.varying import fixed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.multibody import MovingBody
+    from kousoku.model.mechanics.multibody import MovingBody
 
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
 

@@ -22,15 +22,15 @@ from kousoku.codegen.dynamics.simplification.ground_reactions import (
     free_of_moment,
     ground_reactions_of,
 )
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.elements.constraints import GroundReaction
     from kousoku.codegen.dynamics.elements.facets import Applied
-    from kousoku.model.multibody import System
-    from kousoku.model.orientation import Vector
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.records.orientation import Vector
 
 #: The axis of a plane may be given either way.
 DOWN = (0.0, 0.0, -1.0)

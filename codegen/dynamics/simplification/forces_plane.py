@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.operations.heights import FLAT, height
-from kousoku.model.parametric import fixed_system
-from kousoku.model.varying import is_varying
+from kousoku.model.lowering.parametric import fixed_system
+from kousoku.model.numbers.varying import is_varying
 
 if TYPE_CHECKING:
-    from kousoku.model.multibody import ForceElement, Instance, RelativeCoordinate, System
+    from kousoku.model.mechanics.multibody import ForceElement, Instance, RelativeCoordinate, System
 
 
 def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:

@@ -6,19 +6,19 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.driver_laws import law_at_start
 from kousoku.codegen.dynamics.assembly.pose import normalised
-from kousoku.model import precise
 from kousoku.model.errors import AssemblyError, SceneError
-from kousoku.model.formulas import used_names
-from kousoku.model.frames import to_quaternion
-from kousoku.model.multibody import WrittenStart
-from kousoku.model.parametric import fixed_system
-from kousoku.model.varying import fixed
+from kousoku.model.expressions.formulas import used_names
+from kousoku.model.lowering.parametric import fixed_system
+from kousoku.model.mechanics.frames import to_quaternion
+from kousoku.model.mechanics.multibody import WrittenStart
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.varying import fixed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.multibody import Instance, System
-    from kousoku.model.scene import Scene
+    from kousoku.model.mechanics.multibody import Instance, System
+    from kousoku.model.records.scene import Scene
 
 REST = (0.0, 0.0, 0.0)
 

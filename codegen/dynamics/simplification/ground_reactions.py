@@ -18,19 +18,19 @@ from kousoku.codegen.dynamics.elements.constraints import (
     held_by,
 )
 from kousoku.codegen.dynamics.elements.forces import facets_of
-from kousoku.model import precise
-from kousoku.model.elements.constraints import base_of, kind_of
-from kousoku.model.multibody import GROUND_INDEX
-from kousoku.model.own_kind import is_own
-from kousoku.model.varying import is_varying
+from kousoku.model.mechanics.constraints import base_of, kind_of
+from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.varying import is_varying
+from kousoku.model.records.own_kind import is_own
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from kousoku.codegen.dynamics.elements.facets import Source
-    from kousoku.model.multibody import System
-    from kousoku.model.orientation import Vector
-    from kousoku.model.precise import Triple
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.numbers.precise import Triple
+    from kousoku.model.records.orientation import Vector
 
     Numbers = tuple[float, ...]
 

@@ -21,18 +21,18 @@ from kousoku.codegen.dynamics.elements.constraints import (
 )
 from kousoku.codegen.dynamics.operations.joint_coordinates import AXIS, NOTHING, POINT
 from kousoku.codegen.dynamics.operations.mechanics import frozen
-from kousoku.model import precise
-from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.interpret import evaluate
-from kousoku.model.multibody import GROUND_INDEX
-from kousoku.model.varying import is_varying
+from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.digits import CONTEXT, HIGH
+from kousoku.model.numbers.varying import is_varying
+from kousoku.model.operations.interpret import evaluate
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation
-    from kousoku.model.multibody import RelativeCoordinate, System
-    from kousoku.model.precise import High, Quadruple, Triple
+    from kousoku.model.mechanics.multibody import RelativeCoordinate, System
+    from kousoku.model.numbers.precise import High, Quadruple, Triple
 
     Numbers = tuple[float, ...]
 

@@ -17,14 +17,14 @@ from kousoku.codegen.dynamics.simplification.composite import joined, on_ground
 from kousoku.codegen.dynamics.simplification.planarity import is_planar
 from kousoku.codegen.dynamics.simplification.rigid_groups import grouped
 from kousoku.codegen.dynamics.simplification.static_potential import static_potential
-from kousoku.model.elements.constraints import base_of
-from kousoku.model.multibody import GROUND_INDEX, Carried
-from kousoku.model.parallel_rows import variant
+from kousoku.model.mechanics.constraints import base_of
+from kousoku.model.mechanics.multibody import GROUND_INDEX, Carried
+from kousoku.model.mechanics.parallel_rows import variant
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
+    from kousoku.model.mechanics.multibody import Instance, MovingBody, RelativeCoordinate, System
 
 
 @dataclass(frozen=True, slots=True)

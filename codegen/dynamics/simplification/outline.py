@@ -22,7 +22,7 @@ from kousoku.codegen.dynamics.simplification.axis_permutation import (
     shift_of,
 )
 from kousoku.codegen.dynamics.simplification.body_blocks import GROUND, body_blocks
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.recorder import OperandPattern
     from kousoku.codegen.dynamics.simplification.axis_permutation import Plane
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
-    from kousoku.model.multibody import Instance, RelativeCoordinate, System
+    from kousoku.model.mechanics.multibody import Instance, RelativeCoordinate, System
 
     Elements = tuple[tuple[bool, ...], ...]
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kousoku.codegen.dynamics.simplification.axis_permutation import Plane
-    from kousoku.model.multibody import MovingBody, System
+    from kousoku.model.mechanics.multibody import MovingBody, System
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,17 +35,17 @@ from kousoku.codegen.dynamics.simplification.forces_plane import (
     leaves_with_parameters,
 )
 from kousoku.codegen.dynamics.simplification.outline import live_elements
-from kousoku.model.arithmetic import FLOAT
-from kousoku.model.elements.constraints import is_axis
-from kousoku.model.interpret import evaluate
-from kousoku.model.multibody import GROUND_INDEX
-from kousoku.model.own_kind import is_own
-from kousoku.model.parametric import fixed_system
+from kousoku.model.lowering.parametric import fixed_system
+from kousoku.model.mechanics.constraints import is_axis
+from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.model.operations.arithmetic import FLOAT
+from kousoku.model.operations.interpret import evaluate
+from kousoku.model.records.own_kind import is_own
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.multibody import Instance, MovingBody, RelativeCoordinate, System
+    from kousoku.model.mechanics.multibody import Instance, MovingBody, RelativeCoordinate, System
 
 #: Largest residual of a dropped row, in metres or radians: what rounding leaves, 2e-16 of places
 #: some kilometres from the origin. Those of the committed scenes are zero, or not constant.

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
-    from kousoku.model.multibody import MovingBody
+    from kousoku.model.mechanics.multibody import MovingBody
 
     Square = list[list[Fraction]]
 

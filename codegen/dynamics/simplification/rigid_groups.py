@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
-from kousoku.model.elements.constraints import base_of, is_known
-from kousoku.model.joints import JOINTS
-from kousoku.model.moved import moved_by_parameters
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.elements.joints import JOINTS
+from kousoku.model.lowering.moved import moved_by_parameters
+from kousoku.model.mechanics.constraints import base_of, is_known
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
     #: The bodies that a fixed joint joins.
     Edge = tuple[int, int]

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.forces import facets_of
 from kousoku.codegen.dynamics.recording.design import start_of
-from kousoku.model import precise
-from kousoku.model.multibody import GROUND_INDEX
+from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.model.numbers import precise
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.codegen.dynamics.operations.placement import Placement
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 
 def static_potential(system: System, placements: Mapping[int, Placement]) -> float:

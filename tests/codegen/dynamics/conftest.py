@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.kernel_json import load_frozen
-from kousoku.model.arithmetic import FLOAT
-from kousoku.model.interpret import evaluate
-from kousoku.model.multibody import GROUND_INDEX, Instance, MovingBody, System
+from kousoku.model.mechanics.multibody import GROUND_INDEX, Instance, MovingBody, System
+from kousoku.model.operations.arithmetic import FLOAT
+from kousoku.model.operations.interpret import evaluate
 
 GRAVITY = (0.0, 0.0, -9.81)
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)

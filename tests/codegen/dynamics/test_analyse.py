@@ -13,9 +13,9 @@ from kousoku.codegen.dynamics.analyse import analyse, in_xy_plane
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.generate import compose_scene
 from kousoku.codegen.dynamics.simplification.axis_permutation import permuted
-from kousoku.model.builder import SceneBuilder
-from kousoku.model.read import read_scene
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.builder import SceneBuilder
+from kousoku.model.reading.read import read_scene
 from tests.analysed import all_rows, independent, jointed
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from kousoku.codegen.linkage.assemble import Assembly, Role, assemble
-from kousoku.model.planar import Input, Link, Node, Rigid, Slider
-from kousoku.model.read import read_scene
-from kousoku.model.scene import Scene
+from kousoku.model.reading.read import read_scene
+from kousoku.model.records.planar import Input, Link, Node, Rigid, Slider
+from kousoku.model.records.scene import Scene
 
 SCENES = Path(__file__).parents[3] / "scenes"
 

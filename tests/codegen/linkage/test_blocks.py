@@ -10,10 +10,10 @@ import pytest
 from kousoku.codegen.linkage.assemble import Assembly, Role, assemble
 from kousoku.codegen.linkage.blocks import DiagonalBlock, live_blocks, triangular_blocks
 from kousoku.model.errors import SceneError
-from kousoku.model.planar import Input, Link, Node, Rigid, Slider
-from kousoku.model.read import read_scene
-from kousoku.model.scene import Scene
-from kousoku.model.validate import check
+from kousoku.model.reading.read import read_scene
+from kousoku.model.records.planar import Input, Link, Node, Rigid, Slider
+from kousoku.model.records.scene import Scene
+from kousoku.model.validation.validate import check
 
 SCENES = Path(__file__).parents[3] / "scenes"
 

@@ -22,18 +22,18 @@ from kousoku.codegen.linkage.emit import emit_linkage
 from kousoku.codegen.linkage.generate import generate_linkage, layout_of, program_of
 from kousoku.codegen.linkage.reference import reference_values
 from kousoku.codegen.linkage.solution import places
-from kousoku.model.arithmetic import FLOAT
-from kousoku.model.graph import Op
-from kousoku.model.interpret import evaluate
-from kousoku.model.manifest import Manifest
-from kousoku.model.read import read_scene, scene_from_dict
+from kousoku.model.files.manifest import Manifest
+from kousoku.model.operations.arithmetic import FLOAT
+from kousoku.model.operations.graph import Op
+from kousoku.model.operations.interpret import evaluate
+from kousoku.model.reading.read import read_scene, scene_from_dict
 from kousoku.runtime.kinematics.rows import OF_NODES
 from kousoku.runtime.verify import verify
 
 if TYPE_CHECKING:
     from kousoku.codegen.linkage.layout import WorkspaceLayout
-    from kousoku.model.kernel import Kernel
-    from kousoku.model.scene import Scene
+    from kousoku.model.operations.kernel import Kernel
+    from kousoku.model.records.scene import Scene
 
 SCENES = Path(__file__).parents[3] / "scenes"
 NAMES = ("piston_crank", "lever_crank", "five_bar", "watt_six_bar", "stephenson_six_bar")

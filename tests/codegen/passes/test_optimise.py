@@ -14,11 +14,11 @@ from kousoku.codegen.passes.factor import factor
 from kousoku.codegen.passes.optimise import PASSES, optimise
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.codegen.passes.trace import most_alive, run_passes
-from kousoku.model.arithmetic import EXACT
-from kousoku.model.graph import Graph, Op
-from kousoku.model.interpret import evaluate
-from kousoku.model.kernel import Kernel
-from kousoku.model.quantity import Quantity
+from kousoku.model.files.quantity import Quantity
+from kousoku.model.operations.arithmetic import EXACT
+from kousoku.model.operations.graph import Graph, Op
+from kousoku.model.operations.interpret import evaluate
+from kousoku.model.operations.kernel import Kernel
 
 if TYPE_CHECKING:
     from collections.abc import Callable

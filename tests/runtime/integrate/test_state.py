@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from kousoku.model.read import read_scene
+from kousoku.model.reading.read import read_scene
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.state import (
     State,

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.linkage.generate import generate_linkage
-from kousoku.model.read import scene_from_toml
+from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.kinematics.assembly import assemble as place
 from kousoku.runtime.kinematics.certificate import Certifier, CubicTube
 from kousoku.runtime.kinematics.continuation import Continuation

@@ -19,15 +19,15 @@ from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.dynamics.simplification.planarity import is_planar
-from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
-from kousoku.model.families import chain, n_four_bar
-from kousoku.model.read import read_scene, scene_from_dict
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.numbers import precise
+from kousoku.model.reading.families import chain, n_four_bar
+from kousoku.model.reading.read import read_scene, scene_from_dict
 from kousoku.runtime.integrate.given_start import notes_of
 
 if TYPE_CHECKING:
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 ROOT = Path(__file__).parents[4]
 Tree = dict[str, Any]

@@ -12,14 +12,14 @@ import pytest
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.assembly.driver_laws import law_at_start
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import AssemblyError
-from kousoku.model.multibody import Instance
-from kousoku.model.read import scene_from_dict
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.mechanics.constraints import COMBINATION
+from kousoku.model.mechanics.multibody import Instance
+from kousoku.model.reading.read import scene_from_dict
 
 if TYPE_CHECKING:
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 Tree = dict[str, Any]
 ULP = 2.0**-52

@@ -15,13 +15,13 @@ from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.redundancy import freedom
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
-from kousoku.model import precise
+from kousoku.model.numbers import precise
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
 
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 
 def elements(system: System) -> tuple[Residuals, Any]:

@@ -11,12 +11,12 @@ import pytest
 
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.model import precise
-from kousoku.model.read import read_scene
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.numbers import precise
+from kousoku.model.reading.read import read_scene
 
 if TYPE_CHECKING:
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 SCENES = Path(__file__).parents[4] / "scenes"
 COUPLED = ["gear_train", "falling_nut", "constant_velocity", "oldham_coupling"]

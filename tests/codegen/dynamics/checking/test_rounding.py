@@ -15,8 +15,8 @@ from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.dynamics.recording.program import Program
 from kousoku.codegen.dynamics.recording.recorder import Recorder
-from kousoku.model.arithmetic import FLOAT
-from kousoku.model.digits import HIGH
+from kousoku.model.numbers.digits import HIGH
+from kousoku.model.operations.arithmetic import FLOAT
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:

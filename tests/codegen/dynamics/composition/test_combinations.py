@@ -14,16 +14,16 @@ from kousoku.codegen.dynamics.operations.characteristic_length import characteri
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
-from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.elements.constraints import COMBINATION
-from kousoku.model.multibody import GROUND_INDEX, Instance, RelativeCoordinate, Term
+from kousoku.model.mechanics.constraints import COMBINATION
+from kousoku.model.mechanics.multibody import GROUND_INDEX, Instance, RelativeCoordinate, Term
+from kousoku.model.numbers.digits import CONTEXT, HIGH
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 POINTS = (("s_i_b", (0.3, -0.2, 0.4)), ("s_j_b", (-0.1, 0.5, 0.2)))

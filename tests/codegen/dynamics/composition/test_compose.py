@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 
 def put(workspace: ProgramInterpreter, state: dict[str, Any]) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.model.read import scene_from_dict
+from kousoku.model.reading.read import scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.simplification.conserved_momenta import conserved_
 from kousoku.model.elements.along import CoordinateForce
 from kousoku.model.elements.load import Load
 from kousoku.model.elements.spring_damper import PointSpring
-from kousoku.model.multibody import GROUND_INDEX, ForceElement, RelativeCoordinate, System
+from kousoku.model.mechanics.multibody import GROUND_INDEX, ForceElement, RelativeCoordinate, System
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:

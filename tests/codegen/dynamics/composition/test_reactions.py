@@ -17,12 +17,12 @@ from kousoku.codegen.dynamics.composition.least_norm import merged
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.kernel_json import load_frozen
-from kousoku.model.arithmetic import FLOAT
 from kousoku.model.errors import SceneError
-from kousoku.model.interpret import evaluate
-from kousoku.model.multibody import GROUND_INDEX
-from kousoku.model.read import read_scene, scene_from_dict
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.model.operations.arithmetic import FLOAT
+from kousoku.model.operations.interpret import evaluate
+from kousoku.model.reading.read import read_scene, scene_from_dict
 from tests.analysed import independent
 from tests.random_geometry import orientation_of
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.multibody import Instance, System
+    from kousoku.model.mechanics.multibody import Instance, System
 
 SCENES = Path(__file__).parents[4] / "scenes"
 OUTPUTS = ("reactions", "checks")

@@ -16,11 +16,11 @@ from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
-from kousoku.model.digits import HIGH
-from kousoku.model.families import chain, n_four_bar
-from kousoku.model.read import scene_from_toml
-from kousoku.model.system import system_of
-from kousoku.model.write import to_toml
+from kousoku.model.lowering.system import system_of
+from kousoku.model.numbers.digits import HIGH
+from kousoku.model.reading.families import chain, n_four_bar
+from kousoku.model.reading.read import scene_from_toml
+from kousoku.model.reading.write import to_toml
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:

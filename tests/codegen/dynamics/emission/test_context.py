@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.emission.context import COME_WITH
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.dynamics.recording.program import REGIONS
 from kousoku.codegen.generate import write_tree
-from kousoku.model.read import read_scene, scene_from_dict
+from kousoku.model.reading.read import read_scene, scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:

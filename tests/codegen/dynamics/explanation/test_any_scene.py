@@ -13,13 +13,13 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.explain import ALL
 from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
-from kousoku.model.read import scene_from_dict
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.read import scene_from_dict
 from tests.analysed import all_rows, independent
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 NUMBERS = st.floats(0.3, 1.5).map(lambda x: round(x, 3))
 JOINTS = st.sampled_from(["revolute", "cylindrical", "spherical", "parallel_axes"])

@@ -14,10 +14,10 @@ from kousoku.codegen.dynamics.explanation.explain import ALL, Explanation, expla
 from kousoku.codegen.dynamics.explanation.structure import structure_of
 from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
-from kousoku.model.builder import SceneBuilder
-from kousoku.model.families import n_four_bar
-from kousoku.model.multibody import System
-from kousoku.model.read import read_scene, scene_from_toml
+from kousoku.model.mechanics.multibody import System
+from kousoku.model.reading.builder import SceneBuilder
+from kousoku.model.reading.families import n_four_bar
+from kousoku.model.reading.read import read_scene, scene_from_toml
 from tests.analysed import all_rows, independent
 
 if TYPE_CHECKING:

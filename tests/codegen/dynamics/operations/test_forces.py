@@ -14,16 +14,16 @@ from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.elements.load import Load
 from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.errors import SceneError
-from kousoku.model.expression import LONGEST
-from kousoku.model.multibody import GROUND_INDEX
-from kousoku.model.read import scene_from_toml
+from kousoku.model.expressions.expression import LONGEST
+from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.model.reading.read import scene_from_toml
 from tests.analysed import all_rows
 from tests.random_geometry import orientation_of
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
 
-    from kousoku.model.multibody import ForceElement, System
+    from kousoku.model.mechanics.multibody import ForceElement, System
 
 S_I, S_J, LOAD = (0.3, -0.2, 0.4), (-0.1, 0.5, 0.2), (1.5, -2.5, 0.7)
 LAW = (("stiffness", (70.0,)), ("damping", (6.0,)), ("free_length", (0.8,)))

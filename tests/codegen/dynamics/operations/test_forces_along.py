@@ -16,7 +16,7 @@ from kousoku.codegen.dynamics.simplification.axis_permutation import permuted
 from kousoku.model.elements.along import CoordinateForce
 from kousoku.model.elements.coordinate_spring import CoordinateSpring
 from kousoku.model.elements.load import Load
-from kousoku.model.multibody import GROUND_INDEX, MovingBody, RelativeCoordinate, System
+from kousoku.model.mechanics.multibody import GROUND_INDEX, MovingBody, RelativeCoordinate, System
 from tests.analysed import all_rows
 from tests.codegen.dynamics.operations.test_coordinates import KINDS, X, Y, Z
 

@@ -13,16 +13,16 @@ from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.simplification.lump import lump
-from kousoku.model.design_numbers import with_numbers
 from kousoku.model.errors import SceneError
-from kousoku.model.held import require_kept
-from kousoku.model.read import scene_from_toml
-from kousoku.model.system import system_of
-from kousoku.model.varying import is_varying
+from kousoku.model.expressions.design_numbers import with_numbers
+from kousoku.model.lowering.held import require_kept
+from kousoku.model.lowering.system import system_of
+from kousoku.model.numbers.varying import is_varying
+from kousoku.model.reading.read import scene_from_toml
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 FOLDER = Path(__file__).parents[3] / "scenes" / "design"
 SCENES = {path.stem: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.toml"))}

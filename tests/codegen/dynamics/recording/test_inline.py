@@ -18,14 +18,14 @@ from kousoku.codegen.dynamics.recording.program import (
     reads,
     writes,
 )
-from kousoku.model.digits import HIGH
+from kousoku.model.numbers.digits import HIGH
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 RESULTS = (
     *("C", "dq", "q_moved", "dv", "q_dot", "v_dot", "lam", "reactions", "energies"),

@@ -18,8 +18,8 @@ from kousoku.codegen.dynamics.generate import compose_scene
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.redundancy.nearly import nearly_implied, with_consistent_start
 from kousoku.model.errors import SceneError
-from kousoku.model.read import scene_from_toml
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.read import scene_from_toml
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:

@@ -14,9 +14,9 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.rank import damped_change, factorise, rows_to_leave
-from kousoku.model.multibody import Instance, System
-from kousoku.model.read import read_scene, scene_from_toml
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.mechanics.multibody import Instance, System
+from kousoku.model.reading.read import read_scene, scene_from_toml
 from tests.analysed import all_rows, independent
 
 if TYPE_CHECKING:

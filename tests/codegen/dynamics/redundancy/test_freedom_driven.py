@@ -19,11 +19,11 @@ from kousoku.codegen.dynamics.redundancy.branch import Branch
 from kousoku.codegen.dynamics.redundancy.constant_rows import require_constant_rows_hold
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
-from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import AssemblyError, SceneError
-from kousoku.model.multibody import Instance, RelativeCoordinate, System, Term
-from kousoku.model.read import scene_from_dict
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.mechanics.constraints import COMBINATION
+from kousoku.model.mechanics.multibody import Instance, RelativeCoordinate, System, Term
+from kousoku.model.reading.read import scene_from_dict
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:

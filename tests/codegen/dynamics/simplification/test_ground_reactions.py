@@ -12,10 +12,10 @@ from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.simplification.conserved_momenta import conserved_momenta
-from kousoku.model.joints import JOINTS
-from kousoku.model.multibody import GROUND_INDEX, Instance, System
-from kousoku.model.read import scene_from_dict
-from kousoku.model.system import system_of
+from kousoku.model.elements.joints import JOINTS
+from kousoku.model.lowering.system import system_of
+from kousoku.model.mechanics.multibody import GROUND_INDEX, Instance, System
+from kousoku.model.reading.read import scene_from_dict
 from tests.analysed import all_rows
 
 TILTED = {"quaternion": [3, 1, -2, 1], "order": "wxyz"}

@@ -19,14 +19,14 @@ from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.recording.program import reads
 from kousoku.codegen.dynamics.simplification.reduced_mass import inverse_of
-from kousoku.model.builder import SceneBuilder
-from kousoku.model.families import n_four_bar
-from kousoku.model.system import system_of
+from kousoku.model.lowering.system import system_of
+from kousoku.model.reading.builder import SceneBuilder
+from kousoku.model.reading.families import n_four_bar
 from tests.analysed import all_rows, independent, jointed
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 WANTED = ("checks", "energies", "reactions", "accelerations")
 TIME = 0.3

@@ -13,10 +13,10 @@ from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.simplification.lump import lump
 from kousoku.codegen.generate import write_tree
-from kousoku.model.builder import SceneBuilder
 from kousoku.model.elements.load import Load
 from kousoku.model.elements.spring_damper import PointSpring
-from kousoku.model.multibody import GROUND_INDEX, Instance, RelativeCoordinate, System
+from kousoku.model.mechanics.multibody import GROUND_INDEX, Instance, RelativeCoordinate, System
+from kousoku.model.reading.builder import SceneBuilder
 from kousoku.runtime.dynamics import load_dynamics
 from tests.analysed import all_rows
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
     from types import SimpleNamespace
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
     from kousoku.runtime.integrate.motion import Motion
 
 MOVABLE = ("revolute", "spherical", "universal", "cylindrical")

@@ -11,13 +11,13 @@ import pytest
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
 from kousoku.model.errors import SceneError
-from kousoku.model.read import scene_from_dict
+from kousoku.model.reading.read import scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.records.scene import Scene
 
 HEAVY = {"mass": 3, "inertia": {"xx": 2, "yy": 5, "zz": 4}}
 MOTOR = {"motor": {"joint": "a", "value": "0.5*t + 0.1*sin(3*t)"}}

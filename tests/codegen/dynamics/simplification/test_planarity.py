@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.multibody import System
+    from kousoku.model.mechanics.multibody import System
 
 
 def changed(system: System, **fields: Any) -> System:

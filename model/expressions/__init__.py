@@ -1,0 +1,1 @@
+"""Formulas of a scene: their grammar, values, derivatives, bounds, polynomials and kinks."""

@@ -1,0 +1,159 @@
+"""Exponentials that cancel: quotients of their sums, written so that none overflows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import reduce
+from typing import TYPE_CHECKING
+
+from kousoku.model.expressions.derivative import derivative
+from kousoku.model.expressions.enclosure import composed
+from kousoku.model.operations.graph import Op
+from kousoku.model.operations.terms import (
+    ONE,
+    ZERO,
+    Expression,
+    add,
+    apply,
+    div,
+    mul,
+    neg,
+    ordered,
+    rebuilt,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """A formula as it is written anew, and as factor × exp(exponent).
+
+    Parameters
+    ----------
+    whole, factor, exponent : Expression
+        The formula and its parts.
+    logarithm : Expression or None
+        None where the numbers and exponentials in it do not tell that it is positive.
+    is_sum : bool
+        Whether it is positive and exponentials are added in it: these may overflow.
+    is_anew : bool
+        Whether the exponent has the logarithm of such a sum.
+    terms : tuple of Form
+        What it is the sum of.
+    """
+
+    whole: Expression
+    factor: Expression
+    exponent: Expression = ZERO
+    logarithm: Expression | None = None
+    is_sum: bool = False
+    is_anew: bool = False
+    terms: tuple[Form, ...] = ()
+
+
+def without_overflow(formula: Expression) -> Expression:
+    """Formula that is divided by no sum of exponentials.
+
+    1/(eᵃ + eᵇ) is exp(−l) with the logarithm l of the sum, of which there are bounds everywhere:
+    those of the first are 0/0 and ∞/∞ far from where a and b are equal.
+    """
+    known: dict[int, Form] = {}
+    for part in ordered(formula):
+        args = [known[id(arg)] for arg in part.args]
+        known[id(part)] = _form(part, args)
+    return known[id(formula)].whole
+
+
+def rate_of(law: Expression, time: str, order: int) -> Expression:
+    """Derivative of a formula by the time, in functions that texts have.
+
+    That of 1/(1 + eᵃ) is 0 ∞/∞ where eᵃ is infinite, unless it is written anew.
+    """
+    if order == 0:
+        return law
+    rate = without_overflow(law)
+    for _ in range(order):
+        rate = derivative(rate, time)
+    return rebuilt(rate, lambda op, args: composed(op, *args))
+
+
+def _form(part: Expression, args: Sequence[Form]) -> Form:
+    """Form of a formula, given those of its parts."""
+    if not part.args:
+        is_positive = part.value is not None and part.value > 0
+        return Form(part, part, logarithm=_logarithm(part) if is_positive else None)
+    is_same = all(form.whole is arg for form, arg in zip(args, part.args, strict=True))
+    whole = part if is_same else apply(part.op, *(form.whole for form in args))
+    a, b = args[0], args[-1]
+    match part.op:
+        case Op.EXP:
+            return Form(whole, ONE, a.whole, a.whole)
+        case Op.NEG:
+            return _product(whole, neg(a.factor), a.exponent, None, args)
+        case Op.ADD:
+            logarithm = _both(_log_of_sum, args)
+            is_sum = logarithm is not None and any(one.exponent != ZERO for one in args)
+            return Form(whole, whole, ZERO, logarithm, is_sum, terms=tuple(args))
+        case Op.MUL:
+            exponent, logarithm = add(a.exponent, b.exponent), _both(add, args)
+            return _product(whole, mul(a.factor, b.factor), exponent, logarithm, args)
+        case Op.DIV if b.is_sum:
+            return _divided(a, b)
+        case Op.DIV:
+            logarithm = _both(lambda x, y: add(x, neg(y)), args)
+            return _product(whole, div(a.factor, b.whole), a.exponent, logarithm, [a])
+        case Op.POW if a.is_sum and a.logarithm is not None and b.whole.value is not None:
+            logarithm = mul(b.whole, a.logarithm)
+            if b.whole.value > 0:
+                return Form(whole, whole, ZERO, logarithm, is_sum=True)
+            return Form(apply(Op.EXP, logarithm), ONE, logarithm, logarithm, is_anew=True)
+        case _:
+            return Form(whole, whole)
+
+
+def _product(
+    whole: Expression,
+    factor: Expression,
+    exponent: Expression,
+    logarithm: Expression | None,
+    args: Sequence[Form],
+) -> Form:
+    """Product: its exponentials are one where there are more, or one was a quotient."""
+    are_many = sum(one.exponent != ZERO for one in args) > 1
+    is_anew = are_many or any(one.is_anew for one in args)
+    whole = mul(factor, apply(Op.EXP, exponent)) if is_anew else whole
+    is_sum = logarithm is not None and any(one.is_sum for one in args)
+    return Form(whole, factor, exponent, logarithm, is_sum, is_anew)
+
+
+def _divided(a: Form, b: Form) -> Form:
+    """Quotient a / b, each term of a by itself where exponentials are among them."""
+    assert b.logarithm is not None
+    logarithm = None if a.logarithm is None else add(a.logarithm, neg(b.logarithm))
+    if any(one.exponent != ZERO for one in a.terms):
+        terms = tuple(_divided(one, b) for one in a.terms)
+        whole = add(*(one.whole for one in terms))
+        return Form(whole, whole, ZERO, logarithm, terms=terms)
+    exponent = add(a.exponent, neg(b.logarithm))
+    whole = mul(a.factor, apply(Op.EXP, exponent))
+    return Form(whole, a.factor, exponent, logarithm, is_anew=True)
+
+
+def _both(
+    combine: Callable[[Expression, Expression], Expression], args: Sequence[Form]
+) -> Expression | None:
+    """Combined logarithms, if all are known."""
+    logarithms = [one.logarithm for one in args]
+    known = [one for one in logarithms if one is not None]
+    return reduce(combine, known) if len(known) == len(logarithms) else None
+
+
+def _log_of_sum(a: Expression, b: Expression) -> Expression:
+    """Logarithm log(eᵃ + eᵇ)."""
+    return apply(Op.LOG_SUM, a, b)
+
+
+def _logarithm(positive: Expression) -> Expression:
+    return ZERO if positive == ONE else apply(Op.LOG, positive)

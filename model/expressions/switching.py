@@ -1,0 +1,347 @@
+"""Kinks, jumps and poles of formulas of a motion, and parts of them that vary fast."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import chain
+from math import inf, isfinite, pi
+from typing import TYPE_CHECKING
+
+from kousoku.model.expressions.derivative import derivative
+from kousoku.model.expressions.exponentials import without_overflow
+from kousoku.model.expressions.formulas import TIME
+from kousoku.model.expressions.polynomials import is_never_zero, root_of_even_power, square_part
+from kousoku.model.operations.graph import Op
+from kousoku.model.operations.terms import (
+    ONE,
+    Expression,
+    add,
+    apply,
+    mul,
+    names_of,
+    neg,
+    ordered,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+
+
+#: Functions with a kink or a jump.
+SWITCHES = frozenset({Op.MIN, Op.MAX, Op.ABS, Op.SIGN})
+#: Powers from this one on have two derivatives where what they are of is zero.
+SMOOTH = 2
+#: Polynomials up to this degree vary no faster than the stages of a step see: (1 - t^2)^n is a hill
+#: of a width of 1.7/sqrt(n) in an interval of 2, a third of it for n = 6.
+HIGHEST = 12
+#: Functions with a jump, or that jump through infinity.
+JUMPING = frozenset({Op.SIGN, Op.TAN, Op.ATAN2})
+#: Functions of which those of their arguments may be looked at instead.
+TRANSPARENT = frozenset({*SWITCHES, Op.ADD, Op.NEG, Op.MUL})
+
+
+def square(a: Expression) -> Expression:
+    """Square of an expression."""
+    return mul(a, a)
+
+
+def squares_of(formula: Expression) -> Iterator[Expression]:
+    """Squares of distances in a formula: what is never negative and may come down to zero.
+
+    Roots are of them, or they divide: x/sqrt(x^2 + y^2) turns round, and ``atan2(y, x)``.
+    """
+    for part in ordered(formula):
+        found: Iterable[Expression] = ()
+        root = None  # it has no value where this is negative
+        match part:
+            case Expression(Op.ATAN2, (a, b)):
+                found = (add(square(a), square(b)),)
+            case Expression(Op.SQRT | Op.LOG, (a,)) if even_root(part) is None:
+                found, root = _zeros_of(a), a
+            case Expression(Op.DIV, (_, a)):
+                found = _zeros_of(a)
+            case Expression(Op.POW, (a, Expression(value=power))) if even_root(part) is None:
+                if power is None or power.denominator > 1:
+                    found, root = _zeros_of(a), a
+                elif power < 0:
+                    found = _zeros_of(a)
+        for one in found:
+            if (one == root or range_of(one)[0] >= 0.0) and may_be_zero(one):
+                yield one
+
+
+def switching_functions(formula: Expression) -> Iterator[Expression]:
+    """Functions that are zero where a formula kinks or jumps: of ``max(a, b)`` it is a − b.
+
+    ``abs(a)*a`` has neither, and is as large on both sides; ``sqrt(a^2)`` is ``abs(a)``;
+    ``atan(1/a)`` jumps where a is zero, and ``atan2(a, b)`` where b is negative there.
+    """
+    smooth = {id(factor) for part in ordered(formula) for factor in _signed_squares(part)}
+    for part in ordered(formula):
+        if part.op in SWITCHES and id(part) not in smooth:
+            first, *rest = part.args
+            yield add(first, *map(neg, rest))
+        elif (root := even_root(part)) is not None and root[1] < SMOOTH:
+            yield root[0]
+        elif part.op is Op.ATAN2 and range_of(part.args[1])[0] < 0.0:
+            yield from filter(may_be_zero, _crossed(part.args[0]))
+        elif part.op is Op.ATAN:
+            yield from _divisors_of(part)
+
+
+def _divisors_of(formula: Expression) -> Iterator[Expression]:
+    """What may be zero in a formula, and is divided by there."""
+    for part in ordered(formula):
+        if part.op is Op.DIV:
+            yield from filter(may_be_zero, _crossed(part.args[1]))
+
+
+def edges_of(formula: Expression) -> Iterator[Expression]:
+    """Functions that are negative where a root, a logarithm or an arc sine has no value."""
+    for part in ordered(formula):
+        edge = None
+        if part.op in {Op.SQRT, Op.LOG}:
+            edge = part.args[0]
+        elif part.op is Op.POW:
+            a, exponent = part.args[0], part.args[1].value
+            edge = a if exponent is None or exponent.denominator > 1 else None
+        elif part.op in {Op.ASIN, Op.ACOS}:
+            least, most = range_of(part.args[0])
+            edge = None if -1.0 <= least <= most <= 1.0 else _inside(part.args[0])
+        if edge is not None and range_of(edge)[0] < 0.0:
+            yield edge
+
+
+def _inside(a: Expression) -> Expression:
+    """Function that is positive where a number has an arc sine."""
+    return add(ONE, neg(apply(Op.ABS, a)))
+
+
+def even_root(part: Expression) -> tuple[Expression, Fraction] | None:
+    """Base a and exponent b of a root of an even power of a, which is abs(a) to the power b."""
+    found = root_of_even_power(part)
+    return None if found is None or found[1] % 2 == 0 else found
+
+
+def places_of(law: Expression) -> Iterator[Expression]:
+    """Functions that are zero where the law of a driver or a derivative of it may jump."""
+    yield from switching_functions(law)
+    for part in ordered(law):
+        place = _place_of(part)
+        if place is not None:
+            yield from filter(may_be_zero, _crossed(place))
+
+
+def poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
+    """Functions that are zero where a formula may be infinite, as far as it varies."""
+    for part in ordered(formula):
+        place = None
+        if part.op in {Op.DIV, Op.LOG}:
+            place = _place_of(part) or part.args[0]
+        elif part.op is Op.TAN:
+            least, most = range_of(part.args[0])
+            place = None if -pi / 2 < least <= most < pi / 2 else _place_of(part)
+        elif part.op is Op.POW:
+            exponent = part.args[1].value
+            place = part.args[0] if exponent is None or exponent <= 0 else None
+        for zero in _zeros_of(place) if place is not None else ():
+            if may_be_zero(zero) and not set(varying).isdisjoint(names_of(zero)):
+                yield zero
+
+
+def summands(formula: Expression) -> Iterator[Expression]:
+    """Summands of a formula: a product may be finite where a factor is not."""
+    if formula.op in {Op.ADD, Op.NEG}:
+        yield from chain.from_iterable(map(summands, formula.args))
+    else:
+        yield formula
+
+
+def _zeros_of(place: Expression) -> Iterator[Expression]:
+    """Functions that change sign where one is zero: the factors, and what roots are of."""
+    match place:
+        case Expression(Op.MUL, args):
+            yield from chain.from_iterable(map(_zeros_of, args))
+        case Expression(Op.NEG | Op.ABS | Op.SQRT | Op.DIV, (a, *_)):
+            yield from _zeros_of(a)
+        case Expression(Op.POW, (a, Expression(value=Fraction() as b))) if b > 0:
+            yield from _zeros_of(a)
+        case _:
+            yield from _crossed(place)
+
+
+def _crossed(place: Expression) -> tuple[Expression, ...]:
+    """Functions that change sign where one is zero: 1 - 2*t + t^2 only touches zero."""
+    squares = square_part(place)
+    return (place,) if squares is None else (squares.rest, *(a for a, _ in squares.powers))
+
+
+def _place_of(part: Expression) -> Expression | None:
+    """Function that is zero where another, or a derivative of it, is infinite or jumps."""
+    match part:
+        case Expression(Op.SQRT | Op.LOG, (a,)):
+            return a if even_root(part) is None else None
+        case Expression(Op.DIV, (_, b)):
+            return b
+        case Expression(Op.POW, (a, Expression(value=exponent))):
+            if exponent is None or exponent < 0:
+                return a
+            is_root = exponent.denominator > 1 and exponent < SMOOTH
+            return a if is_root and even_root(part) is None else None
+        case Expression(Op.TAN, (a,)):
+            return apply(Op.COS, a)
+        case Expression(Op.ASIN | Op.ACOS, (a,)):
+            return _inside(a)
+        case Expression(Op.ATAN2, (a, b)):
+            return apply(Op.MAX, apply(Op.ABS, a), b)
+    return None
+
+
+def may_be_zero(expression: Expression) -> bool:
+    """Whether a formula may be zero, as far as the ranges of its functions tell.
+
+    Of polynomials in one variable it is known.
+    """
+    least, most = range_of(expression)
+    return least <= 0.0 <= most and not is_never_zero(expression)
+
+
+def range_of(expression: Expression) -> tuple[float, float]:
+    """Least and greatest value of a formula, as the ranges of its functions tell."""
+    least, most = -inf, inf
+    known: dict[int, tuple[float, float]] = {}
+    for part in ordered(expression):
+        least, most = -inf, inf
+        if part.value is not None:
+            least = most = float(part.value)
+        elif part.args:
+            least, most = _range(part, [known[id(arg)] for arg in part.args])
+        known[id(part)] = least, most
+    return least, most
+
+
+def _range(part: Expression, args: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Least and greatest value of a function of such ranges."""
+    least, most = args[0]
+    match part.op:
+        case Op.ADD:
+            return sum(one[0] for one in args), sum(one[1] for one in args)
+        case Op.NEG:
+            return -most, -least
+        case Op.SIN | Op.COS:
+            return -1.0, 1.0
+        case Op.EXP:
+            return (0.0 if least > 0.0 else 5e-324), inf
+        case Op.ABS | Op.SQRT:
+            return 0.0, inf
+        case Op.MUL if all(isfinite(end) for one in args for end in one):
+            ends = [a * b for a in args[0] for b in args[1]]
+            return min(ends), max(ends)
+        case Op.MUL if part.args[0] == part.args[1] or min(least, args[1][0]) >= 0.0:
+            return (5e-324 if min(least, args[1][0]) > 0.0 else 0.0), inf
+        case Op.POW if (exponent := part.args[1].value) is not None:
+            is_even = exponent % 2 == 0 or exponent.denominator > 1
+            return (0.0, inf) if is_even else (-inf, inf)
+        case Op.MAX:
+            return max(one[0] for one in args), max(one[1] for one in args)
+        case Op.MIN:
+            return min(one[0] for one in args), min(one[1] for one in args)
+    return -inf, inf
+
+
+def varies(place: Expression) -> bool:
+    """Whether a formula depends on the time."""
+    return TIME in names_of(place)
+
+
+def with_rates(law: Expression) -> tuple[Expression, ...]:
+    """Law of a driver and its first and second derivative by the time."""
+    law = without_overflow(law)
+    rate = derivative(law, TIME)
+    return law, rate, derivative(rate, TIME)
+
+
+def may_jump(formula: Expression, varying: Collection[str]) -> bool:
+    """Whether a formula may jump where names vary, also through infinity.
+
+    A quotient does so where what it is divided by may be zero, as far as :func:`may_be_zero` tells.
+    """
+    parts = filter(is_jump, ordered(formula))
+    places = (_place_of(part) or part for part in parts)  # a sign has none, and may be zero itself
+    return any(may_be_zero(one) and not set(varying).isdisjoint(names_of(one)) for one in places)
+
+
+def is_jump(part: Expression) -> bool:
+    """Whether the last function of a formula is one that may jump, also to infinity."""
+    if part.op is Op.DIV:
+        return part.args[1].value is None
+    if part.op is Op.POW:
+        exponent = part.args[1].value
+        return exponent is None or exponent < 0
+    return part.op in JUMPING
+
+
+def _signed_squares(part: Expression) -> Iterator[Expression]:
+    """Factors ``abs(a)`` of a product that has a factor a, too."""
+    factors = list(_factors(part))
+    for factor in factors if len(factors) > 1 else ():
+        if factor.op is Op.ABS:
+            (inside,) = factor.args
+            if inside in factors:
+                yield factor
+
+
+def _factors(part: Expression) -> Iterator[Expression]:
+    while part.op in {Op.MUL, Op.NEG}:
+        yield part.args[-1]
+        part = part.args[0]
+    yield part
+
+
+def varying_parts(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
+    """Smooth functions that a formula is a sum or an extreme of, polynomials of low degree not.
+
+    Where they vary much faster than elsewhere, steps that were long enough step over it. Products
+    and powers of them vary faster than they do: these are looked at as a whole.
+    Names that are not among the varying ones do not change in a run.
+    """
+    varies: dict[int, bool] = {}
+    degrees: dict[int, Fraction] = {}
+    for part in ordered(formula):
+        degree = degrees[id(part)] = _degree_of(part, varying, degrees)
+        own = bool(part.args) and (degree > HIGHEST or not _is_transparent(part, varying))
+        varies[id(part)] = own or any(varies[id(arg)] for arg in part.args)
+    stack, seen = [formula], set()
+    while stack:
+        part = stack.pop()
+        if id(part) in seen or not varies[id(part)]:
+            continue
+        seen.add(id(part))
+        fast = [arg for arg in part.args if varies[id(arg)]]
+        is_whole = part.op is Op.POW or (part.op is Op.MUL and len(fast) != 1)
+        if is_whole or not _is_transparent(part, varying):
+            yield part
+        else:
+            stack.extend(reversed(fast))
+
+
+def _degree_of(
+    part: Expression, varying: Collection[str], degrees: Mapping[int, Fraction]
+) -> Fraction:
+    """Degree of a polynomial in what varies; of other functions that of what they are of."""
+    own = [degrees[id(arg)] for arg in part.args]
+    if part.op is Op.MUL:
+        return sum(own, Fraction(0))
+    if part.op is Op.POW and part.args[1].value is not None:
+        return own[0] * max(part.args[1].value, Fraction(1))
+    return max(own, default=Fraction(not set(varying).isdisjoint(names_of(part))))
+
+
+def _is_transparent(part: Expression, varying: Collection[str]) -> bool:
+    """Whether a function of polynomials is one, but for kinks."""
+    if part.op is Op.POW:
+        exponent = part.args[1].value
+        return exponent is not None and exponent.denominator == 1 and exponent >= 0
+    if part.op is Op.DIV:
+        return not any(name in varying for name in names_of(part.args[1]))
+    return part.op in TRANSPARENT

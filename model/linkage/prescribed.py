@@ -1,0 +1,136 @@
+"""Nodes of a linkage whose motion follows from the inputs alone: pins of cranks, driven sliders."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot, pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.model.linkage.input_motion import input_values
+
+if TYPE_CHECKING:
+    from kousoku.model.records.scene import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class PrescribedDirection:
+    """The direction of a link, from its first node to its second, that an input prescribes.
+
+    Parameters
+    ----------
+    given : str
+        The input.
+    offset : float [rad]
+        Constant angle from the value of the input to the direction.
+    """
+
+    given: str
+    offset: float
+
+
+@dataclass(frozen=True, slots=True)
+class Crank:
+    """A link that an input turns about a fixed node.
+
+    Parameters
+    ----------
+    given, link, center : str
+        The input, the link, the fixed node.
+    offset : float [rad]
+        Constant angle from the value of the input to the direction from center to pin.
+    """
+
+    given: str
+    link: str
+    center: str
+    offset: float
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Where a node is at some divisions.
+
+    Parameters
+    ----------
+    at : (2, n) or (2, 1) ndarray [unit of the scene]
+        Positions; one only where the node never moves.
+    crank : Crank, optional
+        The crank whose pin it is.
+    """
+
+    at: np.ndarray
+    crank: Crank | None = None
+
+
+def known_nodes(scene: Scene, ks: np.ndarray) -> dict[str, Known]:
+    """Nodes that are known at the divisions `ks`, in the order of finding."""
+    known = {
+        name: Known(np.array(node.at).reshape(2, 1))
+        for name, node in scene.nodes.items()
+        if node.fixed
+    }
+    values = {
+        name: input_values(given, scene.divisions, ks) for name, given in scene.inputs.items()
+    }
+    for name, given in scene.inputs.items():
+        if given.slider is not None:
+            slider = scene.sliders[given.slider]
+            unit = np.array(slider.direction)[:, None] / hypot(*slider.direction)
+            known[slider.node] = Known(np.array(slider.through)[:, None] + unit * values[name])
+    directions = _directions(scene)
+    while reached := _reach(scene, known, directions, values):
+        known |= reached
+    return known
+
+
+def _directions(scene: Scene) -> dict[str, PrescribedDirection]:
+    """Links whose direction is prescribed, through rigid connections too."""
+    directions: dict[str, PrescribedDirection] = {}
+    for name, given in scene.inputs.items():
+        if given.link is not None:
+            turned = 0.0 if given.about == scene.links[given.link].nodes[0] else pi
+            directions[given.link] = PrescribedDirection(name, turned)
+    growing = True
+    while growing:
+        growing = False
+        for name, rigid in scene.rigid.items():
+            base = next((link for link in rigid.links if link in directions), None)
+            if base is None:
+                continue
+            for link in rigid.links:
+                if link not in directions:
+                    angle = scene.rigid_angle(name, link) - scene.rigid_angle(name, base)
+                    angle += _flip(scene, link, rigid.at) - _flip(scene, base, rigid.at)
+                    offset = directions[base].offset + angle
+                    directions[link] = PrescribedDirection(directions[base].given, offset)
+                    growing = True
+    return directions
+
+
+def _flip(scene: Scene, link: str, node: str) -> float:
+    """Angle from the direction that is seen from `node` to that of the link."""
+    return 0.0 if scene.links[link].nodes[0] == node else pi
+
+
+def _reach(
+    scene: Scene,
+    known: dict[str, Known],
+    directions: dict[str, PrescribedDirection],
+    values: dict[str, np.ndarray],
+) -> dict[str, Known]:
+    """Nodes at the far ends of known links that start at known nodes."""
+    reached: dict[str, Known] = {}
+    for name, direction in directions.items():
+        link = scene.links[name]
+        near = next((node for node in link.nodes if node in known), None)
+        if near is None or link.other(near) in known:
+            continue
+        offset = direction.offset + _flip(scene, name, near)
+        angle = values[direction.given] + offset
+        at = known[near].at + scene.length(name) * np.array([np.cos(angle), np.sin(angle)])
+        is_crank = scene.nodes[near].fixed
+        crank = Crank(direction.given, name, near, offset) if is_crank else None
+        reached[link.other(near)] = Known(at, crank)
+    return reached

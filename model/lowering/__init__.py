@@ -1,0 +1,1 @@
+"""A scene turned into a system: SI units, principal frames, instances, coordinates."""

@@ -1,0 +1,200 @@
+"""Notes on a scene of bodies that its solver tells beside numbers, and where forces jump."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from math import dist, hypot
+from typing import TYPE_CHECKING
+
+from kousoku.model.errors import ExpressionError
+from kousoku.model.expressions.design_numbers import with_numbers
+from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.formulas import LAW_NAMES, RATE, state_names, texts_of, used_names
+from kousoku.model.expressions.switching import may_jump
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.quaternions import quaternion
+from kousoku.model.operations.graph import Op
+from kousoku.model.operations.terms import Expression, names_of, ordered
+from kousoku.model.records.dotted_keys import join
+from kousoku.model.records.spatial import GROUND
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.solids import Box
+    from kousoku.model.records.spatial import Body, Joint
+
+    Point = tuple[float, float, float]
+
+AWAY = 0.5
+"""A point is away from a body when it is further from it than this part of its size."""
+
+
+@dataclass(frozen=True, slots=True)
+class About:
+    """Facts about a scene that a user may not expect.
+
+    Parameters
+    ----------
+    notes : tuple of str
+        One line each.
+    duration : float [s], optional
+        How long it moves unless a run says so.
+    jumps : tuple of str
+        Keys of forces that jump where a ``sign`` in their formula changes.
+    moved : sequence of sequence
+        What assembly changed: body, metres and radians, and those per second.
+    """
+
+    notes: tuple[str, ...] = ()
+    duration: float | None = None
+    jumps: tuple[str, ...] = ()
+    moved: Sequence[Sequence[object]] = ()
+
+    @classmethod
+    def of(cls, scene: Scene, notes: Sequence[str] = ()) -> About:
+        """Facts about a checked scene of bodies, with further notes."""
+        jumps = tuple(
+            join("forces", name)
+            for name, force in scene.forces.items()
+            if any(used_names(text, ("sign",)) for text in texts_of(force))
+        )
+        notes = (*scene_notes(scene), *notes_of_events(scene), *notes)
+        return cls(notes, scene.duration, jumps)
+
+
+def scene_notes(scene: Scene) -> Iterator[str]:
+    """Oddities of a checked scene of bodies, though it can be solved: lost points.
+
+    A joint is looked at between bodies that are made of solids, and at the ground where its body
+    has a rod: a ball that hangs on the ground by a rod without mass is no mistake.
+    """
+    scene = with_numbers(scene)
+    for name, joint in scene.joints.items():
+        known = [_reach(scene, joint, k) for k in range(2)] if joint.bodies else []
+        found = [reach for reach in known if reach is not None]
+        grounded = GROUND in (joint.bodies or ())
+        wanted = 1 if grounded and any(scene.bodies[body].rods for body, *_ in found) else 2
+        if len(found) == wanted and all(far > AWAY * size for _, far, size in found):
+            body, far, _ = min(found, key=lambda one: one[1])
+            others = f" and {found[0][0] if body != found[0][0] else found[-1][0]}"
+            what = f"{body}{others if len(found) > 1 else ''} {'are' if len(found) > 1 else 'is'}"
+            yield (
+                f"{join('joints', name)} lies {far:.3g} {scene.unit} from all that {what} made of"
+            )
+
+
+def _parts_of_forces(scene: Scene) -> Iterator[tuple[str, list[Expression]]]:
+    """Key of each force, and all parts of its formulas."""
+    names = {*state_names(scene), *LAW_NAMES}
+    for name, force in scene.forces.items():
+        formulas = []
+        for text in texts_of(force):
+            with suppress(ExpressionError):  # a text that is no formula, such as the type
+                formulas.append(parse_expression(text, names))
+        yield join("forces", name), [part for one in formulas for part in ordered(one)]
+
+
+def notes_of_dry_friction(scene: Scene) -> Iterator[str]:
+    """Note on each force that jumps where a rate passes zero, and so may stick there."""
+    rates = {LAW_NAMES[1], *(f"{name}{RATE}" for name in scene.coordinates)}
+    for key, parts in _parts_of_forces(scene):
+        if any(rates.intersection(names_of(jump)) for part in parts for jump in _jumps(part)):
+            yield (
+                f"{key} jumps where a rate passes 0, as dry friction does: where"
+                " it holds the rate at 0, steps become tiny and the run stops; take"
+                " x/sqrt(x^2 + 1e-6) for sign(x)"
+            )
+
+
+def notes_of_events(scene: Scene) -> Iterator[str]:
+    """Note on each event that may jump over 0, where it does not count."""
+    names = state_names(scene)
+    for name, event in scene.events.items():
+        if may_jump(parse_expression(event.when, names), names.difference(scene.parameters)):
+            yield (
+                f"{join('events', name)} may jump over 0, also through infinity, and does not"
+                " count where it does; take what passes 0 there: x for sign(x) and for 1/x"
+            )
+
+
+def _jumps(part: Expression) -> Iterator[Expression]:
+    """Arguments of jumps: that of a sign, and of what stands over its size."""
+    match part:
+        case Expression(Op.SIGN, (x,)) | Expression(Op.DIV, (_, Expression(Op.ABS, (x,)))):
+            yield x
+
+
+def _reach(scene: Scene, joint: Joint, k: int) -> tuple[str, float, float] | None:
+    """Body of a joint, how far the joint's point is from its solids, and their size."""
+    name = joint.ends[k]
+    if name == GROUND or (joint.points is None and joint.at is None):
+        return None
+    body = scene.bodies[name]
+    solids = [*_distances(body, _point_of(body, joint, k))]
+    corners = [*_corners(body)]
+    size = max((dist(a, b) for a in corners for b in corners), default=0.0)
+    return (name, min(solids), size) if solids and size else None
+
+
+def _point_of(body: Body, joint: Joint, k: int) -> Point:
+    """Point of a joint in the frame of a body."""
+    if joint.points is not None:
+        return joint.points[k]
+    assert joint.at is not None
+    arm = precise.subtract(precise.triple(joint.at), precise.triple(body.position))
+    return _floats(precise.rotate_back(quaternion(body.orientation), arm))
+
+
+def _distances(body: Body, point: Point) -> Iterator[float]:
+    """Distances of a point in the frame of a body from each solid of it."""
+    for rod in body.rods:
+        yield _from_segment(point, *rod.ends)
+    for cylinder in body.cylinders:
+        yield max(0.0, _from_segment(point, *cylinder.ends) - cylinder.radius)
+    for box in body.boxes:
+        seen = _in_box(box, point)
+        yield hypot(*(max(0.0, abs(x) - edge / 2) for x, edge in zip(seen, box.size, strict=True)))
+    for sphere in body.spheres:
+        yield max(0.0, dist(point, sphere.at) - sphere.radius)
+    for mass in body.mass_points:
+        yield dist(point, mass.at)
+    if body.mass is not None:
+        yield dist(point, body.center or (0.0, 0.0, 0.0))
+
+
+def _corners(body: Body) -> Iterator[Point]:
+    """Points between which a body reaches."""
+    for ends in (*(rod.ends for rod in body.rods), *(one.ends for one in body.cylinders)):
+        yield from ends
+    for box in body.boxes:
+        half = hypot(*box.size) / 2
+        yield from ((box.at[0] + x, box.at[1], box.at[2]) for x in (-half, half))
+    for sphere in body.spheres:
+        x, y, z = sphere.at
+        yield from ((x + r, y, z) for r in (-sphere.radius, sphere.radius))
+    yield from (mass.at for mass in body.mass_points)
+    if body.mass is not None:
+        yield body.center or (0.0, 0.0, 0.0)
+
+
+def _from_segment(point: Point, start: Point, end: Point) -> float:
+    along = [b - a for a, b in zip(start, end, strict=True)]
+    square = sum(x * x for x in along)
+    arm = [x - a for x, a in zip(point, start, strict=True)]
+    part = sum(x * y for x, y in zip(arm, along, strict=True)) / square if square else 0.0
+    part = min(1.0, max(0.0, part))
+    return dist(point, [a + part * x for a, x in zip(start, along, strict=True)])
+
+
+def _in_box(box: Box, point: Point) -> Point:
+    """Point in the axes of a box, from its middle."""
+    arm = precise.subtract(precise.triple(point), precise.triple(box.at))
+    return _floats(precise.rotate_back(quaternion(box.orientation), arm))
+
+
+def _floats(values: precise.Triple) -> Point:
+    x, y, z = map(float, values)
+    return x, y, z

@@ -1,0 +1,250 @@
+"""Functions of a system whose roots a run looks for: events, kinks, jumps, poles."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from itertools import chain
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.spring_damper import PointSpring
+from kousoku.model.expressions.exponentials import without_overflow
+from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.folds import without_folds
+from kousoku.model.expressions.formulas import LAW_NAMES, RATE, TIME, used_names
+from kousoku.model.expressions.switching import (
+    edges_of,
+    is_jump,
+    places_of,
+    poles_of,
+    square,
+    squares_of,
+    summands,
+    switching_functions,
+    varies,
+    varying_parts,
+    with_rates,
+)
+from kousoku.model.expressions.values import value_of
+from kousoku.model.operations.terms import add, names_of, neg, number, ordered, symbol
+from kousoku.model.records.dotted_keys import join
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterator
+
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.operations.terms import Expression
+
+
+#: A distance counts as none that is no more than this part of what it is at the start: rounding of
+#: places hides most digits of its direction there.
+NO_DISTANCE = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """Quantity of a state in formulas: a coordinate, or the elongation of a spring.
+
+    Of a spring whose ends may meet it is the distance of these, too.
+
+    Parameters
+    ----------
+    name : str
+        Its name in formulas: that of the coordinate, or of the force with ``.x``.
+    rate : str
+        The name of its rate.
+    coordinate : int
+        Place of the coordinate, or of the one that a spring acts against; -1 of a spring between
+        points.
+    force : int
+        Place of the spring, -1 of a coordinate.
+    is_length : bool
+        Whether it is the distance of a spring's ends.
+    """
+
+    name: str
+    rate: str
+    coordinate: int
+    force: int
+    is_length: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """Functions that a run watches, so that no step leaps over their roots and narrow parts.
+
+    Parameters
+    ----------
+    switches, features : tuple of Expression
+        Functions of time: those that are zero where a formula has a kink or a jump, and smooth
+        parts that vary with it beyond polynomials.
+    measures : tuple of Measure
+        What those below depend on beside time and parameters.
+    crossings : tuple of Expression
+        The formulas of events, then functions of the state that are zero where a formula has a kink
+        or a jump, or one of an event gets or loses its value.
+    narrow : tuple of Expression
+        Smooth parts that vary with the state beyond polynomials.
+    jumps : tuple of bool
+        Of each event whether its formula may jump, also through infinity.
+    laws : tuple of Expression
+        Those of drivers that are no polynomials, with two derivatives, which must not jump.
+    led : tuple of str
+        Which driver each of these laws, of three expressions, is of.
+    poles : tuple of Expression
+        Functions of time and the state that are zero where a force may be infinite.
+    pushed : tuple of str
+        The key of the force that each of them is of.
+    infinite : tuple of Expression
+        The parts of formulas that may be infinite there.
+    lengths : tuple of Expression
+        Squares of lengths along which forces act: these turn round where they come down to zero.
+    distances : tuple of Expression
+        Squares of distances in formulas, of points or of speeds from rest, likewise.
+    gaps : tuple of Expression
+        What drivers prescribe of distances, less what counts as none: where one is zero its two
+        points meet, and nothing tells in which direction they part.
+    drawn : tuple of str
+        Which driver each of these is of.
+    """
+
+    switches: tuple[Expression, ...]
+    features: tuple[Expression, ...]
+    measures: tuple[Measure, ...]
+    crossings: tuple[Expression, ...]
+    narrow: tuple[Expression, ...]
+    jumps: tuple[bool, ...] = ()
+    laws: tuple[Expression, ...] = ()
+    led: tuple[str, ...] = ()
+    poles: tuple[Expression, ...] = ()
+    pushed: tuple[str, ...] = ()
+    infinite: tuple[Expression, ...] = ()
+    lengths: tuple[Expression, ...] = ()
+    distances: tuple[Expression, ...] = ()
+    gaps: tuple[Expression, ...] = ()
+    drawn: tuple[str, ...] = ()
+
+
+def seen_of(system: System) -> Seen:
+    """Quantities that runs of a system look at: forces, springs, gravity, drivers, and events."""
+    measures = tuple(_measures(system))
+    names = {TIME, *(name for name, _ in system.parameters)}
+    names.update(chain.from_iterable((one.name, one.rate) for one in measures))
+    texts = dict.fromkeys(text for text, _ in _texts(system) if text)
+    parsed = {
+        text: without_folds(parse_expression(text, names, longest=len(text)))[0] for text in texts
+    }
+    formulas = list(parsed.values())
+    events = [parse_expression(one.when, names) for one in system.events]
+    of_state = {name for one in measures for name in (one.name, one.rate)}
+
+    def found(
+        parts: Callable[[Expression], Iterator[Expression]], *, is_state: bool
+    ) -> tuple[Expression, ...]:
+        every = dict.fromkeys(chain.from_iterable(map(parts, formulas)))
+        used = ((one, set(names_of(one))) for one in every)
+        if is_state:
+            return tuple(one for one, own in used if own & of_state)
+        return tuple(one for one, own in used if TIME in own and not own & of_state)
+
+    varying = partial(varying_parts, varying={TIME, *of_state})
+    edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(edges_of, events))))
+    crossings = (*events, *found(switching_functions, is_state=True), *edges)
+    narrow = tuple(map(without_overflow, found(varying, is_state=True)))
+    laws: dict[Expression, str] = {}
+    for one in system.constraints:
+        if one.law:
+            laws.setdefault(parse_expression(one.law, names, longest=len(one.law)), one.joint)
+    breaks = {one: tuple(filter(varies, places_of(one))) for one in laws}
+    followed = [one for one, places in breaks.items() if places or any(varying_parts(one, {TIME}))]
+    gaps = dict(_gaps(system, names))
+    switches = (*gaps, *found(switching_functions, is_state=False), *chain(*breaks.values()))
+    poles: dict[Expression, str] = {}
+    infinite: dict[Expression, None] = {}
+    for text, key in _texts(system):
+        if text and key:
+            for part in summands(parsed[text]):
+                own = dict.fromkeys(poles_of(part, {TIME, *of_state}), key)
+                poles = own | poles
+                infinite |= dict.fromkeys([part] * bool(own))
+    lengths = tuple(_lengths(system))
+    distances = tuple(one for one in found(squares_of, is_state=True) if one not in lengths)
+    told = (*crossings, *narrow, *poles, *infinite, *lengths, *distances)
+    read = set(chain.from_iterable(map(names_of, told)))
+    return Seen(
+        tuple(dict.fromkeys(switches)),
+        tuple(map(without_overflow, found(varying, is_state=False))),
+        tuple(one for one in measures if {one.name, one.rate} & read),
+        crossings,
+        narrow,
+        tuple(any(map(is_jump, ordered(one))) for one in events),
+        tuple(chain.from_iterable(map(with_rates, followed))),
+        tuple(laws[one] for one in followed),
+        tuple(poles),
+        tuple(poles.values()),
+        tuple(infinite),
+        lengths,
+        distances,
+        tuple(gaps),
+        tuple(gaps.values()),
+    )
+
+
+def _gaps(system: System, names: Collection[str]) -> Iterator[tuple[Expression, str]]:
+    """Laws of distances, less a part of what they are at the start, with their drivers."""
+    for one in system.constraints:
+        if not one.law or system.coordinates[one.terms[0].coordinate].kind != "length":
+            continue
+        law = parse_expression(one.law, names, longest=len(one.law))
+        if varies(law):
+            start = value_of(law, {TIME: 0.0, **dict(system.parameters)})
+            least = NO_DISTANCE * abs(start) if isfinite(start) else 0.0
+            yield add(law, neg(number(Fraction(least)))), one.joint
+
+
+def _measures(system: System) -> Iterator[Measure]:
+    for place, one in enumerate(system.coordinates):
+        yield Measure(one.name, f"{one.name}{RATE}", place, -1)
+    for place, force in enumerate(system.forces):
+        if force.law:
+            x, v = (f"{force.name}_{place}.{name}" for name in LAW_NAMES[:2])
+            yield Measure(x, v, force.coordinate, place)
+        if isinstance(force, PointSpring):
+            yield Measure(*_length_of(place, force), -1, place, is_length=True)
+
+
+def _length_of(place: int, force: PointSpring) -> tuple[str, str]:
+    """Names of the distance of a spring's ends and of its rate."""
+    name = f"{force.name}_{place}.l"
+    return name, f"{name}{RATE}"
+
+
+def _lengths(system: System) -> Iterator[Expression]:
+    """Squares of the lengths along which forces act, or that they depend on."""
+    texts = [text for text, _ in _texts(system) if text]
+    acted = {force.coordinate for force in system.forces}
+    for place, one in enumerate(system.coordinates):
+        names = (one.name, f"{one.name}{RATE}")
+        if one.kind == "length" and (
+            place in acted or any(used_names(text, names) for text in texts)
+        ):
+            yield square(symbol(one.name))
+    for place, force in enumerate(system.forces):
+        if isinstance(force, PointSpring) and not force.is_smooth:
+            yield square(symbol(_length_of(place, force)[0]))
+
+
+def _texts(system: System) -> Iterator[tuple[str, str]]:
+    """Formulas with the key of what pushes; those of springs name their own length."""
+    for place, force in enumerate(system.forces):
+        key = join("forces", force.name)
+        yield from ((text, key) for _, text in force.formulas)
+        text = force.law
+        for name in LAW_NAMES[:2]:
+            text = re.sub(rf"\b{name}\b", f"{force.name}_{place}.{name}", text)
+        yield text, key
+    yield from ((text, "gravity") for text in system.gravity_law)
+    yield from ((one.law, "") for one in system.constraints)

@@ -1,0 +1,84 @@
+"""Forces, gravity and events of a scene as those of a system."""
+
+from __future__ import annotations
+
+from itertools import chain
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.forces import FORCES
+from kousoku.model.elements.kind import Lowering
+from kousoku.model.expressions.formulas import RATE, state_names, used_names
+from kousoku.model.mechanics.frames import to_vector
+from kousoku.model.mechanics.multibody import SystemEvent
+from kousoku.model.numbers import precise
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kousoku.model.lowering.coordinates import CoordinateList
+    from kousoku.model.mechanics.frames import BodyFrame
+    from kousoku.model.mechanics.multibody import ForceElement
+    from kousoku.model.numbers.precise import High
+    from kousoku.model.records.orientation import Vector
+    from kousoku.model.records.scene import Scene
+
+DIRECTIONS = {"both": 0, "rising": 1, "falling": -1}
+
+
+def force_elements(
+    scene: Scene, frames: Mapping[str, BodyFrame], coordinates: CoordinateList, unit: High
+) -> tuple[ForceElement, ...]:
+    """Forces of a checked scene as elements; a bushing is several.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked scene.
+    frames : mapping of str to BodyFrame
+        Of all bodies and the ground.
+    coordinates : CoordinateList
+        What the forces need is added.
+    unit : number [m]
+        The unit of the scene.
+    """
+    given = Lowering(scene, frames, coordinates, unit)
+    found = [
+        element
+        for name, force in scene.forces.items()
+        for element in FORCES[force.type].elements(name, force, given)
+    ]
+    texts = chain.from_iterable(one.formulas for one in found)
+    for name in _named(scene, [text for _, text in texts]):
+        coordinates.place(name)
+    return tuple(found)
+
+
+def events_of(scene: Scene, coordinates: CoordinateList) -> tuple[SystemEvent, ...]:
+    """Events of a checked scene; what they need is added to the coordinates."""
+    for name in _named(scene, [event.when for event in scene.events.values()]):
+        coordinates.place(name)
+    return tuple(
+        SystemEvent(name, event.when, DIRECTIONS[event.direction], event.action)
+        for name, event in scene.events.items()
+    )
+
+
+def gravity_of(scene: Scene, unit: High) -> Vector:
+    """Acceleration of free fall [m/s²], frame O; zero where it is a formula."""
+    x, y, z = (0.0 if isinstance(value, str) else value for value in scene.gravity)
+    return to_vector(precise.scale(unit, precise.triple((x, y, z))))
+
+
+def gravity_law(scene: Scene) -> tuple[str, str, str]:
+    """Components of gravity that are formulas; the others are empty."""
+    x, y, z = (value if isinstance(value, str) else "" for value in scene.gravity)
+    return x, y, z
+
+
+def _named(scene: Scene, formulas: list[str]) -> list[str]:
+    """Coordinates that formulas name, or whose rates they name."""
+    known = state_names(scene)
+    names = chain.from_iterable(used_names(text, known) for text in formulas)
+    rates = {f"{name}{RATE}": name for name in scene.coordinates}
+    used = dict.fromkeys(rates.get(name, name) for name in names)
+    return [name for name in used if name in scene.coordinates]

@@ -1,0 +1,1 @@
+"""A system of bodies: its records, kinds of constraints, frames, and what is measured."""

@@ -1,0 +1,1 @@
+"""Numbers of 50 digits: dual, traced and varying ones, vectors and quaternions of them."""

@@ -1,0 +1,70 @@
+"""Numbers of a system that depend on parameters, as doubles with the value of the scene."""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+from kousoku.model.numbers.traced import Traced, at_scene
+from kousoku.model.records.design import Guarded
+
+if TYPE_CHECKING:
+    T = TypeVar("T")
+
+
+class Varying(Guarded):
+    """A double that depends on parameters, see :func:`kousoku.model.numbers.precise.number`.
+
+    Parameters
+    ----------
+    traced : Traced
+        The number in 50 digits, with its formula.
+    """
+
+    __slots__ = ("traced",)
+
+    traced: Traced
+
+    def __new__(cls, traced: Traced) -> Varying:
+        """Round the value that it has in the scene."""
+        made = super().__new__(cls, float(at_scene(traced)))
+        made.traced = traced
+        return made
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Varying) and self.traced == other.traced
+
+    def __hash__(self) -> int:
+        return hash(self.traced)
+
+    def __repr__(self) -> str:
+        return f"{float(self)!r} of {self.traced.expression.key}"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Varying, (self.traced,)
+
+
+def is_varying(value: object) -> bool:
+    """Whether a number, or one in a tuple, depends on parameters."""
+    if isinstance(value, tuple):
+        return any(map(is_varying, value))
+    return isinstance(value, Varying)
+
+
+def fixed(value: T) -> T:
+    """Number, tuple or record with the numbers of the scene, which nothing varies.
+
+    What has no number that varies is returned as it is.
+    """
+    found: Any = value
+    if isinstance(value, Varying):
+        found = float(value)
+    elif isinstance(value, tuple):
+        parts = tuple(map(fixed, value))
+        found = value if all(a is b for a, b in zip(parts, value, strict=True)) else parts
+    elif is_dataclass(value) and not isinstance(value, type):
+        given = {field.name: getattr(value, field.name) for field in fields(value)}
+        changed = {name: fixed(part) for name, part in given.items()}
+        changed = {name: part for name, part in changed.items() if part is not given[name]}
+        found = replace(value, **changed) if changed else value
+    return cast("T", found)

@@ -1,0 +1,1 @@
+"""Scenes read from TOML or built by calls, and written; their schema and typed keys."""

@@ -1,0 +1,1 @@
+"""Records of a scene: what its tables hold, and the problems that are found in them."""

@@ -1,0 +1,128 @@
+"""Check the parameters and coordinates of a spatial scene: names, and what is measured."""
+
+from __future__ import annotations
+
+from math import hypot
+from typing import TYPE_CHECKING
+
+from kousoku.model.angles import Angle
+from kousoku.model.elements.checks import (
+    check_leaves,
+    check_only_point,
+    check_place,
+    only_one,
+    refuse_foreign,
+)
+from kousoku.model.elements.joint import ANGLES
+from kousoku.model.errors import SceneError
+from kousoku.model.expressions.expression import ARGUMENTS
+from kousoku.model.expressions.formulas import LAW_NAMES, RATE, TIME
+from kousoku.model.records.design import LARGEST
+from kousoku.model.records.dotted_keys import join, require_known
+from kousoku.model.records.spatial import GROUND
+
+if TYPE_CHECKING:
+    from kousoku.model.records.problems import Problems
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Coordinate
+
+KEYS = {
+    "joint": ("joint", "of"),
+    "bodies": ("bodies", "points"),
+    "body": ("body", "point", "along"),
+}
+"""Keys of each sort of coordinate, by the one that says which it is."""
+
+TITLES = {
+    "joint": "the angle or the displacement of a joint",
+    "bodies": "the distance of two points",
+    "body": "the place of a point along a direction",
+}
+"""What each sort is, in one line."""
+
+SECOND = "_ddot"
+"""What follows the name of a coordinate in the column of its accelerations."""
+
+
+def check_coordinates(scene: Scene, problems: Problems) -> None:
+    """Check names that formulas use, and coordinates.
+
+    Parameters
+    ----------
+    scene : Scene
+        What could be built of it.
+    problems : Problems
+        What is broken in it, and where to note what else is wrong.
+    """
+    for table in ("parameters", "coordinates"):
+        for name in getattr(scene, table):
+            key = join(table, name)
+            problems.check(key, [key], _check_name, scene, table, name)
+    for name, given in scene.coordinates.items():
+        key = join("coordinates", name)
+        uses = [join("bodies", body) for body in (given.body, *(given.bodies or ())) if body]
+        if given.joint is not None:
+            uses.append(join("joints", given.joint))
+        problems.check(key, [key, *uses], _check_coordinate, scene, given, key)
+
+
+def _check_name(scene: Scene, table: str, name: str) -> None:
+    taken = {TIME: "the time", "pi": "a number", "deg": "the unit of 1/180 of pi"}
+    taken |= dict.fromkeys(ARGUMENTS, "a function")
+    if table == "parameters":
+        taken = dict.fromkeys(LAW_NAMES, "what the tension of a spring may depend on") | taken
+    key = join(table, name)
+    if name in taken:
+        raise SceneError(
+            f"the name {name!r} is {taken[name]} in formulas; choose another name", key=key
+        )
+    of = name.removesuffix(SECOND)
+    if table == "coordinates" and (name == "time" or (of != name and of in scene.coordinates)):
+        raise SceneError(
+            f"the name {name!r} is a column of the motion already; choose another name", key=key
+        )
+    of = name.removesuffix(RATE)
+    if of != name and of in scene.coordinates:
+        raise SceneError(
+            f"the name {name!r} is the rate of coordinates.{of} in formulas; choose another name",
+            key=key,
+        )
+
+
+def _check_coordinate(scene: Scene, given: Coordinate, key: str) -> None:
+    sort = only_one(given, tuple(KEYS), key)
+    known = tuple(name for names in KEYS.values() for name in names)
+    refuse_foreign(given, KEYS[sort], known, key)
+    is_angle = False
+    if given.joint is not None:
+        is_angle = check_leaves(scene, given.joint, given.of, key) in ANGLES
+    elif given.bodies is not None:
+        _check_distance(scene, given, key)
+    else:
+        check_place(scene, given.body, given.point, key)
+        if given.along is None:
+            raise SceneError("is missing; wanted a direction in frame O", key=f"{key}.along")
+        if not hypot(*given.along) >= 1 / LARGEST:
+            raise SceneError("has zero length; wanted a direction", key=f"{key}.along")
+    if isinstance(given.near, Angle) and not is_angle:
+        raise SceneError("is an angle; wanted a distance", key=f"{key}.near")
+    if given.near is not None and not is_angle and not given.hold:
+        raise SceneError(
+            "belongs to an angle, whose turns it tells apart, or to a coordinate with 'hold'; "
+            "leave it out",
+            key=f"{key}.near",
+        )
+
+
+def _check_distance(scene: Scene, given: Coordinate, key: str) -> None:
+    bodies: tuple[str, ...] = given.bodies or ()
+    if given.points is None:
+        raise SceneError("is missing; wanted a point in each body", key=f"{key}.points")
+    for index, (body, point) in enumerate(zip(bodies, given.points, strict=True)):
+        if body != GROUND:
+            require_known("body", body, scene.bodies, f"{key}.bodies[{index}]", GROUND)
+            check_only_point(scene, body, point, f"{key}.points[{index}]")
+    if len(set(bodies)) == 1:
+        raise SceneError(
+            f"connects {bodies[0]} to itself; wanted two different bodies", key=f"{key}.bodies"
+        )

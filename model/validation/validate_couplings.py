@@ -1,0 +1,89 @@
+"""Check couplings of a spatial scene: gears, racks and pinions, linear relations."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.checks import check_counted
+from kousoku.model.elements.joints import COUPLINGS, NAMES, leaves_of
+from kousoku.model.errors import SceneError
+from kousoku.model.records.dotted_keys import require_known
+from kousoku.model.records.spatial import GROUND
+from kousoku.model.text import with_a
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Joint
+
+MOST_BODIES = 4
+"""Moving bodies that one coupling may connect."""
+
+
+def check_coupling(scene: Scene, joint: Joint, key: str) -> None:
+    """Check a joint that couples coordinates of others.
+
+    Raises
+    ------
+    SceneError
+        With the dotted key of what is wrong.
+    """
+    kind = COUPLINGS[NAMES[joint.type]]
+    for name in joint.__struct_fields__:
+        if name in ("type", joint.FLAT, *kind.keys) or getattr(joint, name) is None:
+            continue
+        raise SceneError(
+            f"{with_a(joint.type)} couples what joints leave free, and has none; leave it out",
+            key=f"{key}.{name}",
+        )
+    wanted = [(name, what, getattr(joint, name)) for name, what in kind.wanted.items()]
+    wanted += [(name, one.meaning, joint.input(name)) for name, one in kind.inputs.items()]
+    for name, what, value in wanted:
+        if value is None:
+            raise SceneError(f"is missing; {with_a(joint.type)} wants {what}", key=f"{key}.{name}")
+    if joint.joints is not None:
+        _check_joints(scene, joint, kind.couples, key)
+    for name, _, value in wanted:
+        if name in kind.not_zero and value == 0:
+            raise SceneError(
+                f"a {name} of zero holds one of the two and leaves the other free; wanted a "
+                "positive or negative number",
+                key=f"{key}.{name}",
+            )
+    kind.check(scene, joint, key)
+    bodies = dict.fromkeys(_bodies(scene, joint))
+    if len(bodies) > MOST_BODIES:
+        raise SceneError(
+            f"connects {len(bodies)} moving bodies; at most {MOST_BODIES} are possible: couple "
+            "fewer coordinates",
+            key=key,
+        )
+
+
+def _check_joints(scene: Scene, joint: Joint, wanted: Sequence[str], key: str) -> None:
+    coupled: tuple[str, ...] = joint.joints or ()
+    for index, (name, sort) in enumerate(zip(coupled, wanted, strict=True)):
+        place = f"{key}.joints[{index}]"
+        require_known("joint", name, scene.joints, place)
+        kind = scene.joints[name].type
+        if sort not in leaves_of(kind):
+            raise SceneError(
+                f"{name} is {with_a(kind)} joint, which has no {sort} that is one number; wanted a "
+                f"joint that leaves one free",
+                key=place,
+            )
+        check_counted(scene, name, sort, place)
+    if len(set(coupled)) == 1:
+        raise SceneError(
+            f"couples {coupled[0]} to itself; wanted two different joints", key=f"{key}.joints"
+        )
+
+
+def _bodies(scene: Scene, joint: Joint) -> Iterator[str]:
+    """Moving bodies that a coupling connects."""
+    given = [scene.coordinates[name] for name in joint.coordinates or ()]
+    names = [*(joint.joints or ()), *(one.joint for one in given if one.joint is not None)]
+    bodies = [body for name in names for body in scene.joints[name].ends]
+    bodies += [body for one in given for body in (one.body, *(one.bodies or ())) if body]
+    yield from (body for body in bodies if body != GROUND)

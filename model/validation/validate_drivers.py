@@ -1,0 +1,139 @@
+"""Check the drivers of a spatial scene: what each drives, and by which formula."""
+
+from __future__ import annotations
+
+from math import isfinite, pi
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.checks import only_one, refuse_foreign
+from kousoku.model.elements.drivers import DRIVERS, own_inputs
+from kousoku.model.elements.joints import sort_of
+from kousoku.model.errors import ExpressionError, SceneError
+from kousoku.model.expressions.exponentials import rate_of
+from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.formulas import RATE, TIME, values_at_start
+from kousoku.model.expressions.kinks import kink_of
+from kousoku.model.expressions.values import value_of
+from kousoku.model.linkage.input_drivers import formula_text
+from kousoku.model.operations.graph import Op
+from kousoku.model.records.dotted_keys import join
+from kousoku.model.records.problems import Problems
+
+if TYPE_CHECKING:
+    from kousoku.model.elements.driver import Driven
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Driver, Value
+
+
+def check_drivers(scene: Scene, problems: Problems) -> None:
+    """Check all drivers; whether they leave anything to move is left to the solver.
+
+    Parameters
+    ----------
+    scene : Scene
+        What could be built of it.
+    problems : Problems
+        What is broken in it, and where to note what else is wrong.
+    """
+    drives: dict[Driven, str] = {}
+    for name, driver in scene.drivers.items():
+        key = join("drivers", name)
+        uses = [
+            join(table, used)
+            for table, used in (
+                ("coordinates", driver.coordinate),
+                ("joints", driver.joint),
+                ("bodies", driver.body),
+            )
+            if used is not None
+        ]
+        problems.check(key, [key, *uses], _check_driven, scene, name, drives)
+        if not problems.touches("parameters"):  # a formula may use the one that is missing
+            problems.check(key, (), _check_laws, scene, driver, key)
+            problems.check(key, [key, *uses], _check_turn, scene, driver, f"{key}.value")
+    for name, given in scene.inputs.items():
+        if given.joint is None or problems.is_broken(join("inputs", name)):
+            continue
+        driven = (given.joint, sort_of(scene.joints[given.joint].type, None))
+        if other := drives.get(driven):
+            problem = f"prescribes the joint {given.joint}, as {other} does"
+            problems.add(problem, join("inputs", name))
+
+
+def _check_driven(scene: Scene, name: str, drives: dict[Driven, str]) -> None:
+    driver, key = scene.drivers[name], join("drivers", name)
+    kind = DRIVERS[only_one(driver, tuple(DRIVERS), key)]
+    known = tuple(dict.fromkeys(name for one in DRIVERS.values() for name in one.all_keys))
+    refuse_foreign(driver, kind.all_keys, known, key)
+    for driven in kind.driven(scene, driver, key):
+        other = drives.setdefault(driven, key)
+        if other != key:
+            raise SceneError(f"drives the same as {other}; leave one of them out", key=key)
+
+
+def _check_laws(scene: Scene, driver: Driver, key: str) -> None:
+    """Check all formulas of a driver, whatever is wrong with what it drives."""
+    laws = {f"{key}.path[{index}]": value for index, value in enumerate(driver.path or ())}
+    if driver.value is not None:
+        laws[f"{key}.value"] = driver.value
+    for name, one in own_inputs().items():
+        if one.depends_on == "time" and driver.input(name) is not None:
+            laws[f"{key}.{name}"] = driver.input(name)
+    problems = Problems()
+    for place, value in laws.items():
+        problems.check(place, (), _check_law, scene, value, place)
+    problems.settle()
+
+
+def _check_turn(scene: Scene, driver: Driver, key: str) -> None:
+    """Check that an angle which says which turn it is in is driven in that one."""
+    if driver.value is None:
+        return
+    turn = DRIVERS[only_one(driver, tuple(DRIVERS), key)].near(scene, driver)
+    if turn is None:
+        return
+    name, near = turn
+    start = _check_law(scene, driver.value, key)
+    if abs(near - start) > pi:
+        raise SceneError(
+            f"is {start:g} at t = 0, and {name} is near {near:g}; wanted both within "
+            "half a turn, or leave 'near' out",
+            key=key,
+        )
+
+
+def _check_law(scene: Scene, value: Value, key: str) -> float:
+    """Check a formula of time: it is known at the start, and so are its two derivatives.
+
+    Returns
+    -------
+    float
+        Its value at the start.
+    """
+    start = values_at_start(scene)
+    try:
+        law = parse_expression(formula_text(value), start)
+    except ExpressionError as error:
+        raise SceneError(_with_state(scene, str(error)), key=key) from None
+    kink = kink_of(law, TIME, scene.parameters)
+    if kink is not None:
+        what = {Op.POW: "a power", Op.DIV: "a quotient"}.get(kink.op, kink.op.value)
+        raise SceneError(
+            f"{what} has a kink, where velocities or accelerations would jump: a "
+            "driver must have two derivatives; wanted a smooth formula",
+            key=key,
+        )
+    starts = []
+    for order, what in enumerate(("value", "rate", "acceleration")):
+        starts.append(value_of(rate_of(law, TIME, order), start))
+        if not isfinite(starts[-1]):
+            raise SceneError(f"has no finite {what} at t = 0; wanted one", key=key)
+    return starts[0]
+
+
+def _with_state(scene: Scene, problem: str) -> str:
+    """Message, and that formulas of drivers do not depend on coordinates."""
+    names = (f"{name}{end}" for name in scene.coordinates for end in ("", RATE))
+    if any(f"name {name!r}" in problem for name in names):
+        return f"{problem.partition('; ')[0]}; a driver depends on t and on parameters only"
+    return problem

@@ -1,0 +1,140 @@
+"""Check the forces, gravity and events of a spatial scene one by one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.forces import DEPENDS_ON, FORCES
+from kousoku.model.errors import SceneError
+from kousoku.model.expressions.formulas import (
+    LAW_NAMES,
+    TIME,
+    fixed_names,
+    formula_problems,
+    state_names,
+    used_names,
+    values_at_start,
+)
+from kousoku.model.records.dotted_keys import join, require_known
+from kousoku.model.records.spatial import GROUND
+from kousoku.model.text import with_a
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from kousoku.model.records.loads import Force
+    from kousoku.model.records.problems import Problems
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.spatial import Event
+
+
+def uses_of(force: Force) -> list[str]:
+    """Elements that the check of a force depends on."""
+    tables = {
+        "bodies": (force.body, *(force.bodies or ())),
+        "joints": (force.joint,),
+        "coordinates": (force.coordinate,),
+    }
+    return [join(table, name) for table, names in tables.items() for name in names if name]
+
+
+def check_force(
+    scene: Scene, force: Force, key: str, names: Collection[str], problems: Problems
+) -> None:
+    """Check the parts of a force, each whatever is wrong with the others.
+
+    Formulas are checked unless a table of names that they may use is not what it should be.
+
+    Parameters
+    ----------
+    scene : Scene
+        Where it is.
+    force : Force
+        The force.
+    key : str
+        Its dotted key.
+    names : collection of str
+        What formulas of the motion may depend on.
+    problems : Problems
+        What is broken in the scene, and where to note what else is wrong.
+    """
+    problems.check(key, uses_of(force), _check_keys, scene, force, key)
+    if not problems.touches("parameters", "coordinates"):
+        problems.check(key, (), _check_formulas, scene, force, key, names)
+
+
+def _check_keys(scene: Scene, force: Force, key: str) -> None:
+    """Refuse keys that do not belong to the type, bodies that are not there, and lost points."""
+    require_known("force", force.type, FORCES, f"{key}.type")
+    kind = FORCES[force.type]
+    own = kind.keys
+    for name in dict.fromkeys(name for one in FORCES.values() for name in one.keys):
+        if name not in own and getattr(force, name) is not None:
+            raise SceneError(f"{with_a(force.type)} has none; leave it out", key=f"{key}.{name}")
+    if "bodies" in own:
+        _check_ends(scene, force, key)
+    kind.check(scene, force, key)
+
+
+def check_gravity(scene: Scene) -> None:
+    """Refuse components of gravity that are no formulas of parameters.
+
+    Raises
+    ------
+    SceneError
+        All of them.
+    """
+    start = values_at_start(scene)
+    if found := list(formula_problems(scene.gravity, fixed_names(scene), "gravity", start)):
+        raise SceneError.of(found)
+
+
+def check_event(scene: Scene, event: Event, key: str) -> None:
+    """Refuse an event whose formula is none, or never changes.
+
+    Raises
+    ------
+    SceneError
+        With the dotted key of the formula.
+    """
+    names = state_names(scene)
+    if found := list(formula_problems(event.when, names, key, values_at_start(scene))):
+        raise SceneError.of(found)
+    if not used_names(event.when, names - scene.parameters.keys()):
+        raise SceneError(
+            "never changes, so that it passes zero nowhere; wanted a formula of t, of coordinates"
+            " or of their rates, such as 'x - 1' or 'x_dot'",
+            key=key,
+        )
+
+
+def _check_ends(scene: Scene, force: Force, key: str) -> None:
+    """Check what has two bodies."""
+    if force.bodies is None:
+        raise SceneError("is missing; wanted the two bodies", key=f"{key}.bodies")
+    bodies = force.bodies
+    for index, name in enumerate(bodies):
+        require_known("body", name, scene.bodies, f"{key}.bodies[{index}]", GROUND)
+    if len(set(bodies)) == 1:
+        raise SceneError(
+            f"connects {bodies[0]} to itself; wanted two different bodies", key=f"{key}.bodies"
+        )
+
+
+def _check_formulas(scene: Scene, force: Force, key: str, names: Collection[str]) -> None:
+    """Refuse texts that are no formulas, all of them."""
+    fixed, start = fixed_names(scene), values_at_start(scene)
+    known: dict[str, Collection[str]]
+    known = {"parameters": fixed, "time": fixed_names(scene, TIME), "motion": names}
+    known["law"] = fixed_names(scene, *LAW_NAMES)
+    given = [(name, getattr(force, name), depends_on) for name, depends_on in DEPENDS_ON.items()]
+    inputs = FORCES[force.type].inputs if force.type in FORCES else {}
+    given += [(name, force.input(name), one.depends_on) for name, one in inputs.items()]
+    found = [
+        problem
+        for name, value, depends_on in given
+        if depends_on != "nothing"
+        for problem in formula_problems(value, known[depends_on], f"{key}.{name}", start)
+    ]
+    if found:
+        raise SceneError.of(found)

@@ -1,0 +1,115 @@
+"""Refuse what a scene of bodies gives without effect: nothing is dropped silently."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.elements.forces import FORCES
+from kousoku.model.records.dotted_keys import join, unknown
+from kousoku.model.records.planar import Method
+from kousoku.model.records.spatial import SOLIDS
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from kousoku.model.records.problems import Problems
+    from kousoku.model.records.scene import Scene
+
+OUTPUTS = ("positions", "velocities", "accelerations", "coordinates", "reactions", "energies")
+"""All outputs of a scene of bodies."""
+
+OF_LINKAGES = ("positions", "velocities", "accelerations", "angles")
+"""All outputs of a planar linkage."""
+
+SOURCES = {"coordinates": ("coordinates",), "reactions": ("joints", "drivers")}
+"""The tables that an output comes from."""
+
+
+def check_unused(scene: Scene, given: Collection[str], problems: Problems) -> None:
+    """Note each key of a scene of bodies that changes nothing.
+
+    What may depend on a part that is wrong is not looked at: the part may need it.
+
+    Parameters
+    ----------
+    scene : Scene
+        What could be built of it.
+    given : collection of str
+        The keys of the scene that are written, defaults included.
+    problems : Problems
+        What is broken in it, and where to note what else is wrong.
+    """
+    if "divisions" in given and not (scene.inputs or problems.touches("inputs", "divisions")):
+        problem = (
+            "divides the way of inputs, and there are none; leave it out: a run says its times, as "
+            "kousoku simulate --end and --samples"
+        )
+        problems.add(problem, "divisions")
+    if "method" in given and scene.method == Method() and not problems.is_broken("method"):
+        problems.add("belongs to a planar linkage; leave it out", "method")
+    _check_outputs(scene, problems)
+    _check_masses(scene, problems)
+    for name, body in scene.bodies.items():
+        for index, held in enumerate(body.hold):
+            if held in body.hold[:index]:
+                key = f"{join('bodies', name)}.hold[{index}]"
+                problems.add(f"{held!r} stands there twice; leave one out", key)
+    for name, force in scene.forces.items():
+        key = join("forces", name)
+        if not problems.is_broken(key):
+            for own, problem in FORCES[force.type].unused(force) if force.type in FORCES else ():
+                problems.add(problem, f"{key}.{own}")
+
+
+def _check_outputs(scene: Scene, problems: Problems) -> None:
+    """Refuse outputs of what the scene has none of."""
+    for index, output in enumerate(scene.outputs):
+        if output not in OUTPUTS or problems.touches(*SOURCES.get(output, ())):
+            continue  # it is refused elsewhere, or what it comes from is broken
+        if problem := output_problem(scene, output):
+            problems.add(problem, f"outputs[{index}]")
+
+
+def output_problem(scene: Scene, output: str) -> str:
+    """Problem with an output of a scene: it knows none such, or has none.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    output : str
+        Its name.
+
+    Returns
+    -------
+    str
+        Empty where nothing is.
+    """
+    known = OUTPUTS if scene.is_spatial else OF_LINKAGES
+    if problem := foreign_output(scene, output):
+        return problem
+    if output not in known:
+        return unknown(f"output {output[:40]!r}", output, known)
+    tables = SOURCES.get(output, ())
+    if tables and not any(getattr(scene, table) for table in tables):
+        return f"the scene has no {' and no '.join(tables)}; leave it out"
+    return ""
+
+
+def foreign_output(scene: Scene, output: str) -> str:
+    """Problem with an output that scenes of the other sort have, else nothing."""
+    known, others = (OUTPUTS, OF_LINKAGES) if scene.is_spatial else (OF_LINKAGES, OUTPUTS)
+    if output in known or output not in others:
+        return ""
+    what = "bodies and joints" if scene.is_spatial else "a planar linkage"
+    return f"{output!r} is no output of {what}; leave it out"
+
+
+def _check_masses(scene: Scene, problems: Problems) -> None:
+    """Refuse forces where there is no mass that they could move."""
+    if not scene.forces or not scene.bodies or problems.touches("bodies"):
+        return
+    if any(getattr(body, key) for body in scene.bodies.values() for key in ("mass", *SOLIDS)):
+        return
+    problem = "move nothing, since no body has a mass; give the bodies masses, or leave them out"
+    problems.add(problem, "forces")

@@ -1,0 +1,62 @@
+"""Folds: functions that undo each other but for a kink or a jump."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from kousoku.model.errors import SceneError
+from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.folds import without_folds
+from kousoku.model.expressions.values import value_of
+from kousoku.model.reading.read import scene_from_toml
+
+FOLDS = (
+    *("asin(sin(t))", "asin(cos(2*t))", "acos(cos(t))", "acos(sin(t - 1))", "3*asin(sin(t))^2 + t"),
+    *(
+        "(t-1)/abs(t-1)",
+        "-2*(t-1)/abs(t-1)",
+        "abs(t-1)/(t-1)",
+        "(t-1)/sqrt((t-1)^2)",
+        "t*(t-1)/abs(t-1)",
+    ),
+)
+
+
+@pytest.mark.parametrize("text", FOLDS)
+def test_formulas_without_folds_have_the_same_values(text: str) -> None:
+    formula = parse_expression(text, ("t",))
+    unfolded, folds = without_folds(formula)
+    assert unfolded != formula
+    assert folds
+    for k in range(200):
+        values = {"t": 0.0371 * k - 3.0}
+        size = 1e-7 if "asin" in text or "acos" in text else 1e-14  # near its ends asin has half
+        wanted = value_of(formula, values)
+        assert value_of(unfolded, values) == pytest.approx(wanted, rel=0, abs=size * math.pi)
+
+
+@pytest.mark.parametrize(
+    "text", ["asin(sin(t)/2)", "acos(t/9)", "t/abs(t - 1)", "(t-1)/abs(t-2)", "sin(t)/t", "2*t"]
+)
+def test_other_formulas_stay_as_they_are(text: str) -> None:
+    formula = parse_expression(text, ("t",))
+    unfolded, folds = without_folds(formula)
+    assert unfolded is formula
+    assert not folds
+
+
+@pytest.mark.parametrize(
+    ("law", "what"),
+    [("asin(sin(t))", "asin"), ("2*asin(sin(t))^3", "asin"), ("(t-5)/abs(t-5)", "a quotient")],
+)
+def test_drivers_with_a_fold_are_refused(law: str, what: str) -> None:
+    """They led no further where the argument of asin comes to its end, without a reason."""
+    with pytest.raises(SceneError, match=rf"drivers\.motor\.value: {what} has a kink, where"):
+        scene_from_toml(
+            'name = "shaft"\nunit = "m"\n[bodies]\nshaft = { position = [0, 0, 0] }\n[joints]\n'
+            'axle = { type = "hinge", bodies = ["ground", "shaft"], at = [0, 0, 0],'
+            ' axis = [0, 0, 1] }\n[coordinates]\nturn = { joint = "axle" }\n[drivers]\n'
+            f'motor = {{ coordinate = "turn", value = "{law}" }}\n'
+        )

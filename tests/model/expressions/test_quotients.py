@@ -1,0 +1,112 @@
+"""Quotients that are 0/0 somewhere: which have a limit there, and what bounds them."""
+
+from __future__ import annotations
+
+import operator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.model.expressions.derivative import derivative
+from kousoku.model.expressions.enclosure import Bounds
+from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.quotients import coefficients, without_quotients
+from kousoku.model.expressions.values import value_of
+from kousoku.model.numbers.digits import CONTEXT
+from kousoku.model.numbers.traced import traced
+from kousoku.model.operations.graph import Op
+from kousoku.model.operations.terms import ZERO, Expression, mul, ordered, symbol
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kousoku.model.operations.terms import Expression
+
+SPANS = {"t": Bounds(symbol("first"), symbol("last"))}
+CALLS: dict[Op, Callable[..., Any]] = {
+    Op.ADD: lambda *terms: sum(terms),
+    Op.MUL: operator.mul,
+    Op.DIV: operator.truediv,
+    Op.NEG: operator.neg,
+    Op.POW: operator.pow,
+    Op.SIN: np.sin,
+    Op.COS: np.cos,
+    Op.EXP: np.exp,
+    Op.ABS: np.abs,
+    Op.MIN: np.fmin,
+    Op.MAX: np.fmax,
+}
+#: Each with the power of what is zero at 5 that it is divided by.
+LIMITS = {
+    "sin(t - 5)/(t - 5)": 1,
+    "(1 - cos(t - 5))/(t - 5)^2": 2,
+    "(exp(t - 5) - 1)/(t - 5)": 1,
+    "(t - 5)/(exp(t - 5) - 1)": 1,
+    "sin(2*t - 10)/(t - 5)": 1,
+    "(t - 5)/sin(t - 5)": 1,
+    "(sin(3*(t - 5)) - 3*(t - 5))/(t - 5)^3": 3,
+}
+
+
+def in_doubles(expression: Expression, first: float, last: float) -> float:
+    """Bound as solvers compute it."""
+    known: dict[int, np.float64] = {}
+    with np.errstate(all="ignore"):
+        for part in ordered(expression):
+            if part.args:
+                known[id(part)] = CALLS[part.op](*(known[id(arg)] for arg in part.args))
+            else:
+                known[id(part)] = np.float64(value_of(part, {"first": first, "last": last}))
+    return float(known[id(expression)])
+
+
+@pytest.mark.parametrize("text", LIMITS)
+def test_bounds_are_those_of_the_limit(text: str) -> None:
+    formula = parse_expression(text, ["t"])
+    _, (quotient,) = without_quotients(formula, SPANS)
+    assert quotient.order == LIMITS[text]
+    rate = derivative(formula, "t")
+    bounds = quotient.bounds(rate, derivative(quotient.place, "t"), SPANS)
+    for first, last in ((4.9, 5.2), (4.99, 5.0), (5.0, 5.001), (4.8, 4.81), (5.05, 5.06)):
+        times = [CONTEXT.mpf(time) for time in np.linspace(first, last, 8)[1:-1]]
+        for name, one in ((quotient.name, formula), (quotient.rate, rate)):
+            least, most = (in_doubles(bound, first, last) for bound in bounds[name])
+            values = [float(traced(one, {"t": time})) for time in times]
+            assert least - 1e-9 <= min(values) <= max(values) <= most + 1e-9
+            assert most - least < 30.0 * (last - first)
+
+
+def test_a_quotient_of_a_quotient_varies_with_it() -> None:
+    formula = parse_expression("sin(t)/t*(exp(t - 1) - 1)/(t - 1)", ["t"])
+    anew, found = without_quotients(formula, SPANS)
+    assert anew == mul(*(symbol(one.name) for one in found))
+    assert [one.order for one in found] == [1, 1]
+    assert without_quotients(parse_expression("(sin(t)/t)/t", ["t"]), SPANS)[1] == found[:1]
+
+
+def test_what_varies_beside_is_a_factor() -> None:
+    formula = parse_expression("t*sin(t - k)/(3*(t - k))", ["t", "k"])
+    anew, (quotient,) = without_quotients(formula, SPANS)
+    assert quotient.whole == parse_expression("sin(t - k)/(3*(t - k))", ["t", "k"])
+    assert anew == mul(symbol("t"), symbol(quotient.name))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("1/(t - 5)", "cos(t - 5)/(t - 5)", "sin(t - 5)/(t - 5)^2", "sin(t)/(t - 5)", "abs(t)/t"),
+        *("sqrt(t)/t", "sin(k)/k", "t*k/2", "log(t)/t", "sin(t)/(1 + t^2)", "t^0.5/sin(t)"),
+    ],
+)
+def test_others_stay_what_they_are(text: str) -> None:
+    formula = parse_expression(text, ["t", "k"])
+    assert without_quotients(formula, SPANS) == (formula, ())
+
+
+def test_factors_are_those_of_taylor() -> None:
+    formula = parse_expression("(exp(t) - 1)/t", ["t"])
+    _, (quotient,) = without_quotients(formula, SPANS)
+    found = coefficients(quotient.above, 4)
+    assert found[0] == ZERO
+    assert [one.value * 6 for one in found[1:] if one.value is not None] == [6, 3, 1]
