@@ -15,7 +15,7 @@ from kousoku.model.version import __version__
 FORMAT = 2
 #: What a package and the runtime agree on: functions and records of C, rows, data files. It is
 #: raised when a package of before would not run with the runtime of now, or the other way round.
-ABI = 3
+ABI = 4
 #: A file of a package: in its folder, or in one folder of that, such as ``integrate/memory.h``.
 PLAIN = re.compile(r"(?=.{1,200}\Z)(?:[A-Za-z_]\w*/)?[A-Za-z_][\w-]*(?:\.\w+)+", re.ASCII)
 #: File of the reference values, compressed as :mod:`kousoku.model.files.compressed` does.

@@ -44,7 +44,7 @@ def places(text: str, width: int) -> Slots:
 
 
 class Functions(NamedTuple):
-    """What kernels call."""
+    """Functions that kernels call."""
 
     sqrt: Callable[[Any], Any]
     sin: Callable[[Any], Any]

@@ -27,6 +27,24 @@ static int walk(Run *run, Workspace *w, const double *to, Convergence *convergen
     return status;
 }
 
+/* straight to other inputs, by at most a turn at once, or as much as moves LENGTH as far: the
+ * shortest steps are a part of that */
+static int walk_on(Run *run, Workspace *w, const double *to, Convergence *convergence)
+{
+    double from[INPUTS], part[INPUTS], far = 0.0;
+    for (size_t i = 0; i < INPUTS; ++i) {
+        from[i] = w->alpha[i];
+        far = larger(far, fabs(to[i] - from[i]) * input_scales[i] / LENGTH);
+    }
+    const double pieces = ceil(far / TWO_PI);
+    int status = pieces < MOST_TRIES ? GOOD : TOO_FAR;
+    for (double k = 1.0; status == GOOD && k < pieces; k += 1.0) {
+        for (size_t i = 0; i < INPUTS; ++i) part[i] = from[i] + (to[i] - from[i]) * (k / pieces);
+        status = walk(run, w, part, convergence);
+    }
+    return status == GOOD ? walk(run, w, to, convergence) : status;
+}
+
 /* to where the run begins: whole turns with it, for they need not lead back; so many as do are made
  * once */
 static int approach(Run *run, Workspace *w, Convergence *convergence)
@@ -46,7 +64,7 @@ static int approach(Run *run, Workspace *w, Convergence *convergence)
             left = rest;
         }
     }
-    return status == GOOD ? walk(run, w, run->origin, convergence) : status;
+    return status == GOOD ? walk_on(run, w, run->origin, convergence) : status;
 }
 
 #endif

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .equations import LinkageCoordinates
+from .newton import largest
 from .status import MOST_TRIES, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
@@ -51,6 +52,20 @@ def approach(way: Continuation, residual: float) -> float:
             alpha, x = way.position
             way.position = LinkageCoordinates(alpha + turn * (left - left % gone), x)
             left %= gone
+    return _walk_on(way, to, residual)
+
+
+def _walk_on(way: Continuation, to: Array, residual: float) -> float:
+    """Go straight to other inputs, by at most a turn at once, or as much as moves a length as far.
+
+    The shortest steps are a part of that.
+    """
+    start, span = way.position.alpha, to - way.position.alpha
+    pieces = math.ceil(largest(span * way.input_scale / way.newton.length) / math.tau)
+    if pieces >= MOST_TRIES:
+        raise StopError(AnalysisStatus.TOO_FAR)
+    for k in range(1, pieces):
+        residual = _walk(way, start + span * (k / pieces), residual)
     return _walk(way, to, residual)
 
 

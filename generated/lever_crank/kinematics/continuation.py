@@ -55,7 +55,7 @@ class Continuation:
         self.step = math.inf
         self._certifiers = [Certifier(mechanism, block) for block in mechanism.blocks]
         self._is_angle = np.array([unknown.is_angle for unknown in mechanism.unknowns])
-        self._input_scale = np.array([given.scale for given in mechanism.inputs])
+        self.input_scale = np.array([given.scale for given in mechanism.inputs])
 
     def motion_at(self, division: int) -> tuple[Array, Array]:
         """Differentiate in time, and along the way for the next prediction.
@@ -100,7 +100,7 @@ class Continuation:
         pace, pace_dot = delta, np.zeros_like(delta)
         if run.times is not None:
             pace, pace_dot = self.rate, np.asarray(run.rate_dot)
-        whole = np.where(delta, delta, self.newton.length / self._input_scale)
+        whole = np.where(delta, delta, self.newton.length / self.input_scale)
         left = 1.0 if run.times is None else float(run.times[row]) - self.time
         time = 0.0
         while left > 0:

@@ -32,7 +32,7 @@ ADVICE = {
     AnalysisStatus.DEAD_CENTRE: "shorten the way of the input, or drive another link",
     AnalysisStatus.LIMIT_TOO_SMALL: "give a larger residual limit",
     AnalysisStatus.NOT_FINITE: "check lengths, positions and inputs",
-    AnalysisStatus.TOO_FAR: "ask for more rows between",
+    AnalysisStatus.TOO_FAR: "begin nearer to the scene, or ask for more rows between",
 }
 #: Divisions that are counted without rounding.
 MOST_ROWS = 2**53

@@ -1,4 +1,4 @@
-"""What is asked of an analysis, and the rows of its results."""
+"""Request of an analysis, and the rows of its results."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ RUN = (
 
 @dataclass(frozen=True, slots=True)
 class RunRequest:
-    """What is asked. The inputs of a division are those of ``solver.h``.
+    """Request of a run. The inputs of a division are those of ``solver.h``.
 
     Parameters
     ----------
@@ -265,7 +265,7 @@ def request(
 
 @dataclass(slots=True)
 class Rows:
-    """What came out, one row for each division; after a failure row ``done`` is where it stopped.
+    """Results, one row for each division; after a failure row ``done`` is where it stopped.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class KinematicSolver:
-    """What a folder computes with: its segments, and the analysis beside them.
+    """Solver of a folder: its segments, and the analysis beside them.
 
     Parameters
     ----------

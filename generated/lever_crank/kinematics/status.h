@@ -38,7 +38,7 @@ static const char *message_of(int status)
         "the residual limit is smaller than rounding allows",
         "a number is not finite",
         "an option is not finite, not positive, or start is beyond first; or times do not ascend",
-        "the inputs go too far from one row to the next: more than 1,000,000 steps",
+        "the inputs go too far, to the first row or from row to row: more than 1,000,000 steps",
     };
     return status >= GOOD && status <= TOO_FAR ? messages[status] : "unknown status";
 }

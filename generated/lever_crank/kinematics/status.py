@@ -1,4 +1,4 @@
-"""What an analysis ends with, and the tolerances that decide it; ``status.h`` states the same.
+"""Status of an analysis at its end, and tolerances that decide it, as in ``status.h``.
 
 They stand in both languages because each solver works alone: the C program without Python, the
 NumPy solver without a compiler.
@@ -24,7 +24,7 @@ MOST_TRIES = 1_000_000
 
 
 class AnalysisStatus(IntEnum):
-    """What an analysis ends with."""
+    """Status of an analysis at its end."""
 
     GOOD = 0
     NOT_ASSEMBLED = 1
@@ -51,7 +51,7 @@ MESSAGES = (
     "the residual limit is smaller than rounding allows",
     "a number is not finite",
     "an option is not finite, not positive, or start is beyond first; or times do not ascend",
-    "the inputs go too far from one row to the next: more than 1,000,000 steps",
+    "the inputs go too far, to the first row or from row to row: more than 1,000,000 steps",
 )
 
 

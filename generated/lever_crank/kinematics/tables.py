@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     Segment: TypeAlias = Callable[[Array], None]
 
 
-class Link(NamedTuple):
+class LinkRecord(NamedTuple):
     """A link: its name, its nodes, and its length in the unit of the mechanism."""
 
     name: str
@@ -25,7 +25,7 @@ class Link(NamedTuple):
     length: float
 
 
-class Input(NamedTuple):
+class InputRecord(NamedTuple):
     """A prescribed coordinate.
 
     Parameters
@@ -126,7 +126,7 @@ class LinkageTables:
         What is wanted beside positions: ``velocities``, ``accelerations``, ``angles``.
     nodes : tuple of str
         The nodes, in the order of the results.
-    links : tuple of Link
+    links : tuple of LinkRecord
         The links, in the order of the results.
     inputs, unknowns : tuple
         The prescribed and the unknown coordinates.
@@ -145,8 +145,8 @@ class LinkageTables:
     length: float
     outputs: tuple[str, ...]
     nodes: tuple[str, ...]
-    links: tuple[Link, ...]
-    inputs: tuple[Input, ...]
+    links: tuple[LinkRecord, ...]
+    inputs: tuple[InputRecord, ...]
     unknowns: tuple[Unknown, ...]
     blocks: tuple[Block, ...]
     work_size: int
@@ -167,9 +167,9 @@ class LinkageTables:
             length=data["length"],
             outputs=tuple(data["outputs"]),
             nodes=tuple(data["nodes"]),
-            links=tuple(Link(*link) for link in data["links"]),
+            links=tuple(LinkRecord(*link) for link in data["links"]),
             inputs=tuple(
-                Input(name, unit, scale, start)
+                InputRecord(name, unit, scale, start)
                 for (name, unit, scale), start in zip(
                     data["inputs"], data["run"]["origin"], strict=True
                 )

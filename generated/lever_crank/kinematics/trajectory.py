@@ -38,7 +38,7 @@ TABLES |= {table: "angles" for table, *_ in LINK}
 
 
 class Iterations(NamedTuple):
-    """What an analysis cost, and what it left of the equations: its ledger.
+    """Iterations of an analysis, and residuals that it left: its ledger.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ class Trajectory(Result):
 
     @property
     def ledger(self) -> Ledger:
-        """What it cost, and what is left of the equations."""
+        """Ledger: what it cost, and what is left of the equations."""
         steps = self.iterations
         least = int(np.min(steps[1:])) if len(steps) > 1 else 0
         counts = least, int(np.max(steps, initial=0)), int(np.sum(steps))
@@ -240,7 +240,7 @@ class Trajectory(Result):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader should know: turns that do not lead back, and digits that are lost."""
+        """Notes for a reader: turns that do not lead back, and digits that are lost."""
         found = []
         far = ", ".join(f"{node} {gap:.3g} {self.unit}" for node, gap in self.turn_gaps.items())
         if far:

@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .events import EventLog, add_row, bends, infinite, without_value
+from .events import (
+    EventLog,
+    add_row,
+    bends,
+    infinite,
+    without_direction,
+    without_value,
+)
 from .given import require_options, require_steps, times_of, values_of
 from .given_start import given_start
 from .initial_given import initial_of, parameters_of
@@ -62,15 +69,15 @@ class Alone:
             end = self.layout.duration
         size = self.solver.scene.row_size
         chosen = times_of(self.layout.name, end, times, samples, size)
-        return Run(self, chosen, **options).finish()
+        return RunAlone(self, chosen, **options).finish()
 
-    def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
+    def begin(self, times: Sequence[float] | Array, **options: Any) -> RunAlone:
         """Run at time 0 that can be stopped and go on."""
         require_options(self.layout.name, options, OPTIONS, "times")
-        return Run(self, times_of(self.layout.name, None, times, 0), **options)
+        return RunAlone(self, times_of(self.layout.name, None, times, 0), **options)
 
 
-class Run:
+class RunAlone:
     """A run that can be stopped and go on.
 
     Parameters
@@ -155,7 +162,7 @@ class Run:
         from .placing import started
 
         data, scene = self._scene.data, self._scene.solver.scene
-        rows = [tuple(row) for part in ("rows", "left_out", "reduced") for row in data[part]]
+        rows = [tuple(row) for part in ("rows", "left_out", "satisfied") for row in data[part]]
         y = state_of(scene, self.state).y.copy()
         return started(self._layout, rows, self._evaluate(parameters), y, initial)
 
@@ -239,6 +246,9 @@ class Run:
         state = state_of(self._scene.solver.scene, self.state)
         if status == Status.BENDS:
             why = bends(self._layout, state.bent, state.limit, state.behind)
+            return f"{self._scene.layout.name}: {why}, at t = {self.time:.9g} s"
+        if status == Status.NO_DIRECTION:
+            why = without_direction(self._layout, state.bent)
             return f"{self._scene.layout.name}: {why}, at t = {self.time:.9g} s"
         if status == Status.DEPENDENT:
             from .nearly_dependent import nearly_dependent  # other scenes do not have it

@@ -7,14 +7,14 @@
 #define NO_GAP 1e-14
 /* how far beside the place where branches meet that is seen, in a step; how much nearer each time,
  * and in lengths and radians at last; how often */
-#define ASIDE 0.03
-#define NEARER 0.1
-#define NEAREST 1e-5
+#define FIRST_DISTANCE 0.03
+#define DISTANCE_FACTOR 0.1
+#define NEAREST_DISTANCE 1e-5
 #define MOST_APPROACHES 12
 /* what rows may be off, of the distance from such a place, where that is not in a step; and how
  * many times larger one root at the ends may be than the other: drivers that turn back hide one */
-#define AWAY 1e-2
-#define ALIKE 2.0
+#define FAR_ERROR_PART 1e-2
+#define LARGEST_ROOT_RATIO 2.0
 
 /* what is known of a step: it may end on another branch, it stays on its own, or goes straight on
  * where another one meets it, or comes nearer than rounding tells */
@@ -78,10 +78,11 @@ static double bend_way(size_t *count, double *x, double c[][ROOM(NQ)], double t,
 static int follow_branch(
     double h, const double *y, const double *f, double part, double slope, Work *work, State *s)
 {
-    double x[WAY], beside = ASIDE, roots[2], off[2], farthest = 0.0, nearest = HUGE_VAL;
+    double x[WAY], beside = FIRST_DISTANCE, roots[2], off[2], farthest = 0.0, nearest = HUGE_VAL;
     const double way = way_of(h, s->y, y);
     const double before = sqrt(fabs(s->position_ratio)), after = slope - before;
-    const int is_even = !IS_DRIVEN || larger(before, after) <= ALIKE * smaller(before, after);
+    const int is_even = !IS_DRIVEN ||
+                        larger(before, after) <= LARGEST_ROOT_RATIO * smaller(before, after);
     size_t n = 4;
     forget_trials(work);
     begin_way(h, s->y, s->f, y, f, x, work->way);
@@ -105,12 +106,13 @@ static int follow_branch(
         const int is_inside = part > 0.0 && part < 1.0;
         if (!is_between && is_inside) continue; /* the place is farther away */
         const int is_on = larger(off[0], off[1]) <= larger(OFF_WAY, NO_GAP / (beside * way));
-        if (is_on && !is_between) return is_even && farthest <= AWAY * nearest ? STAYS : LEAPS;
+        if (is_on && !is_between)
+            return is_even && farthest <= FAR_ERROR_PART * nearest ? STAYS : LEAPS;
         /* momentum leads free bodies across gaps that numbers of a scene are rounded to */
-        if (is_on && (!IS_DRIVEN || beside * way <= NEAREST)) return MEETS;
+        if (is_on && (!IS_DRIVEN || beside * way <= NEAREST_DISTANCE)) return MEETS;
         if (is_between) slope = sum / (2.0 * beside);
         if (!is_inside) part = part > 0.5 ? 1.0 : 0.0;
-        beside *= NEARER;
+        beside *= DISTANCE_FACTOR;
     }
     return LEAPS;
 }

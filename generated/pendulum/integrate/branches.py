@@ -30,14 +30,14 @@ OFF_WAY = 1e-9
 NO_GAP = 1e-14
 #: How far beside the place where branches meet that is seen, in a step; how much nearer each time,
 #: and in lengths and radians at last; how often.
-ASIDE = 0.03
-NEARER = 0.1
-NEAREST = 1e-5
+FIRST_DISTANCE = 0.03
+DISTANCE_FACTOR = 0.1
+NEAREST_DISTANCE = 1e-5
 MOST_APPROACHES = 12
 #: What rows may be off, of the distance from such a place, where that is not in a step; and how
 #: many times larger one root at the ends may be than the other: drivers that turn back hide one.
-AWAY = 1e-2
-ALIKE = 2.0
+FAR_ERROR_PART = 1e-2
+LARGEST_ROOT_RATIO = 2.0
 #: What is known of a step: it may end on another branch, it stays on its own, or goes straight on
 #: where another one meets it, or comes nearer than rounding tells.
 LEAPS, STAYS, MEETS = 0, 1, 2
@@ -108,8 +108,8 @@ def follow_branch(
     way = work.w.way_of(h, state.y, y)
     before = math.sqrt(abs(state.position_ratio))
     low, high = smaller(before, slope - before), larger(before, slope - before)
-    is_even = high <= ALIKE * low or not work.scene.is_driven
-    beside = ASIDE
+    is_even = high <= LARGEST_ROOT_RATIO * low or not work.scene.is_driven
+    beside = FIRST_DISTANCE
     farthest, nearest = 0.0, math.inf
     for _ in range(MOST_APPROACHES):
         roots, worst = [], 0.0
@@ -135,15 +135,15 @@ def follow_branch(
             continue  # the place is farther away
         is_on = worst <= larger(OFF_WAY, NO_GAP / (beside * way))
         if is_on and not is_between:
-            return STAYS if is_even and farthest <= AWAY * nearest else LEAPS
+            return STAYS if is_even and farthest <= FAR_ERROR_PART * nearest else LEAPS
         # momentum leads free bodies across gaps that numbers of a scene are rounded to
-        if is_on and (not work.scene.is_driven or beside * way <= NEAREST):
+        if is_on and (not work.scene.is_driven or beside * way <= NEAREST_DISTANCE):
             return MEETS
         if is_between:
             slope = total / (2.0 * beside)
         if not is_inside:
             part = 1.0 if part > 0.5 else 0.0
-        beside *= NEARER
+        beside *= DISTANCE_FACTOR
     return LEAPS
 
 

@@ -29,6 +29,7 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     s->time = s->time_before = time;
     s->error = 1e-4;
     if (N_SWITCHES > 0 || N_LAWS > 0) s->limit = s->behind = time;
+    for (size_t k = 0; k != EVENTS; ++k) s->crossed[k] = -HUGE_VAL;
     s->least_pivot_ratio_time = time;
     memcpy(s->y, q, NQ * sizeof *q);
     memcpy(s->y + NQ, v, NV * sizeof *v);

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger, mean_square, smaller
-from .pivot_monitor import WEAK, pivot_ratio
+from .pivot_monitor import WEAK_PIVOT_RATIO, pivot_ratio
 from .projection import project, take_normal_part
 from .row_switch import ALL_OF_THEM
 from .rows import are_closed
@@ -21,16 +21,19 @@ if TYPE_CHECKING:
     from .state import State
 
 #: The largest correction with which parameters are changed at the start.
-CLOSE = 0.02
+LARGEST_CORRECTION = 0.02
 #: The smallest part of the way from the parameters of the scene to those of the run.
-SHORTEST = 1e-9
+SHORTEST_PARAMETER_STEP = 1e-9
+#: The least square of Euler parameters that are all there, and the cosine of half a jump.
+ALL_OF_IT = 0.999999
+JUMP = 0.5
 #: Positions that are looked at to see whether joints come open, how far bodies move from one to the
 #: next, in lengths of the scene or radians, and how many shorter steps are tried; a direction that
 #: is smaller than this is none.
-LOOKS = 24
+MOST_CLOSURE_CHECKS = 24
 STEP_ASIDE = 0.25
-HALVINGS = 5
-NO_WAY = 1e-6
+MOST_HALVINGS = 5
+SMALLEST_DIRECTION = 1e-6
 #: At a pivot ratio this much smaller than the largest on the way a singular configuration is near.
 NEAR_SINGULAR = 0.25
 
@@ -41,12 +44,46 @@ def is_possible(w: Workspace) -> bool:
     return bool((positive > 0.0).all() and np.isfinite(w.design).all())
 
 
+def axes_jump(before: Array, after: Array) -> bool:
+    """Whether the principal axes of a body become others, as beside equal moments.
+
+    Its Euler parameters at the start are then far from those before; all that are not zero vary.
+    """
+    sizes = [0.0, 0.0, 0.0]
+    for a, b in zip(before.tolist(), after.tolist(), strict=True):
+        sizes = [sizes[0] + a * a, sizes[1] + b * b, sizes[2] + a * b]
+    return sizes[0] > ALL_OF_IT and sizes[1] > ALL_OF_IT and abs(sizes[2]) < JUMP
+
+
+def turned_by(p: Array, q: Array) -> Array:
+    """Product of Euler parameters; those of a turn in a plane are two."""
+    if len(p) == 2:
+        return np.array([p[0] * q[0] - p[1] * q[1], p[0] * q[1] + p[1] * q[0]])
+    return np.array(
+        [
+            p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+            p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+            p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
+            p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
+        ]
+    )
+
+
 def follow_design(y: Array, w: Workspace) -> None:
     """Compute the numbers of the design anew, and move a state as they move the start."""
     place, at = w.scene.starts.T
-    y[place] -= w.design[at]
+    before, after = np.zeros((2, len(y)))
+    before[place] = w.design[at]
     w.run("setup")
-    y[place] += w.design[at]
+    after[place] = w.design[at]
+    for first, _, count in w.scene.turns.tolist():
+        one = slice(first, first + count)
+        if axes_jump(before[one], after[one]):
+            back = before[one] * np.where(np.arange(count) > 0, -1.0, 1.0)
+            y[one] = turned_by(turned_by(y[one], back), after[one])
+            place = place[(place < first) | (place >= first + count)]
+    y[place] -= before[place]
+    y[place] += after[place]
 
 
 def set_parameters(given: Array, part: float, w: Workspace) -> None:
@@ -65,7 +102,7 @@ def continue_parameters(state: State, work: Work) -> bool:
     w, y, t, given = work.w, work.k[0], state.time, state.parameters
     v = state.y[work.scene.nq :].copy()
     y[:] = state.y
-    if 0.0 <= project(t, 0.0, y, None, None, work, state) <= CLOSE:
+    if 0.0 <= project(t, 0.0, y, None, None, work, state) <= LARGEST_CORRECTION:
         return True
     set_parameters(given, 0.0, w)
     follow_design(state.y, w)
@@ -79,12 +116,12 @@ def continue_parameters(state: State, work: Work) -> bool:
         w.run("setup")
         set_parameters(given, following, w)
         follow_design(y, w)
-        if 0.0 <= project(t, 0.0, y, None, None, work, state) <= CLOSE:
+        if 0.0 <= project(t, 0.0, y, None, None, work, state) <= LARGEST_CORRECTION:
             state.y[:] = y
             reached, part = following, 2.0 * part
         else:
             part = 0.5 * part
-            if part < SHORTEST:
+            if part < SHORTEST_PARAMETER_STEP:
                 return False
     state.y[work.scene.nq :] = v
     return True
@@ -93,13 +130,13 @@ def continue_parameters(state: State, work: Work) -> bool:
 def step_along(u: Array, y: Array, work: Work, state: State) -> bool:
     """Move positions along a displacement and back onto the rows; return whether it can be."""
     w, nq, there, way = work.w, work.scene.nq, work.y, STEP_ASIDE
-    for _ in range(HALVINGS):
+    for _ in range(MOST_HALVINGS):
         w.place(state.time, y)
         w.dq[:] = way * u
         w.displace(None)
         there[:nq] = w.q
         there[nq:] = y[nq:]
-        if 0.0 <= project(state.time, 0.0, there, None, None, work, state) <= CLOSE:
+        if 0.0 <= project(state.time, 0.0, there, None, None, work, state) <= LARGEST_CORRECTION:
             y[:] = there
             return True
         way *= 0.5
@@ -121,7 +158,7 @@ def stay_closed_along(state: State, work: Work) -> bool:
     x = 0.6180339887498949 * np.arange(1.0, scene.nv + 1.0)
     u = (x - np.floor(x) - 0.5) * scene.lengths  # no special direction
     usual = 0.0
-    for look in range(LOOKS):
+    for look in range(MOST_CLOSURE_CHECKS):
         ratio = pivot_ratio(work, state)
         is_regular = ratio >= NEAR_SINGULAR * usual
         usual = larger(usual, ratio)
@@ -130,7 +167,7 @@ def stay_closed_along(state: State, work: Work) -> bool:
             return False
         take_normal_part(1.0, y[scene.nq :], work, u)
         size = w.size_of(u)
-        if ratio < WEAK or not size > NO_WAY:
+        if ratio < WEAK_PIVOT_RATIO or not size > SMALLEST_DIRECTION:
             return True
         u /= size
         w.v[:] = 0.0

@@ -51,6 +51,10 @@
 /* a function is near to zero where it is less than so many times what it is known to; what that is
  * further away tells nothing of how near it comes between */
 #define BANDS 16.0
+/* an event that goes through a narrow window was on the other side this many times as long ago as
+ * it passed zero, and has been in the window this many times as long */
+#define EARLIER 1.5
+#define HALF 0.5
 /* what gets further than so many times what it is known to passes by, as fast as it is at a time:
  * in the longest step, and before it comes to rest. So it is with rates, as fast as they change */
 #define PASSING 16.0
@@ -59,6 +63,7 @@ enum {
     N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
     N_TOLD = N_CROSSINGS + N_NARROW,
     N_SEEN = N_TOLD + N_INFINITE,
+    N_LOOKED = N_SEEN + N_DISTANCES,
     N_READ = 2 * N_MEASURES,
     /* one behind the other */
     W_SEEN = N_SWITCHING > 0 ? W_CROSSINGS
@@ -84,14 +89,15 @@ typedef struct {
  * whether it is kept if nothing cuts it, the event without a value right behind its start, counted
  * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
  * is, by what rates change in it, in the mean, by how much more at its end, and at most, and what
- * they are known to: to no more than they have been */
+ * they are known to: to no more than they have been; how often it was cut for distances,
+ * where last, and whether it only leads over where one is least */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
     double pole_time, bend[ROOM(N_MEASURES)], lean[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
-    double known[ROOM(N_MEASURES)];
+    double known[ROOM(N_MEASURES)], turning;
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_short[ROOM(N_SEEN)];
-    int is_untold, has_error, is_kept, lost, pole;
+    int is_untold, has_error, is_kept, lost, pole, turned, is_over;
 } Look;
 
 /* whether what is a at the start of h and b at its end is positive between: no less than lines from
@@ -778,6 +784,36 @@ static double polished_cut(const Look *look, const State *s, Work *work)
     return look->cut;
 }
 
+/* whether an event that passed zero is back there, where a jump of a force threw it back, as it
+ * does all the time while dry friction holds a body at rest. Nothing got further meanwhile than it
+ * is known to. On its way through a narrow window it goes on evenly: half as long ago as it passed
+ * zero it was on the side that it leaves, before and soon it is on the other one. Where it was held
+ * once that is not asked again */
+static int is_thrown_back(size_t k, double end, const Look *look, State *s, Work *work)
+{
+    const double way = end - s->crossed[k];
+    double read[ROOM(N_READ)];
+    TimeNode node;
+    int is_there = N_MEASURES > 0 && way <= NO_WAY * s->stride;
+    read_at(end, look, s, work, read);
+    for (size_t n = 0; n != N_MEASURES; ++n) {
+        const double known = look->noise[2 * n];
+        if (!(fabs(read[2 * n + 1]) * way <= known)) is_there = 0;
+        if (!(fabs(look->bend[n]) * way <= known * s->fastest)) is_there = 0;
+    }
+    if (!is_there) {
+        s->held[k] = 0.0;
+    } else if (s->held[k] == 0.0) {
+        const double beside[3] = { -EARLIER * way, -HALF * way, HALF * way };
+        for (int n = 0; n != 3; ++n) {
+            see_beside(beside[n], end, read, look->rounding, look, work, &node);
+            const int side = n == 1 ? (int)s->sides[k] : -(int)s->sides[k];
+            if (side_at(&node, k) != side) s->held[k] = 1.0;
+        }
+    }
+    return s->held[k] > 0.0;
+}
+
 /* notes what a step that is kept has crossed: one that was cut, also what is at zero there */
 static void note_crossings(double end, const Look *look, State *s, Work *work)
 {
@@ -790,8 +826,11 @@ static void note_crossings(double end, const Look *look, State *s, Work *work)
         const int is_there = is_near && end == look->cut && look->was_crossing[k];
         const int is_back = now == -side && !is_still_short(k, side, end, look, s, work);
         if (side == 0 || !(is_back || is_there)) continue;
+        const int is_same = (int)k < EVENTS && is_thrown_back(k, end, look, s, work);
         s->sides[k] = -side;
-        if ((int)k >= EVENTS || (events[k][0] != 0 && events[k][0] != -side)) continue;
+        if ((int)k >= EVENTS) continue;
+        s->crossed[k] = end;
+        if (is_same || (events[k][0] != 0 && events[k][0] != -side)) continue;
         if (!passes_zero(k, -side, end, look, s, work)) continue;
         s->counts[k] += 1.0;
         if (events[k][1] != COUNT) s->fired[k] = 1.0;

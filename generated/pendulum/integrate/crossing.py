@@ -74,6 +74,10 @@ NO_WAY = 1e-6
 #: A function is near to zero where it is less than so many times what it is known to; what that is
 #: further away tells nothing of how near it comes between.
 BANDS = 16.0
+#: An event that goes through a narrow window was on the other side this many times as long ago as
+#: it passed zero, and has been in the window this many times as long.
+EARLIER = 1.5
+HALF = 0.5
 #: What gets further than so many times what it is known to passes by, as fast as it is at a time:
 #: in the longest step, and before it comes to rest. So it is with rates, as fast as they change.
 PASSING = 16.0
@@ -106,7 +110,7 @@ def note_unresolved(time: float, state: State) -> None:
 
 @dataclass(slots=True)
 class TimeNode:
-    """What is seen at a time of a step.
+    """Node of the search, at a time of a step.
 
     Parameters
     ----------
@@ -166,6 +170,10 @@ class Look:
         The function that is zero in it where a force is infinite, counted from 1; 0: none.
     pole_time : float [s]
         When that is.
+    turned, turning : int, float [s]
+        How often it was cut for distances, and where last.
+    is_over : bool
+        Whether it only leads over where that is least.
     """
 
     state: State
@@ -191,6 +199,9 @@ class Look:
     lost: int = 0
     pole: int = 0
     pole_time: float = 0.0
+    turned: int = 0
+    turning: float = math.inf
+    is_over: bool = False
 
 
 def side_at(node: TimeNode) -> Array:
@@ -368,7 +379,7 @@ def reach_between(
 
 
 def band_at(node: TimeNode, look: Look) -> Array:
-    """What functions are known to at a node: of an event that it starts short of no more."""
+    """Band of functions at a node: of an event that it starts short of no more."""
     found = half_width(node)
     if look.is_short.any():
         known = half_width(look_closely(look.noise, node.time, look))
@@ -774,6 +785,30 @@ def polished_cut(look: Look) -> float:
     return there
 
 
+def is_thrown_back(k: int, end: float, look: Look) -> bool:
+    """Whether an event that passed zero is back there, where a jump of a force threw it back.
+
+    So it is all the time while dry friction holds a body at rest. Nothing got further meanwhile
+    than it is known to. On its way through a narrow window it goes on evenly: half as long ago as
+    it passed zero it was on the side that it leaves, before and soon it is on the other one. Where
+    it was held once that is not asked again.
+    """
+    state, way, read = look.state, end - look.state.crossed[k], read_at(end, look)
+    speeds, known = np.column_stack((read[:, 1], look.bend)), look.noise[:, 0]
+    is_there = len(read) > 0 and way <= NO_WAY * state.stride
+    if is_there:
+        most = np.column_stack((known, known * state.fastest))
+        is_there = bool((np.abs(speeds) * way <= most).all())
+    if not is_there:
+        state.held[k] = 0.0
+    elif state.held[k] == 0.0:
+        beside = (-EARLIER * way, -HALF * way, HALF * way)
+        nodes = (see_beside(part, end, read, look.rounding, look) for part in beside)
+        before, between, behind = (side_at(node)[k] * state.sides[k] for node in nodes)
+        state.held[k] = float(not (before < 0.0 and between > 0.0 and behind < 0.0))
+    return bool(state.held[k] > 0.0)
+
+
 def note_crossings(end: float, look: Look) -> None:
     """Note what a step that is kept has crossed: one that was cut, also what is zero there."""
     state, events = look.state, look.work.scene.events
@@ -784,11 +819,16 @@ def note_crossings(end: float, look: Look) -> None:
         is_there = is_near[k] and end == look.cut and look.was_crossing[k]
         if side == 0.0 or not (is_back[k] or is_there):
             continue
+        is_same = k < len(events) and is_thrown_back(k, end, look)
         state.sides[k] = -side
-        if k < len(events) and events[k, 0] in {0, -side} and passes_zero(k, -side, end, look):
-            state.counts[k] += 1.0
-            if ACTIONS[events[k, 1]] != "count":
-                state.fired[k] = 1.0
+        if k >= len(events):
+            continue
+        state.crossed[k] = end
+        if is_same or events[k, 0] not in {0, -side} or not passes_zero(k, -side, end, look):
+            continue
+        state.counts[k] += 1.0
+        if ACTIONS[events[k, 1]] != "count":
+            state.fired[k] = 1.0
 
 
 def are_narrow_told(start: float, end: float, look: Look) -> bool:

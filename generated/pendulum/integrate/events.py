@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class EventLog(NamedTuple):
-    """What a run tells of its events.
+    """Log of the events of a run.
 
     Parameters
     ----------
@@ -67,6 +67,24 @@ def bends(layout: Layout, bent: float, limit: float, behind: float) -> str:
         f"no step can be taken: the law of drivers.{driver} bends or jumps within {time:.0e} s, so"
         " that velocities or accelerations do: a driver must have two derivatives; wanted a smooth"
         " formula, or one that turns more slowly"
+    )
+
+
+def without_direction(layout: Layout, drawn: float) -> str:
+    """Message on which driver brings two points together, and what to do.
+
+    Parameters
+    ----------
+    layout : Layout
+        Of the scene.
+    drawn : float
+        The number of its distance in the state of the run, counted from 1.
+    """
+    driver = layout.drawn[int(drawn) - 1]
+    return (
+        f"no step can be taken: drivers.{driver} prescribes a distance of 0, or less, where its two"
+        " points meet: nothing tells in which direction they part; wanted a formula that stays"
+        " positive, or a driver of a displacement along an axis, which has a sign"
     )
 
 

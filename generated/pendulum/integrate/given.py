@@ -1,4 +1,4 @@
-"""What a caller gives: refused in one line where it is not what is wanted.
+"""Arguments that a caller gives: refused in one line where they are not what is wanted.
 
 Refused with kousoku's ``SolveError``; where that is not installed with ``ValueError``.
 """

@@ -196,7 +196,7 @@ class Given:
 
 
 class Moved(NamedTuple):
-    """What assembly changed of a body, from what the scene gives to what joints and drivers allow.
+    """Change of a body by assembly, from what the scene gives to what joints and drivers allow.
 
     Parameters
     ----------

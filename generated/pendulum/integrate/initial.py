@@ -113,7 +113,7 @@ def evaluated(
 
 
 class Jacobian(NamedTuple):
-    """What moves the coordinates at some position.
+    """Jacobian of the coordinates at some position.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ class Jacobian(NamedTuple):
 
 
 class Leader:
-    """What leads coordinates of a scene.
+    """Leader of coordinates of a scene to given values.
 
     Parameters
     ----------

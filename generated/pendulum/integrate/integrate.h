@@ -32,6 +32,9 @@
 #include "projection.h"
 #include "dense_output.h"
 #include "crossing.h"
+#ifdef HAS_DISTANCE
+#include "distances.h"
+#endif
 #include "branches.h"
 #include "stepper.h"
 #include "switching.h"

@@ -125,8 +125,8 @@ static void coordinate(double *w) { (void)w; }
 #define ACCELERATES 0
 #endif
 
-/* formulas of time that switch or vary; laws of drivers; events, and formulas of the state that do
- * so */
+/* formulas of time that switch or vary; gaps and laws of drivers; events, and formulas of the
+ * state that do so */
 #ifndef HAS_SWITCHING
 #define N_SWITCHES 0
 #define N_FEATURES 0
@@ -135,25 +135,37 @@ static void coordinate(double *w) { (void)w; }
 #define W_FEATURES 0
 static void switching(double *w) { (void)w; }
 #endif
+#ifndef HAS_GAPS
+#define N_GAPS 0
+#define W_GAPS 0
+#endif
 #ifndef HAS_BENDING
 #define N_LAWS 0
 #define W_LAW_SPAN 0
 #define W_LAWS 0
 static void bending(double *w) { (void)w; }
 #endif
-#ifndef HAS_CROSSING
+#ifndef HAS_MEASURE
 #define N_MEASURES 0
+#define W_MEASURES 0
+static void measure(double *w) { (void)w; }
+#endif
+#ifndef HAS_DISTANCE
+#define N_LENGTHS 0
+#define N_DISTANCES 0
+#define W_LENGTHS 0
+#define W_DISTANCES 0
+#endif
+#ifndef HAS_CROSSING
 #define N_CROSSINGS 0
 #define N_POLES 0
 #define N_NARROW 0
 #define N_INFINITE 0
 #define EVENTS 0
-#define W_MEASURES 0
 #define W_RANGES 0
 #define W_CROSSINGS 0
 #define W_POLES 0
 #define W_NARROW 0
-static void measure(double *w) { (void)w; }
 static void crossing(double *w) { (void)w; }
 #endif
 

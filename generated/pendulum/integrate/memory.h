@@ -10,7 +10,8 @@ enum {
     NO_VALUE = PUBLIC(NO_VALUE),
     BENDS = PUBLIC(BENDS),
     INFINITE = PUBLIC(INFINITE),
-    DEPENDENT = PUBLIC(DEPENDENT)
+    DEPENDENT = PUBLIC(DEPENDENT),
+    NO_DIRECTION = PUBLIC(NO_DIRECTION)
 };
 
 /* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */

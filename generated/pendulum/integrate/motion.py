@@ -11,7 +11,7 @@ import numpy as np
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
 from .events import EventLog, EventOccurrences
 from .given_start import GivenStart
-from .result import Column, Coordinates, Named, Result, key_of, listed, missing, not_generated
+from .result import Column, Coordinates, Named, Result, listed, missing, not_generated, scene_key
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -83,7 +83,7 @@ class ReactionPlaces:
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """What stands where in a row, as ``motion.json`` says.
+    """Layout of a row, as ``motion.json`` says.
 
     Parameters
     ----------
@@ -125,6 +125,8 @@ class Layout:
         Their formulas.
     led : tuple of str
         Drivers whose laws are no polynomials.
+    drawn : tuple of str
+        Drivers of distances.
     poles : tuple of str
         For each function that is zero where a force may be infinite the key of that force.
     given : tuple of GivenStart
@@ -152,6 +154,7 @@ class Layout:
     events: tuple[tuple[str, str], ...] = ()
     whens: tuple[str, ...] = ()
     led: tuple[str, ...] = ()
+    drawn: tuple[str, ...] = ()
     poles: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
     given: tuple[GivenStart, ...] = ()
@@ -191,6 +194,7 @@ class Layout:
             events=tuple((name, action) for name, action in data["events"]),
             whens=tuple(data["whens"]),
             led=tuple(data["led"]),
+            drawn=tuple(data["drawn"]),
             poles=tuple(data["poles"]),
             given=tuple(map(GivenStart.from_data, data.get("given", ()))),
             driven=tuple(data.get("driven", ())),
@@ -356,7 +360,7 @@ class Motion(Result):
 
     @property
     def ledger(self) -> Ledger:
-        """What the run cost, and how far it can be trusted: a ``RunLedger``."""
+        """Ledger of the run, its cost and how far it can be trusted: a ``RunLedger``."""
         if self._ledger is None:
             raise missing(f"{self.name}: no ledger: install kousoku, which keeps it")
         if callable(self._ledger):
@@ -401,7 +405,7 @@ class Motion(Result):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader should know before he trusts the numbers, a line each."""
+        """Notes for a reader before he trusts the numbers, a line each."""
         return tuple(filter(None, [*self.layout.notes, self.note(), self._end()]))
 
     def main_columns(self, of: str | None = None) -> list[str]:
@@ -604,7 +608,7 @@ class Motion(Result):
             return ""
         joints: dict[tuple[str, ...], list[str]] = {}
         for name, own in self.undetermined.items():
-            joints.setdefault(own, []).append(key_of(name))
+            joints.setdefault(own, []).append(scene_key(name))
         texts = [
             f"{'force and torque' if len(own) == 6 else ', '.join(own)} of {listed(names)}"
             for own, names in joints.items()

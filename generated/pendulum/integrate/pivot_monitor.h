@@ -2,12 +2,12 @@
  * constraints are nearly dependent. */
 
 /* a pivot ratio this much smaller than the largest so far: rows are nearly dependent */
-#define WEAK 1e-6
+#define WEAK_PIVOT_RATIO 1e-6
 /* one this much smaller: small errors of positions decide about velocities and accelerations */
-#define VAGUE 1e-8
+#define VAGUE_PIVOT_RATIO 1e-8
 /* rounding may leave as much of a position over the root of what tells branches: branches that miss
  * each other by less meet in double precision */
-#define BLURRED 1e-14
+#define BRANCH_ROUNDING 1e-14
 
 /* the smallest and the largest inverse of the pivots in the workspace; 0 if one is not positive, or
  * not finite */
@@ -78,7 +78,7 @@ static double branch_ratio(const Work *work, const State *s)
 static double blur_of(const Work *work, const State *s)
 {
     const double ratio = larger(pivot_ratio(work, s), branch_ratio(work, s));
-    return BLURRED / sqrt(larger(ratio, BLURRED));
+    return BRANCH_ROUNDING / sqrt(larger(ratio, BRANCH_ROUNDING));
 }
 
 /* the largest so far of what tells branches */

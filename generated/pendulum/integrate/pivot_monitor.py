@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from .state import State
 
 #: A pivot ratio this much smaller than the largest so far: rows are nearly dependent.
-WEAK = 1e-6
+WEAK_PIVOT_RATIO = 1e-6
 #: One this much smaller: small errors of positions decide about velocities and accelerations.
-VAGUE = 1e-8
+VAGUE_PIVOT_RATIO = 1e-8
 #: Rounding may leave as much of a position over the root of what tells branches: branches that miss
 #: each other by less meet in double precision.
-BLURRED = 1e-14
+BRANCH_ROUNDING = 1e-14
 
 
 def inverse_pivots(work: Work) -> tuple[float, float] | None:
@@ -81,7 +81,7 @@ def branch_ratio(work: Work, state: State) -> float:
 def blur_of(work: Work, state: State) -> float:
     """Error that rounding may leave of a position, in lengths and radians."""
     ratio = larger(pivot_ratio(work, state), branch_ratio(work, state))
-    return BLURRED / math.sqrt(larger(ratio, BLURRED))
+    return BRANCH_ROUNDING / math.sqrt(larger(ratio, BRANCH_ROUNDING))
 
 
 def usual_ratio(work: Work, state: State) -> float:

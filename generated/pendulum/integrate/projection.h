@@ -1,18 +1,18 @@
 /* Projection onto the constraints, by Newton's method, and the accelerations there. */
 
 /* a correction this small, relative to LENGTH, is rounding */
-#define ROUNDING 4e-16
+#define ROUNDING_CORRECTION 4e-16
 /* Newton squares a correction this small away */
-#define SETTLED 1e-9
+#define QUADRATIC_CORRECTION 1e-9
 /* at a pivot ratio this much smaller than the largest so far accelerations are refined */
-#define REFINE 1e-4
+#define REFINED_PIVOT_RATIO 1e-4
 /* so are they all along where the first of them are wrong by more than this part */
-#define LOST 2e-12
+#define MOST_ACCELERATION_ERROR 2e-12
 /* the same of any accelerations */
-#define LOST_BY_ANY 2e-11
+#define MOST_TEST_ERROR 2e-11
 /* where a run begins with more than this part of that much, more may be lost on the way: there they
  * are looked at where steps end */
-#define SOME 2e-2
+#define WATCHED_ERROR_PART 2e-2
 #define LOOKED_AT 0.5
 /* corrections in Newton's method, and steps of refinement */
 enum { MOST_CORRECTIONS = 20 };
@@ -47,7 +47,7 @@ static void refine(double *w)
         for (size_t k = 0; k < NV; ++k) w[W_V_DOT + k] += w[W_DV + k];
         for (size_t k = 0; HAS_REACTIONS && k != NC; ++k) w[W_LAM + k] += w[W_MORE_LAM + k];
         for (size_t k = 0; k != N_POWER; ++k) w[W_Q_DOT + NQ - N_POWER + k] += w[W_MORE_POWER + k];
-        if (size <= ROUNDING * size_of(w + W_V_DOT)) return;
+        if (size <= ROUNDING_CORRECTION * size_of(w + W_V_DOT)) return;
         before = size;
     }
 }
@@ -62,7 +62,7 @@ static void accelerate(Work *work, State *s)
     else acceleration(work->w);
     if (!HAS_REFINEMENT) return;
     s->pivot_ratio = pivot_ratio(work, s);
-    if (s->is_refined == 1.0 || s->pivot_ratio < REFINE * s->largest_pivot_ratio) {
+    if (s->is_refined == 1.0 || s->pivot_ratio < REFINED_PIVOT_RATIO * s->largest_pivot_ratio) {
         s->refinements += 1;
         if (has_all) refine_all_rows(work);
         else refine(work->w);
@@ -94,16 +94,16 @@ static void note_lost_digits(Work *work, State *s)
 {
     double *w = work->w, *v_dot = w + W_V_DOT;
     if (!HAS_REFINEMENT || (HAS_ROW_SWITCH && work->all.is_on != 0.0)) return;
-    double lost = lost_part(w) / LOST;
+    double lost = lost_part(w) / MOST_ACCELERATION_ERROR;
     if (!(lost > 1.0)) {
         for (size_t k = 0; k < NV; ++k) v_dot[k] = (double)(k * 5 % 7) - 3.0;
         for (size_t k = 0; k < NV; ++k) v_dot[k] *= is_length[k] ? LENGTH : 1.0;
         refinement(w);
         for (size_t k = 0; k < NV; ++k) v_dot[k] += w[W_DV + k];
-        lost = larger(lost, lost_part(w) / LOST_BY_ANY);
+        lost = larger(lost, lost_part(w) / MOST_TEST_ERROR);
         memcpy(v_dot, s->f + NQ, NV * sizeof *w);
     }
-    s->is_refined = lost > SOME ? LOOKED_AT : 0.0;
+    s->is_refined = lost > WATCHED_ERROR_PART ? LOOKED_AT : 0.0;
     if (lost > 1.0) begin_refining(s->f, work, s);
 }
 
@@ -112,7 +112,7 @@ static void look_at_digits(double *f, Work *work, State *s)
 {
     if (!HAS_REFINEMENT || s->is_refined != LOOKED_AT) return;
     if (HAS_ROW_SWITCH && work->all.is_on != 0.0) return;
-    if (lost_part(work->w) > LOST) begin_refining(f, work, s);
+    if (lost_part(work->w) > MOST_ACCELERATION_ERROR) begin_refining(f, work, s);
 }
 
 /* the pivot ratio where accelerations were found last */
@@ -139,8 +139,9 @@ static double project_position(double enough, Work *work, double *low, State *s)
         const double size = size_of(w + W_DQ);
         if (!(size < HUGE_VAL)) return -1.0;
         if (k == 0) first = size;
-        if (size <= ROUNDING) return first;
-        if (size >= 0.5 * before && (size <= SETTLED || size <= blur_of(work, s))) return first;
+        if (size <= ROUNDING_CORRECTION) return first;
+        if (size >= 0.5 * before && (size <= QUADRATIC_CORRECTION || size <= blur_of(work, s)))
+            return first;
         displace(w, low);
         before = size;
     }

@@ -17,18 +17,18 @@ if TYPE_CHECKING:
     from .state import State
 
 #: A correction this small, relative to a length of the scene, is rounding.
-ROUNDING = 4e-16
+ROUNDING_CORRECTION = 4e-16
 #: Newton squares a correction this small away.
-SETTLED = 1e-9
+QUADRATIC_CORRECTION = 1e-9
 #: At a pivot ratio this much smaller than the largest so far accelerations are refined.
-REFINE = 1e-4
+REFINED_PIVOT_RATIO = 1e-4
 #: So are they all along where the first of them are wrong by more than this part.
-LOST = 2e-12
+MOST_ACCELERATION_ERROR = 2e-12
 #: The same of any accelerations, which are larger along directions in which nothing acts.
-LOST_BY_ANY = 2e-11
+MOST_TEST_ERROR = 2e-11
 #: Where a run begins with more than this part of that much, more may be lost on the way: there they
 #: are looked at where steps end.
-SOME = 2e-2
+WATCHED_ERROR_PART = 2e-2
 LOOKED_AT = 0.5
 #: Corrections in Newton's method, and steps of refinement.
 MOST_CORRECTIONS = 20
@@ -63,7 +63,7 @@ def refine(work: Work) -> None:
         w.v_dot += w.dv
         w.lam += w.more_lam
         w.q_dot[work.scene.nq - len(w.more_power) :] += w.more_power
-        if size <= ROUNDING * w.size_of(w.v_dot):
+        if size <= ROUNDING_CORRECTION * w.size_of(w.v_dot):
             return
         before = size
 
@@ -96,14 +96,14 @@ def note_lost_digits(work: Work, state: State) -> None:
     if not work.scene.has_refinement or (work.all is not None and work.all.is_on):
         return
     w, nq = work.w, work.scene.nq
-    lost = lost_part(work) / LOST
+    lost = lost_part(work) / MOST_ACCELERATION_ERROR
     if not lost > 1.0:
         w.v_dot[:] = (np.arange(len(w.v_dot)) * 5 % 7 - 3) * work.scene.lengths
         w.run("refinement")
         w.v_dot += w.dv
-        lost = larger(lost, lost_part(work) / LOST_BY_ANY)
+        lost = larger(lost, lost_part(work) / MOST_TEST_ERROR)
         w.v_dot[:] = state.f[nq:]
-    state.is_refined = LOOKED_AT if lost > SOME else 0.0
+    state.is_refined = LOOKED_AT if lost > WATCHED_ERROR_PART else 0.0
     if lost > 1.0:
         begin_refining(state.f, work, state)
 
@@ -114,7 +114,7 @@ def look_at_digits(f: Array, work: Work, state: State) -> None:
         return
     if work.all is not None and work.all.is_on:
         return
-    if lost_part(work) > LOST:
+    if lost_part(work) > MOST_ACCELERATION_ERROR:
         begin_refining(f, work, state)
 
 
@@ -132,7 +132,10 @@ def accelerate(work: Work, state: State) -> None:
     if not work.scene.has_refinement:
         return
     state.pivot_ratio = pivot_ratio(work, state)
-    if state.is_refined == 1.0 or state.pivot_ratio < REFINE * state.largest_pivot_ratio:
+    if (
+        state.is_refined == 1.0
+        or state.pivot_ratio < REFINED_PIVOT_RATIO * state.largest_pivot_ratio
+    ):
         state.refinements += 1
         if all_rows is None:
             refine(work)
@@ -170,9 +173,9 @@ def project_position(enough: float, work: Work, low: Array | None, state: State)
             return -1.0
         if attempt == 0:
             first = size
-        if size <= ROUNDING:
+        if size <= ROUNDING_CORRECTION:
             return first
-        if size >= 0.5 * before and (size <= SETTLED or size <= blur_of(work, state)):
+        if size >= 0.5 * before and (size <= QUADRATIC_CORRECTION or size <= blur_of(work, state)):
             return first
         w.displace(low)
         before = size

@@ -185,7 +185,7 @@ class Coordinates(np.ndarray):
 
 
 class AnimationOptions(TypedDict, total=False):
-    """What an animation may be told, as ``kousoku.view.animate`` takes it."""
+    """Options of an animation, as ``kousoku.view.animate`` takes them."""
 
     paths_of: Sequence[str | tuple[str, Sequence[float]]] | str | None
     forces: Sequence[str] | bool
@@ -333,7 +333,7 @@ class Result:
 
     @property
     def ledger(self) -> Ledger:
-        """What the run cost, and how far it can be trusted."""
+        """Ledger of the run: its cost, and how far it can be trusted."""
         raise NotImplementedError
 
     @property
@@ -351,7 +351,7 @@ class Result:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader should know before he trusts the numbers, a line each."""
+        """Notes for a reader before he trusts the numbers, a line each."""
         return ()
 
     @cached_property
@@ -640,7 +640,7 @@ def listed(names: Sequence[str], most: int = SHOWN) -> str:
     return ", ".join(names[:most]) + more
 
 
-def key_of(name: str) -> str:
+def scene_key(name: str) -> str:
     """Key in the scene of what rows are named after; that of a driver is its name."""
     return name if "." in name else f"joints.{name}"
 

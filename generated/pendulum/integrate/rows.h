@@ -42,7 +42,7 @@ static int interpolate_position(
     memcpy(w + W_V, y + NQ, NV * sizeof *w);
     const double ratio = ratio_at(y, work, s);
     memcpy(y, w + W_Q, NQ * sizeof *w);
-    return ratio < WEAK * s->largest_pivot_ratio;
+    return ratio < WEAK_PIVOT_RATIO * s->largest_pivot_ratio;
 }
 
 /* takes the accelerations of a row from the polynomial; the forces of joints are unknown */
@@ -97,7 +97,8 @@ static int write_row(
     } else {
         interpolate(m, x, s, y);
         if (has_led_works(m) && !is_driven) add_led_works(x, s, y);
-        const double vague = (is_driven ? WEAK : VAGUE) * s->largest_pivot_ratio;
+        const double vague = (is_driven ? WEAK_PIVOT_RATIO : VAGUE_PIVOT_RATIO) *
+                             s->largest_pivot_ratio;
         double drift = 0.0;
         const int can = project(t, 0.0, y, NULL, NULL, work, s, &drift);
         is_passed = !can || pivot_ratio(work, s) < vague;

@@ -10,7 +10,7 @@ import numpy as np
 from .arithmetic import larger
 from .dense_output import add_led_works, differentiate, has_led_works, interpolate
 from .methods import METHODS
-from .pivot_monitor import VAGUE, WEAK, pivot_ratio
+from .pivot_monitor import VAGUE_PIVOT_RATIO, WEAK_PIVOT_RATIO, pivot_ratio
 from .projection import accelerate, project, ratio_at
 from .row_switch import find_geometry, forget_trials, least_norm_reactions, take_multipliers
 from .settings import CLEARLY, Status
@@ -60,7 +60,7 @@ def interpolate_position(
     work.w.v[:] = y[nq:]
     ratio = ratio_at(y[:nq], work, state)
     y[:nq] = work.w.q
-    return ratio < WEAK * state.largest_pivot_ratio
+    return ratio < WEAK_PIVOT_RATIO * state.largest_pivot_ratio
 
 
 def interpolate_accelerations(
@@ -118,7 +118,9 @@ def write_row(
         interpolate(m, x, state, y)
         if has_led_works(m, scene) and s.method < len(METHODS):
             add_led_works(x, scene, state, y)
-        vague = (VAGUE if s.method < len(METHODS) else WEAK) * state.largest_pivot_ratio
+        vague = (
+            VAGUE_PIVOT_RATIO if s.method < len(METHODS) else WEAK_PIVOT_RATIO
+        ) * state.largest_pivot_ratio
         drift = project(t, 0.0, y, None, None, work, state)
         can = drift >= 0.0
         is_passed = not can or pivot_ratio(work, state) < vague

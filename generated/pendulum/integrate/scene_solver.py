@@ -95,6 +95,7 @@ class SceneSolver:
         s.error = 1e-4
         if self.scene.has_switches or self.scene.has_laws:
             s.limit = s.behind = time
+        s.crossed[:] = -math.inf
         if work.all is not None:
             note_usual_ratio(work.all, work, s)
         if self.scene.has_continuation and not continue_parameters(s, work):

@@ -28,7 +28,7 @@ WAY = 12
 
 @dataclass(frozen=True)
 class SceneTables:
-    """What a solver holds of its scene: what that lacks is not given, and zero or empty.
+    """Tables of a scene in its solver: what the scene lacks is not given, and zero or empty.
 
     Parameters
     ----------
@@ -221,9 +221,19 @@ class SceneTables:
         return "ranges" in self.regions
 
     @property
+    def looks(self) -> bool:
+        """Whether steps are looked at for these, or for distances that come down to zero."""
+        return self.sees or self.n_distances > 0
+
+    @property
     def n_poles(self) -> int:
         """Count of functions that are zero where forces may be infinite."""
         return self.size("poles") // 4
+
+    @property
+    def n_distances(self) -> int:
+        """Count of lengths along which forces act, and of distances in formulas."""
+        return self.size("lengths") + self.size("distances")
 
     @property
     def has_narrow(self) -> bool:
@@ -252,7 +262,7 @@ class SceneTables:
 
     @property
     def state_sizes(self) -> dict[str, int]:
-        """What the layout of a state depends on."""
+        """Sizes that the layout of a state depends on."""
         return {
             "NY": self.ny,
             "DENSE": DENSE,
@@ -313,6 +323,7 @@ class Workspace:
     law_span: Array
     switches: Array
     features: Array
+    gaps: Array
     laws: Array
     measures: Array
     ranges: Array
@@ -320,6 +331,8 @@ class Workspace:
     poles: Array
     narrow: Array
     infinite: Array
+    lengths: Array
+    distances: Array
     constants: Array
 
     def __init__(self, scene: SceneTables, slots: Array) -> None:

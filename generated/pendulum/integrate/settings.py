@@ -1,4 +1,4 @@
-"""What a run is told, the struct ``settings`` of a solver's header, and what a call returns.
+"""Settings of a run, as the struct of a solver's header, and the status of a call.
 
 The header is written from here, field by field and code by code.
 """
@@ -69,14 +69,15 @@ class Settings(NamedTuple):
 
 
 class Status(IntEnum):
-    """What a call returns; a run that was stopped goes on from where it is, with the same bits.
+    """Status of a call; a run that was stopped goes on from where it is, with the same bits.
 
     ``EVENT`` and ``STOPPED``: an event is at the time that was reached. Its row stands behind those
     that were written, and is not counted with them; after ``STOPPED`` a run does not go on.
     ``NO_VALUE``: the formula of an event has no finite value at the start, or none from where the
     run came. ``BENDS``: the law of a driver bends or jumps where the run came.
     ``INFINITE``: a force is infinite right behind the time that was reached. ``DEPENDENT``: rows
-    depend on each other nearly that do not with the parameters of the scene.
+    depend on each other nearly that do not with the parameters of the scene. ``NO_DIRECTION``: two
+    points whose distance is driven meet where the run came.
     """
 
     GOOD = 0
@@ -94,10 +95,11 @@ class Status(IntEnum):
     BENDS = -8
     INFINITE = -9
     DEPENDENT = -10
+    NO_DIRECTION = -11
 
 
 class Doubt(IntFlag):
-    """What speaks against a run, in bits; ``OPEN`` are rows that were left out."""
+    """Doubts about a run, in bits; ``OPEN`` are rows that were left out."""
 
     NOT_FINITE = 1
     OPEN = 2

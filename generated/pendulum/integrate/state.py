@@ -51,7 +51,7 @@ class Field(NamedTuple):
         return whole[tuple(slice(count) for count in self.shape)] if self.shape else whole
 
 
-class Number:
+class StateNumber:
     """A number of the state.
 
     Parameters
@@ -68,12 +68,12 @@ class Number:
         self.place = -1
 
     @overload
-    def __get__(self, state: None, owner: type[State]) -> Number: ...
+    def __get__(self, state: None, owner: type[State]) -> StateNumber: ...
 
     @overload
     def __get__(self, state: State, owner: type[State]) -> float: ...
 
-    def __get__(self, state: State | None, owner: type[State]) -> Number | float:
+    def __get__(self, state: State | None, owner: type[State]) -> StateNumber | float:
         """Read it."""
         return self if state is None else float(state.numbers[self.place])
 
@@ -121,66 +121,78 @@ class State:
         ``NY`` and others that shapes name.
     """
 
-    key = Number("-", "which solver made it; negative where it could not be started")
-    time = Number("s", "time reached")
-    step_size = Number("s", "length of the next step")
-    error = Number("-", "error of the last step, in units of the tolerance")
-    next_row = Number("-", "the first time that is still to be written")
-    time_before = Number("s", "where the last step began")
-    steps = Number("-", "steps that were made")
-    rejected = Number("-", "steps that were tried in vain")
-    derivatives = Number("-", "evaluations of the accelerations")
-    factorisations = Number("-", "of C_q M^-1 C_q^T")
-    drift = Number("-", "largest correction of a whole step, lengths relative to LENGTH")
-    fastest = Number("1/s", "largest speed of the steps so far, lengths relative to LENGTH")
-    stride = Number("s", "the longest step so far, or what moves a part of a length at the start")
-    work_error = Number("J", "of works under kinematics, what Simpson's rule left unnoticed")
-    simpson = Number("-", "error of works by Simpson's rule, in units of the tolerance, fading")
-    balance = Number("J", "energy that no work explains, at the last position under kinematics")
-    untold = Number("s", "length of the steps since that was looked at")
-    is_refined = Number("-", "1: accelerations are refined all along, 0.5: looked at, else 0")
-    method = Number("-", "1 + the method; 0 before the first step")
-    avoided = Number("-", "lengths of steps given up, since a stage was where rows are dependent")
-    least_pivot_ratio = Number("-", "smallest pivot ratio of all steps")
-    least_pivot_ratio_time = Number("s", "when that was")
-    largest_pivot_ratio = Number("-", "largest pivot ratio of all steps")
-    energy = Number("J", "at the start")
-    energy_error = Number("J", "largest change that no work explains, in the rows checked")
-    corrections = Number("-", "of positions, in Newton's method")
-    passed = Number("-", "rows where constraints are dependent: the polynomial alone tells them")
-    passed_time = Number("s", "when the last of them was")
-    fallbacks = Number("-", "factorisations of all rows, those too that are left out")
-    fallback_time = Number("s", "when the last of them was")
-    longest = Number("s", "longest step tried before bounds of formulas of time, fading")
-    short_steps = Number("-", "steps in a row that are very short beside it")
-    unresolved = Number("-", "steps over which bounds do not tell how formulas vary")
-    unresolved_time = Number("s", "when the last of them was")
-    impulse = Number("1/s", "of forces that are infinite where they switch, what is not known")
-    impulse_time = Number("s", "when the last of them was")
-    branch_points = Number("-", "steps that may have ended on another branch")
-    branch_point_time = Number("s", "when the first of them was")
-    meetings = Number("-", "steps straight on where branches meet, or nearer than rounding tells")
-    meeting_time = Number("s", "when the first of them was")
-    is_near = Number("-", "1 where branches may meet in the driven step that is tried, else 0")
-    refinements = Number("-", "accelerations that were refined, since much of them was lost")
-    pivot_ratio = Number("-", "the pivot ratio of the last accelerations")
-    position_ratio = Number("-", "what tells branches at the last position that was kept")
-    usual_ratio = Number("-", "the largest of these")
-    root_before = Number("-", "root of what tells branches at a stage before that position")
-    stage_before = Number("s", "how long before; 0: none")
-    least_inverse_pivot = Number("", "of all steps; 0 before the first")
-    limit = Number("s", "no step goes beyond: where formulas of time switch, or the end")
-    behind = Number("s", "behind that switch; as limit where there is none")
-    switched = Number("s", "where formulas switched last, of time or of the state")
-    bent = Number("-", "1 + the law of a driver that bends or jumps where it came; 0: none")
-    pole = Number("-", "1 + the function that is zero where a force is infinite; 0: none")
-    potential = Number("J", "potential energy at the start")
-    energy_moved = Number("J", "kinetic energy, change of potential, works: largest sum")
-    moved = Number("J", "the same at ends of steps: errors of works are compared with it")
-    row_drift = Number("-", "largest correction of a row between steps, relative to LENGTH")
-    not_finite = Number("-", "rows with numbers that are not finite, those passed left out")
-    not_finite_time = Number("s", "when the first of them was")
-    event = Number("-", "1 + the event that was told last; 0: none yet")
+    key = StateNumber("-", "which solver made it; negative where it could not be started")
+    time = StateNumber("s", "time reached")
+    step_size = StateNumber("s", "length of the next step")
+    error = StateNumber("-", "error of the last step, in units of the tolerance")
+    next_row = StateNumber("-", "the first time that is still to be written")
+    time_before = StateNumber("s", "where the last step began")
+    steps = StateNumber("-", "steps that were made")
+    rejected = StateNumber("-", "steps that were tried in vain")
+    derivatives = StateNumber("-", "evaluations of the accelerations")
+    factorisations = StateNumber("-", "of C_q M^-1 C_q^T")
+    drift = StateNumber("-", "largest correction of a whole step, lengths relative to LENGTH")
+    fastest = StateNumber("1/s", "largest speed of the steps so far, lengths relative to LENGTH")
+    stride = StateNumber(
+        "s", "the longest step so far, or what moves a part of a length at the start"
+    )
+    work_error = StateNumber("J", "of works under kinematics, what Simpson's rule left unnoticed")
+    simpson = StateNumber(
+        "-", "error of works by Simpson's rule, in units of the tolerance, fading"
+    )
+    balance = StateNumber(
+        "J", "energy that no work explains, at the last position under kinematics"
+    )
+    untold = StateNumber("s", "length of the steps since that was looked at")
+    is_refined = StateNumber("-", "1: accelerations are refined all along, 0.5: looked at, else 0")
+    method = StateNumber("-", "1 + the method; 0 before the first step")
+    avoided = StateNumber(
+        "-", "lengths of steps given up, since a stage was where rows are dependent"
+    )
+    least_pivot_ratio = StateNumber("-", "smallest pivot ratio of all steps")
+    least_pivot_ratio_time = StateNumber("s", "when that was")
+    largest_pivot_ratio = StateNumber("-", "largest pivot ratio of all steps")
+    energy = StateNumber("J", "at the start")
+    energy_error = StateNumber("J", "largest change that no work explains, in the rows checked")
+    corrections = StateNumber("-", "of positions, in Newton's method")
+    passed = StateNumber(
+        "-", "rows where constraints are dependent: the polynomial alone tells them"
+    )
+    passed_time = StateNumber("s", "when the last of them was")
+    fallbacks = StateNumber("-", "factorisations of all rows, those too that are left out")
+    fallback_time = StateNumber("s", "when the last of them was")
+    longest = StateNumber("s", "longest step tried before bounds of formulas of time, fading")
+    short_steps = StateNumber("-", "steps in a row that are very short beside it")
+    unresolved = StateNumber("-", "steps over which bounds do not tell how formulas vary")
+    unresolved_time = StateNumber("s", "when the last of them was")
+    impulse = StateNumber("1/s", "of forces that are infinite where they switch, what is not known")
+    impulse_time = StateNumber("s", "when the last of them was")
+    branch_points = StateNumber("-", "steps that may have ended on another branch")
+    branch_point_time = StateNumber("s", "when the first of them was")
+    meetings = StateNumber(
+        "-", "steps straight on where branches meet, or nearer than rounding tells"
+    )
+    meeting_time = StateNumber("s", "when the first of them was")
+    is_near = StateNumber("-", "1 where branches may meet in the driven step that is tried, else 0")
+    refinements = StateNumber("-", "accelerations that were refined, since much of them was lost")
+    pivot_ratio = StateNumber("-", "the pivot ratio of the last accelerations")
+    position_ratio = StateNumber("-", "what tells branches at the last position that was kept")
+    usual_ratio = StateNumber("-", "the largest of these")
+    root_before = StateNumber("-", "root of what tells branches at a stage before that position")
+    stage_before = StateNumber("s", "how long before; 0: none")
+    least_inverse_pivot = StateNumber("", "of all steps; 0 before the first")
+    limit = StateNumber("s", "no step goes beyond: where formulas of time switch, or the end")
+    behind = StateNumber("s", "behind that switch; as limit where there is none")
+    switched = StateNumber("s", "where formulas switched last, of time or of the state")
+    bent = StateNumber("-", "1 + the law of a driver that leads no further where it came; 0: none")
+    pole = StateNumber("-", "1 + the function that is zero where a force is infinite; 0: none")
+    potential = StateNumber("J", "potential energy at the start")
+    energy_moved = StateNumber("J", "kinetic energy, change of potential, works: largest sum")
+    moved = StateNumber("J", "the same at ends of steps: errors of works are compared with it")
+    row_drift = StateNumber("-", "largest correction of a row between steps, relative to LENGTH")
+    not_finite = StateNumber("-", "rows with numbers that are not finite, those passed left out")
+    not_finite_time = StateNumber("s", "when the first of them was")
+    event = StateNumber("-", "1 + the event that was told last; 0: none yet")
     y = Numbers("NY", unit="", meaning="q, then v")
     low = Numbers("NY", unit="", meaning="what rounding of y has left over")
     f = Numbers("NY", unit="", meaning="time derivative of y")
@@ -193,6 +205,8 @@ class State:
     usual_pivots = Numbers("NCHECK", unit="", meaning="pivots at the start where drivers lead")
     sides = Numbers("N_CROSSINGS", unit="-", meaning="1 or -1, side of each function; 0: not known")
     counts = Numbers("EVENTS", unit="-", meaning="how often each event was")
+    crossed = Numbers("EVENTS", unit="s", meaning="when each event passed zero last, either way")
+    held = Numbers("EVENTS", unit="-", meaning="1 of an event that is thrown back to zero there")
     fired = Numbers("EVENTS", unit="-", meaning="1 of an event that is still to be told")
     lowest = Numbers("RANGED", unit="", meaning="of q, then of coordinates, at ends of steps")
     highest = Numbers("RANGED", unit="", meaning="the same; under kinematics at the start")
@@ -202,19 +216,19 @@ class State:
         self.views = {field.name: field.view(numbers) for field in fields(sizes) if field.shape}
 
 
-def _records() -> Iterator[tuple[str, Number | Numbers]]:
+def _records() -> Iterator[tuple[str, StateNumber | Numbers]]:
     for name, record in vars(State).items():
-        if isinstance(record, Number | Numbers):
+        if isinstance(record, StateNumber | Numbers):
             yield name, record
 
 
 for _place, (_name, _record) in enumerate(_records()):
     _record.name = _name
-    if isinstance(_record, Number):
+    if isinstance(_record, StateNumber):
         _record.place = _place  # numbers stand before arrays, so that a solver's sizes move none
 
 #: How many numbers stand before the arrays.
-SINGLE = sum(isinstance(_record, Number) for _, _record in _records())
+SINGLE = sum(isinstance(_record, StateNumber) for _, _record in _records())
 #: Levels at which constraints are checked: position, velocity, acceleration.
 LEVELS = 3
 

@@ -103,7 +103,7 @@ typedef struct {
     int avoided;         /* how many of them there were */
     int is_beyond;       /* whether the end is to lie inside of the step */
     int is_rejected;     /* whether one had too large an error */
-    int is_guessed;      /* whether one was cut short for what is seen in it */
+    int is_guessed;      /* whether one was cut short for what is seen in it but distances */
     int shorter, thrown; /* how often for narrow parts, and for stages that pass a switch by */
     int polished;        /* how often an event was found again */
     int status;          /* GOOD, or why there is no step */
@@ -487,7 +487,8 @@ static Trial next_trial(Attempts *tried, const State *s)
 /* whether rows are nearly dependent at a pivot ratio */
 static int is_weak(double ratio, const Attempts *tried, const State *s)
 {
-    return ratio < (tried->is_fixed ? VAGUE : WEAK) * s->largest_pivot_ratio;
+    return ratio <
+           (tried->is_fixed ? VAGUE_PIVOT_RATIO : WEAK_PIVOT_RATIO) * s->largest_pivot_ratio;
 }
 
 /* makes the stages of a trial. 0 where Newton has gone far away in a step that cannot be shorter,
@@ -552,7 +553,8 @@ static int is_clear(Attempts *tried, Trial *trial, State *s)
     if (!is_weak(trial->least_ratio, tried, s)) return 1;
     if (trial->least_ratio > 0.0 && is_weak(trial->most_ratio, tried, s)) {
         /* it is so everywhere: shorter steps stay there */
-        s->largest_pivot_ratio = trial->least_ratio / (tried->is_fixed ? VAGUE : WEAK);
+        s->largest_pivot_ratio = trial->least_ratio /
+                                 (tried->is_fixed ? VAGUE_PIVOT_RATIO : WEAK_PIVOT_RATIO);
     } else if (tried->avoided <= MOST_AVOIDED) {
         if (trial->least_ratio > tried->best) {
             tried->best = trial->least_ratio;
@@ -591,24 +593,37 @@ static int is_tried(Attempts *tried, Trial *trial, Work *work, State *s)
     return 1;
 }
 
-/* where a trial must end by what crosses in it. Poles of forces are looked for once more where its
- * polynomial has not all of its stages */
+/* where a trial must end by what crosses in it. Poles of forces and distances are looked for once
+ * more where its polynomial has not all of its stages */
 static double seen_in(Attempts *tried, Trial *trial, Work *work, State *s)
 {
     const Method *m = tried->m;
     Look *look = &tried->look;
     const double *f = work->k[m->stages];
-    const int has_stages = N_SWITCHING > 0 && is_kept(trial);
+    int has_stages = N_SWITCHING > 0 && is_kept(trial);
+    /* one that leads beyond its end stays as it is */
+    const int is_whole = tried->is_beyond;
+#ifdef HAS_DISTANCE
+    const int turns = !is_whole && may_turn(s->time, trial->h, work->y, f, s, work);
+    if (!turns && N_SEEN == 0) return trial->end;
+    if (turns && is_kept(trial) && !has_stages) has_stages = make_dense_stages(m, trial, work, s);
+#endif
     look_into(tried->settings, m, has_stages, trial->h, work->y, s->f, f, look, s, work);
     look->least_part = is_kept(trial) && !trial->is_vague ? 0.0 : LEAST_PART;
     look->is_kept = is_kept(trial);
-    /* one that leads beyond its end stays as it is */
-    double seen = tried->is_beyond ? trial->end : seen_end(trial->end, look, s, work);
+#ifdef HAS_DISTANCE
+    const double turned = turns ? turned_end(trial->end, look, s, work) : HUGE_VAL;
+#endif
+    double seen = is_whole || N_SEEN == 0 ? trial->end : seen_end(trial->end, look, s, work);
     if (look->pole && !has_stages && make_dense_stages(m, trial, work, s)) {
         look_into(tried->settings, m, 1, trial->h, work->y, s->f, f, look, s, work);
         seen = seen_end(trial->end, look, s, work);
     }
-    return look->pole ? end_before_pole(look, s) : seen;
+    if (look->pole) return end_before_pole(look, s);
+#ifdef HAS_DISTANCE
+    if (turned < seen && !look->lost) return turned_in(turned, seen, look);
+#endif
+    return seen;
 }
 
 /* where a trial must end so that samples tell up to a time how narrow parts vary; noted where it
@@ -617,6 +632,7 @@ static double told_in(double told, Attempts *tried, const Trial *trial, Work *wo
 {
     Look *look = &tried->look;
     if (N_NARROW == 0 || !is_kept(trial)) return trial->end;
+    if (look->is_over && told <= look->turning) return trial->end;
     if (tried->shorter++ < MOST_SHORTER) {
         const double there = told_end(told, look, s, work);
         return there < told ? there : trial->end;
@@ -669,7 +685,7 @@ static double length_by_error(const Method *m, const Trial *trial)
 static void end_at(double to, Attempts *tried, const Trial *trial, State *s)
 {
     const double way = to - s->time;
-    tried->is_guessed = 1;
+    tried->is_guessed = tried->is_guessed || to != tried->look.turning;
     if (tried->is_fixed) {
         tried->end = to;
         tried->is_beyond = 0;
@@ -683,7 +699,7 @@ static void end_at(double to, Attempts *tried, const Trial *trial, State *s)
 static int ends_well(Attempts *tried, Trial *trial, Work *work, State *s)
 {
     Look *look = &tried->look;
-    if (N_SEEN == 0 || !trial->is_whole || !(is_kept(trial) || !tried->is_guessed)) return 1;
+    if (N_LOOKED == 0 || !trial->is_whole || !(is_kept(trial) || !tried->is_guessed)) return 1;
     const double seen = seen_in(tried, trial, work, s);
     tried->status = why_stopped(seen, look, s);
     if (tried->status != GOOD) return 0;
@@ -703,8 +719,8 @@ static void keep(const Attempts *tried, const Trial *trial, Work *work, State *s
     const Look *look = &tried->look;
     const double before = s->step_size;
     accept(tried, trial, work, s);
-    if (N_SEEN == 0) return;
-    note_crossings(trial->end, look, s, work);
+    if (N_LOOKED == 0) return;
+    if (N_SEEN > 0) note_crossings(trial->end, look, s, work);
     if (look->is_untold) note_unresolved(s->time_before, s);
     if (s->time == look->cut) {
         s->step_size = larger(s->step_size, before);
@@ -722,6 +738,7 @@ static int step(
     tried.is_fixed = settings->fixed_step > 0.0;
     tried.best = -1.0;
     tried.look.cut = s->time;
+    tried.look.turning = HUGE_VAL;
     tried.look.has_error = N_SWITCHING > 0 && !tried.is_fixed;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {

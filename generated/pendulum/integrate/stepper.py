@@ -28,8 +28,8 @@ from .crossing import (
 )
 from .dense_output import combine
 from .pivot_monitor import (
-    VAGUE,
-    WEAK,
+    VAGUE_PIVOT_RATIO,
+    WEAK_PIVOT_RATIO,
     branch_ratio,
     note_largest_pivot,
     note_pivot_ratio,
@@ -203,7 +203,7 @@ class Attempts:
     is_beyond : bool
         Whether the end is to lie inside of the step.
     is_rejected, is_guessed : bool
-        Whether one had too large an error, and was cut short for what is seen in it.
+        Whether one had too large an error, and was cut short for what is seen in it but distances.
     shorter, thrown, polished : int
         How often for narrow parts, and for stages that pass a switch by; how often an event was
         found again.
@@ -506,7 +506,7 @@ def dipping_part(first: float, last: float, trial: Trial) -> float:
 
 
 def turning_place(trial: Trial) -> tuple[float, float]:
-    """Return at which part of a step roots seem to change their sign, and how steeply they do.
+    """Part of a step at which roots seem to change their sign, and how steeply they do.
 
     They go with the distance from a place where branches meet, so that lines through two of them
     tell the next. The slope is 0 where none changes its sign.
@@ -622,7 +622,10 @@ def next_trial(tried: Attempts, state: State) -> Trial:
 
 def is_weak(ratio: float, tried: Attempts, state: State) -> bool:
     """Whether rows are nearly dependent at a pivot ratio."""
-    return ratio < (VAGUE if tried.is_fixed else WEAK) * state.largest_pivot_ratio
+    return (
+        ratio
+        < (VAGUE_PIVOT_RATIO if tried.is_fixed else WEAK_PIVOT_RATIO) * state.largest_pivot_ratio
+    )
 
 
 def is_made(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
@@ -676,7 +679,9 @@ def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:
         return True
     if trial.least_ratio > 0.0 and is_weak(trial.most_ratio, tried, state):
         # it is so everywhere: shorter steps stay there
-        state.largest_pivot_ratio = trial.least_ratio / (VAGUE if tried.is_fixed else WEAK)
+        state.largest_pivot_ratio = trial.least_ratio / (
+            VAGUE_PIVOT_RATIO if tried.is_fixed else WEAK_PIVOT_RATIO
+        )
     elif tried.avoided <= MOST_AVOIDED:
         if trial.least_ratio > tried.best:
             tried.best, tried.best_h = trial.least_ratio, trial.h
@@ -715,24 +720,39 @@ def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
 
 
 def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Time at which a trial must end by what crosses in it; poles want all stages."""
+    """Time at which a trial must end by what crosses in it; poles and distances want all stages."""
     m, s, look = tried.m, tried.s, tried.look
     has_stages = tried.has_switches and is_kept(trial)
+    # one that leads beyond its end stays as it is
+    turned, turns, is_whole = math.inf, False, tried.is_beyond
+    if work.scene.n_distances > 0 and not is_whole:
+        from .distances import may_turn, turned_end, turned_in  # other scenes do not have it
+
+        turns = may_turn(trial.h, work.y, work.k[m.stages], look)
+        if not turns and not work.scene.sees:
+            return trial.end
+        if turns and is_kept(trial) and not has_stages:
+            has_stages = make_dense_stages(m, trial, work, state)
     look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
     look.least_part = 0.0 if is_kept(trial) and not trial.is_vague else LEAST_PART
     look.is_kept = is_kept(trial)
-    # one that leads beyond its end stays as it is
-    seen = trial.end if tried.is_beyond else seen_end(trial.end, look)
+    if turns:
+        turned = turned_end(trial.end, look)
+    seen = trial.end if is_whole or not work.scene.sees else seen_end(trial.end, look)
     if look.pole and not has_stages and make_dense_stages(m, trial, work, state):
         look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
         seen = seen_end(trial.end, look)
-    return end_before_pole(look) if look.pole else seen
+    if look.pole:
+        return end_before_pole(look)
+    return turned_in(turned, seen, look) if turned < seen and not look.lost else seen
 
 
 def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:
     """Time at which a trial must end so that samples tell up to a time how narrow parts vary."""
     look = tried.look
     if not work.scene.has_narrow or not is_kept(trial):
+        return trial.end
+    if look.is_over and told <= look.turning:
         return trial.end
     if tried.shorter < MOST_SHORTER:
         tried.shorter += 1
@@ -786,7 +806,7 @@ def length_by_error(m: RungeKuttaMethod, trial: Trial) -> float:
 def end_at(to: float, tried: Attempts, trial: Trial, state: State) -> None:
     """Have a step end at a time when it is tried again; one that is cut can be longer still."""
     way = to - state.time
-    tried.is_guessed = True
+    tried.is_guessed = tried.is_guessed or to != tried.look.turning
     if tried.is_fixed:
         tried.end, tried.is_beyond = to, False
     state.rejected += 1
@@ -797,7 +817,7 @@ def end_at(to: float, tried: Attempts, trial: Trial, state: State) -> None:
 def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     """Whether a trial ends where it may by what is seen in it: else it is to end there."""
     look = tried.look
-    if not work.scene.sees or not trial.is_whole or not (is_kept(trial) or not tried.is_guessed):
+    if not work.scene.looks or not trial.is_whole or not (is_kept(trial) or not tried.is_guessed):
         return True
     seen = seen_in(tried, trial, work, state)
     tried.status = why_stopped(seen, look)
@@ -820,9 +840,10 @@ def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     """Keep a trial, and note what was seen in it."""
     look, before = tried.look, state.step_size
     accept(tried, trial, work, state)
-    if not work.scene.sees:
+    if not work.scene.looks:
         return
-    note_crossings(trial.end, look)
+    if work.scene.sees:
+        note_crossings(trial.end, look)
     if look.is_untold:
         note_unresolved(state.time_before, state)
     if state.time == look.cut:

@@ -159,6 +159,21 @@ static size_t bent_law(double first, double last, double span, double *w)
     return bent_beside(BESIDE * span, first, last, span, w);
 }
 
+/* the first driven distance, a gap, that is none between two times, counted from 1, or 0 */
+static size_t lost_gap(double first, double last, double *w)
+{
+    size_t lost = N_GAPS;
+    if (N_GAPS == 0) return 0;
+    /* where one gets on the other side bounds may be above it by rounding */
+    for (size_t n = 0; n != 2; ++n) {
+        bounds_between(n == 0 ? first : last, last, w);
+        for (size_t k = 0; k != N_GAPS; ++k) {
+            if (w[W_GAPS + 4 * k] <= 0.0 && k < lost) lost = k;
+        }
+    }
+    return lost == N_GAPS ? 0 : lost + 1;
+}
+
 /* whether there is no root of a switching function between two times, where functions have values
  * before and after, nor bends a law that is followed */
 static int is_even(double first, double last, double span, const double *before, double *after,
@@ -242,12 +257,17 @@ static void note_impulse(double before, double pull, State *s, Work *work)
 
 /* goes over the switch that a step has come to, and finds the next one. What is before it and what
  * is behind it is told by formulas on that side; nothing moves in between. Drivers that jump
- * there lead no further */
+ * there lead no further, nor those by which points meet */
 static int meet_switches(double end, State *s, Work *work)
 {
     while (s->time < end && !(s->time < s->limit)) {
         if (s->behind > s->time) {
             const double span = larger(fabs(s->time), fabs(end));
+            const size_t lost = lost_gap(s->limit, s->behind, work->w);
+            if (lost > 0) {
+                s->bent = (double)lost;
+                return NO_DIRECTION;
+            }
             const size_t bent = bent_law(s->limit, s->behind, span, work->w);
             if (bent > 0) {
                 s->bent = (double)bent;

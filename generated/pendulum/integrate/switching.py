@@ -168,6 +168,18 @@ def bent_law(first: float, last: float, span: float, work: Work) -> int:
     return bent_beside(BESIDE * span, first, last, span, work.w)
 
 
+def lost_gap(first: float, last: float, w: Workspace) -> int:
+    """First driven distance, a gap, that is none between two times, counted from 1, or 0."""
+    if w.gaps.size == 0:
+        return 0
+    is_none = np.zeros(w.gaps.size // 4, dtype=bool)
+    # where one gets on the other side bounds may be above it by rounding
+    for time in (first, last):
+        bounds_between(time, last, w)
+        is_none |= w.gaps.reshape(-1, 4)[:, 0] <= 0.0
+    return int(np.argmax(is_none)) + 1 if is_none.any() else 0
+
+
 def is_even(
     first: float,
     last: float,
@@ -257,11 +269,15 @@ def meet_switches(end: float, state: State, work: Work) -> Status:
     """Go over the switch that a step has come to, and find the next one.
 
     What is before it and what is behind it is told by formulas on that side; nothing moves in
-    between. Drivers that jump there lead no further.
+    between. Drivers that jump there lead no further, nor those by which points meet.
     """
     while state.time < end and not state.time < state.limit:
         if state.behind > state.time:
             span = larger(abs(state.time), abs(end))
+            lost = lost_gap(state.limit, state.behind, work.w)
+            if lost > 0:
+                state.bent = float(lost)
+                return Status.NO_DIRECTION
             bent = bent_law(state.limit, state.behind, span, work)
             if bent > 0:
                 state.bent = float(bent)

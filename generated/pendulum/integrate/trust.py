@@ -10,7 +10,7 @@ import numpy as np
 
 from .arithmetic import larger, smaller
 from .methods import METHODS
-from .result import key_of, listed, shortly
+from .result import listed, scene_key, shortly
 from .settings import CLEARLY, NOTHING_MOVES, Doubt
 
 if TYPE_CHECKING:
@@ -45,18 +45,18 @@ class CheckedRows(NamedTuple):
 
     Parameters
     ----------
-    rows, left_out, reduced : sequence of (str, str)
+    rows, left_out, satisfied : sequence of (str, str)
         Those solved for; those that others imply but for the closure tolerance; those that
-        coordinates of the solver fulfil.
+        joint coordinates satisfy identically.
     """
 
     rows: Sequence[tuple[str, str]]
     left_out: Sequence[tuple[str, str]]
-    reduced: Sequence[tuple[str, str]]
+    satisfied: Sequence[tuple[str, str]]
 
 
 class RunVerdict(NamedTuple):
-    """What speaks against a run, bits of :class:`Doubt`, and its limits; ``solver.h`` has units."""
+    """Verdict on a run: bits of :class:`Doubt`, and its limits; ``solver.h`` has units."""
 
     doubts: int
     limit: float
@@ -195,7 +195,7 @@ class Trust:
 
     @property
     def why(self) -> str:
-        """What speaks against the run, in one line."""
+        """Doubts about the run, in one line."""
         return "; ".join(self.problems)
 
 
@@ -238,7 +238,7 @@ def judge(
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
     units = [unit for part in rows for _, unit in part]
     lengths = [layout.length if unit == "m" else 1.0 for unit in units]
-    residuals, held = state["violations"][0] / lengths, len(rows.rows) + len(rows.reduced)
+    residuals, held = state["violations"][0] / lengths, len(rows.rows) + len(rows.satisfied)
     ends = (residuals[:held], residuals[held:])
     constraints, missed = (float(np.max(part, initial=0.0)) for part in ends)  # a NaN stays
     moved, is_free = single["energy_moved"], layout.sizes["v"] != held
@@ -301,12 +301,12 @@ def trust_of(
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
     checks, is_led = bool(settings.checks), settings.method == len(METHODS)
     knows_energy = checks and is_weighed
-    is_free = layout.sizes["v"] != len(rows.rows) + len(rows.reduced)
+    is_free = layout.sizes["v"] != len(rows.rows) + len(rows.satisfied)
     told = larger(verdict.limit * single["energy_moved"], known_energy(single))
     is_still = knows_energy and told < single["energy_error"] <= verdict.energy_limit
     advice = "a smaller step" if settings.fixed_step else "a smaller tolerance or largest_step"
     advice = "a smaller largest_step, or more rows" if is_led else advice
-    opened = map(key_of, released(missed_by(state["violations"][0], rows, layout), layout))
+    opened = map(scene_key, released(missed_by(state["violations"][0], rows, layout), layout))
     moved, count = shortly(single["energy_moved"], 2), single["branch_points"]
     impulse = single["impulse"] / single["fastest"] if single["fastest"] > 0.0 else 0.0
     has_impulse = impulse > (FIXED if settings.fixed_step > 0.0 else settings.tolerance)
@@ -400,7 +400,7 @@ def untold(single: Mapping[str, float], advice: str) -> str:
 
 
 class Missed(NamedTuple):
-    """What the rows of a joint that are left out missed at most.
+    """Largest residual of the rows of a joint that are left out.
 
     Parameters
     ----------
