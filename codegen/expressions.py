@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.model.errors import FreezeError
+from kousoku.model.operations.expression import bits_of, evaluated
 from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import bits_of, evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from kousoku.model.operations.expression import Expression
     from kousoku.model.operations.graph import Graph
-    from kousoku.model.operations.terms import Expression
 
 LARGEST_EXPONENT = 2**64
 """Whole and half exponents up to it become products: exp and log have no value of negative numbers.

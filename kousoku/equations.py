@@ -27,8 +27,8 @@ from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.labels import columns_of, is_turn, rows_of
 from kousoku.model.errors import SolveError
-from kousoku.model.expressions.expression import parse_expression
 from kousoku.model.expressions.formulas import TIME
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
 from kousoku.model.lowering.parametric import fixed_system
 from kousoku.model.lowering.system import system_of

@@ -376,7 +376,7 @@ def _number(text: str) -> float | str:
         It is none of them.
     """
     from kousoku.model.angles import number_of
-    from kousoku.model.expressions.expression import parse_expression
+    from kousoku.model.expressions.parser import parse_expression
     from kousoku.model.expressions.values import value_of
 
     with suppress(ValueError):

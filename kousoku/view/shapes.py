@@ -218,7 +218,7 @@ def with_values(scene: Scene, parameters: Mapping[str, float | str] | None) -> S
     from msgspec import structs
 
     from kousoku.model.expressions.design_numbers import changed_scene
-    from kousoku.model.expressions.expression import parse_expression
+    from kousoku.model.expressions.parser import parse_expression
     from kousoku.model.expressions.values import value_of
     from kousoku.runtime.integrate.given import values_of
 
@@ -236,7 +236,7 @@ def with_values(scene: Scene, parameters: Mapping[str, float | str] | None) -> S
 
 def written_poses(scene: Scene) -> tuple[Array, Array]:
     """Positions and Euler parameters of the bodies of a scene as they are written."""
-    from kousoku.model.numbers.quaternions import quaternion
+    from kousoku.model.lowering.quaternions import quaternion
 
     position = np.array([body.position for body in scene.bodies.values()], dtype=np.float64)
     turns = [_numbers(quaternion(body.orientation)) for body in scene.bodies.values()]
@@ -255,9 +255,9 @@ class _SpatialShapes:
     """The shapes of a scene of bodies while they are collected."""
 
     def __init__(self, scene: Scene, poses: tuple[Array, Array] | None) -> None:
+        from kousoku.model.lowering.quaternions import quaternion
         from kousoku.model.mechanics.frames import GROUND_FRAME, BodyFrame
         from kousoku.model.numbers.precise import IDENTITY, ZERO, triple
-        from kousoku.model.numbers.quaternions import quaternion
         from kousoku.model.records.spatial import GROUND as NAME
 
         self._scene = scene
@@ -553,7 +553,7 @@ def pedestal(at: Array, axis: Array | None, up: Array, unit: float) -> MeshPart:
 
 def _solids(body: Body, size: float, thin: float, color: int) -> Iterator[MeshPart]:
     """Solids of a body in its frame."""
-    from kousoku.model.numbers.quaternions import quaternion
+    from kousoku.model.lowering.quaternions import quaternion
 
     for given in body.boxes:
         turn = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.model.elements.kind import ForceKind, require_one, scalars
+from kousoku.model.elements.force import ForceKind, require_one, scalars
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanics.multibody import ForceElement
 from kousoku.model.records.dotted_keys import require_known
@@ -13,7 +13,7 @@ from kousoku.model.records.dotted_keys import require_known
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.elements.kind import Lowering
+    from kousoku.model.elements.force import Lowering
     from kousoku.model.records.loads import Force
     from kousoku.model.records.scene import Scene
 

@@ -6,14 +6,14 @@ from math import hypot
 from typing import TYPE_CHECKING
 
 from kousoku.model.elements.coordinate_spring import linear_spring
-from kousoku.model.elements.kind import ForceKind
+from kousoku.model.elements.force import ForceKind
 from kousoku.model.errors import SceneError
 from kousoku.model.records.design import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.elements.kind import Lowering
+    from kousoku.model.elements.force import Lowering
     from kousoku.model.mechanics.frames import BodyFrame
     from kousoku.model.mechanics.multibody import ForceElement
     from kousoku.model.numbers.precise import Triple

@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.elements.along import is_length
-from kousoku.model.elements.kind import scalars
+from kousoku.model.elements.force import scalars
 from kousoku.model.mechanics.multibody import ForceElement
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.model.elements.kind import Lowering
+    from kousoku.model.elements.force import Lowering
     from kousoku.model.numbers.precise import High
     from kousoku.model.records.spatial import Value
 

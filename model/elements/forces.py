@@ -12,8 +12,8 @@ from kousoku.model.elements.rotational_spring_damper import RotationalSpringDamp
 from kousoku.model.elements.spring_damper import SpringDamper
 
 if TYPE_CHECKING:
+    from kousoku.model.elements.force import ForceKind
     from kousoku.model.elements.inputs import Dependence
-    from kousoku.model.elements.kind import ForceKind
 
 FORCES: dict[str, ForceKind] = {
     "force": ForceOnBody(),

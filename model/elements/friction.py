@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.elements.checks import check_leaves
 from kousoku.model.elements.coordinate_spring import linear_spring
+from kousoku.model.elements.force import ForceKind, require_one
 from kousoku.model.elements.joints import leaves_of
-from kousoku.model.elements.kind import ForceKind, require_one
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.elements.kind import Lowering
+    from kousoku.model.elements.force import Lowering
     from kousoku.model.mechanics.multibody import ForceElement
     from kousoku.model.records.loads import Force
     from kousoku.model.records.scene import Scene

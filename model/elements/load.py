@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.model.elements.kind import ForceKind, require_only_point
+from kousoku.model.elements.force import ForceKind, require_only_point
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanics.multibody import GROUND_INDEX, ForceElement
 from kousoku.model.records.dotted_keys import require_known
@@ -13,7 +13,7 @@ from kousoku.model.records.dotted_keys import require_known
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.elements.kind import Constants, Formulas, Lowering
+    from kousoku.model.elements.force import Constants, Formulas, Lowering
     from kousoku.model.mechanics.frames import BodyFrame
     from kousoku.model.numbers.precise import High, Triple
     from kousoku.model.records.loads import Force

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 from kousoku.model.elements.along import known_coordinate
 from kousoku.model.elements.checks import check_leaves
 from kousoku.model.elements.coordinate_spring import linear_spring, spring_against
+from kousoku.model.elements.force import ForceKind
 from kousoku.model.elements.joint import ANGLE, ANGLES, DISPLACEMENTS, SECOND_ANGLE
 from kousoku.model.elements.joints import leaves_of, sort_of
-from kousoku.model.elements.kind import ForceKind
 from kousoku.model.elements.spring import check_law, unused_free
 from kousoku.model.errors import SceneError
 from kousoku.model.text import with_a
@@ -17,7 +17,7 @@ from kousoku.model.text import with_a
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.elements.kind import Lowering
+    from kousoku.model.elements.force import Lowering
     from kousoku.model.mechanics.multibody import ForceElement
     from kousoku.model.records.loads import Force
     from kousoku.model.records.scene import Scene

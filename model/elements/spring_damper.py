@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.model.elements.kind import ForceKind, require_only_point, scalars
+from kousoku.model.elements.force import ForceKind, require_only_point, scalars
 from kousoku.model.elements.spring import check_law, unused_free
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanics.multibody import ForceElement
@@ -14,7 +14,7 @@ from kousoku.model.records.spatial import GROUND
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.elements.kind import Lowering, Points
+    from kousoku.model.elements.force import Lowering, Points
     from kousoku.model.numbers.precise import High
     from kousoku.model.records.loads import Force
     from kousoku.model.records.scene import Scene

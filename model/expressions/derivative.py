@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, cast
 
 from kousoku.model.expressions.polynomials import root_of_even_power
 from kousoku.model.operations.arithmetic import FormulaArithmetic
-from kousoku.model.operations.graph import Op
-from kousoku.model.operations.slopes import SLOPES
-from kousoku.model.operations.terms import (
+from kousoku.model.operations.expression import (
     ONE,
     ZERO,
     add,
@@ -20,11 +18,13 @@ from kousoku.model.operations.terms import (
     ordered,
     power,
 )
+from kousoku.model.operations.graph import Op
+from kousoku.model.operations.slopes import SLOPES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.operations.terms import Expression
+    from kousoku.model.operations.expression import Expression
 
 
 def derivative(expression: Expression, name: str) -> Expression:

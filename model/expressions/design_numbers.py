@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 import msgspec
 
 from kousoku.model.errors import ExpressionError
-from kousoku.model.expressions.expression import parse_expression
 from kousoku.model.expressions.formulas import TIME, WORD, state_names, used_names
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
-from kousoku.model.operations.terms import names_of
+from kousoku.model.operations.expression import names_of
 from kousoku.model.records.design import LARGEST, Formula
 from kousoku.model.records.dotted_keys import join
 

@@ -10,8 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from kousoku.model.angles import PI
-from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import (
+from kousoku.model.operations.expression import (
     ONE,
     ZERO,
     Expression,
@@ -26,6 +25,7 @@ from kousoku.model.operations.terms import (
     power,
     symbol,
 )
+from kousoku.model.operations.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

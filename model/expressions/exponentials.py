@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.expressions.derivative import derivative
 from kousoku.model.expressions.enclosure import composed
-from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import (
+from kousoku.model.operations.expression import (
     ONE,
     ZERO,
     Expression,
@@ -21,6 +20,7 @@ from kousoku.model.operations.terms import (
     ordered,
     rebuilt,
 )
+from kousoku.model.operations.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

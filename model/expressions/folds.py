@@ -7,8 +7,8 @@ those of ``a/abs(a)`` beside zero.
 from __future__ import annotations
 
 from kousoku.model.expressions.polynomials import root_of_even_power
+from kousoku.model.operations.expression import Expression, apply, mul, neg, ordered, rebuilt
 from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import Expression, apply, mul, neg, ordered, rebuilt
 
 OTHER = {Op.SIN: Op.COS, Op.COS: Op.SIN}
 """The function whose sign tells on which branch the inverse of one is."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, cast
 import msgspec
 
 from kousoku.model.errors import ExpressionError, Problem
-from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
 from kousoku.model.records.design import Formula
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 from kousoku.model.expressions.derivative import derivative
 from kousoku.model.expressions.folds import without_folds
 from kousoku.model.expressions.switching import SMOOTH, even_root, may_be_zero
-from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import (
+from kousoku.model.operations.expression import (
     Expression,
     add,
     apply,
@@ -20,6 +19,7 @@ from kousoku.model.operations.terms import (
     rebuilt,
     replaced,
 )
+from kousoku.model.operations.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -11,8 +11,7 @@ from itertools import pairwise
 from math import isqrt
 from typing import TYPE_CHECKING, NamedTuple
 
-from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import (
+from kousoku.model.operations.expression import (
     LARGEST_BITS,
     ONE,
     Expression,
@@ -26,6 +25,7 @@ from kousoku.model.operations.terms import (
     ordered,
     power,
 )
+from kousoku.model.operations.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from kousoku.model.expressions.derivative import derivative
 from kousoku.model.expressions.enclosure import Bounds, enclosure, product_of
 from kousoku.model.expressions.polynomials import polynomial_of
-from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import (
+from kousoku.model.operations.expression import (
     ONE,
     ZERO,
     Expression,
@@ -33,6 +32,7 @@ from kousoku.model.operations.terms import (
     replaced,
     symbol,
 )
+from kousoku.model.operations.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping

@@ -11,8 +11,7 @@ from kousoku.model.expressions.derivative import derivative
 from kousoku.model.expressions.exponentials import without_overflow
 from kousoku.model.expressions.formulas import TIME
 from kousoku.model.expressions.polynomials import is_never_zero, root_of_even_power, square_part
-from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import (
+from kousoku.model.operations.expression import (
     ONE,
     Expression,
     add,
@@ -22,6 +21,7 @@ from kousoku.model.operations.terms import (
     neg,
     ordered,
 )
+from kousoku.model.operations.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence

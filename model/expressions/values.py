@@ -6,13 +6,13 @@ import math
 from typing import TYPE_CHECKING
 
 from kousoku.model.operations.arithmetic import FLOAT
+from kousoku.model.operations.expression import evaluated
 from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.operations.terms import Expression
+    from kousoku.model.operations.expression import Expression
 
 
 def value_of(expression: Expression, values: Mapping[str, float]) -> float:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.errors import ExpressionError
 from kousoku.model.expressions.design_numbers import with_numbers
-from kousoku.model.expressions.expression import parse_expression
 from kousoku.model.expressions.formulas import LAW_NAMES, RATE, state_names, texts_of, used_names
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.switching import may_jump
+from kousoku.model.lowering.quaternions import quaternion
 from kousoku.model.numbers import precise
-from kousoku.model.numbers.quaternions import quaternion
+from kousoku.model.operations.expression import Expression, names_of, ordered
 from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import Expression, names_of, ordered
 from kousoku.model.records.dotted_keys import join
 from kousoku.model.records.spatial import GROUND
 

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 from msgspec import structs
 
 from kousoku.model.errors import SceneError
+from kousoku.model.lowering.quaternions import quaternion
 from kousoku.model.numbers import precise
 from kousoku.model.numbers.digits import CONTEXT
 from kousoku.model.numbers.precise import ZERO, High, Quadruple, Square, Triple
-from kousoku.model.numbers.quaternions import quaternion
 from kousoku.model.numbers.traced import Traced, at_scene
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from kousoku.model.expressions.design_numbers import changed_scene
-from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.numbers.traced import Traced, parameter, traced
 from kousoku.model.numbers.varying import Varying, fixed
 

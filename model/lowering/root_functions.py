@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.expressions.exponentials import without_overflow
-from kousoku.model.expressions.expression import parse_expression
 from kousoku.model.expressions.folds import without_folds
 from kousoku.model.expressions.formulas import LAW_NAMES, RATE, TIME, used_names
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.switching import (
     edges_of,
     is_jump,
@@ -29,14 +29,14 @@ from kousoku.model.expressions.switching import (
     with_rates,
 )
 from kousoku.model.expressions.values import value_of
-from kousoku.model.operations.terms import add, names_of, neg, number, ordered, symbol
+from kousoku.model.operations.expression import add, names_of, neg, number, ordered, symbol
 from kousoku.model.records.dotted_keys import join
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
     from kousoku.model.mechanics.multibody import System
-    from kousoku.model.operations.terms import Expression
+    from kousoku.model.operations.expression import Expression
 
 
 #: A distance counts as none that is no more than this part of what it is at the start: rounding of

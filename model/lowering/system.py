@@ -18,6 +18,7 @@ from kousoku.model.lowering.coordinates import CoordinateList
 from kousoku.model.lowering.held import held_coordinates, held_of
 from kousoku.model.lowering.mass import mass_properties
 from kousoku.model.lowering.parametric import positive_numbers, varying_scene
+from kousoku.model.lowering.quaternions import quaternion
 from kousoku.model.lowering.system_drivers import driver_instances, start_values
 from kousoku.model.lowering.system_forces import events_of, force_elements, gravity_law, gravity_of
 from kousoku.model.lowering.zero_directions import check_zero_directions
@@ -35,7 +36,6 @@ from kousoku.model.mechanics.multibody import Instance, MovingBody, System
 from kousoku.model.mechanics.parallel_rows import variant
 from kousoku.model.numbers import precise
 from kousoku.model.numbers.precise import ZERO, High, Triple
-from kousoku.model.numbers.quaternions import quaternion
 from kousoku.model.numbers.traced import Traced
 from kousoku.model.numbers.varying import Varying, fixed, is_varying
 from kousoku.model.records.own_kind import FRAMES, ORIGINS, input_name

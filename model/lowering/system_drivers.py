@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from kousoku.model.elements.drivers import kind_of
 from kousoku.model.elements.joint import ANGLES
 from kousoku.model.elements.joints import sort_of
-from kousoku.model.expressions.expression import parse_expression
 from kousoku.model.expressions.formulas import TIME
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
 from kousoku.model.linkage.input_drivers import drivers_of, formula_text
 from kousoku.model.mechanics.constraints import COMBINATION

@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import chain
 from typing import TYPE_CHECKING
 
+from kousoku.model.elements.force import Lowering
 from kousoku.model.elements.forces import FORCES
-from kousoku.model.elements.kind import Lowering
 from kousoku.model.expressions.formulas import RATE, state_names, used_names
 from kousoku.model.mechanics.frames import to_vector
 from kousoku.model.mechanics.multibody import SystemEvent

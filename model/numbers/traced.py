@@ -17,13 +17,13 @@ from functools import partial, reduce
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.numbers.digits import CONTEXT, HIGH, exact
+from kousoku.model.operations.expression import apply, evaluated, number, symbol
 from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import apply, evaluated, number, symbol
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.operations.terms import Expression
+    from kousoku.model.operations.expression import Expression
 
 NOISE = CONTEXT.mpf(10) ** -40
 """What is smaller than this part of the numbers it came from is a rounded zero."""

@@ -88,7 +88,8 @@ class OperationNode(Generic[Arg]):
         What is computed.
     args : tuple
         The operands. In a graph, and in a kernel, these are ids, each smaller than the node's own
-        id; those of a formula are formulas, :class:`~kousoku.model.operations.terms.Expression`.
+        id; those of a formula are formulas,
+        :class:`~kousoku.model.operations.expression.Expression`.
     value : Fraction, optional
         The exact number of a ``CONST``.
     symbol : tuple of (str, int), optional

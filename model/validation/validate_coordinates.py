@@ -15,8 +15,8 @@ from kousoku.model.elements.checks import (
 )
 from kousoku.model.elements.joint import ANGLES
 from kousoku.model.errors import SceneError
-from kousoku.model.expressions.expression import ARGUMENTS
 from kousoku.model.expressions.formulas import LAW_NAMES, RATE, TIME
+from kousoku.model.expressions.parser import ARGUMENTS
 from kousoku.model.records.design import LARGEST
 from kousoku.model.records.dotted_keys import join, require_known
 from kousoku.model.records.spatial import GROUND

@@ -10,9 +10,9 @@ from kousoku.model.elements.drivers import DRIVERS, own_inputs
 from kousoku.model.elements.joints import sort_of
 from kousoku.model.errors import ExpressionError, SceneError
 from kousoku.model.expressions.exponentials import rate_of
-from kousoku.model.expressions.expression import parse_expression
 from kousoku.model.expressions.formulas import RATE, TIME, values_at_start
 from kousoku.model.expressions.kinks import kink_of
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
 from kousoku.model.linkage.input_drivers import formula_text
 from kousoku.model.operations.graph import Op

@@ -14,19 +14,19 @@ from hypothesis import strategies as st
 from kousoku.codegen.expressions import to_graph
 from kousoku.model.errors import ExpressionError, FreezeError
 from kousoku.model.expressions.derivative import derivative
-from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.files.quantity import Quantity
 from kousoku.model.numbers.digits import CONTEXT, HIGH
 from kousoku.model.operations.arithmetic import FLOAT, Arithmetic
+from kousoku.model.operations.expression import ZERO
 from kousoku.model.operations.graph import Graph, Op
 from kousoku.model.operations.interpret import ARRAY, evaluate
 from kousoku.model.operations.kernel import Kernel
-from kousoku.model.operations.terms import ZERO
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.operations.terms import Expression
+    from kousoku.model.operations.expression import Expression
 
 NAMES = ("t", "x")
 QUANTITIES = tuple(Quantity(name, (), "-", "") for name in NAMES)

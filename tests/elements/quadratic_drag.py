@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
+from kousoku.model.elements.force import ForceKind, require_one, scalars
 from kousoku.model.elements.inputs import ElementInput
-from kousoku.model.elements.kind import ForceKind, require_one, scalars
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanics.multibody import GROUND_INDEX, ForceElement
 from kousoku.model.records.design import DesignVector
@@ -16,7 +16,7 @@ from kousoku.model.records.spatial import Value
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.elements.kind import Lowering
+    from kousoku.model.elements.force import Lowering
     from kousoku.model.records.loads import Force
     from kousoku.model.records.scene import Scene
 

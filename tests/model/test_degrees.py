@@ -7,8 +7,8 @@ import math
 import pytest
 
 from kousoku.model.errors import SceneError
+from kousoku.model.lowering.quaternions import quaternion
 from kousoku.model.numbers.precise import number
-from kousoku.model.numbers.quaternions import quaternion
 from kousoku.model.reading.builder import SceneBuilder
 from kousoku.model.reading.read import scene_from_toml
 from kousoku.model.reading.write import to_toml

@@ -13,7 +13,7 @@ import pytest
 
 from kousoku.model.elements.joints import COUPLINGS, JOINTS
 from kousoku.model.errors import SceneError
-from kousoku.model.expressions.expression import ARGUMENTS
+from kousoku.model.expressions.parser import ARGUMENTS
 from kousoku.model.lowering.system import system_of
 from kousoku.model.reading.decode import MOST_ELEMENTS
 from kousoku.model.reading.read import read_scene, scene_from_dict, scene_from_toml

@@ -22,8 +22,8 @@ from kousoku.model.records.problems import Problems
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate.settings import Status
-from tests.runtime.test_dynamics_fallback import BAD, END, write_without
-from tests.runtime.test_dynamics_fallback import SCENE as BRICARD
+from tests.runtime.test_dynamics_row_switch import BAD, END, write_without
+from tests.runtime.test_dynamics_row_switch import SCENE as BRICARD
 
 if TYPE_CHECKING:
     from collections.abc import Callable

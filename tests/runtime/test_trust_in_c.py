@@ -25,7 +25,7 @@ from kousoku.runtime.integrate.settings import Doubt, Settings, Status
 from kousoku.runtime.integrate.trust import CheckedRows, RunVerdict, judge
 from tests.analysed import all_rows, without
 from tests.runtime.test_dynamics_branches import turned_by_a_torque
-from tests.runtime.test_dynamics_closed import CRANKS
+from tests.runtime.test_dynamics_closure import CRANKS
 from tests.runtime.test_dynamics_driven import four_bar
 from tests.runtime.test_dynamics_works import pulsing
 from tests.runtime.test_trust import CART, SCENES, cart

@@ -230,7 +230,7 @@ def long_steps() -> AbstractContextManager[object]:
 def short_turns() -> AbstractContextManager[object]:
     """Read π with one digit wrong, the thirteenth."""
     pi = Fraction("3.141592653589893")
-    return patch.dict("kousoku.model.expressions.expression.CONSTANTS", {"pi": pi})
+    return patch.dict("kousoku.model.expressions.parser.CONSTANTS", {"pi": pi})
 
 
 QUESTION = Question(

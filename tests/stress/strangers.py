@@ -27,8 +27,8 @@ from kousoku.cli.app import main
 from kousoku.loading import generated
 from kousoku.model.errors import KousokuError, printable
 from kousoku.model.files.manifest import Manifest
+from kousoku.model.operations.expression import Expression
 from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import Expression
 from kousoku.model.reading.read import scene_from_dict, scene_from_toml
 from tests.stress import strange_inputs as strange
 from tests.stress import strange_runs
@@ -596,16 +596,16 @@ def run(case: str) -> Outcome:
 
 def evaluated() -> AbstractContextManager[object]:
     """Read a formula by running it as Python where it is no number."""
-    from kousoku.model.expressions import expression
+    from kousoku.model.expressions import parser
 
-    right = expression._Parser.formula
+    right = parser._Parser.formula
 
     def formula(self: Any) -> Any:
         with contextlib.suppress(Exception):
             return Expression(Op.CONST, value=eval(self.text))
         return right(self)
 
-    return patch.object(expression._Parser, "formula", formula)
+    return patch.object(parser._Parser, "formula", formula)
 
 
 def believed() -> AbstractContextManager[object]:

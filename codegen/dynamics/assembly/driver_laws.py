@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.expressions import to_graph
 from kousoku.model.errors import AssemblyError
 from kousoku.model.expressions.exponentials import rate_of
-from kousoku.model.expressions.expression import parse_expression
 from kousoku.model.expressions.formulas import TIME
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.files.quantity import Quantity
 from kousoku.model.numbers import precise
 from kousoku.model.numbers.digits import CONTEXT, HIGH

@@ -24,8 +24,8 @@ from kousoku.codegen.dynamics.operations.jets import (
 )
 from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.passes.rebuild import with_outputs
-from kousoku.model.expressions.expression import parse_expression
 from kousoku.model.expressions.formulas import RATE, TIME
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.mechanics.constraints import is_length
 from kousoku.model.mechanics.multibody import GROUND_INDEX
 from kousoku.model.numbers.digits import HIGH
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import ForceElement, Instance, MovingBody, System
     from kousoku.model.numbers.real import Real
     from kousoku.model.operations.arithmetic import FormulaArithmetic
-    from kousoku.model.operations.terms import Expression
+    from kousoku.model.operations.expression import Expression
 
 
 @dataclass(frozen=True, slots=True)

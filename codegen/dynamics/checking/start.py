@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.equations import system_equations
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
-from kousoku.model.expressions.expression import parse_expression
 from kousoku.model.expressions.formulas import TIME
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
 from kousoku.model.lowering.root_functions import seen_of
 

@@ -12,8 +12,8 @@ from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.dynamics.recording.recorder import column, zeros
 from kousoku.codegen.expressions import to_graph
 from kousoku.model.expressions.exponentials import rate_of
-from kousoku.model.expressions.expression import parse_expression
 from kousoku.model.expressions.formulas import TIME
+from kousoku.model.expressions.parser import parse_expression
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.recording.design import DesignNumbers, shown_numbers, starts
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.expressions import to_graph
-from kousoku.model.operations.terms import names_of
+from kousoku.model.operations.expression import names_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.mechanics.multibody import System
-    from kousoku.model.operations.terms import Expression
+    from kousoku.model.operations.expression import Expression
 
 #: Numbers that one task computes: what they share is computed once.
 TOGETHER = 128

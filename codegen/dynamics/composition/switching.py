@@ -14,7 +14,7 @@ from kousoku.model.expressions.exponentials import without_overflow
 from kousoku.model.expressions.formulas import TIME
 from kousoku.model.expressions.quotients import without_quotients
 from kousoku.model.lowering.root_functions import seen_of
-from kousoku.model.operations.terms import add, mul, symbol
+from kousoku.model.operations.expression import add, mul, symbol
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kousoku.model.expressions.quotients import Quotient
     from kousoku.model.lowering.root_functions import Measure
     from kousoku.model.mechanics.multibody import System
-    from kousoku.model.operations.terms import Expression
+    from kousoku.model.operations.expression import Expression
 
 #: Numbers of each function: least and most, and those of its rate.
 BOUNDS = 4

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.expressions import to_graph
-from kousoku.model.expressions.expression import parse_expression
 from kousoku.model.expressions.formulas import WORD, used_names
+from kousoku.model.expressions.parser import parse_expression
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -9,14 +9,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.operations.arithmetic import FormulaArithmetic
+from kousoku.model.operations.expression import evaluated
 from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import evaluated
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.model.numbers.real import Real
-    from kousoku.model.operations.terms import Expression
+    from kousoku.model.operations.expression import Expression
 
 
 class Jet:

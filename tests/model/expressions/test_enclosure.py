@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from kousoku.model.expressions.enclosure import Bounds, enclosure
-from kousoku.model.expressions.expression import DEEPEST, parse_expression
-from kousoku.model.operations.terms import ordered, symbol
+from kousoku.model.expressions.parser import DEEPEST, parse_expression
+from kousoku.model.operations.expression import ordered, symbol
 
 SPANS = {"t": Bounds(symbol("t_least"), symbol("t_most"))}
 

@@ -12,15 +12,15 @@ import pytest
 from kousoku.model.expressions.derivative import derivative
 from kousoku.model.expressions.enclosure import Bounds, enclosure
 from kousoku.model.expressions.exponentials import without_overflow
-from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
+from kousoku.model.operations.expression import Expression, ordered, symbol
 from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import Expression, ordered, symbol
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.operations.terms import Expression
+    from kousoku.model.operations.expression import Expression
 
 SPANS = {"t": Bounds(symbol("first"), symbol("last"))}
 CALLS: dict[Op, Callable[..., Any]] = {

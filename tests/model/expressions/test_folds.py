@@ -7,8 +7,8 @@ import math
 import pytest
 
 from kousoku.model.errors import SceneError
-from kousoku.model.expressions.expression import parse_expression
 from kousoku.model.expressions.folds import without_folds
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
 from kousoku.model.reading.read import scene_from_toml
 

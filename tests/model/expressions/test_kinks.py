@@ -2,8 +2,8 @@
 
 import pytest
 
-from kousoku.model.expressions.expression import parse_expression
 from kousoku.model.expressions.kinks import kink_of
+from kousoku.model.expressions.parser import parse_expression
 
 PARAMETERS = {"h": 0.3, "T": 2.0, "w": 3.0}
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.polynomials import is_never_zero, polynomial_of, square_part
 from kousoku.model.expressions.values import value_of
 

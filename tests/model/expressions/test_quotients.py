@@ -10,18 +10,18 @@ import pytest
 
 from kousoku.model.expressions.derivative import derivative
 from kousoku.model.expressions.enclosure import Bounds
-from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.quotients import coefficients, without_quotients
 from kousoku.model.expressions.values import value_of
 from kousoku.model.numbers.digits import CONTEXT
 from kousoku.model.numbers.traced import traced
+from kousoku.model.operations.expression import ZERO, Expression, mul, ordered, symbol
 from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import ZERO, Expression, mul, ordered, symbol
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.operations.terms import Expression
+    from kousoku.model.operations.expression import Expression
 
 SPANS = {"t": Bounds(symbol("first"), symbol("last"))}
 CALLS: dict[Op, Callable[..., Any]] = {

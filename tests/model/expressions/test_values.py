@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from kousoku.model.expressions.expression import ARGUMENTS, parse_expression
+from kousoku.model.expressions.parser import ARGUMENTS, parse_expression
 from kousoku.model.expressions.values import value_of
 
 VALUES = {"t": 0.75, "k": -2.0}

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from kousoku.model.errors import SceneError
-from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
 from kousoku.model.linkage.input_drivers import drivers_of, formula_text, time_of, times_of
 from kousoku.model.lowering.system import system_of

@@ -11,7 +11,7 @@ import pytest
 from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.elements.joints import JOINTS, NAMES
 from kousoku.model.errors import SceneError
-from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
 from kousoku.model.lowering.parametric import fixed_system
 from kousoku.model.lowering.system import system_of

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
 from kousoku.model.lowering.mass import principal
 from kousoku.model.numbers import precise

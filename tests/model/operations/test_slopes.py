@@ -7,9 +7,9 @@ import pytest
 from kousoku.model.expressions.derivative import FORMULAS
 from kousoku.model.numbers.digits import CONTEXT, HIGH
 from kousoku.model.numbers.traced import traced
+from kousoku.model.operations.expression import Expression, symbol
 from kousoku.model.operations.graph import BINARY_OPS, GRAPH_OPS, Op
 from kousoku.model.operations.slopes import SLOPES
-from kousoku.model.operations.terms import Expression, symbol
 
 #: Where all of them have a value, and both arguments of max differ.
 AT = (CONTEXT.mpf("0.7"), CONTEXT.mpf("0.3"))

@@ -11,7 +11,7 @@ import pytest
 import sympy
 
 from kousoku.model.errors import SceneError
-from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
 from kousoku.model.reading.builder import SceneBuilder
 from kousoku.model.reading.read import read_scene, scene_from_dict

@@ -11,7 +11,7 @@ import pytest
 from kousoku.model.errors import MOST_FOUND, SceneError
 from kousoku.model.expressions import design_numbers
 from kousoku.model.expressions.design_numbers import with_numbers
-from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.lowering.parametric import fixed_system
 from kousoku.model.lowering.system import system_of
 from kousoku.model.numbers.varying import is_varying
@@ -23,7 +23,7 @@ from kousoku.model.records.design import Formula
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from kousoku.model.operations.terms import Expression
+    from kousoku.model.operations.expression import Expression
 
 SCENE = """
 name = "bar"

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from kousoku.model.errors import SceneError
+from kousoku.model.lowering.quaternions import quaternion
 from kousoku.model.numbers import precise
-from kousoku.model.numbers.quaternions import quaternion
 from kousoku.model.reading.decode import decode
 from kousoku.model.records.orientation import Orientation, check_orientation
 

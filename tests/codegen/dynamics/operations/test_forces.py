@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.elements.load import Load
 from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.errors import SceneError
-from kousoku.model.expressions.expression import LONGEST
+from kousoku.model.expressions.parser import LONGEST
 from kousoku.model.mechanics.multibody import GROUND_INDEX
 from kousoku.model.reading.read import scene_from_toml
 from tests.analysed import all_rows

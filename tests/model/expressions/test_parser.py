@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from kousoku.model.angles import PI
 from kousoku.model.errors import ExpressionError
-from kousoku.model.expressions.expression import ARGUMENTS, DEEPEST, LONGEST, parse_expression
+from kousoku.model.expressions.parser import ARGUMENTS, DEEPEST, LONGEST, parse_expression
+from kousoku.model.operations.expression import Expression, names_of, number, ordered, symbol
 from kousoku.model.operations.graph import Op
-from kousoku.model.operations.terms import Expression, names_of, number, ordered, symbol
 
 NAMES = ("t", "x", "spring.elongation")
 T, X = symbol("t"), symbol("x")

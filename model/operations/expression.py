@@ -1,6 +1,6 @@
 """Formulas: numbers, names, and operations on formulas; the builders fold what is known.
 
-Nothing here evaluates text: :mod:`kousoku.model.expressions.expression` reads a formula into these
+Nothing here evaluates text: :mod:`kousoku.model.expressions.parser` reads a formula into these
 nodes, and the code that is generated from them computes it. Numbers are exact.
 """
 

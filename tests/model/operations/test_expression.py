@@ -6,9 +6,9 @@ import pickle
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.model.expressions.expression import parse_expression
+from kousoku.model.expressions.parser import parse_expression
+from kousoku.model.operations.expression import Expression, add, evaluated, number, symbol
 from kousoku.model.operations.graph import Graph, Op, OperationNode
-from kousoku.model.operations.terms import Expression, add, evaluated, number, symbol
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -24,8 +24,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.angles import DEGREE, PI
 from kousoku.model.errors import ExpressionError
 from kousoku.model.expressions.polynomials import with_squares_apart
-from kousoku.model.operations.graph import BINARY_OPS, Op
-from kousoku.model.operations.terms import (
+from kousoku.model.operations.expression import (
     ZERO,
     add,
     apply,
@@ -36,13 +35,14 @@ from kousoku.model.operations.terms import (
     power,
     symbol,
 )
+from kousoku.model.operations.graph import BINARY_OPS, Op
 from kousoku.model.records.design import LARGEST
 from kousoku.model.records.dotted_keys import unknown
 
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from kousoku.model.operations.terms import Expression
+    from kousoku.model.operations.expression import Expression
 
 LONGEST = 2000
 """Characters of the longest formula."""
