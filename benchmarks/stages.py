@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 #: part of the stage around it; of loading a scene, that is to look for it in the cache.
 STAGES: dict[str, dict[str, tuple[str, ...]]] = {
     "read": {
-        "kousoku.model.reading.read": ("text_of", "scene_from_toml"),
+        "kousoku.model.reading.read": ("scene_text", "scene_from_toml"),
         "kousoku.loading": ("_text",),
     },
     "analyse": {

@@ -546,7 +546,7 @@ def forgetful() -> AbstractContextManager[object]:
         solver.state["derivatives"].view(found.state)[...] = 0.0
         return found
 
-    return patch.object(dynamics, "checked", checked)
+    return patch.object(dynamics, "checked_run", checked)
 
 
 QUESTION = Question(
