@@ -6,12 +6,17 @@
  * may be it is looked for in the polynomial. The step is made again, to end right before that
  * place, and the next one, to end as far behind. */
 
-/* distances that sink to this part of the larger one at the ends, as a parabola tells, are looked
- * at; those that do so to this part in the polynomial turn a force within the step, and those in
- * formulas to this one: bounds tell how these vary, but for what places are known to */
+/* distances that sink to this part of the largest one at the ends and in the middle of a step, as
+ * cubics over its halves tell, are looked at; those that do so to this part in the polynomial turn
+ * a force within the step, and those in formulas to this one: bounds tell how these vary, but for
+ * what places are known to */
 #define SUNK 0.3
 #define TURNING 0.0625
 #define TOLD_TURNING 1e-2
+/* rates of squares are told by their difference over this part of a step */
+#define DIFFERENCE 9.5367431640625e-7
+/* how often that is doubled to the middle of a step */
+#define DOUBLED 20
 /* a force turns within so many times the time in which a distance gets larger by as much as it is
  */
 #define AROUND 8.0
@@ -24,6 +29,10 @@
 /* where the golden section divides an interval, and how often it does */
 #define GOLDEN 0.3819660112501051
 #define MOST_SECTIONS 80
+
+/* parts of a step where squares are asked for: at its ends, in its middle, and beside these */
+static const double NODES[] = { 0.0, DIFFERENCE, 0.5, 0.5 + DIFFERENCE, 1.0 - DIFFERENCE, 1.0 };
+enum { N_NODES = sizeof NODES / sizeof *NODES };
 
 enum { W_NEAR = N_LENGTHS > 0 ? W_LENGTHS : W_DISTANCES }; /* one behind the other */
 
@@ -43,38 +52,75 @@ static void distances_at(double time, const Look *look, const State *s, Work *wo
     distances_of(time, work->scratch, work, found);
 }
 
-/* whether the square of a distance may sink between three times, as a parabola through it does */
-static int sinks_between(double first, double middle, double last)
+/* the least value inside of a cubic of these values and slopes at 0 and 1, infinite if none is */
+static double dip_between(double first, double slope, double last, double rise)
 {
-    const double slope = 0.5 * (last - first), bend = 0.5 * (first + last) - middle;
-    double least = smaller(first, last);
-    if (bend > 0.0 && fabs(slope) < 2.0 * bend) least = middle - slope * slope / (4.0 * bend);
-    return least < SUNK * SUNK * larger(first, last);
+    const double way = last - first;
+    const double bend = 3.0 * way - 2.0 * slope - rise, twist = slope + rise - 2.0 * way;
+    const double inner = bend * bend - 3.0 * twist * slope;
+    const double root = bend + sqrt(larger(inner, 0.0));
+    if (inner < 0.0 || root == 0.0) return HUGE_VAL;
+    const double place = -slope / root;
+    if (!(0.0 <= place && place <= 1.0)) return HUGE_VAL;
+    return first + place * (slope + place * (bend + place * twist));
+}
+
+/* the largest square of a distance at the ends and in the middle of a step */
+static double largest_of(size_t k, double nodes[N_NODES][ROOM(N_DISTANCES)])
+{
+    return larger(larger(nodes[0][k], nodes[5][k]), nodes[2][k]);
+}
+
+/* whether the square of a distance may sink in the first or second half of a step */
+static int sinks_in(int half, size_t k, double nodes[N_NODES][ROOM(N_DISTANCES)])
+{
+    const double first = nodes[0][k], middle = nodes[2][k], last = nodes[5][k];
+    const double slope = (nodes[3][k] - middle) * (0.5 / DIFFERENCE);
+    double least;
+    if (half == 0)
+        least = smaller(
+            first, dip_between(first, (nodes[1][k] - first) * (0.5 / DIFFERENCE), middle, slope));
+    else
+        least = smaller(
+            last, dip_between(middle, slope, last, (last - nodes[4][k]) * (0.5 / DIFFERENCE)));
+    return least < SUNK * SUNK * largest_of(k, nodes);
 }
 
 /* whether a distance may sink in a step of length h from the state to y, with derivative f. A cubic
- * polynomial tells what is in the middle */
+ * polynomial tells what is in it */
 static int may_turn(
     double time, double h, const double *y, const double *f, const State *s, Work *work)
 {
-    double first[ROOM(N_DISTANCES)], there[ROOM(N_DISTANCES)], last[ROOM(N_DISTANCES)];
-    double *middle = work->scratch;
-    for (size_t i = 0; i != NY; ++i)
-        middle[i] = 0.5 * (s->y[i] + y[i]) + 0.125 * h * (s->f[i] - f[i]);
-    distances_of(time, s->y, work, first);
-    distances_of(time + 0.5 * h, middle, work, there);
-    distances_of(time + h, y, work, last);
+    double nodes[N_NODES][ROOM(N_DISTANCES)], *there = work->scratch;
+    for (size_t n = 0; n != N_NODES; ++n) {
+        const double part = NODES[n], rest = 1.0 - part, along = part * part * (3.0 - 2.0 * part);
+        const double curve = h * part * rest;
+        for (size_t i = 0; i != NY; ++i)
+            there[i] = (1.0 - along) * s->y[i] + along * y[i] +
+                       curve * (rest * s->f[i] - part * f[i]);
+        distances_of(time + part * h, there, work, nodes[n]);
+    }
     for (size_t k = 0; k != N_DISTANCES; ++k) {
-        if (sinks_between(first[k], there[k], last[k])) return 1;
+        if (sinks_in(0, k, nodes) || sinks_in(1, k, nodes)) return 1;
     }
     return 0;
 }
 
-/* the time in a step at which a distance is least, by golden sections */
-static double nearest_time(size_t k, const Look *look, const State *s, Work *work)
+/* the part of a step at a node of those among which a distance is looked for. They lie the closer
+ * the nearer they are to its ends: a step that was cut begins right before a place */
+static double node_of(int number)
 {
-    double found[ROOM(N_DISTANCES)], first = look->start, last = look->start + look->h;
-    double a = first + GOLDEN * look->h, b = last - GOLDEN * look->h;
+    if (number == 0) return 0.0;
+    if (number <= DOUBLED) return ldexp(DIFFERENCE, number - 1);
+    return number == 2 * DOUBLED ? 1.0 : 1.0 - ldexp(DIFFERENCE, 2 * DOUBLED - number - 1);
+}
+
+/* the time between two in a step at which a distance is least, by golden sections */
+static double nearest_time(
+    size_t k, double first, double last, const Look *look, const State *s, Work *work)
+{
+    double found[ROOM(N_DISTANCES)];
+    double a = first + GOLDEN * (last - first), b = last - GOLDEN * (last - first);
     distances_at(a, look, s, work, found);
     double there = found[k];
     distances_at(b, look, s, work, found);
@@ -106,14 +152,14 @@ static double no_way(const Look *look)
     return larger(FINEST * look->h, 2.0 * tiny);
 }
 
-/* where a step to an end must end by a distance, of these squares at its ends: before the place, or
+/* where a step to an end must end by a distance that is least at a time: before the place, or
  * behind it if that is no way; infinite where it need not */
-static double turning_end(
-    size_t k, double before, double after, double end, const Look *look, const State *s, Work *work)
+static double cut_end(size_t k, double time, double nodes[N_NODES][ROOM(N_DISTANCES)], double end,
+    Look *look, const State *s, Work *work)
 {
-    const double time = nearest_time(k, look, s, work), way = time - look->start;
+    const double way = time - look->start;
     const double tiny = ONWARD * SMALLEST * larger(fabs(look->start), fabs(end));
-    const double far = larger(before, after);
+    const double before = nodes[0][k], far = largest_of(k, nodes);
     double found[ROOM(N_DISTANCES)];
     distances_at(time, look, s, work, found);
     const double least = found[k];
@@ -123,13 +169,38 @@ static double turning_end(
     /* it starts behind the place */
     if (!(way > tiny) && !(look->h * sqrt(larger(before / far, 0.0)) < 0.5 * nothing))
         return HUGE_VAL;
-    /* it leads over the place */
-    if (end == look->turning && end - time > BEHIND * look->h) return HUGE_VAL;
-    const double from_there = before > after ? way : end - time;
+    /* it is made to lead over the place, and does */
+    if (end == look->turning && look->place < end && end - time > BEHIND * look->h) return HUGE_VAL;
+    look->nearest = time;
+    const double farthest = before == far ? 0.0 : nodes[2][k] == far ? 0.5 : 1.0;
+    const double from_there = fabs(way - farthest * look->h);
     const double turn = AROUND * from_there * sqrt(larger(least / (far - least), 0.0));
     const double near = larger(nothing, turn);
     if (way > 2.0 * near) return time - larger(near, SMALL * way);
     return time + near;
+}
+
+/* where a step to an end must end by the first such place of a distance */
+static double turning_end(size_t k, double nodes[N_NODES][ROOM(N_DISTANCES)], double end,
+    Look *look, const State *s, Work *work)
+{
+    double found[ROOM(N_DISTANCES)], earlier = look->start, time = look->start;
+    double before = HUGE_VAL, there = nodes[0][k];
+    for (int number = 0; number != 2 * DOUBLED; ++number) {
+        const double following = look->start + node_of(number + 1) * look->h;
+        distances_at(following, look, s, work, found);
+        const double beyond = found[k];
+        if (there <= before && there < beyond) {
+            const double nearest = nearest_time(k, earlier, following, look, s, work);
+            const double cut = cut_end(k, nearest, nodes, end, look, s, work);
+            if (cut < HUGE_VAL) return cut;
+        }
+        earlier = time;
+        time = following;
+        before = there;
+        there = beyond;
+    }
+    return HUGE_VAL;
 }
 
 /* where a step is cut for distances; what was seen, which is noted, after many cuts */
@@ -147,15 +218,19 @@ static double turned_in(double turned, double seen, Look *look)
 /* where a step to an end must end by all distances, infinite where it need not */
 static double turned_end(double end, Look *look, const State *s, Work *work)
 {
-    double first[ROOM(N_DISTANCES)], there[ROOM(N_DISTANCES)], last[ROOM(N_DISTANCES)];
-    double found = HUGE_VAL;
-    distances_at(look->start, look, s, work, first);
-    distances_at(look->start + 0.5 * look->h, look, s, work, there);
-    distances_at(look->start + look->h, look, s, work, last);
+    double nodes[N_NODES][ROOM(N_DISTANCES)], found = HUGE_VAL, place = HUGE_VAL;
+    for (size_t n = 0; n != N_NODES; ++n)
+        distances_at(look->start + NODES[n] * look->h, look, s, work, nodes[n]);
     for (size_t k = 0; k != N_DISTANCES; ++k) {
-        if (!sinks_between(first[k], there[k], last[k])) continue;
-        found = smaller(found, turning_end(k, first[k], last[k], end, look, s, work));
+        if (!sinks_in(0, k, nodes) && !sinks_in(1, k, nodes)) continue;
+        const double cut = turning_end(k, nodes, end, look, s, work);
+        if (!(cut < found)) continue;
+        found = cut;
+        place = look->nearest;
     }
-    if (found < end) look->is_over = found - look->start < LEAP * no_way(look);
+    if (found < end) {
+        look->place = place;
+        look->is_over = found - look->start < LEAP * no_way(look);
+    }
     return found;
 }

@@ -23,12 +23,19 @@ if TYPE_CHECKING:
     from .crossing import Look
     from .scene_tables import Workspace
 
-#: Distances that sink to this part of the larger one at the ends, as a parabola tells, are looked
-#: at; those that do so to this part in the polynomial turn a force within the step, and those in
-#: formulas to this one: bounds tell how these vary, but for what places are known to.
+#: Distances that sink to this part of the largest one at the ends and in the middle of a step, as
+#: cubics over its halves tell, are looked at; those that do so to this part in the polynomial turn
+#: a force within the step, and those in formulas to this one: bounds tell how these vary, but for
+#: what places are known to.
 SUNK = 0.3
 TURNING = 0.0625
 TOLD_TURNING = 1e-2
+#: Rates of squares are told by their difference over this part of a step.
+DIFFERENCE = 9.5367431640625e-7
+#: How often that is doubled to the middle of a step.
+DOUBLED = 20
+#: Parts of a step where squares are asked for: at its ends, in its middle, and beside these.
+NODES = (0.0, DIFFERENCE, 0.5, 0.5 + DIFFERENCE, 1.0 - DIFFERENCE, 1.0)
 #: A force turns within so many times the time in which a distance gets larger by as much as it is.
 AROUND = 8.0
 #: A step that was cut leads over such a place where this part of it is behind.
@@ -55,32 +62,70 @@ def distances_at(time: float, look: Look) -> Array:
     return distances_of(time, look.work.scratch, look.work.w)
 
 
-def sinks_between(first: float, middle: float, last: float) -> bool:
-    """Whether the square of a distance may sink between three times, as a parabola through it."""
-    slope, bend = 0.5 * (last - first), 0.5 * (first + last) - middle
-    least = smaller(first, last)
-    if bend > 0.0 and abs(slope) < 2.0 * bend:
-        least = middle - slope * slope / (4.0 * bend)
-    return least < SUNK * SUNK * larger(first, last)
+def dip_between(first: float, slope: float, last: float, rise: float) -> float:
+    """Least value inside of a cubic of these values and slopes at 0 and 1, infinite if none is."""
+    way = last - first
+    bend, twist = 3.0 * way - 2.0 * slope - rise, slope + rise - 2.0 * way
+    inner = bend * bend - 3.0 * twist * slope
+    root = bend + math.sqrt(larger(inner, 0.0))
+    if inner < 0.0 or root == 0.0:
+        return math.inf
+    place = -slope / root
+    if not 0.0 <= place <= 1.0:
+        return math.inf
+    return first + place * (slope + place * (bend + place * twist))
+
+
+def largest_of(nodes: Array) -> float:
+    """Largest square of a distance at the ends and in the middle of a step."""
+    return larger(larger(float(nodes[0]), float(nodes[5])), float(nodes[2]))
+
+
+def sinks_in(half: int, nodes: Array) -> bool:
+    """Whether the square of a distance may sink in the first or second half of a step."""
+    first, beside, middle, behind, before, last = nodes.tolist()
+    slope = (behind - middle) * (0.5 / DIFFERENCE)
+    if half == 0:
+        least = smaller(
+            first, dip_between(first, (beside - first) * (0.5 / DIFFERENCE), middle, slope)
+        )
+    else:
+        least = smaller(
+            last, dip_between(middle, slope, last, (last - before) * (0.5 / DIFFERENCE))
+        )
+    return least < SUNK * SUNK * largest_of(nodes)
 
 
 def may_turn(h: float, y: Array, f: Array, look: Look) -> bool:
     """Whether a distance may sink in a step of length h from the state to y, with derivative f.
 
-    A cubic polynomial tells what is in the middle.
+    A cubic polynomial tells what is in it.
     """
-    state, w = look.state, look.work.w
-    middle = 0.5 * (state.y + y) + 0.125 * h * (state.f - f)
-    first = distances_of(state.time, state.y, w)
-    there = distances_of(state.time + 0.5 * h, middle, w)
-    last = distances_of(state.time + h, y, w)
-    return any(map(sinks_between, first.tolist(), there.tolist(), last.tolist()))
+    state, nodes = look.state, []
+    for part in NODES:
+        rest, along = 1.0 - part, part * part * (3.0 - 2.0 * part)
+        curve = h * part * rest
+        there = (1.0 - along) * state.y + along * y + curve * (rest * state.f - part * f)
+        nodes.append(distances_of(state.time + part * h, there, look.work.w))
+    return any(sinks_in(half, own) for own in np.array(nodes).T for half in range(2))
 
 
-def nearest_time(k: int, look: Look) -> float:
-    """Time in a step at which a distance is least, by golden sections."""
-    first, last = look.start, look.start + look.h
-    a, b = first + GOLDEN * look.h, last - GOLDEN * look.h
+def node_of(number: int) -> float:
+    """Part of a step at a node of those among which a distance is looked for.
+
+    They lie the closer the nearer they are to its ends: a step that was cut begins right before a
+    place.
+    """
+    if number == 0:
+        return 0.0
+    if number <= DOUBLED:
+        return math.ldexp(DIFFERENCE, number - 1)
+    return 1.0 - node_of(2 * DOUBLED - number)
+
+
+def nearest_time(k: int, first: float, last: float, look: Look) -> float:
+    """Time between two in a step at which a distance is least, by golden sections."""
+    a, b = first + GOLDEN * (last - first), last - GOLDEN * (last - first)
     there, beyond = float(distances_at(a, look)[k]), float(distances_at(b, look)[k])
     for _ in range(MOST_SECTIONS):
         if not first < a < b < last:
@@ -102,28 +147,45 @@ def no_way(look: Look) -> float:
     return larger(FINEST * look.h, 2.0 * tiny)
 
 
-def turning_end(k: int, before: float, after: float, end: float, look: Look) -> float:
-    """Time at which a step to an end must end by a distance, of these squares at its ends.
+def cut_end(k: int, time: float, nodes: Array, end: float, look: Look) -> float:
+    """Time at which a step to an end must end by a distance that is least at a time.
 
     Before the place, or behind it if that is no way; infinite where it need not.
     """
-    time = nearest_time(k, look)
     tiny = ONWARD * SMALLEST * larger(abs(look.start), abs(end))
-    way, least, far = time - look.start, float(distances_at(time, look)[k]), larger(before, after)
+    before, far = float(nodes[0]), largest_of(nodes)
+    way, least = time - look.start, float(distances_at(time, look)[k])
     nothing = no_way(look)
     part = TURNING if k < look.work.scene.size("lengths") else TOLD_TURNING
     if not (far > 0.0 and least < part * part * far and end - time > tiny):
         return math.inf
     if not way > tiny and not look.h * math.sqrt(larger(before / far, 0.0)) < 0.5 * nothing:
         return math.inf  # it starts behind the place
-    if end == look.turning and end - time > BEHIND * look.h:
-        return math.inf  # it leads over the place
-    from_there = way if before > after else end - time
+    if end == look.turning and look.place < end and end - time > BEHIND * look.h:
+        return math.inf  # it is made to lead over the place, and does
+    look.nearest = time
+    farthest = 0.0 if before == far else 0.5 if float(nodes[2]) == far else 1.0
+    from_there = abs(way - farthest * look.h)
     turn = AROUND * from_there * math.sqrt(larger(least / (far - least), 0.0))
     near = larger(nothing, turn)
     if way > 2.0 * near:
         return time - larger(near, SMALL * way)
     return time + near
+
+
+def turning_end(k: int, nodes: Array, end: float, look: Look) -> float:
+    """Time at which a step to an end must end by the first such place of a distance."""
+    time, before, there = look.start, math.inf, float(nodes[0])
+    earlier = time
+    for number in range(2 * DOUBLED):
+        following = look.start + node_of(number + 1) * look.h
+        beyond = float(distances_at(following, look)[k])
+        if there <= before and there < beyond:
+            found = cut_end(k, nearest_time(k, earlier, following, look), nodes, end, look)
+            if found < math.inf:
+                return found
+        earlier, time, before, there = time, following, there, beyond
+    return math.inf
 
 
 def turned_in(turned: float, seen: float, look: Look) -> float:
@@ -139,12 +201,14 @@ def turned_in(turned: float, seen: float, look: Look) -> float:
 
 def turned_end(end: float, look: Look) -> float:
     """Time at which a step to an end must end by all distances, infinite where it need not."""
-    found = math.inf
-    times = (look.start, look.start + 0.5 * look.h, look.start + look.h)
-    first, middle, last = (distances_at(time, look).tolist() for time in times)
-    for k, (before, there, after) in enumerate(zip(first, middle, last, strict=True)):
-        if sinks_between(before, there, after):
-            found = smaller(found, turning_end(k, before, after, end, look))
+    found = place = math.inf
+    nodes = np.array([distances_at(look.start + part * look.h, look) for part in NODES])
+    for k, own in enumerate(nodes.T):
+        if sinks_in(0, own) or sinks_in(1, own):
+            cut = turning_end(k, own, end, look)
+            if cut < found:
+                found, place = cut, look.nearest
     if found < end:
+        look.place = place
         look.is_over = found - look.start < LEAP * no_way(look)
     return found

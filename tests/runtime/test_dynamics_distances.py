@@ -151,6 +151,26 @@ def test_places_where_forces_turn_are_met_however_near_to_each_other(
             assert run.velocity["ball"][-1, 1] == pytest.approx(-1.0, rel=1e-3), tolerance
 
 
+THROWN = ({"step": 0.9}, {"step": 1.2}, {"step": 2.0}, {"tolerance": 1e-3}, {"tolerance": 1e-4})
+
+
+@pytest.mark.parametrize("options", THROWN)
+@pytest.mark.parametrize("method", METHODS)
+def test_no_step_leads_through_a_place_and_back(
+    solver_of: Callable[..., Any], method: str, options: dict[str, float]
+) -> None:
+    """What is thrown meets the barrier; beyond it, it would be back within 0.2 s."""
+    weight = pushed(("0", "-10"))
+    for height in (1.0, 20.0):
+        forces = weight + SPRINGS.format(0).replace("5.0", f"{height:.0f}.0")
+        place, speed = height + 0.0123, math.sqrt(20.0 * (height + 0.0123) + 1.0)
+        solver = solver_of(forces, "0, 0, 0", f"0, {speed!r}, 0")
+        run = solver.simulate(4.0, samples=2, method=method, **options)
+        back = 4.0 - 0.1 * (speed - 1.0)
+        wanted = place - back - 5.0 * back * back
+        assert run.position["ball"][-1, 1] == pytest.approx(wanted, abs=0.1)
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_fixed_steps_end_where_forces_turn(solver_of: Callable[..., Any], method: str) -> None:
     solver = solver_of(SPRINGS.format(0), "0, 0, 0", "0, 1, 0")

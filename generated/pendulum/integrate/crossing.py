@@ -170,8 +170,10 @@ class Look:
         The function that is zero in it where a force is infinite, counted from 1; 0: none.
     pole_time : float [s]
         When that is.
-    turned, turning : int, float [s]
-        How often it was cut for distances, and where last.
+    turned, turning, place : int, float [s], float [s]
+        How often it was cut for distances, where last, and when the one that did so is least.
+    nearest : float [s]
+        When the distance that was looked at last is least.
     is_over : bool
         Whether it only leads over where that is least.
     """
@@ -201,6 +203,8 @@ class Look:
     pole_time: float = 0.0
     turned: int = 0
     turning: float = math.inf
+    place: float = math.inf
+    nearest: float = math.inf
     is_over: bool = False
 
 

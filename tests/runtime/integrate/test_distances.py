@@ -13,12 +13,17 @@ import pytest
 from kousoku.runtime.integrate import distances
 from kousoku.runtime.integrate.distances import (
     AROUND,
+    DIFFERENCE,
+    DOUBLED,
     MOST_TURNED,
+    NODES,
     TOLD_TURNING,
     TURNING,
+    dip_between,
     nearest_time,
     no_way,
-    sinks_between,
+    node_of,
+    sinks_in,
     turned_end,
     turned_in,
 )
@@ -39,31 +44,73 @@ def looked_at(
     monkeypatch.setattr(distances, "distances_at", lambda time, _: np.array([square(time)]))
     scene = SimpleNamespace(n_distances=1, size=lambda _: lengths)
     return SimpleNamespace(
-        start=0.0, h=1.0, turning=math.inf, is_over=False, work=SimpleNamespace(scene=scene)
+        start=0.0,
+        h=1.0,
+        turning=math.inf,
+        place=math.inf,
+        nearest=math.inf,
+        is_over=False,
+        work=SimpleNamespace(scene=scene),
     )
 
 
 @pytest.mark.parametrize(
-    ("first", "middle", "last", "sinks"),
+    ("square", "halves"),
     [
-        (1.0, 0.0, 1.0, True),
-        (1.0, 1.2, 1.0, False),
-        (1.0, 0.5, 1.0, False),
-        (1.0, 0.25, 0.0, True),  # it ends there
-        (1.0, 0.5, 0.2, False),
-        (0.09, 0.25, 0.81, False),
-        (math.nan, 0.0, 1.0, False),
-        (0.0, 0.0, 0.0, False),
+        (lambda time: (2.0 * time - 1.0) ** 2, (True, False)),
+        (lambda time: 1.0 + time - time * time, (False, False)),
+        (lambda time: 0.5 + 2.0 * (time - 0.5) ** 2, (False, False)),
+        (lambda time: (1.0 - time) ** 2, (False, True)),  # it ends there
+        (lambda time: time * time, (True, False)),  # it starts there
+        (lambda time: (0.3 + time) ** 2, (True, False)),
+        (lambda time: (0.5 + time) ** 2, (False, False)),
+        (lambda time: (time - 0.1) ** 2, (True, False)),
+        (lambda time: (4.0 * time * (1.0 - time) - 0.5) ** 2, (True, True)),  # there and back
+        (lambda time: (4.0 * time * (1.0 - time) - 0.01) ** 2, (True, True)),
+        (lambda time: math.nan, (False, False)),
+        (lambda time: 0.0, (False, False)),
     ],
 )
-def test_a_parabola_tells_what_sinks(first: float, middle: float, last: float, sinks: bool) -> None:
-    assert sinks_between(first, middle, last) is sinks
+def test_cubics_tell_in_which_half_a_distance_sinks(
+    square: Callable[[float], float], halves: tuple[bool, bool]
+) -> None:
+    nodes = np.array([square(part) for part in NODES])
+    assert tuple(sinks_in(half, nodes) for half in range(2)) == halves
+
+
+@pytest.mark.parametrize(
+    ("cubic", "least"),
+    [
+        ((1.0, -4.0, 1.0, 4.0), 0.0),
+        ((1.0, 1.0, 2.0, 1.0), math.inf),
+        ((0.0, 1.0, -1.0, -1.0), math.inf),  # least at its end
+        ((0.0, 3.0, 0.0, 3.0), -math.sqrt(3.0) / 6.0),  # behind a hill
+        ((1.0, 0.0, 1.0, 0.0), math.inf),
+        ((math.nan, -1.0, 1.0, 1.0), math.inf),
+    ],
+)
+def test_the_dip_of_a_cubic(cubic: tuple[float, float, float, float], least: float) -> None:
+    assert dip_between(*cubic) == pytest.approx(least, abs=1e-15)
 
 
 def test_the_least_is_found_however_small_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     for there in (1e-9, 0.123, 0.5, 0.987654321):
         look = looked_at(monkeypatch, partial(beside, place=there))
-        assert nearest_time(0, look) == pytest.approx(there, rel=1e-14, abs=1e-16)
+        assert nearest_time(0, 0.0, 1.0, look) == pytest.approx(there, rel=1e-14, abs=1e-16)
+
+
+def test_nodes_lie_closer_at_the_ends() -> None:
+    nodes = [node_of(number) for number in range(2 * DOUBLED + 1)]
+    assert nodes[:2] == [0.0, DIFFERENCE]
+    assert nodes[DOUBLED] == 0.5
+    assert nodes[-2:] == [1.0 - DIFFERENCE, 1.0]
+    assert nodes == sorted(set(nodes))
+
+
+@pytest.mark.parametrize("place", [1e-5, 1e-4, 0.01, 0.1, 0.3])
+def test_the_first_of_two_places_cuts_a_step(monkeypatch: pytest.MonkeyPatch, place: float) -> None:
+    look = looked_at(monkeypatch, lambda time: ((time - place) * (1.0 - place - time)) ** 2)
+    assert turned_end(1.0, look) == pytest.approx(place, rel=2e-3)
 
 
 def test_a_step_ends_before_the_place_then_right_behind_it(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -80,6 +127,14 @@ def test_a_step_that_leads_over_the_place_is_kept(monkeypatch: pytest.MonkeyPatc
     assert turned_end(1.0, look) < 1.0  # it may end there for another reason
     look.turning = 1.0
     assert turned_end(1.0, look) == math.inf
+
+
+def test_a_step_that_was_to_end_before_the_place_and_leads_over_it_is_cut(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    look = looked_at(monkeypatch, lambda time: (time - 0.5) ** 2)
+    look.turning, look.place = 1.0, 1.001
+    assert turned_end(1.0, look) < 0.5 == pytest.approx(look.place)
 
 
 def test_a_step_that_starts_behind_the_place_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
