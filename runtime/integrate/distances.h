@@ -155,7 +155,7 @@ static double no_way(const Look *look)
 /* where a step to an end must end by a distance that is least at a time: before the place, or
  * behind it if that is no way; infinite where it need not */
 static double cut_end(size_t k, double time, double nodes[N_NODES][ROOM(N_DISTANCES)], double end,
-    Look *look, const State *s, Work *work)
+    const Look *look, const State *s, Work *work)
 {
     const double way = time - look->start;
     const double tiny = ONWARD * SMALLEST * larger(fabs(look->start), fabs(end));
@@ -171,7 +171,6 @@ static double cut_end(size_t k, double time, double nodes[N_NODES][ROOM(N_DISTAN
         return HUGE_VAL;
     /* it is made to lead over the place, and does */
     if (end == look->turning && look->place < end && end - time > BEHIND * look->h) return HUGE_VAL;
-    look->nearest = time;
     const double farthest = before == far ? 0.0 : nodes[2][k] == far ? 0.5 : 1.0;
     const double from_there = fabs(way - farthest * look->h);
     const double turn = AROUND * from_there * sqrt(larger(least / (far - least), 0.0));
@@ -180,9 +179,9 @@ static double cut_end(size_t k, double time, double nodes[N_NODES][ROOM(N_DISTAN
     return time + near;
 }
 
-/* where a step to an end must end by the first such place of a distance */
+/* where a step to an end must end by the first such place of a distance, and that */
 static double turning_end(size_t k, double nodes[N_NODES][ROOM(N_DISTANCES)], double end,
-    Look *look, const State *s, Work *work)
+    const Look *look, const State *s, Work *work, double *place)
 {
     double found[ROOM(N_DISTANCES)], earlier = look->start, time = look->start;
     double before = HUGE_VAL, there = nodes[0][k];
@@ -191,8 +190,8 @@ static double turning_end(size_t k, double nodes[N_NODES][ROOM(N_DISTANCES)], do
         distances_at(following, look, s, work, found);
         const double beyond = found[k];
         if (there <= before && there < beyond) {
-            const double nearest = nearest_time(k, earlier, following, look, s, work);
-            const double cut = cut_end(k, nearest, nodes, end, look, s, work);
+            *place = nearest_time(k, earlier, following, look, s, work);
+            const double cut = cut_end(k, *place, nodes, end, look, s, work);
             if (cut < HUGE_VAL) return cut;
         }
         earlier = time;
@@ -223,10 +222,11 @@ static double turned_end(double end, Look *look, const State *s, Work *work)
         distances_at(look->start + NODES[n] * look->h, look, s, work, nodes[n]);
     for (size_t k = 0; k != N_DISTANCES; ++k) {
         if (!sinks_in(0, k, nodes) && !sinks_in(1, k, nodes)) continue;
-        const double cut = turning_end(k, nodes, end, look, s, work);
+        double nearest;
+        const double cut = turning_end(k, nodes, end, look, s, work, &nearest);
         if (!(cut < found)) continue;
         found = cut;
-        place = look->nearest;
+        place = nearest;
     }
     if (found < end) {
         look->place = place;

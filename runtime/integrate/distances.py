@@ -163,7 +163,6 @@ def cut_end(k: int, time: float, nodes: Array, end: float, look: Look) -> float:
         return math.inf  # it starts behind the place
     if end == look.turning and look.place < end and end - time > BEHIND * look.h:
         return math.inf  # it is made to lead over the place, and does
-    look.nearest = time
     farthest = 0.0 if before == far else 0.5 if float(nodes[2]) == far else 1.0
     from_there = abs(way - farthest * look.h)
     turn = AROUND * from_there * math.sqrt(larger(least / (far - least), 0.0))
@@ -173,19 +172,20 @@ def cut_end(k: int, time: float, nodes: Array, end: float, look: Look) -> float:
     return time + near
 
 
-def turning_end(k: int, nodes: Array, end: float, look: Look) -> float:
-    """Time at which a step to an end must end by the first such place of a distance."""
+def turning_end(k: int, nodes: Array, end: float, look: Look) -> tuple[float, float]:
+    """Time at which a step to an end must end by the first such place of a distance, and that."""
     time, before, there = look.start, math.inf, float(nodes[0])
     earlier = time
     for number in range(2 * DOUBLED):
         following = look.start + node_of(number + 1) * look.h
         beyond = float(distances_at(following, look)[k])
         if there <= before and there < beyond:
-            found = cut_end(k, nearest_time(k, earlier, following, look), nodes, end, look)
+            place = nearest_time(k, earlier, following, look)
+            found = cut_end(k, place, nodes, end, look)
             if found < math.inf:
-                return found
+                return found, place
         earlier, time, before, there = time, following, there, beyond
-    return math.inf
+    return math.inf, math.inf
 
 
 def turned_in(turned: float, seen: float, look: Look) -> float:
@@ -205,9 +205,9 @@ def turned_end(end: float, look: Look) -> float:
     nodes = np.array([distances_at(look.start + part * look.h, look) for part in NODES])
     for k, own in enumerate(nodes.T):
         if sinks_in(0, own) or sinks_in(1, own):
-            cut = turning_end(k, own, end, look)
+            cut, nearest = turning_end(k, own, end, look)
             if cut < found:
-                found, place = cut, look.nearest
+                found, place = cut, nearest
     if found < end:
         look.place = place
         look.is_over = found - look.start < LEAP * no_way(look)

@@ -48,7 +48,6 @@ def looked_at(
         h=1.0,
         turning=math.inf,
         place=math.inf,
-        nearest=math.inf,
         is_over=False,
         work=SimpleNamespace(scene=scene),
     )
