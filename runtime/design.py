@@ -146,7 +146,8 @@ def loops_that_open(solver: DynamicsSolver, values: Array) -> str:
     scene = solver if solver.base is None else solver.base
     rows, count = solver.checked, len(solver.rows)
     units = np.array([solver.length if unit == "m" else 1.0 for _, unit in rows])
-    before = _rates_of_rows(scene) / units[:, np.newaxis]
+    own = np.array([value for _, value in scene.parameters])
+    before = _rates_of_rows(scene, own) / units[:, np.newaxis]
     after = _rates_of_rows(with_parameters(scene, values), values) / units[:, np.newaxis]
     if not (np.isfinite(before).all() and np.isfinite(after).all()):
         return ""
@@ -165,21 +166,16 @@ def loops_that_open(solver: DynamicsSolver, values: Array) -> str:
     return ", ".join(list(found.values())[:SHOWN])
 
 
-def _rates_of_rows(solver: DynamicsSolver, values: Array | None = None) -> Array:
+def _rates_of_rows(solver: DynamicsSolver, values: Array) -> Array:
     """Jacobian C_q of all rows at the start, by velocities relative to the length of the scene."""
-    work, target = np.zeros(solver.target.work_size), solver.target
-    if values is None:
-        values = np.array([value for _, value in solver.parameters])
-    base, size = solver.places["C_dot"]
-    columns = []
-    for v in (np.zeros(len(solver.v)), *np.eye(len(solver.v))):
-        target.evaluate(0.0, solver.q, v, values, work)
-        columns.append(work[base : base + size].copy())
-    lengths = np.ones(len(solver.v))
+    from kousoku.runtime.integrate.body_tables import indices
+    from kousoku.runtime.integrate.initial import evaluated, rates_of_rows
+
+    target, sizes = solver.target, np.ones(len(solver.v))
     for body in solver.layout.bodies:
-        lengths[[k for k in body.v if isinstance(k, int)]] = solver.length
-    found: Array = (np.array(columns[1:]) - columns[0]).T * lengths
-    return found
+        sizes[indices(body.v)] = solver.length
+    evaluate = evaluated(target.evaluate, values, target.work_size, solver.places)
+    return rates_of_rows(evaluate, solver.q, sizes).T
 
 
 def nearly_redundant(solver: DynamicsSolver, values: Array) -> str:
