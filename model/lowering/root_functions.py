@@ -33,9 +33,9 @@ from kousoku.model.operations.expression import add, names_of, neg, number, orde
 from kousoku.model.records.dotted_keys import join
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
-    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.mechanics.multibody import Instance, System
     from kousoku.model.operations.expression import Expression
 
 
@@ -154,13 +154,17 @@ def seen_of(system: System) -> Seen:
     edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(edges_of, events))))
     crossings = (*events, *found(switching_functions, is_state=True), *edges)
     narrow = tuple(map(without_overflow, found(varying, is_state=True)))
+    led = [
+        (one, parse_expression(one.law, names, longest=len(one.law)))
+        for one in system.constraints
+        if one.law
+    ]
     laws: dict[Expression, str] = {}
-    for one in system.constraints:
-        if one.law:
-            laws.setdefault(parse_expression(one.law, names, longest=len(one.law)), one.joint)
+    for one, law in led:
+        laws.setdefault(law, one.joint)
     breaks = {one: tuple(filter(varies, places_of(one))) for one in laws}
     followed = [one for one, places in breaks.items() if places or any(varying_parts(one, {TIME}))]
-    gaps = dict(_gaps(system, names))
+    gaps = dict(_gaps(system, led))
     switches = (*gaps, *found(switching_functions, is_state=False), *chain(*breaks.values()))
     poles: dict[Expression, str] = {}
     infinite: dict[Expression, None] = {}
@@ -193,13 +197,12 @@ def seen_of(system: System) -> Seen:
     )
 
 
-def _gaps(system: System, names: Collection[str]) -> Iterator[tuple[Expression, str]]:
+def _gaps(
+    system: System, led: Sequence[tuple[Instance, Expression]]
+) -> Iterator[tuple[Expression, str]]:
     """Laws of distances, less a part of what they are at the start, with their drivers."""
-    for one in system.constraints:
-        if not one.law or system.coordinates[one.terms[0].coordinate].kind != "length":
-            continue
-        law = parse_expression(one.law, names, longest=len(one.law))
-        if varies(law):
+    for one, law in led:
+        if system.coordinates[one.terms[0].coordinate].kind == "length" and varies(law):
             start = value_of(law, {TIME: 0.0, **dict(system.parameters)})
             least = NO_DISTANCE * abs(start) if isfinite(start) else 0.0
             yield add(law, neg(number(Fraction(least)))), one.joint

@@ -166,10 +166,8 @@ def record_switching(
         recorder.begin("distance")
         for name, found in near.items():
             if found:
-                target, valued = (
-                    recorder.region(name, len(found)),
-                    Valued(found, names, seen.measures),
-                )
+                target = recorder.region(name, len(found))
+                valued = Valued(found, names, seen.measures)
                 recorder.call(valued, forces.names[TIME][0], region, parameters, into=(target,))
     if seen.crossings or seen.narrow or seen.poles:
         ranges = recorder.region("ranges", 2 + RANGES * len(seen.measures))
