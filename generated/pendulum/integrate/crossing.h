@@ -90,13 +90,12 @@ typedef struct {
  * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
  * is, by what rates change in it, in the mean, by how much more at its end, and at most, and what
  * they are known to: to no more than they have been; how often it was cut for distances,
- * where last, when the one that did so is least, and the one that was looked at last, and whether
- * it only leads over such a place */
+ * where last, when the one that did so is least, and whether it only leads over that */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
     double pole_time, bend[ROOM(N_MEASURES)], lean[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
-    double known[ROOM(N_MEASURES)], turning, place, nearest;
+    double known[ROOM(N_MEASURES)], turning, place;
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_short[ROOM(N_SEEN)];
     int is_untold, has_error, is_kept, lost, pole, turned, is_over;
 } Look;

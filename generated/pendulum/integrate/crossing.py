@@ -172,8 +172,6 @@ class Look:
         When that is.
     turned, turning, place : int, float [s], float [s]
         How often it was cut for distances, where last, and when the one that did so is least.
-    nearest : float [s]
-        When the distance that was looked at last is least.
     is_over : bool
         Whether it only leads over where that is least.
     """
@@ -204,7 +202,6 @@ class Look:
     turned: int = 0
     turning: float = math.inf
     place: float = math.inf
-    nearest: float = math.inf
     is_over: bool = False
 
 

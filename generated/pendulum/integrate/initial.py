@@ -112,6 +112,12 @@ def evaluated(
     return evaluate
 
 
+def rates_of_rows(evaluate: Evaluate, q: Array, sizes: Array) -> Array:
+    """Jacobian C_q (nv, n) of all constraints, a row for each velocity, times its size."""
+    still = evaluate(q, np.zeros(len(sizes)))["C_dot"]
+    return np.array([evaluate(q, u)["C_dot"] - still for u in np.diag(sizes)])
+
+
 class Jacobian(NamedTuple):
     """Jacobian of the coordinates at some position.
 
@@ -323,8 +329,7 @@ class Leader:
 
     def drivers(self, q: Array, slopes: Array) -> str:
         """Drivers that a coordinate follows from, all where they leave nothing free."""
-        still = self.evaluate(q, self.rest)["C_dot"]
-        rows = np.array([self.evaluate(q, u)["C_dot"] - still for u in np.diag(self.sizes)])
+        rows = rates_of_rows(self.evaluate, q, self.sizes)
         wanted = slopes * self.sizes
         shares, _, rank, _ = np.linalg.lstsq(rows, wanted, rcond=DEPENDENT)
         size = NEAR * float(np.linalg.norm(wanted))

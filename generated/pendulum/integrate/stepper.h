@@ -602,9 +602,8 @@ static double seen_in(Attempts *tried, Trial *trial, Work *work, State *s)
     const double *f = work->k[m->stages];
     int has_stages = N_SWITCHING > 0 && is_kept(trial);
     /* one that leads beyond its end stays as it is */
-    const int is_whole = tried->is_beyond;
 #ifdef HAS_DISTANCE
-    const int turns = !is_whole && may_turn(s->time, trial->h, work->y, f, s, work);
+    const int turns = !tried->is_beyond && may_turn(s->time, trial->h, work->y, f, s, work);
     if (!turns && N_SEEN == 0) return trial->end;
     if (turns && is_kept(trial) && !has_stages) has_stages = make_dense_stages(m, trial, work, s);
 #endif
@@ -614,7 +613,8 @@ static double seen_in(Attempts *tried, Trial *trial, Work *work, State *s)
 #ifdef HAS_DISTANCE
     const double turned = turns ? turned_end(trial->end, look, s, work) : HUGE_VAL;
 #endif
-    double seen = is_whole || N_SEEN == 0 ? trial->end : seen_end(trial->end, look, s, work);
+    const int is_bare = tried->is_beyond || N_SEEN == 0;
+    double seen = is_bare ? trial->end : seen_end(trial->end, look, s, work);
     if (look->pole && !has_stages && make_dense_stages(m, trial, work, s)) {
         look_into(tried->settings, m, 1, trial->h, work->y, s->f, f, look, s, work);
         seen = seen_end(trial->end, look, s, work);

@@ -724,8 +724,8 @@ def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
     m, s, look = tried.m, tried.s, tried.look
     has_stages = tried.has_switches and is_kept(trial)
     # one that leads beyond its end stays as it is
-    turned, turns, is_whole = math.inf, False, tried.is_beyond
-    if work.scene.n_distances > 0 and not is_whole:
+    turned, turns = math.inf, False
+    if work.scene.n_distances > 0 and not tried.is_beyond:
         from .distances import may_turn, turned_end, turned_in  # other scenes do not have it
 
         turns = may_turn(trial.h, work.y, work.k[m.stages], look)
@@ -738,7 +738,8 @@ def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
     look.is_kept = is_kept(trial)
     if turns:
         turned = turned_end(trial.end, look)
-    seen = trial.end if is_whole or not work.scene.sees else seen_end(trial.end, look)
+    is_bare = tried.is_beyond or not work.scene.sees
+    seen = trial.end if is_bare else seen_end(trial.end, look)
     if look.pole and not has_stages and make_dense_stages(m, trial, work, state):
         look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
         seen = seen_end(trial.end, look)
