@@ -66,9 +66,10 @@ enum {
     N_LOOKED = N_SEEN + N_DISTANCES,
     N_READ = 2 * N_MEASURES,
     /* one behind the other */
-    W_SEEN = N_SWITCHING > 0 ? W_CROSSINGS
-    : N_POLES > 0            ? W_POLES
-                             : W_NARROW
+    W_SEEN = N_SWITCHING > N_BREAKS ? W_CROSSINGS
+    : N_BREAKS > 0                  ? W_BREAKS
+    : N_POLES > 0                   ? W_POLES
+                                    : W_NARROW
 };
 
 /* notes a step from a time on over which bounds do not tell how formulas vary */
@@ -90,12 +91,13 @@ typedef struct {
  * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
  * is, by what rates change in it, in the mean, by how much more at its end, and at most, and what
  * they are known to: to no more than they have been; how often it was cut for distances,
- * where last, when the one that did so is least, and whether it only leads over that */
+ * where last, when the one that did so is least, and whether it only leads over that; when functions
+ * first cross in it at which a force jumps, infinite where they do not */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
     double pole_time, bend[ROOM(N_MEASURES)], lean[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
-    double known[ROOM(N_MEASURES)], turning, place;
+    double known[ROOM(N_MEASURES)], turning, place, breaks[ROOM(N_BREAKS)];
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_short[ROOM(N_SEEN)];
     int is_untold, has_error, is_kept, lost, pole, turned, is_over;
 } Look;
@@ -617,6 +619,25 @@ static int are_crossed(
     return !is_still_short(k, side, b->time, look, s, work);
 }
 
+/* notes when functions that cross up to a node do so in the polynomial, where a force jumps */
+static void note_breaks(const TimeNode *b, Look *look, const State *s, Work *work)
+{
+    TimeNode node;
+    for (size_t n = 0; n != N_BREAKS; ++n) {
+        const size_t k = N_SWITCHING - N_BREAKS + n;
+        if (!look->crosses[k]) continue;
+        double first = look->start, last = b->time;
+        while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
+            const double time = 0.5 * (first + last);
+            if (!(first < time && time < last)) break;
+            look_closely(look->rounding, time, look, s, work, &node);
+            if (side_at(&node, k) == side_at(b, k)) last = time;
+            else first = time;
+        }
+        look->breaks[n] = last;
+    }
+}
+
 /* where a step to an end must end: where a function first crosses, or how far was looked */
 static double seen_end(double end, Look *look, State *s, Work *work)
 {
@@ -628,6 +649,7 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     double width = widest;
     TimeNode a, b;
     look->pole = 0;
+    for (size_t k = 0; k != N_BREAKS; ++k) look->breaks[k] = HUGE_VAL;
     look_at(look->start, look, s, work, &a);
     valued_end(&a, &a, look, s, work);
     if (look->lost) return end;
@@ -690,7 +712,10 @@ static double seen_end(double end, Look *look, State *s, Work *work)
             if (look->pole) return end;
         }
         for (size_t k = 0; k != N_POLES; ++k) passed[k] = passed[k] != passes[k];
-        if (any) return smaller(larger(first_time(&a, &b, look, s, work), nearest), end);
+        if (any) {
+            note_breaks(&b, look, s, work);
+            return smaller(larger(first_time(&a, &b, look, s, work), nearest), end);
+        }
         a = b;
         width = smaller(2.0 * width, widest);
     }

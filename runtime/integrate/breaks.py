@@ -1,0 +1,81 @@
+"""Breaks: steps end where a function of the state crosses zero at which a force jumps.
+
+Trials that end beyond it are too long by their error, until so little of one is behind the jump
+that it is kept: each time that leaves an error of one sign, which is no smaller than the tolerance.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .arithmetic import larger
+from .crossing import ONWARD, SMALLEST, middle, read_of, see_at
+from .cuts import BEHIND, EARLY, MOST_TURNED, SUNK, THERE, cut_beside, turned_in
+
+if TYPE_CHECKING:
+    from .crossing import Look
+
+#: A step that leaps over a jump begins at this part of the longest step before it, in units of the
+#: tolerance: what its stages on both sides leave is that much less than may be.
+NEAR = 1e-6
+
+
+def size_ahead(k: int, way: float, look: Look) -> float:
+    """Size of a function so far ahead of the start of a step at its first rates."""
+    state, w, time = look.state, look.work.w, look.start + way
+    read = read_of(time, state.y + way * state.f, w)
+    return abs(float(middle(see_at(read, np.zeros_like(read), time, w))[k]))
+
+
+def is_ahead(k: int, place: float, look: Look) -> bool:
+    """Whether a function comes to zero at an early place of a vague trial at its first rates, too.
+
+    Stages behind jumps throw its polynomial off: it may have places there that are none.
+    """
+    way, early = place - look.start, EARLY * look.h
+    if look.least_part == 0.0 or not way < early:
+        return True
+    before, there, beyond = (size_ahead(k, part, look) for part in (0.0, way, early))
+    return there <= larger(SUNK * before, THERE * beyond)
+
+
+def first_break(look: Look) -> int:
+    """First jump in a step, as a number of those, their count where there is none."""
+    found = int(np.argmin(look.breaks))
+    return found if look.breaks[found] < math.inf else len(look.breaks)
+
+
+def break_end(end: float, seen: float, look: Look, *, leaps: bool) -> float:
+    """Time at which a step to an end, or to what is seen in it, must end by the first jump.
+
+    That is the end where it leaps over the jump, as it is made to, and what is seen where no jump
+    is, or an event is nearer. A leap that is too wide for its error is made narrower.
+    """
+    first, n = first_break(look), len(look.breaks)
+    if first == n:
+        return seen
+    k, place = first - n + len(look.state.sides) - look.work.scene.n_poles, look.breaks[first]
+    is_over = leaps and end - place > BEHIND * look.h
+    if is_over and look.is_kept:
+        return seen if look.crosses[: len(look.work.scene.events)].any() else end
+    if look.turned >= MOST_TURNED or not is_ahead(k, place, look):
+        return seen
+    near = 2.0 * ONWARD * SMALLEST * larger(abs(look.start), abs(end))
+    if not is_over:
+        part = look.slack / look.h
+        near = larger(NEAR * part * larger(look.state.stride, look.h), near)
+    found = cut_beside(place, near, look)
+    return found if found < seen else seen
+
+
+def broken_in(found: float, look: Look) -> float:
+    """Time at which a step is cut for jumps: those over which it leaps cross there."""
+    look.place = look.breaks[first_break(look)]
+    look.is_over = look.place < found
+    turned_in(found, found, look)
+    last = len(look.state.sides) - look.work.scene.n_poles
+    look.crosses[last - len(look.breaks) : last] = look.breaks < found
+    return found
