@@ -31,6 +31,35 @@ static int is_ahead(size_t k, double place, const Look *look, const State *s, Wo
     return there <= larger(SUNK * before, THERE * beyond);
 }
 
+/* whether a function that crosses zero at a place would be thrown back, and stay there, as where dry
+ * friction holds a body: what acts at a stage that is beyond tells it */
+static int is_pushed_back(size_t k, double place, const Look *look, const State *s, Work *work)
+{
+    const double exact[ROOM(N_READ)] = { 0.0 }, soon = SMALL * larger(s->stride, look->h);
+    const Method *m = look->m;
+    double following[ROOM(N_READ)], *y = work->scratch;
+    TimeNode own, node;
+    for (size_t n = 1; n <= m->stages; ++n) {
+        const double time = look->start + m->c[n] * look->h;
+        combine(n, m->a + n * (n - 1) / 2, s->y, look->h, work->k, y);
+        read_of(time, y, work, own.read);
+        see_at(look->rounding, time, work->w, &own);
+        if (side_at(&own, k) != -(int)s->sides[k]) continue;
+        for (size_t i = 0; i != NY; ++i) y[i] = y[i] + soon * work->k[n][i];
+        read_of(time + soon, y, work, following);
+        read_at(place, look, s, work, node.read);
+        see_at(exact, place, work->w, &node);
+        const double there = middle(&node, k);
+        for (size_t i = 0; i != N_MEASURES; ++i) {
+            node.read[2 * i] += soon * node.read[2 * i + 1];
+            node.read[2 * i + 1] += following[2 * i + 1] - own.read[2 * i + 1];
+        }
+        see_at(exact, place + soon, work->w, &node);
+        return s->sides[k] * (middle(&node, k) - there) > 0.0;
+    }
+    return 0;
+}
+
 /* the first jump in a step, as a number of those, N_BREAKS where there is none */
 static size_t first_break(const Look *look)
 {
@@ -59,7 +88,8 @@ static double break_end(
         return end;
     }
     if (look->turned >= MOST_TURNED) return seen;
-    if (!is_ahead(N_SWITCHING - N_BREAKS + first, place, look, s, work)) return seen;
+    const size_t k = N_SWITCHING - N_BREAKS + first;
+    if (!is_ahead(k, place, look, s, work) || is_pushed_back(k, place, look, s, work)) return seen;
     double near = 2.0 * ONWARD * SMALLEST * larger(fabs(look->start), fabs(end));
     if (!is_over) {
         const double part = look->slack / look->h;

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger
-from .crossing import ONWARD, SMALLEST, middle, read_of, see_at
+from .crossing import ONWARD, SMALL, SMALLEST, middle, read_at, read_of, see_at, side_at
 from .cuts import BEHIND, EARLY, MOST_TURNED, SUNK, THERE, cut_beside, turned_in
+from .dense_output import combine
 
 if TYPE_CHECKING:
     from .crossing import Look
@@ -42,6 +43,28 @@ def is_ahead(k: int, place: float, look: Look) -> bool:
     return there <= larger(SUNK * before, THERE * beyond)
 
 
+def is_pushed_back(k: int, place: float, look: Look) -> bool:
+    """Whether a function that crosses zero at a place would be thrown back, and stay there.
+
+    So it is where dry friction holds a body: what acts at a stage that is beyond tells it.
+    """
+    state, work, m, soon = look.state, look.work, look.m, SMALL * larger(look.state.stride, look.h)
+    exact, side = np.zeros_like(look.noise), float(state.sides[k])
+    for n in range(1, m.stages + 1):
+        time = look.start + m.c[n] * look.h
+        combine(n, m.a[n], state.y, look.h, work.k, work.scratch)
+        own = read_of(time, work.scratch, work.w)
+        if side_at(see_at(own, look.rounding, time, work.w))[k] != -side:
+            continue
+        following = read_of(time + soon, work.scratch + soon * work.k[n], work.w)
+        read = read_at(place, look)
+        there = float(middle(see_at(read, exact, place, work.w))[k])
+        read[:, 0] += soon * read[:, 1]
+        read[:, 1] += following[:, 1] - own[:, 1]
+        return side * (float(middle(see_at(read, exact, place + soon, work.w))[k]) - there) > 0.0
+    return False
+
+
 def first_break(look: Look) -> int:
     """First jump in a step, as a number of those, their count where there is none."""
     found = int(np.argmin(look.breaks))
@@ -61,7 +84,7 @@ def break_end(end: float, seen: float, look: Look, *, leaps: bool) -> float:
     is_over = leaps and end - place > BEHIND * look.h
     if is_over and look.is_kept:
         return seen if look.crosses[: len(look.work.scene.events)].any() else end
-    if look.turned >= MOST_TURNED or not is_ahead(k, place, look):
+    if look.turned >= MOST_TURNED or not is_ahead(k, place, look) or is_pushed_back(k, place, look):
         return seen
     near = 2.0 * ONWARD * SMALLEST * larger(abs(look.start), abs(end))
     if not is_over:
