@@ -8,6 +8,25 @@
  * tolerance: what its stages on both sides leave is that much less than may be */
 #define NEAR 1e-6
 
+/* finds when functions first cross in the polynomial of a step at which a force jumps */
+static void find_breaks(Look *look, const State *s, Work *work)
+{
+    TimeNode node;
+    for (size_t n = 0; n != N_BREAKS; ++n) {
+        const size_t k = N_SWITCHING - N_BREAKS + n;
+        double first = look->start, last = look->breaks[n];
+        if (!(last < HUGE_VAL)) continue;
+        while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
+            const double time = 0.5 * (first + last);
+            if (!(first < time && time < last)) break;
+            look_closely(look->rounding, time, look, s, work, &node);
+            if (side_at(&node, k) == -(int)s->sides[k]) last = time;
+            else first = time;
+        }
+        look->breaks[n] = last;
+    }
+}
+
 /* the size of a function so far ahead of the start of a step at its first rates */
 static double size_ahead(size_t k, double way, const Look *look, const State *s, Work *work)
 {
@@ -75,8 +94,9 @@ static size_t first_break(const Look *look)
  * where it leaps over the jump, as it is made to, and what is seen where no jump is, or an event is
  * nearer. A leap that is too wide for its error is made narrower */
 static double break_end(
-    double end, double seen, int leaps, const Look *look, const State *s, Work *work)
+    double end, double seen, int leaps, Look *look, const State *s, Work *work)
 {
+    find_breaks(look, s, work);
     const size_t first = first_break(look);
     if (first == N_BREAKS) return seen;
     const double place = look->breaks[first];

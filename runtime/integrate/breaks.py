@@ -12,7 +12,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger
-from .crossing import ONWARD, SMALL, SMALLEST, middle, read_at, read_of, see_at, side_at
+from .crossing import (
+    ONWARD,
+    SMALL,
+    SMALLEST,
+    look_closely,
+    middle,
+    read_at,
+    read_of,
+    see_at,
+    side_at,
+)
 from .cuts import BEHIND, EARLY, MOST_TURNED, SUNK, THERE, cut_beside, turned_in
 from .dense_output import combine
 
@@ -22,6 +32,22 @@ if TYPE_CHECKING:
 #: A step that leaps over a jump begins at this part of the longest step before it, in units of the
 #: tolerance: what its stages on both sides leave is that much less than may be.
 NEAR = 1e-6
+
+
+def find_breaks(look: Look) -> None:
+    """Find when functions first cross in the polynomial of a step at which a force jumps."""
+    before = look.work.scene.breaks.start
+    for n in np.flatnonzero(look.breaks < math.inf).tolist():
+        side, first, last = -look.state.sides[before + n], look.start, look.breaks[n]
+        while last - first > SMALLEST * larger(abs(first), abs(last)):
+            time = 0.5 * (first + last)
+            if not first < time < last:
+                break
+            if side_at(look_closely(look.rounding, time, look))[before + n] == side:
+                last = time
+            else:
+                first = time
+        look.breaks[n] = last
 
 
 def size_ahead(k: int, way: float, look: Look) -> float:
@@ -77,10 +103,11 @@ def break_end(end: float, seen: float, look: Look, *, leaps: bool) -> float:
     That is the end where it leaps over the jump, as it is made to, and what is seen where no jump
     is, or an event is nearer. A leap that is too wide for its error is made narrower.
     """
-    first, n = first_break(look), len(look.breaks)
-    if first == n:
+    find_breaks(look)
+    first = first_break(look)
+    if first == len(look.breaks):
         return seen
-    k, place = first - n + len(look.state.sides) - look.work.scene.n_poles, look.breaks[first]
+    k, place = look.work.scene.breaks.start + first, look.breaks[first]
     is_over = leaps and end - place > BEHIND * look.h
     if is_over and look.is_kept:
         return seen if look.crosses[: len(look.work.scene.events)].any() else end
@@ -99,6 +126,5 @@ def broken_in(found: float, look: Look) -> float:
     look.place = look.breaks[first_break(look)]
     look.is_over = look.place < found
     turned_in(found, found, look)
-    last = len(look.state.sides) - look.work.scene.n_poles
-    look.crosses[last - len(look.breaks) : last] = look.breaks < found
+    look.crosses[look.work.scene.breaks] = look.breaks < found
     return found

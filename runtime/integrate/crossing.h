@@ -91,8 +91,8 @@ typedef struct {
  * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
  * is, by what rates change in it, in the mean, by how much more at its end, and at most, and what
  * they are known to: to no more than they have been; how often it was cut for distances,
- * where last, when the one that did so is least, and whether it only leads over that; when functions
- * first cross in it at which a force jumps, infinite where they do not */
+ * where last, when the one that did so is least, and whether it only leads over that; until when
+ * functions first cross in it at which a force jumps, infinite where they do not */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
@@ -243,6 +243,7 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
     look->h = h;
     look->slack = settings->tolerance * h;
     look->is_untold = 0;
+    for (size_t k = 0; k != N_BREAKS; ++k) look->breaks[k] = HUGE_VAL;
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memset(s->dense, 0, sizeof s->dense);
     hermite_cubic(h, y, f_before, f, s);
@@ -619,25 +620,6 @@ static int are_crossed(
     return !is_still_short(k, side, b->time, look, s, work);
 }
 
-/* notes when functions that cross up to a node do so in the polynomial, where a force jumps */
-static void note_breaks(const TimeNode *b, Look *look, const State *s, Work *work)
-{
-    TimeNode node;
-    for (size_t n = 0; n != N_BREAKS; ++n) {
-        const size_t k = N_SWITCHING - N_BREAKS + n;
-        if (!look->crosses[k]) continue;
-        double first = look->start, last = b->time;
-        while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
-            const double time = 0.5 * (first + last);
-            if (!(first < time && time < last)) break;
-            look_closely(look->rounding, time, look, s, work, &node);
-            if (side_at(&node, k) == side_at(b, k)) last = time;
-            else first = time;
-        }
-        look->breaks[n] = last;
-    }
-}
-
 /* where a step to an end must end: where a function first crosses, or how far was looked */
 static double seen_end(double end, Look *look, State *s, Work *work)
 {
@@ -649,7 +631,6 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     double width = widest;
     TimeNode a, b;
     look->pole = 0;
-    for (size_t k = 0; k != N_BREAKS; ++k) look->breaks[k] = HUGE_VAL;
     look_at(look->start, look, s, work, &a);
     valued_end(&a, &a, look, s, work);
     if (look->lost) return end;
@@ -713,7 +694,8 @@ static double seen_end(double end, Look *look, State *s, Work *work)
         }
         for (size_t k = 0; k != N_POLES; ++k) passed[k] = passed[k] != passes[k];
         if (any) {
-            note_breaks(&b, look, s, work);
+            for (size_t k = 0; k != N_BREAKS; ++k)
+                if (look->crosses[N_SWITCHING - N_BREAKS + k]) look->breaks[k] = b.time;
             return smaller(larger(first_time(&a, &b, look, s, work), nearest), end);
         }
         a = b;

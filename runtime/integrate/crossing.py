@@ -175,7 +175,7 @@ class Look:
     is_over : bool
         Whether it only leads over where that is least.
     breaks : array [s]
-        When functions first cross in it at which a force jumps; infinite where they do not.
+        Until when functions first cross in it at which a force jumps; infinite where they do not.
     """
 
     state: State
@@ -316,7 +316,7 @@ def look_into(
     """Make the polynomial of a step from the state to y, where the derivative is f."""
     state, sizes = look.state, look.work.scene.measure_sizes
     look.m, look.start, look.h, look.slack = m, state.time, h, s.tolerance * h
-    look.is_untold = False
+    look.is_untold, look.breaks = False, np.full(look.work.scene.n_breaks, math.inf)
     state.y_before[:] = state.y
     state.dense[:] = 0.0
     hermite_cubic(h, y, state.f, f, state)
@@ -575,29 +575,13 @@ def are_crossed(sides: Array, b: TimeNode, look: Look) -> Flags:
     return crosses & ~is_still_short(sides, b.time, look)
 
 
-def note_breaks(b: TimeNode, look: Look) -> None:
-    """Note when functions that cross up to a node do so in the polynomial, where a force jumps."""
-    first_one = len(look.state.sides) - look.work.scene.n_poles - len(look.breaks)
-    for n in np.flatnonzero(look.crosses[first_one : first_one + len(look.breaks)]).tolist():
-        side, first, last = side_at(b)[first_one + n], look.start, b.time
-        while last - first > SMALLEST * larger(abs(first), abs(last)):
-            time = 0.5 * (first + last)
-            if not first < time < last:
-                break
-            if side_at(look_closely(look.rounding, time, look))[first_one + n] == side:
-                last = time
-            else:
-                first = time
-        look.breaks[n] = last
-
-
 def seen_end(end: float, look: Look) -> float:
     """Time at which a step to an end must end: where a function first crosses, or what was seen."""
     sides = look.state.sides
     n, start = len(sides), look.start
     is_pole = np.arange(n) >= n - look.work.scene.n_poles
     passed = np.zeros(n, dtype=bool)
-    look.pole, look.breaks = 0, np.full(look.work.scene.n_breaks, math.inf)
+    look.pole = 0
     tiny = SMALLEST * larger(abs(start), abs(end))
     nearest = start + larger(ONWARD * tiny, look.least_part * look.h)
     soon = start + larger(ONWARD * tiny, look.slack)
@@ -647,7 +631,7 @@ def seen_end(end: float, look: Look) -> float:
                 return end
         passed ^= passes
         if look.crosses.any():
-            note_breaks(b, look)
+            look.breaks = np.where(look.crosses[look.work.scene.breaks], b.time, math.inf)
             return smaller(larger(first_time(a, b, look), nearest), end)
         a, width = b, smaller(2.0 * width, widest)
     look.is_untold = a.time < end and not a.time > nearest

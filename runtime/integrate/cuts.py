@@ -1,4 +1,4 @@
-"""Cuts: a step ends right before a place where a force turns round or jumps; the next leads over it.
+"""Cuts: steps end right before places where a force turns round or jumps; the next lead over them.
 
 Stages on both sides of such a place throw the polynomial of a step off, and what they leave in it
 has the same sign each time.

@@ -6,7 +6,7 @@
  * may be it is looked for in the polynomial. The step is made again, to end right before that
  * place, and the next one, to end as far behind. */
 
-/* distances that have sunk beside the largest one at the ends and in the middle of a step, as cubics
+/* distances that have sunk beside the largest at the ends and in the middle of a step, as cubics
  * over its halves tell, are looked at; those that do so to this part in the polynomial turn a force
  * within the step, and those in formulas to this one: bounds tell how these vary, but for what
  * places are known to */

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .crossing import Look
     from .scene_tables import Workspace
 
-#: Distances that have sunk beside the largest one at the ends and in the middle of a step, as cubics
+#: Distances that have sunk beside the largest at the ends and in the middle of a step, as cubics
 #: over its halves tell, are looked at; those that do so to this part in the polynomial turn a force
 #: within the step, and those in formulas to this one: bounds tell how these vary, but for what
 #: places are known to.

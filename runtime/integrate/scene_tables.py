@@ -231,6 +231,12 @@ class SceneTables:
         return self.size("breaks") // 4
 
     @property
+    def breaks(self) -> slice:
+        """Where these are among all functions that cross."""
+        last = self.size("crossings") // 4 + self.n_breaks
+        return slice(last - self.n_breaks, last)
+
+    @property
     def n_poles(self) -> int:
         """Count of functions that are zero where forces may be infinite."""
         return self.size("poles") // 4

@@ -16,7 +16,6 @@ from kousoku.runtime.integrate.distances import (
     AROUND,
     DIFFERENCE,
     DOUBLED,
-    EARLY,
     NODES,
     TOLD_TURNING,
     TURNING,
