@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.error_estimate import ErrorEstimate
     from kousoku.runtime.integrate.arithmetic import Array
-    from kousoku.runtime.integrate.given_start import Moved
+    from kousoku.runtime.integrate.assembled_start import Moved
     from kousoku.runtime.integrate.trust import Trust
     from kousoku.runtime.momenta import Momentum
     from kousoku.runtime.options import Options

@@ -34,7 +34,7 @@ TEMPLATES = {
 #: The analysis that all scenes share: a folder of the runtime that goes along.
 LIBRARY = "kinematics"
 #: What runs segments in Python, what results are made of, and what checks options.
-SHARED = tuple(f"integrate/{name}.py" for name in ("__init__", "given", "result", "tasks"))
+SHARED = tuple(f"integrate/{name}.py" for name in ("__init__", "result", "run_arguments", "tasks"))
 
 
 def emit_linkage(

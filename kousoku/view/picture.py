@@ -244,7 +244,7 @@ def require_moment(picture: Picture, time: float) -> None:
 def _require_numbers(scene: str, **given: float | None) -> None:
     """Refuse what is no number, and what has to be positive and is not."""
     from kousoku.model.errors import SolveError
-    from kousoku.runtime.integrate.given import require_numbers
+    from kousoku.runtime.integrate.run_arguments import require_numbers
 
     for name, one in given.items():
         if one is None:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from .assembled_start import WrittenBody
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
 from .events import EventLog, EventOccurrences
-from .given_start import GivenStart
 from .result import Column, Coordinates, Named, Result, listed, missing, not_generated, scene_key
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ class Layout:
         Drivers of distances.
     poles : tuple of str
         For each function that is zero where a force may be infinite the key of that force.
-    given : tuple of GivenStart
+    given : tuple of WrittenBody
         Where the scene has its bodies and how they move, where parameters may change its start.
     driven : tuple of str
         Coordinates that drivers determine, alone or by gears, screws and couplings.
@@ -157,7 +157,7 @@ class Layout:
     drawn: tuple[str, ...] = ()
     poles: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
-    given: tuple[GivenStart, ...] = ()
+    given: tuple[WrittenBody, ...] = ()
     driven: tuple[str, ...] = ()
 
     @property
@@ -196,7 +196,7 @@ class Layout:
             led=tuple(data["led"]),
             drawn=tuple(data["drawn"]),
             poles=tuple(data["poles"]),
-            given=tuple(map(GivenStart.from_data, data.get("given", ()))),
+            given=tuple(map(WrittenBody.from_data, data.get("given", ()))),
             driven=tuple(data.get("driven", ())),
         )
 

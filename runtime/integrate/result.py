@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from ..momenta import Momentum
     from ..run_ledger import Violation
     from .arithmetic import Array
+    from .assembled_start import Moved
     from .events import EventOccurrences
-    from .given_start import Moved
     from .trust import Trust
 
     class Ledger:

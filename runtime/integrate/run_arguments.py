@@ -194,6 +194,18 @@ def misfit_of_bodies(name: str, given: Array, size: int) -> str:
     return misfit(name, given, size, f"of each body {of}; a point has the first three alone")
 
 
+def require_callable(scene: str, progress: object) -> None:
+    """Refuse what cannot be called with the time reached and the last time.
+
+    Raises
+    ------
+    SolveError
+        It is something else.
+    """
+    if progress is not None and not callable(progress):
+        raise refusal(f"{scene}: progress {shown(progress)}; wanted a function of two times")
+
+
 def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
     """Refuse an array that has too many or too few numbers.
 

@@ -1,4 +1,4 @@
-"""Initial values of a run: coordinates and rates that are not those of the scene.
+"""Initial values of coordinates and rates: from those of the scene to those that are given.
 
 Coordinates are led from the start of the scene by small steps, on the branch on which it is
 assembled. All is asked of ``evaluate``, which compiled solvers and those in NumPy have: rates
