@@ -287,7 +287,7 @@ def generated(
     SceneError, AssemblyError
         As of :func:`load`.
     """
-    from kousoku.model.validation.validate_unused import output_problem
+    from kousoku.model.validation.unused import output_problem
 
     for output in outputs or ():
         if problem := output_problem(scene, output):
