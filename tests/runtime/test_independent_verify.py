@@ -33,12 +33,12 @@ from kousoku.codegen.dynamics.elements import coordinate_spring, load, spring_da
 from kousoku.codegen.dynamics.emission import emit
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.dynamics.operations import (
+    applied_forces,
     coordinates,
     elimination,
-    forces,
     mechanics,
 )
-from kousoku.codegen.dynamics.operations import joint_coordinates as joint_operations
+from kousoku.codegen.dynamics.operations import joint_projections as joint_operations
 from kousoku.codegen.dynamics.recording import recorder
 from kousoku.codegen.emit import along
 from kousoku.codegen.generate import write_tree
@@ -173,7 +173,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
         *("*(orientation @ given).flat, *torque", "*given.flat, *torque"),
     ),
     "force without its torque": (
-        *("rich", forces, "at_point"),
+        *("rich", applied_forces, "at_point"),
         *('*found["N_b"]', "*rest[:3]"),
     ),
     "power of a force": (
