@@ -41,13 +41,13 @@ from kousoku.runtime.integrate.body_tables import (
     solver_state,
     written_sizes,
 )
-from kousoku.runtime.integrate.result import listed, unknown
 from kousoku.runtime.integrate.run_arguments import (
     misfit_of_bodies,
     numbers_of,
     require_numbers,
     values_of,
 )
+from kousoku.runtime.messages import listed, unknown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, cast, overload
 
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.text import counted
-from kousoku.runtime.integrate.result import Coordinates, listed
+from kousoku.runtime.integrate.result import Coordinates
+from kousoku.runtime.messages import listed
 from kousoku.runtime.run import Interrupted
 
 if TYPE_CHECKING:

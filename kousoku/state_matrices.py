@@ -20,7 +20,7 @@ from kousoku.linkage_equations import LinkageEquations
 from kousoku.model.errors import SolveError
 from kousoku.runtime.design import nearly_redundant
 from kousoku.runtime.integrate.body_tables import body_tables, solver_state, written_state
-from kousoku.runtime.integrate.result import listed, scene_key, shortly
+from kousoku.runtime.messages import listed, scene_key, shortly
 from kousoku.runtime.run_ledger import violations_of
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ import numpy as np
 from kousoku.model.errors import SolveError
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate.nearly_dependent import nearly_dependent
-from kousoku.runtime.integrate.result import listed, scene_key
 from kousoku.runtime.integrate.settings import Status
+from kousoku.runtime.messages import listed, scene_key
 from kousoku.runtime.run_stop import SHOWN
 
 if TYPE_CHECKING:

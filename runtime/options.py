@@ -9,7 +9,6 @@ import numpy as np
 
 from kousoku.model.errors import SolveError
 from kousoku.runtime.integrate.initial_values import InitialValues, initial_of, parameters_of
-from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.integrate.run_arguments import require_steps, values_of
 from kousoku.runtime.integrate.settings import (
     KINEMATICS,
@@ -19,6 +18,7 @@ from kousoku.runtime.integrate.settings import (
     Settings,
     method_for,
 )
+from kousoku.runtime.messages import shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -26,9 +26,9 @@ from kousoku.runtime.integrate.events import (
 from kousoku.runtime.integrate.initial_values import initial_of, parameters_of
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.nearly_dependent import nearly_dependent
-from kousoku.runtime.integrate.result import listed
 from kousoku.runtime.integrate.run_arguments import require_callable, require_numbers, require_room
 from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, MESSAGES, Status
+from kousoku.runtime.messages import listed
 from kousoku.runtime.options import is_given_anew, require_unmoved, with_values
 from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies

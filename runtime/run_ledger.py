@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.runtime.integrate.result import Named, listed, scene_key
+from kousoku.runtime.integrate.result import Named
 from kousoku.runtime.integrate.settings import KINEMATICS
 from kousoku.runtime.integrate.trust import MISSES, CheckedRows, missed_by, released, trust_of
+from kousoku.runtime.messages import listed, scene_key
 from kousoku.runtime.momenta import momenta_of
 from kousoku.runtime.run_stop import SHOWN
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from kousoku.model.errors import SolveError
 from kousoku.runtime.integrate.initial_values import InitialValues
-from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.integrate.run_arguments import numbers_of, times_of
+from kousoku.runtime.messages import shown
 from kousoku.runtime.options import METHODS, Options, options_of
 from kousoku.runtime.run_ledger import COUNTS
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from kousoku.model.errors import CacheError, LoadError, printable
 from kousoku.model.files.compressed import content, stored
 from kousoku.model.files.manifest import PLAIN, Manifest
-from kousoku.runtime.integrate.result import shown
+from kousoku.runtime.messages import shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -36,7 +36,7 @@ from kousoku.codegen.dynamics.simplification.written_start import written_start
 from kousoku.model.files.manifest import REFERENCE_FILE
 from kousoku.model.lowering.about import About
 from kousoku.runtime.integrate.assembled_start import notes_of
-from kousoku.runtime.integrate.result import listed, scene_key
+from kousoku.runtime.messages import listed, scene_key
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -359,7 +359,7 @@ def _chosen_forces(
     table: Mapping[str, Array], forces: Sequence[str] | bool, name: str
 ) -> dict[str, Array]:
     from kousoku.model.errors import SolveError
-    from kousoku.runtime.integrate.result import unknown
+    from kousoku.runtime.messages import unknown
 
     if isinstance(forces, bool):
         return dict(table) if forces else {}
@@ -380,7 +380,7 @@ def _paths(shapes: Shapes, paths_of: Sequence[Any] | None, name: str) -> tuple[P
         There is no such body or joint, or a point is no three numbers.
     """
     from kousoku.model.errors import SolveError
-    from kousoku.runtime.integrate.result import unknown
+    from kousoku.runtime.messages import unknown
 
     joints = {mark.name: mark for mark in shapes.joints}
     places = {body.name: k for k, body in enumerate(shapes.bodies) if k}

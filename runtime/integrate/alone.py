@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..messages import StoppedError, unknown
 from .assembled_start import assembled_start
 from .events import (
     EventLog,
@@ -18,7 +19,6 @@ from .events import (
 from .initial_values import initial_of, parameters_of
 from .methods import METHODS
 from .motion import Layout, Motion
-from .result import StoppedError, unknown
 from .run_arguments import require_options, require_steps, times_of, values_of
 from .scene_tables import state_of
 from .settings import KINEMATICS, MESSAGES, MOST_STEPS, OPTIONS, Settings, Status, method_for

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..messages import refusal
 from .body_tables import indices, solver_state, written_state
 from .initial_coordinates import ROUNDING, InitialError, Leader, Start, lead
-from .result import refusal
 from .run_arguments import misfit_of_bodies
 
 if TYPE_CHECKING:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from .result import Coordinates, refusal, shown, unknown
+from ..messages import refusal, shown, unknown
+from .result import Coordinates
 from .run_arguments import number_in, numbers_of
 
 if TYPE_CHECKING:

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from ..messages import listed, missing, not_generated, scene_key
 from .assembled_start import WrittenBody
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
 from .events import EventLog, EventOccurrences
-from .result import Column, Coordinates, Named, Result, listed, missing, not_generated, scene_key
+from .result import Column, Coordinates, Named, Result
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

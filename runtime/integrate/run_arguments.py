@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from .result import refusal, shown, unknown
+from ..messages import refusal, shown, unknown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
