@@ -169,7 +169,7 @@ def loops_that_open(solver: DynamicsSolver, values: Array) -> str:
 def _rates_of_rows(solver: DynamicsSolver, values: Array) -> Array:
     """Jacobian C_q of all rows at the start, by velocities relative to the length of the scene."""
     from kousoku.runtime.integrate.body_tables import indices
-    from kousoku.runtime.integrate.initial_coordinates import evaluated, rates_of_rows
+    from kousoku.runtime.integrate.start_evaluation import evaluated, rates_of_rows
 
     target, sizes = solver.target, np.ones(len(solver.v))
     for body in solver.layout.bodies:

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.error_estimate import ErrorEstimate
     from kousoku.runtime.integrate.arithmetic import Array
-    from kousoku.runtime.integrate.initial_coordinates import Evaluate
+    from kousoku.runtime.integrate.start_evaluation import Evaluate
     from kousoku.runtime.options import Options
 
 #: Instead of what is said of ``NOT_PROJECTED``, where steps have a length that was given.
@@ -258,7 +258,7 @@ class Run:
 
     def _evaluate(self) -> Evaluate:
         """Outputs of the scene at time 0, with the parameters of the run."""
-        from kousoku.runtime.integrate.initial_coordinates import evaluated
+        from kousoku.runtime.integrate.start_evaluation import evaluated
 
         target = self.solver.target
         return evaluated(target.evaluate, self._values, target.work_size, self._there.places)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from kousoku.joint_shapes import JOINT_PICTURES, Ball, BoxShape, CylinderShape
-from kousoku.runtime.integrate.body_tables import rotated
+from kousoku.runtime.integrate.euler_parameters import rotated
 from kousoku.view.meshes import box_name, coarse, cylinder_name, mesh_of
 
 if TYPE_CHECKING:

@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from .arithmetic import Array
-    from .initial_coordinates import Evaluate
     from .initial_values import InitialValues
     from .scene_solver import SceneSolver
+    from .start_evaluation import Evaluate
 
 
 class Alone:
@@ -168,7 +168,7 @@ class RunAlone:
 
     def _evaluate(self, parameters: Array) -> Evaluate:
         """Evaluation of the scene at time 0, with the parameters of the run."""
-        from .initial_coordinates import evaluated
+        from .start_evaluation import evaluated
 
         solver, places = self._scene.solver, self._scene.data["places"]
         return evaluated(solver.evaluate, parameters, solver.scene.work_size, places)

@@ -14,14 +14,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .body_tables import BACK, body_tables, composed, crossed, indices, rotated
+from .body_tables import body_tables, indices
+from .euler_parameters import BACK, composed, crossed, rotated
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from .arithmetic import Array
-    from .initial_coordinates import Evaluate
     from .motion import Layout
+    from .start_evaluation import Evaluate
 
 #: Least moment of inertia that weighs a displacement, as a part of the largest of the body.
 THIN = 1e-3
@@ -302,7 +303,7 @@ def assembled_start(
     layout : Layout
         What stands where, with the parameters of the run.
     evaluate : callable
-        What :func:`.initial_coordinates.evaluated` returns, with these parameters.
+        What :func:`.start_evaluation.evaluated` returns, with these parameters.
     y : array
         Where bodies fit, on the branch of the scene: q, then some v.
     is_told : bool

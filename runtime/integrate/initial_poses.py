@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from .arithmetic import Array
     from .body_tables import BodyPlaces
-    from .initial_coordinates import Evaluate
     from .initial_values import InitialValues
     from .motion import Layout
+    from .start_evaluation import Evaluate
 
 #: What bodies may miss of joints: lengths relative to the scene's, velocities to the largest.
 MISSES = 1e-6
@@ -45,7 +45,7 @@ def started(
     rows : sequence of (str, str)
         Joint and unit of all constraints: solved for, left out, put onto joints.
     evaluate : callable
-        What :func:`.initial_coordinates.evaluated` returns, with the parameters of the run.
+        What :func:`.start_evaluation.evaluated` returns, with the parameters of the run.
     y : array
         Where the scene starts with them: q, then v.
     initial : InitialValues

@@ -10,7 +10,8 @@ import numpy as np
 
 from ..messages import listed, missing, not_generated, scene_key
 from .assembled_start import WrittenBody
-from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
+from .body_tables import BodyPlaces, body_tables, written_state
+from .euler_parameters import crossed, rotated
 from .events import EventLog, EventOccurrences
 from .result import Column, Coordinates, Named, Result
 

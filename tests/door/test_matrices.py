@@ -23,7 +23,8 @@ from kousoku.codegen.linkage.generate import generate_linkage
 from kousoku.model.errors import SolveError
 from kousoku.model.reading.read import read_scene, scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.integrate.body_tables import composed, crossed, rotated, written_state
+from kousoku.runtime.integrate.body_tables import written_state
+from kousoku.runtime.integrate.euler_parameters import composed, crossed, rotated
 from kousoku.runtime.linkage import load_linkage
 from kousoku.state_matrices import evaluate, matrices
 from tests.random_scenes import COUNT, numbered_scenes
