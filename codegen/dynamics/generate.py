@@ -31,7 +31,7 @@ from kousoku.codegen.dynamics.choose import choice_of
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
-from kousoku.codegen.dynamics.redundancy.given_rank import notes_of_rank
+from kousoku.codegen.dynamics.redundancy.varying_rank import notes_of_rank
 from kousoku.codegen.dynamics.simplification.written_start import written_start
 from kousoku.model.files.manifest import REFERENCE_FILE
 from kousoku.model.lowering.about import About
