@@ -723,8 +723,10 @@ def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     trial.is_whole = trial.is_good
     is_wanted = tried.has_switches or tried.asked < trial.end
     if trial.is_good and is_kept(trial) and is_wanted:
-        trial.is_whole = make_dense_stages(tried.m, trial, work, state) and (
-            tried.is_fixed or not is_thrown_off(tried.m, trial, work)
+        # rows that are asked for make stages, too, and no step shorter
+        is_looked = tried.has_switches and not tried.is_fixed
+        trial.is_whole = make_dense_stages(tried.m, trial, work, state) and not (
+            is_looked and is_thrown_off(tried.m, trial, work)
         )
     if not is_clear(tried, trial, state):
         return False

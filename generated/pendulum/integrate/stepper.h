@@ -590,12 +590,14 @@ static int is_clear(Attempts *tried, Trial *trial, State *s)
  * there is none. Its error is large where it may not be kept */
 static int is_tried(Attempts *tried, Trial *trial, Work *work, State *s)
 {
+    /* rows that are asked for make stages, too, and no step shorter */
+    const int is_looked = N_SWITCHING > 0 && !tried->is_fixed;
     if (!is_made(tried, trial, work, s)) return 0;
     if (trial->is_good) find_error(tried, trial, work, s);
     trial->is_whole = trial->is_good;
     if (trial->is_good && is_kept(trial) && (N_SWITCHING > 0 || tried->asked < trial->end)) {
         trial->is_whole = make_dense_stages(tried->m, trial, work, s) &&
-                          (tried->is_fixed || !is_thrown_off(tried->m, trial, work));
+                          !(is_looked && is_thrown_off(tried->m, trial, work));
     }
     if (!is_clear(tried, trial, s)) return 0;
     if (tried->is_fixed && !trial->is_whole) {
