@@ -93,8 +93,7 @@ static size_t first_break(const Look *look)
 /* where a step to an end, or to what is seen in it, must end by the first jump. That is the end
  * where it leaps over the jump, as it is made to, and what is seen where no jump is, or an event is
  * nearer. A leap that is too wide for its error is made narrower */
-static double break_end(
-    double end, double seen, int leaps, Look *look, const State *s, Work *work)
+static double break_end(double end, double seen, int leaps, Look *look, const State *s, Work *work)
 {
     find_breaks(look, s, work);
     const size_t first = first_break(look);

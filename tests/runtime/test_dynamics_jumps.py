@@ -102,7 +102,7 @@ def test_steps_of_a_fixed_length_end_before_jumps(
 @pytest.mark.parametrize("target", ["c", "numpy"])
 @pytest.mark.parametrize("way", [{"tolerance": 1e-6}, {"tolerance": 1e-9}, {"step": 0.05}], ids=str)
 def test_events_are_told_where_a_force_jumps(
-    solver_of: Callable[..., DynamicsSolver], target: str, way: dict[str, float]
+    solver_of: Callable[..., DynamicsSolver], target: str, way: dict[str, Any]
 ) -> None:
     events = """[events]
 there = { when = "y" }
