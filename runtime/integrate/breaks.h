@@ -50,8 +50,8 @@ static int is_ahead(size_t k, double place, const Look *look, const State *s, Wo
     return there <= larger(SUNK * before, THERE * beyond);
 }
 
-/* whether a function that crosses zero at a place would be thrown back, and stay there, as where dry
- * friction holds a body: what acts at a stage that is beyond tells it */
+/* whether a function that crosses zero at a place would be thrown back, and stay there, as where
+ * dry friction holds a body: what acts at a stage that is beyond tells it */
 static int is_pushed_back(size_t k, double place, const Look *look, const State *s, Work *work)
 {
     const double exact[ROOM(N_READ)] = { 0.0 }, soon = SMALL * larger(s->stride, look->h);

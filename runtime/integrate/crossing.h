@@ -90,8 +90,8 @@ typedef struct {
  * whether it is kept if nothing cuts it, the event without a value right behind its start, counted
  * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
  * is, by what rates change in it, in the mean, by how much more at its end, and at most, and what
- * they are known to: to no more than they have been; how often it was cut for distances,
- * where last, when the one that did so is least, and whether it only leads over that; until when
+ * they are known to: to no more than they have been; how often it was cut for distances and
+ * jumps, where last, the place that did so, and whether it only leads over that; until when
  * functions first cross in it at which a force jumps, infinite where they do not */
 typedef struct {
     const Method *m;

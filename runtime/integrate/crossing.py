@@ -171,9 +171,9 @@ class Look:
     pole_time : float [s]
         When that is.
     turned, turning, place : int, float [s], float [s]
-        How often it was cut for distances, where last, and when the one that did so is least.
+        How often it was cut for distances and jumps, where last, and the place that did so.
     is_over : bool
-        Whether it only leads over where that is least.
+        Whether it only leads over that.
     breaks : array [s]
         Until when functions first cross in it at which a force jumps; infinite where they do not.
     """
