@@ -69,7 +69,7 @@ class _Row(NamedTuple):
 
 
 def _sum(a: Mapping[int, High], b: Mapping[int, High]) -> dict[int, High]:
-    return {k: a[k] + b[k] if k in a and k in b else a.get(k, b.get(k)) for k in {**a, **b}}
+    return {**a, **b, **{k: a[k] + b[k] for k in a.keys() & b.keys()}}
 
 
 def driven_lengths(system: System, laws: Mapping[int, Expression]) -> Iterator[DrivenLength]:
@@ -82,18 +82,29 @@ def driven_lengths(system: System, laws: Mapping[int, Expression]) -> Iterator[D
     laws : mapping of int to Expression
         Parsed laws of drivers, by the places of these among the constraints.
     """
-    places = [k for k, one in enumerate(system.coordinates) if one.kind == "length"]
-    own = {
-        system.constraints[k].terms[0].coordinate: k
-        for k in laws
-        if len(system.constraints[k].terms) == 1
-    }
-    coupled = _determined(system.constraints) if {*places} - own.keys() else {}
-    for place in places:
-        if place in own:
-            yield DrivenLength(place, laws[own[place]], system.constraints[own[place]].joint)
-        elif place in coupled:
-            yield _coupled(place, coupled[place], system, laws)
+    places = _first_places(system)
+    own = {places[system.constraints[k].terms[0].coordinate]: k for k in laws}
+    lengths = [k for k, one in enumerate(system.coordinates) if one.kind == "length"]
+    coupled = {}
+    if not {places[k] for k in lengths} <= own.keys():
+        coupled = _determined(system.constraints, places)
+    for place, first in zip(lengths, map(places.__getitem__, lengths), strict=True):
+        if first in own:
+            yield DrivenLength(place, laws[own[first]], system.constraints[own[first]].joint)
+        elif first in coupled:
+            yield _coupled(place, coupled[first], system, laws)
+
+
+def _first_places(system: System) -> list[int]:
+    """Place of the first coordinate that is the same as each, by another name; angles count turns.
+
+    A driver of a point has such ones.
+    """
+    found: dict[tuple[object, ...], int] = {}
+    return [
+        found.setdefault((one.kind, one.i, one.j, one.constants, place * one.counts_turns), place)
+        for place, one in enumerate(system.coordinates)
+    ]
 
 
 def _coupled(
@@ -101,6 +112,8 @@ def _coupled(
 ) -> DrivenLength:
     """Distance that rows determine together: u = Σ share · (unit · law − offset)."""
     terms, unit = [], precise.number(system.unit)
+    least = NO_FACTOR * max(float(abs(at_scene(share))) for share in shares.values())
+    shares = {k: share for k, share in shares.items() if abs(at_scene(share)) > least}
     for k, share in shares.items():
         row, part = system.constraints[k], share / unit
         terms.append(_formula(part * precise.number(-row.offset)))
@@ -120,15 +133,20 @@ def _formula(value: High) -> Expression:
     return value.expression if isinstance(value, Traced) else number(Fraction(float(value)))
 
 
-def _determined(constraints: Sequence[Instance]) -> dict[int, Mapping[int, High]]:
-    """Shares of rows that are one coordinate alone, by its place: Gauss and Jordan's elimination."""
+def _determined(
+    constraints: Sequence[Instance], places: Sequence[int]
+) -> dict[int, Mapping[int, High]]:
+    """Shares of rows that are one coordinate alone, by its place.
+
+    By the elimination of Gauss and Jordan.
+    """
     pivots: dict[int, _Row] = {}
     for k, one in enumerate(constraints):
         if not one.is_combination:
             continue
         row = _Row({}, {k: precise.number(1.0)})
         for term in one.terms:
-            row = row.plus(_Row({term.coordinate: precise.number(term.factor)}, {}))
+            row = row.plus(_Row({places[term.coordinate]: precise.number(term.factor)}, {}))
         size = max(abs(float(term.factor)) for term in one.terms)
         for place, pivot in pivots.items():
             row = row.without(place, pivot)

@@ -473,6 +473,13 @@ LEADING = {
         '[drivers]\nmotor = { coordinate = "z", value = "-2*(2*t - t^2)" }\n',
         "motor with joints.tie and joints.second",
     ),
+    "by a point": (
+        "[bodies.third]\nposition = [0, 2, 0]\npoint = true\nmass = 1\n"
+        '[joints.second]\ntype = "linear"\ncoordinates = ["z", "x"]\nfactors = [-0.1, 0.1]\n'
+        '[coordinates.z]\nbody = "third"\nalong = [1, 0, 0]\n'
+        '[drivers]\nmotor = { body = "third", path = ["size*(2*t - t^2)", "2", "t"] }\n',
+        "motor with joints.tie and joints.second",
+    ),
 }
 
 
@@ -481,7 +488,8 @@ def tied(leading: str, more: str = "") -> Scene:
     return scene_from_toml(
         'name = "tied"\nunit = "m"\n[parameters]\nsize = 1.0\n'
         "[bodies.slider]\nposition = [1, 0, 0]\npoint = true\nmass = 1\n"
-        "[bodies.rack]\nposition = [0, 1, 0]\nmass = 1\ninertia = { xx = 1, yy = 1, zz = 1 }\n[joints]\n"
+        "[bodies.rack]\nposition = [0, 1, 0]\nmass = 1\n"
+        "inertia = { xx = 1, yy = 1, zz = 1 }\n[joints]\n"
         'rail = { type = "inline", bodies = ["ground", "slider"], at = [0, 0, 0],'
         " axis = [1, 0, 0] }\n"
         'slide = { type = "prismatic", bodies = ["ground", "rack"], at = [0, 1, 0],'
