@@ -77,8 +77,9 @@ def switching_functions(formula: Expression) -> Iterator[Expression]:
     ``atan(1/a)`` jumps where a is zero, and ``atan2(a, b)`` where b is negative there.
     """
     smooth = {id(factor) for part in ordered(formula) for factor in _signed_squares(part)}
+    divided = {id(factor) for part in ordered(formula) for factor in _divided(part)}
     for part in ordered(formula):
-        if part.op in SWITCHES and id(part) not in smooth:
+        if part.op in SWITCHES and (id(part) not in smooth or id(part) in divided):
             first, *rest = part.args
             yield add(first, *map(neg, rest))
         elif (root := even_root(part)) is not None and root[1] < SMOOTH:
@@ -93,7 +94,7 @@ def _divisors_of(formula: Expression) -> Iterator[Expression]:
     """What may be zero in a formula, and is divided by there."""
     for part in ordered(formula):
         if part.op is Op.DIV:
-            yield from filter(may_be_zero, _crossed(part.args[1]))
+            yield from filter(may_be_zero, _zeros_of(part.args[1]))
 
 
 def edges_of(formula: Expression) -> Iterator[Expression]:
@@ -289,6 +290,16 @@ def _signed_squares(part: Expression) -> Iterator[Expression]:
             (inside,) = factor.args
             if inside in factors:
                 yield factor
+
+
+def _divided(part: Expression) -> Iterator[Expression]:
+    """Sizes in what is divided by a formula that may be zero and has a name of theirs."""
+    if part.op is not Op.DIV or part.args[1].value is not None:
+        return
+    names = set(names_of(part.args[1]))
+    sizes = [one for one in ordered(part.args[0]) if one.op is Op.ABS]
+    if sizes and may_be_zero(part.args[1]):
+        yield from (one for one in sizes if not names.isdisjoint(names_of(one)))
 
 
 def _factors(part: Expression) -> Iterator[Expression]:
