@@ -36,6 +36,8 @@ SMOOTH = 2
 HIGHEST = 12
 #: Functions with a jump, or that jump through infinity.
 JUMPING = frozenset({Op.SIGN, Op.TAN, Op.ATAN2})
+#: Functions that are bounded where what they are of is infinite, too.
+BOUNDED = frozenset({Op.SIGN, Op.SIN, Op.COS, Op.ATAN, Op.ATAN2})
 #: Functions of which those of their arguments may be looked at instead.
 TRANSPARENT = frozenset({*SWITCHES, Op.ADD, Op.NEG, Op.MUL})
 
@@ -135,7 +137,7 @@ def places_of(law: Expression) -> Iterator[Expression]:
 
 def poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
     """Functions that are zero where a formula may be infinite, as far as it varies."""
-    for part in ordered(formula):
+    for part in _unbounded_parts(formula):
         place = None
         if part.op in {Op.DIV, Op.LOG}:
             place = _place_of(part) or part.args[0]
@@ -148,6 +150,17 @@ def poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expressi
         for zero in _zeros_of(place) if place is not None else ():
             if may_be_zero(zero) and not set(varying).isdisjoint(names_of(zero)):
                 yield zero
+
+
+def _unbounded_parts(formula: Expression) -> Iterator[Expression]:
+    """Parts of a formula, but not those of functions that are bounded whatever they are of."""
+    stack, seen = [formula], set()
+    while stack:
+        part = stack.pop()
+        if id(part) not in seen:
+            seen.add(id(part))
+            yield part
+            stack.extend(() if part.op in BOUNDED else reversed(part.args))
 
 
 def summands(formula: Expression) -> Iterator[Expression]:
