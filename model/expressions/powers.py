@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from kousoku.model.expressions.polynomials import Polynomial, polynomial_of, square_part
@@ -184,6 +185,7 @@ def _single(part: Expression) -> Powers:
     return {part: ITSELF} if found is None else found
 
 
+@lru_cache(maxsize=1024)
 def _powers_of_sum(part: Expression) -> Powers | None:
     """Powers in a polynomial: squares that it is a product of, and its highest factor apart.
 
