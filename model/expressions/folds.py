@@ -25,19 +25,32 @@ def without_folds(formula: Expression) -> tuple[Expression, dict[Expression, Exp
     """
     folds: dict[Expression, Expression] = {}
 
-    are_quotients = any(one.op in SIZES or root_of_even_power(one) for one in ordered(formula))
-
     def build(op: Op, args: tuple[Expression, ...]) -> Expression:
         part = Expression(op, args)
         if op in {Op.ASIN, Op.ACOS} and args[0].op in OTHER:
             size = apply(Op.ABS, apply(OTHER[args[0].op], *args[0].args))
             folds[size] = part
             return apply(Op.ATAN2, *((args[0], size) if op is Op.ASIN else (size, args[0])))
-        same = without_quotient(part) if are_quotients and op in {Op.MUL, Op.DIV} else None
+        return part
+
+    signed, signs = with_signs(formula)
+    unfolded = rebuilt(signed, build)
+    return (unfolded if folds else signed), folds | signs
+
+
+def with_signs(formula: Expression) -> tuple[Expression, dict[Expression, Expression]]:
+    """Formula with ``sign(a)`` in place of quotients such as ``a/abs(a)``, and what each was."""
+    signs: dict[Expression, Expression] = {}
+    if not any(one.op in SIZES or root_of_even_power(one) for one in ordered(formula)):
+        return formula, signs
+
+    def build(op: Op, args: tuple[Expression, ...]) -> Expression:
+        part = Expression(op, args)
+        same = without_quotient(part) if op in {Op.MUL, Op.DIV} else None
         if same is None:
             return part
-        folds.update({one: part for one in ordered(same) if one.op in {Op.SIGN, Op.ABS}})
+        signs.update({one: part for one in ordered(same) if one.op in {Op.SIGN, Op.ABS}})
         return same
 
     unfolded = rebuilt(formula, build)
-    return (unfolded, folds) if folds or unfolded != formula else (formula, folds)
+    return (formula if unfolded == formula else unfolded), signs

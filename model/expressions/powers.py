@@ -95,7 +95,7 @@ class Power:
 
     @property
     def cancels(self) -> bool:
-        """Whether quotients in it cancel so far that it is bounded near zero, with a kink or jump."""
+        """Whether quotients in it cancel so far that it is bounded near zero: a kink or jump."""
         is_quotient = self.is_above and self.is_below and self.has_size
         return is_quotient and (self.exponent > 0 or (self.exponent == 0 and not self.is_size))
 
