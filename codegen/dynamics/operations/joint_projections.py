@@ -44,7 +44,7 @@ class ProjectPosition:
     """Position on the joint: r = r_joint − A s′ + a x.
 
     Blocks: r (3,) [m], p (4,), δr [m], δθ′ [rad]; as
-    :class:`~kousoku.codegen.dynamics.simplification.joint_coordinates.VelocityTransformation` has
+    :class:`~kousoku.codegen.dynamics.simplification.ground_joints.VelocityTransformation` has
     them the point of the joint in frame O and in the body, p and r at the start, vectors across the
     axis in frame O, those beside p, p ∘ (0, a′), a; then what drives turn [rad] and displacement x
     [m].
