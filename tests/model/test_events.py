@@ -122,6 +122,7 @@ def test_lengths_count_along_which_a_force_acts_that_is_not_smooth(bead: Tree) -
         ("sign(x - 1)*x_dot - sign(x_dot)", 2),
         ("(x - at)/abs(x - at) + x/sqrt(x^2)", 2),
         ("atan2(x, x_dot) + atan(1/(x - at))", 2),
+        ("x*abs(x)/(exp(x) - 1)^2", 1),
         ("sign(t - 1)*x", 0),
         ("abs(x) + min(x, x_dot) - abs(x_dot)*x_dot", 0),
     ],
