@@ -45,13 +45,13 @@ SOURCES = (
     "model/operations/arithmetic.py",
     "model/numbers/digits.py",
     "model/numbers/dual.py",
+    "model/operations/differentials.py",
     "model/operations/graph.py",
     "model/operations/interpret.py",
     "model/files/jsontext.py",
     "model/operations/kernel.py",
     "model/files/quantity.py",
     "model/mechanics/parallel_rows.py",
-    "model/operations/slopes.py",
 )
 #: File beside the committed kinds that says of which sources they were derived.
 RECORD_FILE = "derived.json"

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.model.operations.arithmetic import FLOAT
+from kousoku.model.operations.differentials import slopes_of
 from kousoku.model.operations.graph import Op
-from kousoku.model.operations.slopes import SLOPES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -135,4 +135,4 @@ def _slopes(node: OperationNode[int], value: float, values: Sequence[float]) -> 
     """Derivatives of a node by its arguments."""
     if not node.args:
         return ()
-    return SLOPES[node.op](value, [values[arg] for arg in node.args], FLOAT)
+    return slopes_of(node.op, value, [values[arg] for arg in node.args], FLOAT)
