@@ -24,6 +24,10 @@
 #define BEHIND 0.3
 /* a step of so many times no way leads over such a place, and has no other */
 #define LEAP 4.0
+/* places within this part of a trial that is not kept must lie where its first rates lead: a
+ * distance has sunk there, or is this part of the one to which they lead */
+#define EARLY 0.1
+#define THERE 1e-3
 /* how often a step is cut for distances */
 #define MOST_TURNED 8
 /* where the golden section divides an interval, and how often it does */
@@ -202,6 +206,22 @@ static double turning_end(size_t k, double nodes[N_NODES][ROOM(N_DISTANCES)], do
     return HUGE_VAL;
 }
 
+/* whether a distance sinks to an early place of a trial that is not kept at its first rates, too:
+ * stages that meet a force which the others pass by throw its polynomial off. It then has places
+ * that are none, also right at its start, and again wherever the trial is made again */
+static int is_on_the_way(
+    size_t k, double place, double before, const Look *look, const State *s, Work *work)
+{
+    const double way = place - look->start, early = EARLY * look->h;
+    double there[ROOM(N_DISTANCES)], beyond[ROOM(N_DISTANCES)], *y = work->scratch;
+    if (look->is_kept || !(way < early)) return 1;
+    for (size_t i = 0; i != NY; ++i) y[i] = s->y[i] + way * s->f[i];
+    distances_of(look->start + way, y, work, there);
+    for (size_t i = 0; i != NY; ++i) y[i] = s->y[i] + early * s->f[i];
+    distances_of(look->start + early, y, work, beyond);
+    return there[k] <= larger(SUNK * SUNK * before, THERE * THERE * beyond[k]);
+}
+
 /* where a step is cut for distances; what was seen, which is noted, after many cuts */
 static double turned_in(double turned, double seen, Look *look)
 {
@@ -225,6 +245,7 @@ static double turned_end(double end, Look *look, const State *s, Work *work)
         double nearest;
         const double cut = turning_end(k, nodes, end, look, s, work, &nearest);
         if (!(cut < found)) continue;
+        if (!is_on_the_way(k, nearest, nodes[0][k], look, s, work)) continue;
         found = cut;
         place = nearest;
     }

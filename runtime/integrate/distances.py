@@ -42,6 +42,10 @@ AROUND = 8.0
 BEHIND = 0.3
 #: A step of so many times no way leads over such a place, and has no other.
 LEAP = 4.0
+#: Places within this part of a trial that is not kept must lie where its first rates lead: a
+#: distance has sunk there, or is this part of the one to which they lead.
+EARLY = 0.1
+THERE = 1e-3
 #: How often a step is cut for distances.
 MOST_TURNED = 8
 #: Where the golden section divides an interval, and how often it does.
@@ -188,6 +192,22 @@ def turning_end(k: int, nodes: Array, end: float, look: Look) -> tuple[float, fl
     return math.inf, math.inf
 
 
+def is_on_the_way(k: int, place: float, before: float, look: Look) -> bool:
+    """Whether a distance sinks to an early place of a trial that is not kept at its first rates.
+
+    Stages that meet a force which the others pass by throw its polynomial off: it then has places
+    that are none, also right at its start, and again wherever the trial is made again.
+    """
+    state, way, early = look.state, place - look.start, EARLY * look.h
+    if look.is_kept or not way < early:
+        return True
+    there, beyond = (
+        float(distances_of(look.start + part, state.y + part * state.f, look.work.w)[k])
+        for part in (way, early)
+    )
+    return there <= larger(SUNK * SUNK * before, THERE * THERE * beyond)
+
+
 def turned_in(turned: float, seen: float, look: Look) -> float:
     """Time at which a step is cut for distances; what was seen, which is noted, after many cuts."""
     look.turned += 1
@@ -206,7 +226,7 @@ def turned_end(end: float, look: Look) -> float:
     for k, own in enumerate(nodes.T):
         if sinks_in(0, own) or sinks_in(1, own):
             cut, nearest = turning_end(k, own, end, look)
-            if cut < found:
+            if cut < found and is_on_the_way(k, nearest, float(own[0]), look):
                 found, place = cut, nearest
     if found < end:
         look.place = place

@@ -62,6 +62,9 @@ MOST_AVOIDED = 8
 AVOIDING_STEP_PART = 0.9
 #: How often a step is made shorter for what varies with the state.
 MOST_SHORTER = 8
+#: A trial is too long where stages that do not count at its end change speeds by so many times as
+#: much as the others, and these speeds.
+THROWN_OFF = 10.0
 #: Of a step whose error is larger, or than this relative to the state where steps are fixed, only a
 #: part that is longer is believed to lead to a crossing; how often an event is found again.
 LEAST_PART = 0.02
@@ -473,6 +476,22 @@ def make_dense_stages(m: RungeKuttaMethod, trial: Trial, work: Work, state: Stat
     return True
 
 
+def is_thrown_off(m: RungeKuttaMethod, trial: Trial, work: Work) -> bool:
+    """Whether stages that do not count at its end meet a force that the others of a trial pass by.
+
+    Its polynomial is thrown off, and it is too long for what its error does not tell.
+    """
+    nq, size_of, weights = work.scene.nq, work.w.size_of, (*m.a[m.stages], 1.0)
+    most, beside = size_of(work.y[nq:]) / trial.h, 0.0
+    for n in range(m.all):
+        size = size_of(work.k[n][nq:])
+        if n <= m.stages and weights[n] != 0.0:
+            most = larger(most, size)
+        else:
+            beside = larger(beside, size)
+    return beside > THROWN_OFF * most
+
+
 def least_of_parabola(trial: Trial, state: State) -> float:
     """Least of a parabola through pivot ratios of a step, and of those of its stages."""
     first, last, x = state.position_ratio, trial.end_ratio, trial.inner
@@ -704,7 +723,11 @@ def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     trial.is_whole = trial.is_good
     is_wanted = tried.has_switches or tried.asked < trial.end
     if trial.is_good and is_kept(trial) and is_wanted:
-        trial.is_whole = make_dense_stages(tried.m, trial, work, state)
+        # rows that are asked for make stages, too, and no step shorter
+        is_looked = tried.has_switches and not tried.is_fixed
+        trial.is_whole = make_dense_stages(tried.m, trial, work, state) and not (
+            is_looked and is_thrown_off(tried.m, trial, work)
+        )
     if not is_clear(tried, trial, state):
         return False
     if tried.is_fixed and not trial.is_whole:

@@ -810,11 +810,14 @@ force = "-sign(x)*sqrt(abs(x))"
 
 
 @pytest.mark.parametrize("way", WAYS[:2], ids=str)
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-9])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-6, 1e-9])
 def test_bodies_that_touch_by_their_distance_do_not_pass_through_each_other(
     solver_of: Callable[..., Any], way: dict[str, Any], tolerance: float
 ) -> None:
-    """Only stages of the polynomial may meet the contact, which throws it off: no root is in it."""
+    """Only stages that do not count at the end of a step may meet the contact.
+
+    They throw the polynomial off: no root is in it, or one right at its start, step after step.
+    """
     solver, random_ = solver_of(CARS), random.Random(3)
     for _ in range(40):
         given = {"radius": random_.uniform(0.1, 3.0), "hard": 10.0 ** random_.uniform(3.0, 8.0)}
@@ -823,6 +826,7 @@ def test_bodies_that_touch_by_their_distance_do_not_pass_through_each_other(
         ends = [run.velocity[name][-1, 0] for name in "ab"]
         assert ends == pytest.approx([-5.0, 5.0], abs=3e3 * tolerance), given
         assert run.ledger.trust.is_trusted
+        assert run.ledger.steps < 1000, given
 
 
 @pytest.mark.usefixtures("numpy_solver")

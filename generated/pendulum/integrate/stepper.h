@@ -8,6 +8,9 @@
 #define AVOIDING_STEP_PART 0.9
 /* how often a step is made shorter for what varies with the state */
 #define MOST_SHORTER 8
+/* a trial is too long where stages that do not count at its end change speeds by so many times as
+ * much as the others, and these speeds */
+#define THROWN_OFF 10.0
 /* of a step whose error is larger, or than this relative to the state where steps are fixed, only a
  * part that is longer is believed to lead to a crossing; how often an event is found again */
 #define LEAST_PART 0.02
@@ -334,6 +337,20 @@ static int make_dense_stages(const Method *m, Trial *trial, Work *work, State *s
     return good;
 }
 
+/* whether stages that do not count at its end meet a force that the others of a trial pass by, such
+ * that its polynomial is thrown off: it is too long for what its error does not tell */
+static int is_thrown_off(const Method *m, const Trial *trial, const Work *work)
+{
+    const double *weights = m->a + m->stages * (m->stages - 1) / 2;
+    double most = size_of(work->y + NQ) / trial->h, beside = 0.0;
+    for (size_t n = 0; n != m->all; ++n) {
+        const double size = size_of(work->k[n] + NQ);
+        if (n == m->stages || (n < m->stages && weights[n] != 0.0)) most = larger(most, size);
+        else beside = larger(beside, size);
+    }
+    return beside > THROWN_OFF * most;
+}
+
 /* the least of a parabola through pivot ratios of a step, and of those of its stages */
 static double least_of_parabola(const Trial *trial, const State *s)
 {
@@ -573,11 +590,14 @@ static int is_clear(Attempts *tried, Trial *trial, State *s)
  * there is none. Its error is large where it may not be kept */
 static int is_tried(Attempts *tried, Trial *trial, Work *work, State *s)
 {
+    /* rows that are asked for make stages, too, and no step shorter */
+    const int is_looked = N_SWITCHING > 0 && !tried->is_fixed;
     if (!is_made(tried, trial, work, s)) return 0;
     if (trial->is_good) find_error(tried, trial, work, s);
     trial->is_whole = trial->is_good;
     if (trial->is_good && is_kept(trial) && (N_SWITCHING > 0 || tried->asked < trial->end)) {
-        trial->is_whole = make_dense_stages(tried->m, trial, work, s);
+        trial->is_whole = make_dense_stages(tried->m, trial, work, s) &&
+                          !(is_looked && is_thrown_off(tried->m, trial, work));
     }
     if (!is_clear(tried, trial, s)) return 0;
     if (tried->is_fixed && !trial->is_whole) {

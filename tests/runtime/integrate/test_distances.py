@@ -15,6 +15,7 @@ from kousoku.runtime.integrate.distances import (
     AROUND,
     DIFFERENCE,
     DOUBLED,
+    EARLY,
     MOST_TURNED,
     NODES,
     TOLD_TURNING,
@@ -49,7 +50,9 @@ def looked_at(
         turning=math.inf,
         place=math.inf,
         is_over=False,
-        work=SimpleNamespace(scene=scene),
+        is_kept=True,
+        state=SimpleNamespace(y=np.zeros(1), f=np.zeros(1)),
+        work=SimpleNamespace(scene=scene, w=None),
     )
 
 
@@ -104,6 +107,20 @@ def test_nodes_lie_closer_at_the_ends() -> None:
     assert nodes[DOUBLED] == 0.5
     assert nodes[-2:] == [1.0 - DIFFERENCE, 1.0]
     assert nodes == sorted(set(nodes))
+
+
+@pytest.mark.parametrize("place", [1e-6, 0.01, 0.2, 0.7])
+def test_early_places_lie_where_the_first_rates_lead(
+    monkeypatch: pytest.MonkeyPatch, place: float
+) -> None:
+    """A polynomial that is thrown off by 1e9 m has some where nothing is."""
+    look = looked_at(monkeypatch, lambda time: 1e18 * (time - place) ** 2 * (1.0 - 0.5 * time))
+    monkeypatch.setattr(distances, "distances_of", lambda *_: np.array([1e18 * place**2]))
+    assert turned_end(1.0, look) <= place + no_way(look)
+    look.is_kept = False
+    assert math.isinf(turned_end(1.0, look)) == (place < EARLY)
+    monkeypatch.setattr(distances, "distances_of", lambda *_: np.array([0.0]))
+    assert turned_end(1.0, look) <= place + no_way(look)
 
 
 @pytest.mark.parametrize("place", [1e-5, 1e-4, 0.01, 0.1, 0.3])
