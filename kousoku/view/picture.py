@@ -219,7 +219,7 @@ def picture_of(
 def require_showable(
     scene: Scene, *, paths_of: Sequence[Any] | None = None, speed: float | None = None
 ) -> None:
-    """Refuse what no picture of a scene can show, before it is moved.
+    """Refuse options that no picture of a scene can show, before it is moved.
 
     Raises
     ------
@@ -242,7 +242,7 @@ def require_moment(picture: Picture, time: float) -> None:
 
 
 def _require_numbers(scene: str, **given: float | None) -> None:
-    """Refuse what is no number, and what has to be positive and is not."""
+    """Refuse options that are no numbers, or not positive where they have to be."""
     from kousoku.model.errors import SolveError
     from kousoku.runtime.integrate.given import require_numbers
 

@@ -1,4 +1,4 @@
-"""A kind of coupling: a linear combination of what other joints leave free."""
+"""A kind of coupling: a linear combination of the coordinates of other joints."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Coupling(ElementKind):
-    """A linear combination of what other joints leave free: it has no bodies of its own.
+    """A linear combination of the coordinates of other joints: it has no bodies of its own.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Coupling(ElementKind):
         return 1
 
     def check(self, scene: Scene, joint: Joint, key: str) -> None:
-        """Refuse what is wrong with the values of its keys, beside what is stated above.
+        """Refuse wrong values of its keys, beside the conditions that are stated above.
 
         Raises
         ------

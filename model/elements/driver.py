@@ -1,4 +1,4 @@
-"""A kind of driver: what it drives, and by which laws of time."""
+"""A kind of driver: driven coordinates, and their laws of time."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class DriverKind(ElementKind):
 
     @abstractmethod
     def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
-        """Check what it drives, and yield it.
+        """Coordinates that it drives, checked.
 
         Parameters
         ----------
@@ -51,11 +51,11 @@ class DriverKind(ElementKind):
         """
 
     def of_joint(self, scene: Scene, driver: Driver) -> tuple[str, str | None] | None:
-        """Joint that it drives, and which of what that leaves free, if it does."""
+        """Joint that it drives, and which of its free coordinates, if it does."""
         return None
 
     def near(self, scene: Scene, driver: Driver) -> tuple[str, float] | None:
-        """Coordinate that says which turn it is in at the start, and what it is near."""
+        """Coordinate that says which turn it is in at the start, and the value that it is near."""
         return None
 
 

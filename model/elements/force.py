@@ -1,4 +1,4 @@
-"""The kind of a force: what a scene gives it, what is wrong with that, and its elements."""
+"""The kind of a force: its keys in a scene, their checks, and its elements."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class ForceKind(ElementKind):
 
     @abstractmethod
     def check(self, scene: Scene, force: Force, key: str) -> None:
-        """Refuse what is wrong with the values of its keys.
+        """Refuse wrong values of its keys.
 
         Types are right, and of two ``bodies`` both are there; formulas are checked elsewhere.
 

@@ -34,7 +34,7 @@ ENDS, LAW = ("s_i_b", "s_j_b"), ("stiffness", "damping", "free_length")
 
 @dataclass(frozen=True, slots=True)
 class SpringEffect:
-    """M⁻¹f of a spring and damper, and the power of what is no potential energy.
+    """M⁻¹f of a spring and damper, and the power beside that of potential energy.
 
     f = −T ∂l/∂q with T = k (l − l⁰) + c l̇ [N] and l = |d|, lecture 8.2, (8.8). Blocks: r (3,) [m],
     p (4,), A (3, 3), v (3,) [m/s] in frame O, ω′ (3,) [rad/s] in the principal frame and the
@@ -140,7 +140,7 @@ class SpringFacets(ForceFacets[PointSpring]):
     is_carried = True
 
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
-        """M⁻¹f of both bodies, and the power of what is no potential energy, recorded."""
+        """M⁻¹f of both bodies, and the power beside that of potential energy, recorded."""
         constants = tasks.constants(self.force)
         i, j = tasks.body(self.force.i), tasks.body(self.force.j)
         ends = [
@@ -188,7 +188,7 @@ class SpringFacets(ForceFacets[PointSpring]):
         return energy
 
     def applied(self) -> Applied:
-        """Nothing applied: what it does to one body it does to the other."""
+        """Nothing applied: its effects on both bodies cancel."""
         return Applied()
 
     def source(self, system: System) -> Source:

@@ -123,7 +123,7 @@ class CoordinateGamma:
 
 @dataclass(frozen=True, slots=True)
 class CoordinateRate:
-    """Rate of a coordinate. Blocks: J and x of each body in turn, what is taken away last.
+    """Rate of a coordinate. Blocks: J and x of each body in turn, the subtrahend last.
 
     J (1, c) and x (c,) have the columns δr in frame O, δθ′ in the principal frame: x is v [m/s,
     rad/s], or v̇ and the last block γ.

@@ -91,7 +91,7 @@ class ProjectPosition:
         return (Matrix(graph, tuple(rows[k] for k in self.coordinates), 1),)
 
     def _turned(self, trace: Trace, p: Matrix, dtheta: Matrix, beside: Matrix) -> Matrix:
-        """Euler parameters p ∘ (1, ½ δθ′) without what no turn about the axis has, of norm one."""
+        """Euler parameters p ∘ (1, ½ δθ′), of turns about the axis alone, of norm one."""
         graph = trace.graph
         rates = frozen("rotation", "euler_rates")
         change = trace.inline(rates, {"p": p.flat, "omega_b": dtheta.flat})["p_dot"]
@@ -134,7 +134,7 @@ class ProjectVelocity:
     title: str = "velocity on the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Velocities u (f,), what v lacks of R u + β, and β, (c,) [m/s, rad/s]."""
+        """Velocities u (f,), the differences R u + β − v, and β, (c,) [m/s, rad/s]."""
         v, omega, arm, axis_b, axis, across_b, across, masses, *led = blocks
         graph, given = trace.graph, iter(led)
         free: list[Matrix] = []
@@ -258,7 +258,7 @@ class ReduceForces:
 
 @dataclass(frozen=True, slots=True)
 class DriverPower:
-    """Power of what drives a freedom.
+    """Power of the driver of a freedom.
 
     Blocks: its mass m (1, 1) [kg or kg m²], ü that it prescribes, u̇ without it, its column (c, 1)
     of R, what all other joints do, −Σ C_qᵀλ (c,) [N in frame O, N m in the principal frame], and
@@ -305,7 +305,7 @@ class DriverWrench:
     title: str = "force of a driver of a joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Wrench of the driver, and what is left for others, (c,)."""
+        """Wrench of the driver, and the rest for others, (c,)."""
         wrench, column, slopes = blocks
         effort = column.T @ wrench
         own = slopes.T @ (effort if self.sign > 0 else -effort)

@@ -271,7 +271,7 @@ def _dot(a: Matrix, b: Matrix, i: int, j: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Rates:
-    """Right side ν or γ of a joint: what it asks of velocities or accelerations.
+    """Right side ν or γ of a joint, of the equations of velocities or accelerations.
 
     Blocks: p, A, v (3,) [m/s] in frame O and ω′ (3,) [rad/s] in the principal frame of body i, then
     what is multiplied by its Jacobian, and the Jacobian; the same of body j; r of both; of each

@@ -29,7 +29,7 @@ EQUAL = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class LQFactors:
-    """A = L Q for the rows that were taken, and what the others are made of.
+    """A = L Q for the rows that were taken, and the others as combinations of them.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class LQFactors:
 
     @property
     def pivots(self) -> Array:
-        """What was left of each row when it was taken."""
+        """Rest of each row when it was taken."""
         found: Array = np.diagonal(self.lower)
         return found
 
