@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.mechanics import frozen, orientation_of
+from kousoku.codegen.dynamics.operations.mechanics import euler_rates, normalised, orientation_of
 from kousoku.codegen.dynamics.recording.matrix import Matrix, stack
 
 if TYPE_CHECKING:
@@ -78,7 +78,8 @@ class ProjectPosition:
         else:
             if self.drives_turn:
                 half = graph.div(next(given).flat[0], graph.const(2))
-                new = _times(p_start, graph.cos(half)) + _times(p_turned, graph.sin(half))
+                cosine, sine = (Matrix.of(graph, [x]) for x in (graph.cos(half), graph.sin(half)))
+                new = p_start @ cosine + p_turned @ sine
             else:
                 new = self._turned(trace, p, dtheta, beside)
             foot = joint - orientation_of(trace, new) @ joint_b
@@ -92,14 +93,10 @@ class ProjectPosition:
 
     def _turned(self, trace: Trace, p: Matrix, dtheta: Matrix, beside: Matrix) -> Matrix:
         """Euler parameters p ∘ (1, ½ δθ′), of turns about the axis alone, of norm one."""
-        graph = trace.graph
-        rates = frozen("rotation", "euler_rates")
-        change = trace.inline(rates, {"p": p.flat, "omega_b": dtheta.flat})["p_dot"]
-        new = p + Matrix.of(graph, change)
+        new = p + euler_rates(trace, p, dtheta)
         if self.turn == AXIS:
             new -= beside @ (beside.T @ new)
-        norm = graph.sqrt(graph.sum(graph.mul(x, x) for x in new.flat))
-        return _times(new, graph.div(graph.const(1), norm))
+        return normalised(new)
 
 
 @dataclass(frozen=True, slots=True)
@@ -330,11 +327,6 @@ class PrescribedValue:
         law, start = blocks
         difference = law - start
         return (difference if self.sign > 0 else -difference,)
-
-
-def _times(column: Matrix, factor: int) -> Matrix:
-    mul = column.graph.mul
-    return Matrix.of(column.graph, [mul(x, factor) for x in column.flat])
 
 
 def _selected(moves: Matrix, spins: Matrix, columns: Sequence[int]) -> Matrix:
