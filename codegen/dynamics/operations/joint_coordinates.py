@@ -9,7 +9,7 @@ across the axis, so that rounding of the axis itself neither speeds up nor slows
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 from kousoku.codegen.dynamics.operations.mechanics import euler_rates, normalised, orientation_of
 from kousoku.codegen.dynamics.recording.matrix import Matrix, stack
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.traces import Trace
+
+Block = TypeVar("Block")
 
 #: What a body on a joint with the ground can turn about.
 NOTHING, AXIS, POINT = "nothing", "an axis", "a point"
@@ -39,15 +41,44 @@ class JointArm:
         return (orientation @ arms,)
 
 
+class GroundJointBlocks(NamedTuple, Generic[Block]):
+    """Blocks of a joint with the ground, with its numbers at the start.
+
+    :class:`~kousoku.codegen.dynamics.simplification.joint_coordinates.VelocityTransformation` has
+    the numbers.
+
+    Parameters
+    ----------
+    point, point_b : (3,) [m]
+        The point of the joint in frame O, and in the body.
+    p, r : (4,) [-] and (3,) [m]
+        The position of the body.
+    across : (3, n) [-]
+        Vectors across the axis in frame O, by columns.
+    beside : (4, n) [-]
+        p ∘ (0, b′) of vectors b′ across the axis: no turn about it has any of these.
+    p_turned : (4,) [-]
+        p ∘ (0, a′).
+    axis : (3,) [-]
+        a, in frame O.
+    """
+
+    point: Block
+    point_b: Block
+    p: Block
+    r: Block
+    across: Block
+    beside: Block
+    p_turned: Block
+    axis: Block
+
+
 @dataclass(frozen=True, slots=True)
 class ProjectPosition:
     """Position on the joint: r = r_joint − A s′ + a x.
 
-    Blocks: r (3,) [m], p (4,), δr [m], δθ′ [rad]; as
-    :class:`~kousoku.codegen.dynamics.simplification.joint_coordinates.VelocityTransformation` has
-    them the point of the joint in frame O and in the body, p and r at the start, vectors across the
-    axis in frame O, those beside p, p ∘ (0, a′), a; then what drives turn [rad] and displacement x
-    [m].
+    Blocks: r (3,) [m], p (4,), δr [m], δθ′ [rad]; those of :class:`GroundJointBlocks`; then the
+    driven turn [rad] and displacement x [m].
 
     Parameters
     ----------
@@ -68,26 +99,23 @@ class ProjectPosition:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Position r, p that meets the joint, p of norm one: its coordinates, (c,) [m, -]."""
-        r, p, dr, dtheta, joint, joint_b, p_start, base, across, beside, p_turned, axis, *led = (
-            blocks
-        )
-        graph = trace.graph
-        given = iter(led)
+        (r, p, dr, dtheta), joint = blocks[:4], GroundJointBlocks(*blocks[4:12])
+        graph, given = trace.graph, iter(blocks[12:])
         if self.turn == NOTHING:
-            new, foot = p_start, base
+            new, foot = joint.p, joint.r
         else:
             if self.drives_turn:
                 half = graph.div(next(given).flat[0], graph.const(2))
                 cosine, sine = (Matrix.of(graph, [x]) for x in (graph.cos(half), graph.sin(half)))
-                new = p_start @ cosine + p_turned @ sine
+                new = joint.p @ cosine + joint.p_turned @ sine
             else:
-                new = self._turned(trace, p, dtheta, beside)
-            foot = joint - orientation_of(trace, new) @ joint_b
+                new = self._turned(trace, p, dtheta, joint.beside)
+            foot = joint.point - orientation_of(trace, new) @ joint.point_b
         if self.drives_slide:
-            foot += axis @ next(given)
+            foot += joint.axis @ next(given)
         elif self.slides:
             moved = r + dr
-            foot = moved - across @ (across.T @ (moved - foot))
+            foot = moved - joint.across @ (joint.across.T @ (moved - foot))
         rows = (*foot.rows, *new.rows)
         return (Matrix(graph, tuple(rows[k] for k in self.coordinates), 1),)
 
