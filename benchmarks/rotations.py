@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.runtime.integrate import body_tables
+from kousoku.runtime.integrate import euler_parameters
 
 if TYPE_CHECKING:
     from kousoku.model.numbers.real import Array
@@ -20,7 +20,7 @@ def rotated(p: Array, v: Array) -> Array:
     v : (n, 3)
         Vectors in the body frame; the result has their unit.
     """
-    return body_tables.rotated(p.T, v.T).T
+    return euler_parameters.rotated(p.T, v.T).T
 
 
 def composed(p: Array, q: Array) -> Array:
@@ -31,4 +31,4 @@ def composed(p: Array, q: Array) -> Array:
     p, q : (n, 4) [-]
         Euler parameters, scalar first.
     """
-    return body_tables.composed(p.T, q.T).T
+    return euler_parameters.composed(p.T, q.T).T

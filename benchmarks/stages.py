@@ -31,7 +31,7 @@ STAGES: dict[str, dict[str, tuple[str, ...]]] = {
     },
     "analyse": {
         "kousoku.codegen.dynamics.generate": (
-            *("assemble_scene", "analyse", "given_start", "require_driven"),
+            *("assemble_scene", "analyse", "written_start", "require_driven"),
             *("changes_of_assembly", "notes_of_freedom"),
         ),
     },

@@ -38,6 +38,8 @@ FILES = {
 #: Files of the runtime that need nothing else of it: a copy goes along, so that a folder that alone
 #: is copied out works on NumPy, and its batches compile.
 LIBRARIES = ("batch_numpy.py", "lanes.h")
+#: What messages are made of: a copy goes along with solvers of scenes.
+MESSAGES = "messages.py"
 #: Such files of ``model``, and where their copies go.
 OF_MODEL = {"integrate/angles.py": "angles.py"}
 _TEMPLATES = PackageLoader("kousoku.codegen")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from kousoku.model.errors import NotInResultError
 from kousoku.model.text import near_name, table
-from kousoku.runtime.integrate.result import listed
+from kousoku.runtime.messages import listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -134,7 +134,7 @@ def _catalog() -> Catalog:
     from kousoku.model.elements import joints
     from kousoku.model.elements.drivers import DRIVERS
     from kousoku.model.elements.forces import FORCES
-    from kousoku.model.validation import validate_coordinates
+    from kousoku.model.validation import coordinates
 
     text = (files("kousoku.model") / "scene.schema.json").read_text(encoding="utf-8")
     records = json.loads(text)["$defs"]
@@ -158,8 +158,8 @@ def _catalog() -> Catalog:
         ),
         "coordinates": _sorts(
             records["Coordinate"],
-            validate_coordinates.KEYS,
-            validate_coordinates.TITLES,
+            coordinates.KEYS,
+            coordinates.TITLES,
             also=("near", "hold"),
         ),
         "events": [_record("event", records["Event"])],

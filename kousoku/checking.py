@@ -9,8 +9,8 @@ from kousoku.loading import GivenScene, naming, solver_folder
 from kousoku.mechanism import Mechanism
 from kousoku.model.errors import DerivationError, LoadError
 from kousoku.own_kinds import own_kinds
-from kousoku.runtime.given import folder_of
-from kousoku.runtime.integrate.result import shown
+from kousoku.runtime.messages import shown
+from kousoku.runtime.sources import folder_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

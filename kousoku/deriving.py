@@ -161,7 +161,7 @@ def kernels(
             if not folder.is_dir():
                 raise
         return load(folder, target=target)
-    from kousoku.runtime.integrate.result import shown
+    from kousoku.runtime.messages import shown
     from kousoku.symbolic.derivation import Derivation
 
     if not isinstance(derivation, Derivation):

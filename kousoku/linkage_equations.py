@@ -19,7 +19,7 @@ from kousoku.model.errors import SolveError
 from kousoku.model.numbers.directions import unit_vector
 from kousoku.model.operations.arithmetic import FLOAT
 from kousoku.model.operations.interpret import evaluate
-from kousoku.runtime.integrate.given import misfit, numbers_of, require_numbers
+from kousoku.runtime.integrate.run_arguments import misfit, numbers_of, require_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

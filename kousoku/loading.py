@@ -25,7 +25,7 @@ from kousoku.model.errors import (
 from kousoku.model.files.cache import cache_folder, shrink, size_limit, touch, write_atomically
 from kousoku.own_kinds import own_kinds
 from kousoku.progress import told
-from kousoku.runtime.integrate.result import shown
+from kousoku.runtime.messages import shown
 from kousoku.runtime.solver import load_solver
 from kousoku.runtime.sources import MANIFEST
 
@@ -287,7 +287,7 @@ def generated(
     SceneError, AssemblyError
         As of :func:`load`.
     """
-    from kousoku.model.validation.validate_unused import output_problem
+    from kousoku.model.validation.unused import output_problem
 
     for output in outputs or ():
         if problem := output_problem(scene, output):

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, cast, overload
 
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.text import counted
-from kousoku.runtime.integrate.result import Coordinates, listed
+from kousoku.runtime.integrate.result import Coordinates
+from kousoku.runtime.messages import listed
 from kousoku.runtime.run import Interrupted
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     from matplotlib.figure import Figure
 
-    from kousoku.matrices import Evaluation, Matrices
     from kousoku.model.numbers.real import Array
     from kousoku.model.records.scene import Scene
     from kousoku.runtime.integrate.result import Result
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.run import Run
     from kousoku.runtime.saved import SavedRun
     from kousoku.runtime.solver import Solver
+    from kousoku.state_matrices import Evaluation, Matrices
 
 
 class _Files(dict[str, str]):
@@ -303,11 +304,11 @@ class Mechanism:
         *,
         angles: Mapping[str, float] | None = None,
     ) -> Matrices:
-        """Matrices M, C_q, ν, γ, f of the scene as written, see :func:`kousoku.matrices.matrices`.
+        """Matrices M, C_q, ν, γ, f as written, see :func:`kousoku.state_matrices.matrices`.
 
         ``loop.matrices(*run.state(k))`` has those of a row of a run, with its parameters and turns.
         """
-        from kousoku.matrices import matrices
+        from kousoku.state_matrices import matrices
 
         parameters, angles = self._known(q, parameters, angles)
         return matrices(self.scene, t, q, v, parameters, angles=angles)
@@ -321,7 +322,7 @@ class Mechanism:
         *,
         angles: Mapping[str, float] | None = None,
     ) -> Evaluation:
-        """Accelerations and multipliers, see :func:`kousoku.matrices.evaluate`.
+        """Accelerations and multipliers, see :func:`kousoku.state_matrices.evaluate`.
 
         Where the state leaves joints open, or velocities do not fit, by more than the closure
         tolerance of the scene, a ``UserWarning`` names them, and so do the ``notes`` of the result.
@@ -331,7 +332,7 @@ class Mechanism:
         SolveError
             The state is not possible, or it is a linkage of nodes.
         """
-        from kousoku.matrices import evaluate
+        from kousoku.state_matrices import evaluate
 
         solver = self.solver.of_bodies("accelerations")
         parameters, angles = self._known(q, parameters, angles)
@@ -352,7 +353,7 @@ class Mechanism:
         if parameters is None:
             parameters = q.parameters
         if angles is None and q.counted is not None:
-            from kousoku.equations import equations_of
+            from kousoku.body_equations import equations_of
 
             solver = self.solver.of_bodies("counted angles")
             first, names = equations_of(self.scene).turning(solver)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kousoku.model.errors import DerivationError
-from kousoku.runtime.integrate.result import shown
+from kousoku.runtime.messages import shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -14,7 +14,7 @@ import numpy as np
 from kousoku.model.errors import NotInResultError, SolveError
 from kousoku.plots import STYLE, Drawing, draw_linkage, save
 from kousoku.runtime.integrate.motion import BODY, COORDINATE, IN_METRES, JOINT, UNITS, Motion
-from kousoku.runtime.integrate.result import shown
+from kousoku.runtime.messages import shown
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence

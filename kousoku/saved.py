@@ -13,8 +13,8 @@ import numpy as np
 from kousoku.model.errors import SolveError, printable
 from kousoku.runtime.integrate.events import EventLog
 from kousoku.runtime.integrate.motion import Layout, Motion
-from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.kinematics.trajectory import NODE, TABLES, Trajectory, named_tables
+from kousoku.runtime.messages import shown
 from kousoku.runtime.saved import digest_of
 
 if TYPE_CHECKING:

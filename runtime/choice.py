@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from kousoku.model.errors import CacheError, NoCompilerError, TargetError
-from kousoku.runtime.integrate.result import shown
+from kousoku.runtime.messages import shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable

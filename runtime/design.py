@@ -13,8 +13,8 @@ import numpy as np
 from kousoku.model.errors import SolveError
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate.nearly_dependent import nearly_dependent
-from kousoku.runtime.integrate.result import listed, scene_key
 from kousoku.runtime.integrate.settings import Status
+from kousoku.runtime.messages import listed, scene_key
 from kousoku.runtime.run_stop import SHOWN
 
 if TYPE_CHECKING:
@@ -169,7 +169,7 @@ def loops_that_open(solver: DynamicsSolver, values: Array) -> str:
 def _rates_of_rows(solver: DynamicsSolver, values: Array) -> Array:
     """Jacobian C_q of all rows at the start, by velocities relative to the length of the scene."""
     from kousoku.runtime.integrate.body_tables import indices
-    from kousoku.runtime.integrate.initial import evaluated, rates_of_rows
+    from kousoku.runtime.integrate.start_evaluation import evaluated, rates_of_rows
 
     target, sizes = solver.target, np.ones(len(solver.v))
     for body in solver.layout.bodies:

@@ -9,16 +9,16 @@ import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.runtime.design import DesignPlaces, with_parameters
-from kousoku.runtime.given import require_callable
-from kousoku.runtime.integrate.given import (
+from kousoku.runtime.integrate.assembled_start import Moved
+from kousoku.runtime.integrate.motion import Layout
+from kousoku.runtime.integrate.run_arguments import (
     numbers_of,
+    require_callable,
     require_numbers,
     require_options,
     require_shape,
     times_of,
 )
-from kousoku.runtime.integrate.given_start import Moved
-from kousoku.runtime.integrate.motion import Layout
 from kousoku.runtime.integrate.state import fields_of
 from kousoku.runtime.momenta import ConservedPlaces
 from kousoku.runtime.options import ALL_OPTIONS, options_of, with_values

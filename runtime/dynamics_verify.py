@@ -18,8 +18,8 @@ from kousoku.model.errors import SolveError
 from kousoku.runtime.dynamics import DynamicsSolver, open_dynamics
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.independent_verify import independent_rows
-from kousoku.runtime.integrate.result import scene_key
 from kousoku.runtime.integrate.settings import Doubt, Status
+from kousoku.runtime.messages import scene_key
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
 from kousoku.runtime.order import shown_order_problems, table_problems
 from kousoku.runtime.reference import Expected

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.runtime.integrate.given import LEAST_TOLERANCE
-from kousoku.runtime.integrate.result import shortly
+from kousoku.runtime.integrate.run_arguments import LEAST_TOLERANCE
 from kousoku.runtime.integrate.settings import KINEMATICS
+from kousoku.runtime.messages import shortly
 
 if TYPE_CHECKING:
     from kousoku.runtime.integrate.arithmetic import Array

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Literal, TypedDict
 import numpy as np
 
 from kousoku.model.errors import SolveError
-from kousoku.runtime.integrate.given import require_steps, values_of
-from kousoku.runtime.integrate.initial_given import Initial, initial_of, parameters_of
-from kousoku.runtime.integrate.result import shown
+from kousoku.runtime.integrate.initial_values import InitialValues, initial_of, parameters_of
+from kousoku.runtime.integrate.run_arguments import require_steps, values_of
 from kousoku.runtime.integrate.settings import (
     KINEMATICS,
     LEAST_TOLERANCES,
@@ -19,6 +18,7 @@ from kousoku.runtime.integrate.settings import (
     Settings,
     method_for,
 )
+from kousoku.runtime.messages import shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -72,7 +72,7 @@ class Options:
         A run that needs more is stopped.
     parameters : tuple of (str, float)
         All of the scene, in its order.
-    initial : Initial
+    initial : InitialValues
         Where the run starts, if not where the scene does.
     estimate_error : bool
         Whether a second run by another method tells how exact the rows are.
@@ -87,7 +87,7 @@ class Options:
     method: str
     most_steps: int
     parameters: tuple[tuple[str, float], ...]
-    initial: Initial
+    initial: InitialValues
     estimate_error: bool = False
     strict: bool = False
 

@@ -14,7 +14,7 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.design import loops_that_open, not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
-from kousoku.runtime.given import require_callable
+from kousoku.runtime.integrate.assembled_start import assembled_start
 from kousoku.runtime.integrate.events import (
     EventLog,
     add_row,
@@ -23,16 +23,12 @@ from kousoku.runtime.integrate.events import (
     without_direction,
     without_value,
 )
-from kousoku.runtime.integrate.given import (
-    require_numbers,
-    require_room,
-)
-from kousoku.runtime.integrate.given_start import given_start
-from kousoku.runtime.integrate.initial_given import initial_of, parameters_of
+from kousoku.runtime.integrate.initial_values import initial_of, parameters_of
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.nearly_dependent import nearly_dependent
-from kousoku.runtime.integrate.result import listed
+from kousoku.runtime.integrate.run_arguments import require_callable, require_numbers, require_room
 from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, MESSAGES, Status
+from kousoku.runtime.messages import listed
 from kousoku.runtime.options import is_given_anew, require_unmoved, with_values
 from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies
@@ -44,7 +40,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.error_estimate import ErrorEstimate
     from kousoku.runtime.integrate.arithmetic import Array
-    from kousoku.runtime.integrate.initial import Evaluate
+    from kousoku.runtime.integrate.start_evaluation import Evaluate
     from kousoku.runtime.options import Options
 
 #: Instead of what is said of ``NOT_PROJECTED``, where steps have a length that was given.
@@ -224,7 +220,7 @@ class Run:
         status = self._begin()
         y = self.solver.state["y"].view(self.state)
         if status in PLACED and self._is_as_given:
-            self._q[:], self._v[:], layout, changes = given_start(
+            self._q[:], self._v[:], layout, changes = assembled_start(
                 self._there.layout, self._evaluate(), y, is_told=not self.options.initial.q0
             )
             moved = {one.body: one.sizes for one in changes}
@@ -255,14 +251,14 @@ class Run:
 
     def _led(self, y: Array) -> tuple[Array, Array]:
         """Start q, v with initial values, given where the scene starts."""
-        from kousoku.runtime.integrate.placing import started
+        from kousoku.runtime.integrate.initial_poses import started
 
         there = self._there
         return started(there.layout, there.checked, self._evaluate(), y, self.options.initial)
 
     def _evaluate(self) -> Evaluate:
         """Outputs of the scene at time 0, with the parameters of the run."""
-        from kousoku.runtime.integrate.initial import evaluated
+        from kousoku.runtime.integrate.start_evaluation import evaluated
 
         target = self.solver.target
         return evaluated(target.evaluate, self._values, target.work_size, self._there.places)

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.runtime.integrate.result import Named, listed, scene_key
+from kousoku.runtime.integrate.result import Named
 from kousoku.runtime.integrate.settings import KINEMATICS
 from kousoku.runtime.integrate.trust import MISSES, CheckedRows, missed_by, released, trust_of
+from kousoku.runtime.messages import listed, scene_key
 from kousoku.runtime.momenta import momenta_of
 from kousoku.runtime.run_stop import SHOWN
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.error_estimate import ErrorEstimate
     from kousoku.runtime.integrate.arithmetic import Array
-    from kousoku.runtime.integrate.given_start import Moved
+    from kousoku.runtime.integrate.assembled_start import Moved
     from kousoku.runtime.integrate.trust import Trust
     from kousoku.runtime.momenta import Momentum
     from kousoku.runtime.options import Options

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.runtime.integrate.result import scene_key
+from kousoku.runtime.messages import scene_key
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

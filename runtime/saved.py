@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import SolveError
-from kousoku.runtime.integrate.given import numbers_of, times_of
-from kousoku.runtime.integrate.initial_given import Initial
-from kousoku.runtime.integrate.result import shown
+from kousoku.runtime.integrate.initial_values import InitialValues
+from kousoku.runtime.integrate.run_arguments import numbers_of, times_of
+from kousoku.runtime.messages import shown
 from kousoku.runtime.options import METHODS, Options, options_of
 from kousoku.runtime.run_ledger import COUNTS
 
@@ -125,7 +125,7 @@ def _options(solver: DynamicsSolver, given: object) -> Options:
     if not isinstance(given, Options):
         raise SolveError(f"{solver.name}: options {shown(given)}; wanted those of a saved run")
     names = set(Options.__slots__) - {"parameters", "initial"}
-    if not isinstance(given.initial, Initial):
+    if not isinstance(given.initial, InitialValues):
         raise SolveError(
             f"{solver.name}: initial {shown(given.initial)}; wanted that of a saved run"
         )

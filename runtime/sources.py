@@ -6,18 +6,18 @@ A pickled solver has them, and another machine writes and loads them.
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.errors import CacheError, LoadError, printable
 from kousoku.model.files.compressed import content, stored
 from kousoku.model.files.manifest import PLAIN, Manifest
-from kousoku.runtime.given import folder_of
-from kousoku.runtime.integrate.result import shown
+from kousoku.runtime.messages import shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
 MANIFEST = "manifest.json"
 #: What a scene's folder tells about its bodies, or nodes.
@@ -130,6 +130,21 @@ class Sources:
             return Sources.read(folder).manifest == self.manifest
         except LoadError:
             return False
+
+
+def folder_of(given: object) -> Path:
+    """Absolute path of a folder.
+
+    Raises
+    ------
+    LoadError
+        What is given is no path.
+    """
+    if not isinstance(given, str | os.PathLike):
+        raise LoadError(f"{shown(given)} is no folder; wanted the path of one")
+    if "\0" in str(given):
+        raise LoadError(f"{shown(given)} is not the name of a folder: it has a null character")
+    return Path(given).absolute()
 
 
 def read_manifest(folder: Path) -> Manifest:

@@ -14,12 +14,11 @@ import numpy as np
 
 from kousoku.model.errors import LoadError, VerifyError
 from kousoku.runtime.evaluate import different_bits, evaluate, ways
-from kousoku.runtime.given import folder_of
 from kousoku.runtime.library import Library, load
 from kousoku.runtime.reference import read_references
 from kousoku.runtime.report import LIMIT, Report, Row
 from kousoku.runtime.solver_verify import by_each_target
-from kousoku.runtime.sources import Sources
+from kousoku.runtime.sources import Sources, folder_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from kousoku.codegen.emit import OF_MODEL, along, along_file
+from kousoku.codegen.emit import MESSAGES, OF_MODEL, along, along_file
 
 ROOT = Path(__file__).parents[1]
 
@@ -43,6 +43,8 @@ STAGES = {
 SHARED = {"angles", "errors", "files"}
 #: Folders of ``runtime`` that generated folders take along.
 LIBRARIES = ("integrate", "kinematics")
+#: The file of ``runtime`` that they use, and which goes along, too.
+BESIDE = "messages"
 #: Modules that import each other in a circle, at most: at the top of files; inside of functions,
 #: too; and for types alone. These numbers may only fall.
 MOST_IN_CYCLES = {"top": 0, "functions": 14, "types": 95}
@@ -90,7 +92,7 @@ def imports(path: Path, *, with_types: bool = True, in_functions: bool = True) -
 def rooms(path: Path) -> set[str]:
     """Sub-packages of kousoku that a file imports; ``library``: what goes along."""
     parts = (name.split(".")[1:3] for name in imports(path) if name.startswith("kousoku."))
-    return {"library" if part[-1] in LIBRARIES else part[0] for part in parts}
+    return {"library" if part[-1] in {*LIBRARIES, BESIDE} else part[0] for part in parts}
 
 
 @pytest.mark.parametrize("folder", MAY_IMPORT)
@@ -148,7 +150,7 @@ def test_libraries_that_are_copied_along_stand_alone(folder: str) -> None:
     """They import NumPy, the standard library, and each other by relative names."""
     allowed = sys.stdlib_module_names | {"numpy"}
     for path in sources(f"runtime/{folder}"):
-        inside = tuple(f"kousoku.runtime.{library}." for library in LIBRARIES)
+        inside = tuple(f"kousoku.runtime.{name}." for name in (*LIBRARIES, BESIDE))
         names = imports(path, with_types=False)
         others = {name for name in names if not f"{name}.".startswith(inside)}
         assert {name.split(".")[0] for name in others} <= allowed, path
@@ -159,6 +161,12 @@ def test_libraries_that_are_copied_along_stand_alone(folder: str) -> None:
         # The tables of methods in C are written from those in Python.
         assert included <= {other.name for other in path.parent.glob("*.h")} | {"methods.h"}, path
         assert max(map(len, text.splitlines())) <= 100 and "\t" not in text, path
+
+
+def test_messages_that_are_copied_along_stand_alone() -> None:
+    path = ROOT / "runtime" / f"{BESIDE}.py"
+    assert {name.split(".")[0] for name in imports(path)} <= sys.stdlib_module_names
+    assert along(MESSAGES) == {path.name: path.read_text(encoding="utf-8")}
 
 
 def test_files_of_model_that_are_copied_along_stand_alone() -> None:

@@ -13,7 +13,7 @@ from kousoku.model.elements.drivers import DRIVERS
 from kousoku.model.elements.forces import FORCES
 from kousoku.model.elements.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.records import loads, spatial
-from kousoku.model.validation import validate_coordinates
+from kousoku.model.validation import coordinates
 from kousoku.symbolic import KINDS
 from tests.test_architecture import BLOCK, modules_after
 
@@ -26,7 +26,7 @@ def test_the_catalog_holds_all_that_scenes_are_read_with() -> None:
     assert list(found["joints"]) == [*JOINTS, *COUPLINGS]
     assert list(found["forces"]) == list(FORCES)
     assert list(found["drivers"]) == list(DRIVERS)
-    assert list(found["coordinates"]) == list(validate_coordinates.TITLES)
+    assert list(found["coordinates"]) == list(coordinates.TITLES)
     for name, alias in NAMES.items():
         assert found["joints"][name] is found["joints"][alias]
 

@@ -38,7 +38,7 @@ from kousoku.codegen.dynamics.simplification.axis_permutation import (
     shift_of,
 )
 from kousoku.codegen.dynamics.simplification.conserved_momenta import conserved_momenta
-from kousoku.codegen.dynamics.simplification.joint_coordinates import velocity_transformations_of
+from kousoku.codegen.dynamics.simplification.ground_joints import velocity_transformations_of
 from kousoku.codegen.dynamics.simplification.lump import lump
 from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.codegen.dynamics.simplification.placeholder_masses import with_placeholder_masses
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import ConservedMomenta, ConstraintEquation
-    from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
+    from kousoku.codegen.dynamics.simplification.ground_joints import VelocityTransformation
     from kousoku.codegen.dynamics.simplification.outline import Outline
     from kousoku.model.mechanics.multibody import System
 

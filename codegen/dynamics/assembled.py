@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.redundancy.nearly import with_consistent_start
-from kousoku.codegen.dynamics.simplification.given_start import require_held
+from kousoku.codegen.dynamics.simplification.written_start import require_held
 from kousoku.model.lowering.held import require_kept, without_held
 from kousoku.model.lowering.system import system_of
 

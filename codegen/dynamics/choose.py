@@ -17,7 +17,7 @@ from kousoku.codegen.dynamics.recording.counts import counts
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
-from kousoku.codegen.dynamics.simplification.joint_coordinates import is_worth
+from kousoku.codegen.dynamics.simplification.ground_joints import is_worth
 from kousoku.model.errors import SceneError
 from kousoku.model.lowering.parametric import fixed_system
 

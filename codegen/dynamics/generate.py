@@ -4,7 +4,7 @@
     SI units, principal frames, instances of kinds; at a start that joints and drivers allow.
 ``analyse``: System → Analysed
     Fewer bodies, the plane, masses, rows and ranks: all that is decided beforehand.
-``given_start``: Scene, System → bodies as written
+``written_start``: Scene, System → bodies as written
     Where the start depends on parameters.
 ``require_driven``: Analysed
     Refused in words where what is wanted depends on masses that are missing.
@@ -31,12 +31,12 @@ from kousoku.codegen.dynamics.choose import choice_of
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
-from kousoku.codegen.dynamics.redundancy.given_rank import notes_of_rank
-from kousoku.codegen.dynamics.simplification.given_start import given_start
+from kousoku.codegen.dynamics.redundancy.varying_rank import notes_of_rank
+from kousoku.codegen.dynamics.simplification.written_start import written_start
 from kousoku.model.files.manifest import REFERENCE_FILE
 from kousoku.model.lowering.about import About
-from kousoku.runtime.integrate.given_start import notes_of
-from kousoku.runtime.integrate.result import listed, scene_key
+from kousoku.runtime.integrate.assembled_start import notes_of
+from kousoku.runtime.messages import listed, scene_key
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -128,7 +128,7 @@ def compose_scene(scene: Scene, wanted: Sequence[str]) -> Composed:
     start = assemble_scene(scene, wanted)
     analysed = analyse(start.system, wanted)
     if analysed.freedom.degrees:
-        given = given_start(scene, start.given, analysed.system)
+        given = written_start(scene, start.given, analysed.system)
         analysed = replace(analysed, system=replace(analysed.system, given=given))
     require_driven(analysed, wanted)
     program = choice_of(analysed, (*LEDGER, *wanted)).program

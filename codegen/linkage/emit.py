@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.emission.numpy_context import (
     regions_of,
 )
 from kousoku.codegen.dynamics.emission.slots import slots_of
-from kousoku.codegen.emit import along
+from kousoku.codegen.emit import MESSAGES, along
 from kousoku.codegen.linkage.data import linkage_data
 from kousoku.codegen.linkage.layout import REGIONS
 from kousoku.model.files.jsontext import to_text
@@ -34,7 +34,7 @@ TEMPLATES = {
 #: The analysis that all scenes share: a folder of the runtime that goes along.
 LIBRARY = "kinematics"
 #: What runs segments in Python, what results are made of, and what checks options.
-SHARED = tuple(f"integrate/{name}.py" for name in ("__init__", "given", "result", "tasks"))
+SHARED = tuple(f"integrate/{name}.py" for name in ("__init__", "result", "run_arguments", "tasks"))
 
 
 def emit_linkage(
@@ -76,7 +76,7 @@ def emit_linkage(
         "kernels": list(python_kernels(program)),
         "segments": [python_segment(program, one) for one in program.segments],
     }
-    data, analysis = linkage_data(program, layout), along(LIBRARY, *SHARED)
+    data, analysis = linkage_data(program, layout), along(LIBRARY, *SHARED, MESSAGES)
     return solver_folder(
         scene.name,
         title,

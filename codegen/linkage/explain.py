@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from kousoku.codegen.linkage.assemble import assemble
 from kousoku.codegen.linkage.generate import layout_of, program_of
 from kousoku.model.text import counted, table
-from kousoku.runtime.integrate.result import listed
+from kousoku.runtime.messages import listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

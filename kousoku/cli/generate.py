@@ -102,7 +102,7 @@ def generate(
         return
     from kousoku.codegen.generate import write_tree
     from kousoku.model.files.cache import write_atomically
-    from kousoku.runtime.integrate.result import listed
+    from kousoku.runtime.messages import listed
 
     rows = [
         (order.folder, write_tree(order.folder, tree))

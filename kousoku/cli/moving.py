@@ -261,7 +261,7 @@ def _require_part(mechanism: Mechanism, name: str) -> None:
     scene = mechanism.scene
     known = [*(scene.bodies if scene.is_spatial else scene.nodes)]
     if name not in known:
-        from kousoku.runtime.integrate.result import unknown
+        from kousoku.runtime.messages import unknown
 
         part = "body" if scene.is_spatial else "node"
         raise SolveError(f"{scene.name}: {unknown(part, name, known)}")

@@ -47,7 +47,7 @@ def new(
     from kousoku.model.files.cache import write_atomically
     from kousoku.model.reading.schema import schema_text
     from kousoku.model.validation.names import scene_name_problem
-    from kousoku.runtime.integrate.result import require_folder
+    from kousoku.runtime.messages import require_folder
 
     path = Path(f"{sort.value.replace('-', '_')}.toml") if file is None else file
     if path.suffix != ".toml":

@@ -27,7 +27,7 @@ def schema(
     first line is "#:schema ./scene.schema.json", with that file beside the scene.
     """
     from kousoku.model.files.cache import write_atomically
-    from kousoku.runtime.integrate.result import require_folder
+    from kousoku.runtime.messages import require_folder
 
     text = _scene_schema() if command is None else _answer_schema(command)
     if out is None:
@@ -46,7 +46,7 @@ def _scene_schema() -> str:
 
 def _answer_schema(command: str) -> str:
     from kousoku.cli.answers import ANSWERS, answer_schema
-    from kousoku.runtime.integrate.result import unknown
+    from kousoku.runtime.messages import unknown
 
     if command not in ANSWERS:
         raise LoadError(unknown("command with --json", command, [*ANSWERS]))

@@ -250,7 +250,7 @@ class Animation:
         """
         from kousoku.model.errors import SolveError
         from kousoku.model.files.cache import write_atomically
-        from kousoku.runtime.integrate.result import require_folder
+        from kousoku.runtime.messages import require_folder
 
         place = Path(path)
         match place.suffix:

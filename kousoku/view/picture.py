@@ -234,7 +234,7 @@ def require_moment(picture: Picture, time: float) -> None:
 def _require_numbers(scene: str, **given: float | None) -> None:
     """Refuse options that are no numbers, or not positive where they have to be."""
     from kousoku.model.errors import SolveError
-    from kousoku.runtime.integrate.given import require_numbers
+    from kousoku.runtime.integrate.run_arguments import require_numbers
 
     for name, one in given.items():
         if one is None:
@@ -349,7 +349,7 @@ def _chosen_forces(
     table: Mapping[str, Array], forces: Sequence[str] | bool, name: str
 ) -> dict[str, Array]:
     from kousoku.model.errors import SolveError
-    from kousoku.runtime.integrate.result import unknown
+    from kousoku.runtime.messages import unknown
 
     if isinstance(forces, bool):
         return dict(table) if forces else {}
@@ -370,7 +370,7 @@ def _paths(shapes: Shapes, paths_of: Sequence[Any] | None, name: str) -> tuple[P
         There is no such body or joint, or a point is no three numbers.
     """
     from kousoku.model.errors import SolveError
-    from kousoku.runtime.integrate.result import unknown
+    from kousoku.runtime.messages import unknown
 
     joints = {mark.name: mark for mark in shapes.joints}
     places = {body.name: k for k, body in enumerate(shapes.bodies) if k}

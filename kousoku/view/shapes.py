@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from kousoku.joint_shapes import JOINT_PICTURES, Ball, BoxShape, CylinderShape
-from kousoku.runtime.integrate.body_tables import rotated
+from kousoku.runtime.integrate.euler_parameters import rotated
 from kousoku.view.meshes import box_name, coarse, cylinder_name, mesh_of
 
 if TYPE_CHECKING:
@@ -220,7 +220,7 @@ def with_values(scene: Scene, parameters: Mapping[str, float | str] | None) -> S
     from kousoku.model.expressions.design_numbers import changed_scene
     from kousoku.model.expressions.parser import parse_expression
     from kousoku.model.expressions.values import value_of
-    from kousoku.runtime.integrate.given import values_of
+    from kousoku.runtime.integrate.run_arguments import values_of
 
     values = values_of(scene.name, scene.parameters, parameters)
 

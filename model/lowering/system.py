@@ -40,8 +40,8 @@ from kousoku.model.numbers.traced import Traced
 from kousoku.model.numbers.varying import Varying, fixed, is_varying
 from kousoku.model.records.own_kind import FRAMES, ORIGINS, input_name
 from kousoku.model.records.spatial import GROUND
-from kousoku.model.validation.validate_mass import POSSIBLE
-from kousoku.model.validation.validate_unused import OUTPUTS, output_problem
+from kousoku.model.validation.mass import POSSIBLE
+from kousoku.model.validation.unused import OUTPUTS, output_problem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

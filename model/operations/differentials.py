@@ -47,9 +47,6 @@ DIFFERENTIALS: dict[Op, Differential] = {
     Op.MAX: lambda _, x, d, __: d[0] if x[0] >= x[1] else d[1],
 }
 
-#: Differentials of one argument at a time, of which slopes are made, by the count of arguments.
-_UNITS: dict[int, tuple[tuple[int, ...], ...]] = {1: ((1,),), 2: ((1, 0), (0, 1))}
-
 
 def slopes_of(op: Op, value: Any, args: Sequence[Any], numbers: Arithmetic[Any]) -> tuple[Any, ...]:
     """Partial derivatives of an operation, by each of its arguments.
@@ -66,4 +63,6 @@ def slopes_of(op: Op, value: Any, args: Sequence[Any], numbers: Arithmetic[Any])
         What they are computed with.
     """
     differential = DIFFERENTIALS[op]
-    return tuple(differential(value, args, unit, numbers) for unit in _UNITS[len(args)])
+    if len(args) == 1:
+        return (differential(value, args, (1,), numbers),)
+    return differential(value, args, (1, 0), numbers), differential(value, args, (0, 1), numbers)

@@ -14,12 +14,12 @@ from kousoku.model.records.design import CLOSURE_TOLERANCE
 from kousoku.model.records.dotted_keys import join
 from kousoku.model.records.problems import Problems
 from kousoku.model.records.scene import TABLES
+from kousoku.model.validation.drivers import check_drivers
+from kousoku.model.validation.inputs import check_inputs
 from kousoku.model.validation.names import name_problem, scene_name_problem
-from kousoku.model.validation.validate_drivers import check_drivers
-from kousoku.model.validation.validate_inputs import check_inputs
-from kousoku.model.validation.validate_planar import check_planar
-from kousoku.model.validation.validate_spatial import check_spatial
-from kousoku.model.validation.validate_unused import check_unused, foreign_output
+from kousoku.model.validation.planar import check_planar
+from kousoku.model.validation.spatial import check_spatial
+from kousoku.model.validation.unused import check_unused, foreign_output
 
 if TYPE_CHECKING:
     from collections.abc import Collection

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .euler_parameters import BACK, composed, crossed, rotated
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -19,8 +21,6 @@ if TYPE_CHECKING:
 TOGETHER = 8192
 #: The tables that are in the unit of the scene.
 LENGTHS = ("position", "velocity", "acceleration")
-#: What turns a body back, of Euler parameters.
-BACK = np.array([1.0, -1.0, -1.0, -1.0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,34 +262,3 @@ def _taken(places: Sequence[Sequence[int | float]], columns: Array) -> Array:
 def _rates(places: Sequence[Sequence[int | float]], columns: Array) -> Array:
     """Time derivatives; what does not change has none."""
     return _taken([[k if isinstance(k, int) else 0.0 for k in own] for own in places], columns)
-
-
-def crossed(a: Array, b: Array) -> Array:
-    """Product a × b (3, ·) of vectors in one frame, components first; its unit is that of a b."""
-    return np.stack(
-        [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ]
-    )
-
-
-def rotated(p: Array, v: Array) -> Array:
-    """Vectors A(p) v (3, ·) for Euler parameters of norm one, components first.
-
-    v, of any unit, is in the body frame, A v in frame O: v + 2 e₀ (e × v) + 2 e × (e × v).
-    """
-    t = 2.0 * crossed(p[1:], v)
-    turned: Array = v + p[0] * t + crossed(p[1:], t)
-    return turned
-
-
-def composed(p: Array, q: Array) -> Array:
-    """Product p∘q (4, ·) of Euler parameters [-], components first, of these the scalar.
-
-    It is (p₀ q₀ − p·q, p₀ q + q₀ p + p × q): q takes a frame to the one that p takes further.
-    """
-    scalar = p[0] * q[0] - (p[1] * q[1] + p[2] * q[2] + p[3] * q[3])
-    vector = p[0] * q[1:] + q[0] * p[1:] + crossed(p[1:], q[1:])
-    return np.concatenate([scalar[np.newaxis], vector])

@@ -16,7 +16,7 @@ enum {
 
 /* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */
 #define CLEARLY 10.0
-/* tolerances are from this one on, and below 1; given.py has it, too */
+/* tolerances are from this one on, and below 1; run_arguments.py has it, too */
 #define LEAST_TOLERANCE 1e-15
 /* bodies that a step moves by no more than that, in lengths and radians, count as at rest: their
  * velocities are compared with that */

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
+from ..messages import listed, missing, not_generated, scene_key
+from .assembled_start import WrittenBody
+from .body_tables import BodyPlaces, body_tables, written_state
+from .euler_parameters import crossed, rotated
 from .events import EventLog, EventOccurrences
-from .given_start import GivenStart
-from .result import Column, Coordinates, Named, Result, listed, missing, not_generated, scene_key
+from .result import Column, Coordinates, Named, Result
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -129,7 +131,7 @@ class Layout:
         Drivers of distances.
     poles : tuple of str
         For each function that is zero where a force may be infinite the key of that force.
-    given : tuple of GivenStart
+    given : tuple of WrittenBody
         Where the scene has its bodies and how they move, where parameters may change its start.
     driven : tuple of str
         Coordinates that drivers determine, alone or by gears, screws and couplings.
@@ -157,7 +159,7 @@ class Layout:
     drawn: tuple[str, ...] = ()
     poles: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
-    given: tuple[GivenStart, ...] = ()
+    given: tuple[WrittenBody, ...] = ()
     driven: tuple[str, ...] = ()
 
     @property
@@ -196,7 +198,7 @@ class Layout:
             led=tuple(data["led"]),
             drawn=tuple(data["drawn"]),
             poles=tuple(data["poles"]),
-            given=tuple(map(GivenStart.from_data, data.get("given", ()))),
+            given=tuple(map(WrittenBody.from_data, data.get("given", ()))),
             driven=tuple(data.get("driven", ())),
         )
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .result import scene_key
+from ..messages import scene_key
 from .settings import CLEARLY
 
 if TYPE_CHECKING:

@@ -11,12 +11,12 @@ from .arithmetic import larger, smaller
 from .continuation import continue_parameters, is_possible, stay_closed
 from .crossing import first_without_value
 from .dense_output import add_led_rows, has_led_works, prepare_dense
-from .given import LEAST_TOLERANCE
 from .methods import METHODS
 from .pivot_monitor import branch_ratio, note_largest_pivot, pivot_ratio
 from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import find_reactions, write_row
+from .run_arguments import LEAST_TOLERANCE
 from .scene_tables import Work, Workspace, state_of
 from .settings import ACTIONS, Status
 from .stepper import energy_balance, first_step, note_extent, step

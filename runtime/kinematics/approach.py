@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from .equations import LinkageCoordinates
+from .block_equations import LinkageCoordinates
 from .newton import largest
 from .status import MOST_TRIES, AnalysisStatus, StopError
 

@@ -9,7 +9,7 @@ from .newton import largest
 from .status import SETTLED, SINGULAR, SMALLEST_STEP, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
-    from .equations import LinkageCoordinates
+    from .block_equations import LinkageCoordinates
     from .newton import Newton
     from .tables import Array
 

@@ -19,7 +19,7 @@ from .status import MOST_TILT
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from .equations import BlockEquations
+    from .block_equations import BlockEquations
     from .tables import Array, Block, LinkageTables
 
 #: Of s³ − s⁴ the most in [0, 1]; s³ − s^(3 + m) is at most m times as much.

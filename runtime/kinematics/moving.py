@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..integrate.given import require_numbers, require_options, times_of
-from ..integrate.result import StoppedError, refusal, shown
+from ..integrate.run_arguments import require_numbers, require_options, times_of
+from ..messages import StoppedError, refusal, shown
 from .rows import request
 from .status import AnalysisStatus
 from .trajectory import trajectory_of

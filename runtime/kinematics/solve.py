@@ -13,8 +13,8 @@ import numpy as np
 
 from .approach import approach
 from .assembly import assemble
+from .block_equations import LinkageCoordinates, segments_of
 from .continuation import Continuation
-from .equations import LinkageCoordinates, segments_of
 from .rows import OF_LINKS, OF_NODES, Rows, RunRequest, empty_rows
 from .status import AnalysisStatus, StopError
 from .tables import LinkageTables

@@ -18,23 +18,24 @@ import pytest
 from msgspec.structs import astuple
 
 import kousoku as ks
+from kousoku.body_equations import equations_of
 from kousoku.codegen.linkage.generate import generate_linkage
-from kousoku.equations import equations_of
-from kousoku.matrices import evaluate, matrices
 from kousoku.model.errors import SolveError
 from kousoku.model.reading.read import read_scene, scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.integrate.body_tables import composed, crossed, rotated, written_state
+from kousoku.runtime.integrate.body_tables import written_state
+from kousoku.runtime.integrate.euler_parameters import composed, crossed, rotated
 from kousoku.runtime.linkage import load_linkage
+from kousoku.state_matrices import evaluate, matrices
 from tests.random_scenes import COUNT, numbered_scenes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable
 
-    from kousoku.matrices import Evaluation, Matrices
     from kousoku.model.numbers.real import Array
     from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.state_matrices import Evaluation, Matrices
 
 SCENES = Path(__file__).parents[2] / "scenes"
 FILES = {path.stem: path for folder in (SCENES, SCENES / "adams") for path in folder.glob("*.toml")}
@@ -435,7 +436,7 @@ def test_scenes_without_all_masses_have_all_but_m_and_f() -> None:
 def test_matrices_start_no_sympy() -> None:
     program = f"""
 import sys
-from kousoku.matrices import matrices
+from kousoku.state_matrices import matrices
 from kousoku.model.reading.read import read_scene
 matrices(read_scene({str(FILES["pendulum"])!r}), 0, [0, 0, 0, 1, 0, 0, 0], [0] * 6)
 assert "sympy" not in sys.modules

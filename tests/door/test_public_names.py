@@ -14,13 +14,13 @@ import pytest
 import kousoku as ks
 from kousoku.cataloging import Catalog
 from kousoku.ledger.entry import Entry
-from kousoku.matrices import Evaluation, Matrices
 from kousoku.runtime.integrate.result import AnimationOptions
 from kousoku.runtime.kernel import Kernel
 from kousoku.runtime.library import Library
 from kousoku.runtime.options import RunOptions
 from kousoku.runtime.report import Report
 from kousoku.stages import KernelExplanation
+from kousoku.state_matrices import Evaluation, Matrices
 from kousoku.symbolic.derivation import Derivation
 from kousoku.view import Animation, animate
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.facets import ForceFacets
-from kousoku.codegen.dynamics.operations.forces import accelerations, at_point, column_of
+from kousoku.codegen.dynamics.operations.applied_forces import accelerations, at_point, column_of
 from kousoku.codegen.dynamics.operations.heights import is_level
 from kousoku.codegen.dynamics.operations.mechanics import share
 from kousoku.codegen.dynamics.recording.recorder import column

@@ -11,7 +11,7 @@ import pytest
 
 from kousoku.codegen.dynamics.analyse import analyse
 from kousoku.codegen.dynamics.checking import newton_euler
-from kousoku.codegen.dynamics.elements.forces import FACETS
+from kousoku.codegen.dynamics.elements.force_facets import FACETS
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
 from kousoku.model.elements.forces import FORCES

@@ -10,7 +10,7 @@ import pytest
 
 from kousoku.model.errors import SolveError
 from kousoku.model.reading.read import scene_from_dict
-from kousoku.runtime.integrate.result import shortly
+from kousoku.runtime.messages import shortly
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.reading.read import read_scene
-from kousoku.runtime.integrate.body_tables import rotated
+from kousoku.runtime.integrate.euler_parameters import rotated
 
 from .conftest import SCENES
 

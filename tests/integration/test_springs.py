@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.reading.read import scene_from_dict
-from kousoku.runtime.integrate.body_tables import rotated
+from kousoku.runtime.integrate.euler_parameters import rotated
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -17,8 +17,8 @@ from kousoku.model.reading.read import scene_from_toml
 from kousoku.model.reading.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.motion import Motion
-from kousoku.runtime.integrate.result import shortly
 from kousoku.runtime.integrate.settings import Status
+from kousoku.runtime.messages import shortly
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -14,8 +14,8 @@ import pytest
 from kousoku.model.errors import SolveError
 from kousoku.model.reading.read import scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.integrate import initial as leading
-from kousoku.runtime.integrate.body_tables import rotated
+from kousoku.runtime.integrate import initial_coordinates as leading
+from kousoku.runtime.integrate.euler_parameters import rotated
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,7 +13,7 @@ import pytest
 
 import kousoku as ks
 from kousoku.codegen.dynamics.generate import generate_dynamics
-from kousoku.codegen.dynamics.redundancy import given_rank
+from kousoku.codegen.dynamics.redundancy import varying_rank
 from kousoku.model.errors import SceneError, SolveError
 from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
@@ -238,7 +238,7 @@ def given(value: float, text: str, key: str) -> str:
 def test_rows_that_are_too_many_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = scene_from_toml(FOUR_BAR)
     assert "HAS_RANK" in generate_dynamics(scene, ("positions",))["solver.c"]
-    monkeypatch.setattr(given_rank, "MOST_DENSE", 5)
+    monkeypatch.setattr(varying_rank, "MOST_DENSE", 5)
     tree = generate_dynamics(scene, ("positions",))
     assert "HAS_RANK" not in tree["solver.c"] and "integrate/rank.h" not in tree
     assert "which no run looks at: they are 20, more than 5" in tree["motion.json"]

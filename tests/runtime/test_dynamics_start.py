@@ -15,7 +15,7 @@ from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.model.errors import SceneError, SolveError
 from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.integrate import given_start
+from kousoku.runtime.integrate import assembled_start
 from tests.start_with_parameters import folded, missed
 
 if TYPE_CHECKING:
@@ -348,14 +348,14 @@ def test_rates_that_a_run_gives_come_after(load: Any) -> None:
 def test_a_place_that_is_not_found_is_told(load: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     solver, given = load(scene_from_toml(TWO)), {"L": 1.7}
     wanted = solver.begin(NOW, parameters=given).finish()
-    assert given_start.NOT_NEAREST not in wanted.layout.notes
-    monkeypatch.setattr(given_start, "MOST", 3)
+    assert assembled_start.NOT_NEAREST not in wanted.layout.notes
+    monkeypatch.setattr(assembled_start, "MOST", 3)
     run = solver.begin(NOW, parameters=given)
     found = run.finish()
-    assert given_start.NOT_NEAREST in found.layout.notes
+    assert assembled_start.NOT_NEAREST in found.layout.notes
     assert np.abs(found.position["b"] - wanted.position["b"]).max() > 1e-3
     monkeypatch.undo()
-    assert given_start.NOT_NEAREST not in run.restart(given).finish().layout.notes
+    assert assembled_start.NOT_NEAREST not in run.restart(given).finish().layout.notes
 
 
 @pytest.mark.usefixtures("compiler", "shipped_flags")

@@ -33,14 +33,14 @@ from kousoku.codegen.dynamics.elements import coordinate_spring, load, spring_da
 from kousoku.codegen.dynamics.emission import emit
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.dynamics.operations import (
+    applied_forces,
     coordinates,
     elimination,
-    forces,
     mechanics,
 )
-from kousoku.codegen.dynamics.operations import joint_coordinates as joint_operations
+from kousoku.codegen.dynamics.operations import joint_projections as joint_operations
 from kousoku.codegen.dynamics.recording import recorder
-from kousoku.codegen.emit import along
+from kousoku.codegen.emit import MESSAGES, along
 from kousoku.codegen.generate import write_tree
 from kousoku.model.reading.read import read_scene, scene_from_dict, scene_from_toml
 from kousoku.runtime import dynamics_verify, verify
@@ -173,7 +173,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
         *("*(orientation @ given).flat, *torque", "*given.flat, *torque"),
     ),
     "force without its torque": (
-        *("rich", forces, "at_point"),
+        *("rich", applied_forces, "at_point"),
         *('*found["N_b"]', "*rest[:3]"),
     ),
     "power of a force": (
@@ -396,12 +396,12 @@ def test_a_changed_coefficient_in_all_files_is_refused(
     old, new = COEFFICIENTS[where]
     wrong = changed(methods.DOP853, float(old), float(new))
     assert wrong != methods.DOP853
-    integrator = along("integrate")
+    integrator = along("integrate", MESSAGES)
     text = integrator["integrate/methods.py"]
     assert old in text
     integrator["integrate/methods.py"] = text.replace(old, new)
     monkeypatch.setattr(emit, "METHODS", (methods.DOPRI5, wrong))
-    monkeypatch.setattr(emit, "along", lambda _: integrator)
+    monkeypatch.setattr(emit, "along", lambda *_: integrator)
     scene = read_scene(SCENES / "pendulum.toml")
     write_tree(tmp_path / "wrong", generate_dynamics(scene, references=True))
 

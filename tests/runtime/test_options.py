@@ -15,7 +15,7 @@ from kousoku.model.errors import LoadError, SolveError
 from kousoku.model.reading.families import chain
 from kousoku.runtime import load, verify
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.integrate import given
+from kousoku.runtime.integrate import run_arguments
 from kousoku.runtime.kinematics import moving
 from kousoku.runtime.kinematics.rows import request
 from kousoku.runtime.linkage import load_linkage
@@ -66,7 +66,7 @@ def test_more_rows_than_the_machine_holds_are_refused_before_they_are_made(
     bodies_folder: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A system promises memory that it does not have, and kills whoever uses it."""
-    monkeypatch.setattr(given, "_memory", lambda: 1e9)
+    monkeypatch.setattr(run_arguments, "_memory", lambda: 1e9)
     solver = load_dynamics(bodies_folder(chain(2), ()), target="numpy")
     with pytest.raises(SolveError, match=r"no room for 1000000000 rows of .* machine has 1 GB"):
         solver.simulate(1.0, samples=10**9)

@@ -10,7 +10,7 @@ import pytest
 
 import kousoku
 from kousoku.runtime.error_estimate import error_estimate
-from kousoku.runtime.integrate.result import shortly
+from kousoku.runtime.messages import shortly
 
 if TYPE_CHECKING:
     from kousoku.mechanism import Mechanism

@@ -88,7 +88,7 @@ ANSWERS = {
             " follows"
         ),
     },
-    "runtime/integrate/initial.py": {
+    "runtime/integrate/initial_coordinates.py": {
         "'0.3' -> '(2 * 0.3)' in 'CLOSE, LONGEST =": (
             "longer steps are tried on the way to given coordinates; those that fail are shortened"
         ),

@@ -12,7 +12,7 @@ import kousoku as ks
 from kousoku.model.errors import KousokuError
 from kousoku.model.reading.read import scene_from_dict
 from kousoku.model.reading.write import toml_of
-from kousoku.runtime.integrate.given_start import GivenStart
+from kousoku.runtime.integrate.assembled_start import WrittenBody
 from tests.random_scenes import random_scene
 from tests.start_with_parameters import missed
 from tests.stress.kit import Fault, Outcome, Question, Size
@@ -92,12 +92,12 @@ def ask(tree: dict[str, Any], draw: random.Random, outcome: Outcome, place: str)
 @contextmanager
 def in_the_body() -> Iterator[None]:
     """Let components of angular velocities in frame O count as those in the body."""
-    right = GivenStart.from_data
+    right = WrittenBody.from_data
 
-    def wrong(data: Any) -> GivenStart:
+    def wrong(data: Any) -> WrittenBody:
         return replace(right(data), is_in_o=False)
 
-    with patch.object(GivenStart, "from_data", wrong):
+    with patch.object(WrittenBody, "from_data", wrong):
         yield
 
 

@@ -8,7 +8,7 @@ from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.model.lowering.parametric import fixed_system
 from kousoku.model.numbers import precise
-from kousoku.runtime.integrate.given_start import Change, Moved, known
+from kousoku.runtime.integrate.assembled_start import Change, Moved, known
 
 if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import MovingBody, System

@@ -11,7 +11,7 @@ from kousoku.codegen.dynamics.assembly.newton_double import DoublePose, GaussNew
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
-from kousoku.runtime.integrate.result import listed
+from kousoku.runtime.messages import listed
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.assembly.pose import Pose

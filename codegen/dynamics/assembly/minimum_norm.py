@@ -12,7 +12,7 @@ from kousoku.codegen.dynamics.operations.characteristic_length import extent
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
 from kousoku.model.errors import AssemblyError
 from kousoku.model.numbers import precise
-from kousoku.runtime.integrate.given_start import THIN
+from kousoku.runtime.integrate.assembled_start import THIN
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

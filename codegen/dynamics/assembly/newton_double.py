@@ -17,7 +17,7 @@ from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.model.numbers import precise
 from kousoku.model.numbers.precise import IDENTITY, ZERO
-from kousoku.runtime.integrate.body_tables import composed
+from kousoku.runtime.integrate.euler_parameters import composed
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.assembly.jacobian import Places

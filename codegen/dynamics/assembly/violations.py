@@ -8,7 +8,7 @@ from kousoku.codegen.dynamics.elements.constraints import BodiesAtRest, facets_o
 from kousoku.model.numbers import precise
 from kousoku.model.numbers.precise import ZERO
 from kousoku.model.records.own_kind import is_own
-from kousoku.runtime.integrate.result import listed
+from kousoku.runtime.messages import listed
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

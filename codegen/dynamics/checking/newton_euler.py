@@ -15,7 +15,7 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.elements.constraints import facets_of_kind
-from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.elements.force_facets import facets_of
 from kousoku.codegen.dynamics.operations.jets import (
     Jet,
     arithmetic_of,

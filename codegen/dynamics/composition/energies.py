@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.elements.force_facets import facets_of
 from kousoku.codegen.dynamics.operations.mechanics import Energy
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.design import number

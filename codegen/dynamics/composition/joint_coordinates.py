@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.schur import Schur
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
-    from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
+    from kousoku.codegen.dynamics.simplification.ground_joints import VelocityTransformation
     from kousoku.model.mechanics.multibody import System
 
     #: A matrix, and the vector that it is multiplied with.

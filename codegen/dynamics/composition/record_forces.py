@@ -5,8 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.elements.forces import facets_of
-from kousoku.codegen.dynamics.operations.forces import ELONGATION
+from kousoku.codegen.dynamics.elements.force_facets import facets_of
+from kousoku.codegen.dynamics.operations.applied_forces import ELONGATION
 from kousoku.codegen.dynamics.operations.formulas import Relative, ScaledColumn, scaled
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.joint_coordinates import (
+from kousoku.codegen.dynamics.operations.joint_projections import (
     AXIS,
     NOTHING,
     POINT,
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.recording.recorder import Recorder
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
-    from kousoku.codegen.dynamics.simplification.joint_coordinates import (
+    from kousoku.codegen.dynamics.simplification.ground_joints import (
         Prescribed,
         VelocityTransformation,
     )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.along import OnCoordinate
 from kousoku.codegen.dynamics.elements.constraints import facets_of_kind
-from kousoku.codegen.dynamics.operations.forces import ELONGATION, column_of
+from kousoku.codegen.dynamics.operations.applied_forces import ELONGATION, column_of
 from kousoku.codegen.dynamics.operations.formulas import formula_node
 from kousoku.codegen.dynamics.operations.heights import FLAT, at_start
 from kousoku.codegen.dynamics.operations.jets import Jet

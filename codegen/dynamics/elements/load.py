@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.facets import Applied, ForceFacets
-from kousoku.codegen.dynamics.operations.forces import accelerations, at_point, column_of
+from kousoku.codegen.dynamics.operations.applied_forces import accelerations, at_point, column_of
 from kousoku.codegen.dynamics.operations.heights import is_level
 from kousoku.codegen.dynamics.operations.mechanics import frozen, share
 from kousoku.codegen.dynamics.operations.placement import seen_from_carriers

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.facets import Applied, ForceFacets
-from kousoku.codegen.dynamics.operations.forces import ELONGATION, accelerations, column_of
+from kousoku.codegen.dynamics.operations.applied_forces import ELONGATION, accelerations, column_of
 from kousoku.codegen.dynamics.operations.formulas import formula_node
 from kousoku.codegen.dynamics.operations.heights import heights_of_ends, is_level
 from kousoku.codegen.dynamics.operations.jets import Jet, dot, sqrt

@@ -23,7 +23,7 @@ from kousoku.codegen.dynamics.emission.context_numbers import (
 )
 from kousoku.codegen.dynamics.emission.slots import SCRATCH, Slots, slots_of
 from kousoku.codegen.dynamics.recording.program import REGIONS, meaning_of
-from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
+from kousoku.codegen.dynamics.redundancy.varying_rank import rank_rows
 from kousoku.codegen.printers import C
 from kousoku.model.errors import EmitError
 from kousoku.model.operations.graph import literal

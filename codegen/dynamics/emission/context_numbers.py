@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS, WORK
 from kousoku.codegen.dynamics.composition.switching import BOUNDS
 from kousoku.codegen.dynamics.operations.body_coordinates import thickened
-from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.dynamics.redundancy.redundant_rows import take_over
+from kousoku.codegen.dynamics.redundancy.varying_rank import rank_rows
 from kousoku.codegen.dynamics.simplification.body_blocks import inverse_masses as of_body
 from kousoku.model.lowering.root_functions import seen_of
 from kousoku.model.mechanics.constraints import is_length

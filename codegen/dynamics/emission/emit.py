@@ -10,6 +10,7 @@ from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_context import numpy_context
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.emit import (
+    MESSAGES,
     along,
     environment,
     hashed,
@@ -77,7 +78,8 @@ def emit_dynamics(
     context = solver_context(program, system, length, parts)
     lacked = OF_RANK * (not context.looks_at_rank) + OF_KINEMATICS * (not context.is_driven)
     lacked += OF_DISTANCES * ("HAS_DISTANCE" not in context.features)
-    integrator = {name: text for name, text in along("integrate").items() if name not in lacked}
+    copies = along("integrate", MESSAGES)
+    integrator = {name: text for name, text in copies.items() if name not in lacked}
     given = {
         "solver": context,
         "python": numpy_context(program, system, length, parts),

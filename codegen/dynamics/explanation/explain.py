@@ -29,7 +29,7 @@ from kousoku.model.lowering.parametric import fixed_system
 from kousoku.model.mechanics.multibody import GROUND_INDEX
 from kousoku.model.records.own_kind import is_own, kind_name
 from kousoku.model.text import counted
-from kousoku.runtime.integrate.result import listed
+from kousoku.runtime.messages import listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

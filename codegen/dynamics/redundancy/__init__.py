@@ -2,5 +2,5 @@
 
 ``freedom``, ``loops``, ``branch``, ``rank``, ``driven``, ``constant_rows``, ``redundant_rows``,
 ``own_rows``, ``closure``, ``nearly``, ``undetermined``, ``unevenness``, ``out_of_plane``,
-``given_rank``.
+``varying_rank``.
 """

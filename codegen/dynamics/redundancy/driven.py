@@ -15,7 +15,7 @@ from kousoku.codegen.dynamics.assembly.residuals import remark_on_ratios
 from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.redundancy.rank import DEPENDENT, TAKES_PART
 from kousoku.model.errors import SceneError
-from kousoku.runtime.integrate.result import listed
+from kousoku.runtime.messages import listed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

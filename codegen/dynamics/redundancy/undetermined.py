@@ -14,7 +14,7 @@ import numpy as np
 
 from kousoku.codegen.dynamics.operations.joint_ends import loaded_bodies, points_of
 from kousoku.model.mechanics.multibody import GROUND_INDEX
-from kousoku.runtime.integrate.body_tables import crossed, rotated
+from kousoku.runtime.integrate.euler_parameters import crossed, rotated
 from kousoku.runtime.integrate.motion import JOINT
 
 if TYPE_CHECKING:

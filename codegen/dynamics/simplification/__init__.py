@@ -2,6 +2,6 @@
 
 ``lump``, ``rigid_groups``, ``composite``, ``static_potential``, ``body_blocks``,
 ``outline``, ``planarity``, ``axis_permutation``, ``forces_plane``, ``placeholder_masses``,
-``given_start``, ``joint_coordinates``, ``reduced_mass``, ``conserved_momenta``,
+``written_start``, ``ground_joints``, ``reduced_mass``, ``conserved_momenta``,
 ``ground_reactions``.
 """

@@ -40,7 +40,7 @@ class BodyBlocks:
         Diagonal of M⁻¹ in the columns, one row.
     basis, inverse : SlotMatrix, optional
         R (c, f) and (Rᵀ M R)⁻¹ (f, f) of a body that is reduced; see
-        :mod:`~kousoku.codegen.dynamics.simplification.joint_coordinates`.
+        :mod:`~kousoku.codegen.dynamics.simplification.ground_joints`.
     """
 
     coordinates: tuple[int, ...]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.elements.force_facets import facets_of
 from kousoku.codegen.dynamics.operations.heights import FLAT, height
 from kousoku.model.lowering.parametric import fixed_system
 from kousoku.model.numbers.varying import is_varying

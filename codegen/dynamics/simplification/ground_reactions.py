@@ -17,7 +17,7 @@ from kousoku.codegen.dynamics.elements.constraints import (
     RelativeMotion,
     held_by,
 )
-from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.elements.force_facets import facets_of
 from kousoku.model.mechanics.constraints import base_of, kind_of
 from kousoku.model.mechanics.multibody import GROUND_INDEX
 from kousoku.model.numbers import precise

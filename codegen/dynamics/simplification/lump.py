@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.elements.force_facets import facets_of
 from kousoku.codegen.dynamics.operations.placement import Placement, seen_from_carriers
 from kousoku.codegen.dynamics.simplification.axis_permutation import Plane, can_permute, permuted
 from kousoku.codegen.dynamics.simplification.composite import joined, on_ground

@@ -9,13 +9,13 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.joint_coordinates import NOTHING, POINT
-from kousoku.codegen.dynamics.simplification.joint_coordinates import PARALLEL
+from kousoku.codegen.dynamics.operations.joint_projections import NOTHING, POINT
+from kousoku.codegen.dynamics.simplification.ground_joints import PARALLEL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
+    from kousoku.codegen.dynamics.simplification.ground_joints import VelocityTransformation
     from kousoku.model.mechanics.multibody import MovingBody
 
     Square = list[list[Fraction]]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.elements.force_facets import facets_of
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.model.elements.joints import JOINTS
 from kousoku.model.lowering.moved import moved_by_parameters

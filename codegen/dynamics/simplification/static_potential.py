@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.elements.force_facets import facets_of
 from kousoku.codegen.dynamics.recording.design import start_of
 from kousoku.model.mechanics.multibody import GROUND_INDEX
 from kousoku.model.numbers import precise

@@ -6,13 +6,22 @@ import io
 import os
 import zipfile
 from collections.abc import Mapping
-from contextlib import suppress
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, TypedDict, TypeVar
 
 import numpy as np
+
+from ..messages import (
+    listed,
+    missing,
+    near,
+    refusal,
+    require_folder,
+    shown,
+    unknown,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -24,8 +33,8 @@ if TYPE_CHECKING:
     from ..momenta import Momentum
     from ..run_ledger import Violation
     from .arithmetic import Array
+    from .assembled_start import Moved
     from .events import EventOccurrences
-    from .given_start import Moved
     from .trust import Trust
 
     class Ledger:
@@ -87,19 +96,10 @@ if TYPE_CHECKING:
 
 
 Value = TypeVar("Value")
-#: Characters of a value, and names, that a message shows.
-LONGEST, SHOWN = 60, 6
 #: What changes less, as a part of what it is compared with, does so by rounding.
 NOISE = 1e-9
 #: Files that results go to; the last one needs pandas and pyarrow.
 SUFFIXES = (".csv", ".npz", ".parquet")
-
-
-class MissingError(KeyError):
-    """A result has no such name, where kousoku is not installed."""
-
-    def __str__(self) -> str:
-        return str(self.args[0])
 
 
 class Named(Mapping[str, Value]):
@@ -125,7 +125,7 @@ class Named(Mapping[str, Value]):
             raise missing(self._advice)
         known, what = [*self], f"{self._missing}, " if self._missing else ""
         raise missing(
-            f"{what}none of {shown(name)}: there are {listed(known) or 'none'}{_near(name, known)}"
+            f"{what}none of {shown(name)}: there are {listed(known) or 'none'}{near(name, known)}"
         )
 
     def __iter__(self) -> Iterator[str]:
@@ -380,7 +380,7 @@ class Result:
         columns = [*self.places]
         if own := [column for column, place in self.places.items() if place.owner == name]:
             return f"no column {shown(name)}: those of {name} are {listed(own)}"
-        return f"no column {shown(name)}: there are {listed(columns)}{_near(name, columns)}"
+        return f"no column {shown(name)}: there are {listed(columns)}{near(name, columns)}"
 
     def __contains__(self, name: object) -> bool:
         return isinstance(name, str) and name in self.places
@@ -564,106 +564,12 @@ class Result:
         return f"{len(self)} rows, {self.unit}, {self.target}"
 
 
-def unknown(what: str, name: object, known: Sequence[str]) -> str:
-    """Say that there is no such parameter or option, and which ones there are."""
-    of = "its formulas have" if what == "parameter" else "there are"
-    if not known:
-        return f"no {what} {shown(name)}: {of} none"
-    return f"no {what} {shown(name)}: {of} {', '.join(known)}{_near(name, known)}"
-
-
-def _near(name: object, known: Sequence[str]) -> str:
-    from difflib import get_close_matches
-
-    near = get_close_matches(str(name), known, n=1)
-    return f"; did you mean {near[0]!r}?" if near else ""
-
-
-def not_generated(what: str, output: str) -> str:
-    """Say which output something comes with that was not generated."""
-    return f'no {what}: generated without "{output}"; load(..., outputs=[..., "{output}"])'
-
-
-def shown(value: object) -> str:
-    """Value as a message shows it: in one line that is not too long."""
-    try:
-        text = " ".join(repr(value).split())
-    except ValueError:  # a whole number of thousands of digits
-        text = "a number of very many digits"
-    return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
-
-
-def shortly(number: float, digits: int = 1) -> str:
-    """Number with so many digits, as in 6e-9."""
-    mantissa, e, exponent = f"{number:.{digits}g}".partition("e")
-    return f"{mantissa}e{int(exponent)}" if e else mantissa
-
-
-class StoppedError(ArithmeticError):
-    """A motion that cannot go on, where kousoku is not installed.
-
-    Parameters
-    ----------
-    problem : str
-        Where it stopped, and why.
-    result : Result
-        What was computed up to there.
-    """
-
-    def __init__(self, problem: str, result: object) -> None:
-        self.result = result
-        super().__init__(problem)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (str(self), self.result)  # a pool of processes hands it on
-
-
-def refusal(
-    text: str, kind: str = "SolveError", *more: object, alone: type[Exception] = ValueError
-) -> Exception:
-    """Error of kousoku, which may take more; where that is not installed another one."""
-    try:
-        error: Exception = getattr(import_module("kousoku.model.errors"), kind)(text, *more)
-    except ModuleNotFoundError:
-        return alone(text, *more) if alone is StoppedError else alone(text)
-    return error
-
-
-def missing(text: str) -> Exception:
-    """``KeyError`` of a name that there is not."""
-    return refusal(text, "NotInResultError", alone=MissingError)
-
-
-def listed(names: Sequence[str], most: int = SHOWN) -> str:
-    """Names as a line tells them, not more than so many."""
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(names[:most]) + more
-
-
-def scene_key(name: str) -> str:
-    """Key in the scene of what rows are named after; that of a driver is its name."""
-    return name if "." in name else f"joints.{name}"
-
-
 def _write_arrays(buffer: io.BytesIO, arrays: Mapping[str, Any]) -> None:
     """Write what ``numpy.load`` reads by name; ``numpy.savez`` has arguments of its own."""
     with zipfile.ZipFile(buffer, "w") as archive:
         for name, values in arrays.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
                 np.lib.format.write_array(entry, np.asarray(values), allow_pickle=False)
-
-
-def require_folder(path: Path) -> None:
-    """Refuse a file whose folder is missing: a folder that was misspelt is not made.
-
-    Raises
-    ------
-    kousoku.model.errors.SolveError
-        The message names the folder; without ``kousoku`` a ``ValueError``.
-    """
-    with suppress(OSError):  # a name that is too long is told by who writes
-        if not path.absolute().parent.is_dir():
-            raise refusal(f"{path}: there is no folder {path.parent}; make it first")
 
 
 def _write(path: Path, data: bytes) -> None:

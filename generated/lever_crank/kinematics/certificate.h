@@ -9,7 +9,7 @@
 #ifndef KOUSOKU_KINEMATICS_CERTIFICATE_H
 #define KOUSOKU_KINEMATICS_CERTIFICATE_H
 
-#include "equations.h"
+#include "block_equations.h"
 #include "status.h"
 
 /* of s^3 - s^4 the most in [0, 1]; s^3 - s^(3 + m) is at most m times as much */

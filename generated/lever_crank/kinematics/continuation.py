@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .block_equations import LinkageCoordinates
 from .certificate import Certifier, CubicTube
-from .equations import LinkageCoordinates
 from .newton import Convergence, Newton, largest
 from .status import MOST_TILT, MOST_TRIES, SETTLED, SMALLEST_STEP, AnalysisStatus, StopError
 

@@ -2,7 +2,7 @@
 #ifndef KOUSOKU_KINEMATICS_NEWTON_H
 #define KOUSOKU_KINEMATICS_NEWTON_H
 
-#include "equations.h"
+#include "block_equations.h"
 #include "status.h"
 
 /* How positions converged: the most of all blocks. */

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .equations import Equations, LinkageCoordinates
+from .block_equations import Equations, LinkageCoordinates
 from .status import ROUNDING, SETTLED, SINGULAR, AnalysisStatus, StopError
 
 if TYPE_CHECKING:

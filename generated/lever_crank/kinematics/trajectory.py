@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
 
 import numpy as np
 
-from ..integrate.result import Column, Named, Result, missing, not_generated
+from ..integrate.result import Column, Named, Result
+from ..messages import missing, not_generated
 from .rows import METHODS, OF_LINKS, OF_NODES
 
 if TYPE_CHECKING:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..messages import StoppedError, unknown
+from .assembled_start import assembled_start
 from .events import (
     EventLog,
     add_row,
@@ -14,12 +16,10 @@ from .events import (
     without_direction,
     without_value,
 )
-from .given import require_options, require_steps, times_of, values_of
-from .given_start import given_start
-from .initial_given import initial_of, parameters_of
+from .initial_values import initial_of, parameters_of
 from .methods import METHODS
 from .motion import Layout, Motion
-from .result import StoppedError, unknown
+from .run_arguments import require_options, require_steps, times_of, values_of
 from .scene_tables import state_of
 from .settings import KINEMATICS, MESSAGES, MOST_STEPS, OPTIONS, Settings, Status, method_for
 from .state import fields
@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from .arithmetic import Array
-    from .initial import Evaluate
-    from .initial_given import Initial
+    from .initial_values import InitialValues
     from .scene_solver import SceneSolver
+    from .start_evaluation import Evaluate
 
 
 class Alone:
@@ -142,7 +142,7 @@ class RunAlone:
         self._require(status, may_lack_values=is_as_given or is_elsewhere)
         if is_as_given:
             y = state_of(solver.scene, self.state).y
-            q, v, self._layout, _ = given_start(
+            q, v, self._layout, _ = assembled_start(
                 self._layout, self._evaluate(given), y, is_told=not started.q0
             )
             status = solver.start(0.0, q, v, given, self.state, self._work)
@@ -157,9 +157,9 @@ class RunAlone:
         at = f"at {self.time:.6g} s, {int(state.steps)} steps"
         return f"<Run of {self._scene.layout.name}: {at}, {rows}>"
 
-    def _led(self, initial: Initial, parameters: Array) -> tuple[Array, Array]:
+    def _led(self, initial: InitialValues, parameters: Array) -> tuple[Array, Array]:
         """Coordinates q and velocities v with initial values, given the start of the scene."""
-        from .placing import started
+        from .initial_poses import started
 
         data, scene = self._scene.data, self._scene.solver.scene
         rows = [tuple(row) for part in ("rows", "left_out", "satisfied") for row in data[part]]
@@ -168,7 +168,7 @@ class RunAlone:
 
     def _evaluate(self, parameters: Array) -> Evaluate:
         """Evaluation of the scene at time 0, with the parameters of the run."""
-        from .initial import evaluated
+        from .start_evaluation import evaluated
 
         solver, places = self._scene.solver, self._scene.data["places"]
         return evaluated(solver.evaluate, parameters, solver.scene.work_size, places)

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..messages import listed, scene_key, shortly
 from .arithmetic import larger, smaller
 from .methods import METHODS
-from .result import listed, scene_key, shortly
 from .settings import CLEARLY, NOTHING_MOVES, Doubt
 
 if TYPE_CHECKING:

@@ -13,9 +13,9 @@ import pytest
 from kousoku.codegen.linkage.generate import generate_linkage
 from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.kinematics.assembly import assemble as place
+from kousoku.runtime.kinematics.block_equations import LinkageCoordinates
 from kousoku.runtime.kinematics.certificate import Certifier, CubicTube
 from kousoku.runtime.kinematics.continuation import Continuation
-from kousoku.runtime.kinematics.equations import LinkageCoordinates
 from kousoku.runtime.kinematics.status import MOST_TILT
 from kousoku.runtime.kinematics.tables import Block, Curve, InputRecord, LinkageTables, Unknown
 from kousoku.runtime.linkage import load_linkage

@@ -24,7 +24,7 @@ from kousoku.model.lowering.system import system_of
 from kousoku.model.numbers import precise
 from kousoku.model.reading.families import chain, n_four_bar
 from kousoku.model.reading.read import read_scene, scene_from_dict
-from kousoku.runtime.integrate.given_start import notes_of
+from kousoku.runtime.integrate.assembled_start import notes_of
 
 if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import System

@@ -44,7 +44,7 @@ class JointArm:
 class GroundJointBlocks(NamedTuple, Generic[Block]):
     """Blocks of a joint with the ground, with its numbers at the start.
 
-    :class:`~kousoku.codegen.dynamics.simplification.joint_coordinates.VelocityTransformation` has
+    :class:`~kousoku.codegen.dynamics.simplification.ground_joints.VelocityTransformation` has
     the numbers.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Check the bodies, joints and forces of a spatial scene one by one."""
+"""Check the bodies, joints, events and gravity of a spatial scene one by one."""
 
 from __future__ import annotations
 
@@ -8,17 +8,23 @@ from typing import TYPE_CHECKING
 from kousoku.model.elements.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.errors import Problem, SceneError
 from kousoku.model.expressions.design_numbers import FORMULAS
-from kousoku.model.expressions.formulas import state_names
+from kousoku.model.expressions.formulas import (
+    fixed_names,
+    formula_problems,
+    state_names,
+    used_names,
+    values_at_start,
+)
 from kousoku.model.records.design import LARGEST
 from kousoku.model.records.dotted_keys import join, require_known, unknown
 from kousoku.model.records.orientation import check_orientation
 from kousoku.model.records.planar import Method
 from kousoku.model.records.spatial import GROUND
 from kousoku.model.text import with_a
-from kousoku.model.validation.validate_coordinates import check_coordinates
-from kousoku.model.validation.validate_couplings import check_coupling
-from kousoku.model.validation.validate_forces import check_event, check_force, check_gravity
-from kousoku.model.validation.validate_mass import check_mass
+from kousoku.model.validation.coordinates import check_coordinates
+from kousoku.model.validation.couplings import check_coupling
+from kousoku.model.validation.forces import check_force
+from kousoku.model.validation.mass import check_mass
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,7 +33,7 @@ if TYPE_CHECKING:
     from kousoku.model.records.own_kind import OwnKind
     from kousoku.model.records.problems import Problems
     from kousoku.model.records.scene import Scene
-    from kousoku.model.records.spatial import Body, Joint
+    from kousoku.model.records.spatial import Body, Event, Joint
 
 PARALLEL = 1e-9
 """Sine of the smallest angle between two directions that are distinguished."""
@@ -90,8 +96,8 @@ def check_spatial(scene: Scene, problems: Problems) -> None:
     if not problems.touches("parameters", "coordinates"):
         for name, event in scene.events.items():
             key = f"{join('events', name)}.when"
-            problems.check(key, (), check_event, scene, event, key)
-    problems.check("gravity", ["gravity"], check_gravity, scene)
+            problems.check(key, (), _check_event, scene, event, key)
+    problems.check("gravity", ["gravity"], _check_gravity, scene)
 
 
 def _check_body(body: Body, key: str, problems: Problems) -> None:
@@ -312,4 +318,36 @@ def _check_length(joint: Joint, kind: JointKind, key: str) -> None:
     if joint.length is not None and "length" not in kind.own_keys:
         raise SceneError(
             f"{with_a(joint.type)} joint has no length; leave it out", key=f"{key}.length"
+        )
+
+
+def _check_gravity(scene: Scene) -> None:
+    """Refuse components of gravity that are no formulas of parameters.
+
+    Raises
+    ------
+    SceneError
+        All of them.
+    """
+    start = values_at_start(scene)
+    if found := list(formula_problems(scene.gravity, fixed_names(scene), "gravity", start)):
+        raise SceneError.of(found)
+
+
+def _check_event(scene: Scene, event: Event, key: str) -> None:
+    """Refuse an event whose formula is none, or never changes.
+
+    Raises
+    ------
+    SceneError
+        With the dotted key of the formula.
+    """
+    names = state_names(scene)
+    if found := list(formula_problems(event.when, names, key, values_at_start(scene))):
+        raise SceneError.of(found)
+    if not used_names(event.when, names - scene.parameters.keys()):
+        raise SceneError(
+            "never changes, so that it passes zero nowhere; wanted a formula of t, of coordinates"
+            " or of their rates, such as 'x - 1' or 'x_dot'",
+            key=key,
         )

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from kousoku.equations import equations_of
+from kousoku.body_equations import equations_of
 from kousoku.labels import is_turn
 from kousoku.linkage_equations import LinkageEquations
 from kousoku.model.errors import SolveError
 from kousoku.runtime.design import nearly_redundant
 from kousoku.runtime.integrate.body_tables import body_tables, solver_state, written_state
-from kousoku.runtime.integrate.result import listed, scene_key, shortly
+from kousoku.runtime.messages import listed, scene_key, shortly
 from kousoku.runtime.run_ledger import violations_of
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from kousoku.equations import CheckedState, EquationsAtState, SceneEquations
+    from kousoku.body_equations import CheckedState, EquationsAtState, SceneEquations
     from kousoku.model.numbers.real import Array
     from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver

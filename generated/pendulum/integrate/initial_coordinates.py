@@ -1,4 +1,4 @@
-"""Initial values of a run: coordinates and rates that are not those of the scene.
+"""Initial values of coordinates and rates: from those of the scene to those that are given.
 
 Coordinates are led from the start of the scene by small steps, on the branch on which it is
 assembled. All is asked of ``evaluate``, which compiled solvers and those in NumPy have: rates
@@ -12,17 +12,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .body_tables import BACK, composed, indices, taken
+from .body_tables import indices, taken
+from .euler_parameters import BACK, composed
+from .start_evaluation import rates_of_rows
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-    from typing import TypeAlias
+    from collections.abc import Mapping, Sequence
 
     from .arithmetic import Array
     from .body_tables import BodyPlaces
-
-    #: What a scene computes at q and v, time 0, by the names of ``places`` of ``motion.json``.
-    Evaluate: TypeAlias = Callable[[Array, Array], Mapping[str, Array]]
+    from .start_evaluation import Evaluate
 
 
 #: The largest correction after a step, and the longest step, lengths relative to the scene's.
@@ -42,8 +41,6 @@ APART = 1e-4
 AGREES = 1e-9
 #: So many freedoms of bodies that no coordinate names are held.
 MOST_HELD = 100
-#: What scenes may lack.
-NOTHING = {"coordinates": (0, 0)}
 
 
 class InitialError(ValueError):
@@ -56,7 +53,7 @@ class Start(NamedTuple):
     Parameters
     ----------
     evaluate : callable
-        What :func:`evaluated` returns, with the parameters of the run.
+        What :func:`.start_evaluation.evaluated` returns, with the parameters of the run.
     q, v : array
         Where the scene starts, on the constraints.
     bodies : sequence of BodyPlaces
@@ -82,40 +79,6 @@ class Start(NamedTuple):
     works: Sequence[int]
     length: float
     unit: float
-
-
-def evaluated(
-    call: Callable[[float, Array, Array, Array, Array], object],
-    parameters: Array,
-    work_size: int,
-    places: Mapping[str, Sequence[int]],
-) -> Evaluate:
-    """Evaluation of a scene at time 0.
-
-    Parameters
-    ----------
-    call : callable
-        ``evaluate`` of a solver: time, q, v, parameters, and the memory for work.
-    parameters : array
-        Those of the run.
-    work_size : int
-        How many numbers that memory has.
-    places : mapping of str to (int, int)
-        Where what is computed is in it, and how many numbers.
-    """
-
-    def evaluate(q: Array, v: Array) -> Mapping[str, Array]:
-        work = np.zeros(work_size)
-        call(0.0, np.ascontiguousarray(q), np.ascontiguousarray(v), parameters, work)
-        return {name: work[at : at + n] for name, (at, n) in {**NOTHING, **places}.items()}
-
-    return evaluate
-
-
-def rates_of_rows(evaluate: Evaluate, q: Array, sizes: Array) -> Array:
-    """Jacobian C_q (nv, n) of all constraints, a row for each velocity, times its size."""
-    still = evaluate(q, np.zeros(len(sizes)))["C_dot"]
-    return np.array([evaluate(q, u)["C_dot"] - still for u in np.diag(sizes)])
 
 
 class Jacobian(NamedTuple):

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from .result import refusal, shown, unknown
+from ..messages import refusal, shown, unknown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -192,6 +192,18 @@ def misfit_of_bodies(name: str, given: Array, size: int) -> str:
     """Message on what is wrong with q or v of bodies as written, see :func:`misfit`."""
     of = "r (3), Euler parameters (4)" if name[0] == "q" else "velocity (3), omega_b (3)"
     return misfit(name, given, size, f"of each body {of}; a point has the first three alone")
+
+
+def require_callable(scene: str, progress: object) -> None:
+    """Refuse what cannot be called with the time reached and the last time.
+
+    Raises
+    ------
+    SolveError
+        It is something else.
+    """
+    if progress is not None and not callable(progress):
+        raise refusal(f"{scene}: progress {shown(progress)}; wanted a function of two times")
 
 
 def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:

@@ -1,4 +1,4 @@
-"""Initial values of a run: bodies where the scene does not start, as they are written.
+"""Initial poses and velocities of bodies, q0 and v0: placed where they are given, as written.
 
 What :mod:`.body_tables` makes of q and v is undone here.
 """
@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..messages import refusal
 from .body_tables import indices, solver_state, written_state
-from .given import misfit_of_bodies
-from .initial import ROUNDING, InitialError, Leader, Start, lead
-from .result import refusal
+from .initial_coordinates import ROUNDING, InitialError, Leader, Start, lead
+from .run_arguments import misfit_of_bodies
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from .arithmetic import Array
     from .body_tables import BodyPlaces
-    from .initial import Evaluate
-    from .initial_given import Initial
+    from .initial_values import InitialValues
     from .motion import Layout
+    from .start_evaluation import Evaluate
 
 #: What bodies may miss of joints: lengths relative to the scene's, velocities to the largest.
 MISSES = 1e-6
@@ -34,7 +34,7 @@ def started(
     rows: Sequence[tuple[str, str]],
     evaluate: Evaluate,
     y: Array,
-    initial: Initial,
+    initial: InitialValues,
 ) -> tuple[Array, Array]:
     """Coordinates q and velocities v with initial values.
 
@@ -45,10 +45,10 @@ def started(
     rows : sequence of (str, str)
         Joint and unit of all constraints: solved for, left out, put onto joints.
     evaluate : callable
-        What :func:`.initial.evaluated` returns, with the parameters of the run.
+        What :func:`.start_evaluation.evaluated` returns, with the parameters of the run.
     y : array
         Where the scene starts with them: q, then v.
-    initial : Initial
+    initial : InitialValues
         Values of coordinates and rates, or q0 and v0 as written.
 
     Raises

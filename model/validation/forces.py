@@ -1,4 +1,4 @@
-"""Check the forces, gravity and events of a spatial scene one by one."""
+"""Check the forces of a spatial scene one by one."""
 
 from __future__ import annotations
 
@@ -11,8 +11,6 @@ from kousoku.model.expressions.formulas import (
     TIME,
     fixed_names,
     formula_problems,
-    state_names,
-    used_names,
     values_at_start,
 )
 from kousoku.model.records.dotted_keys import join, require_known
@@ -25,7 +23,6 @@ if TYPE_CHECKING:
     from kousoku.model.records.loads import Force
     from kousoku.model.records.problems import Problems
     from kousoku.model.records.scene import Scene
-    from kousoku.model.records.spatial import Event
 
 
 def uses_of(force: Force) -> list[str]:
@@ -74,38 +71,6 @@ def _check_keys(scene: Scene, force: Force, key: str) -> None:
     if "bodies" in own:
         _check_ends(scene, force, key)
     kind.check(scene, force, key)
-
-
-def check_gravity(scene: Scene) -> None:
-    """Refuse components of gravity that are no formulas of parameters.
-
-    Raises
-    ------
-    SceneError
-        All of them.
-    """
-    start = values_at_start(scene)
-    if found := list(formula_problems(scene.gravity, fixed_names(scene), "gravity", start)):
-        raise SceneError.of(found)
-
-
-def check_event(scene: Scene, event: Event, key: str) -> None:
-    """Refuse an event whose formula is none, or never changes.
-
-    Raises
-    ------
-    SceneError
-        With the dotted key of the formula.
-    """
-    names = state_names(scene)
-    if found := list(formula_problems(event.when, names, key, values_at_start(scene))):
-        raise SceneError.of(found)
-    if not used_names(event.when, names - scene.parameters.keys()):
-        raise SceneError(
-            "never changes, so that it passes zero nowhere; wanted a formula of t, of coordinates"
-            " or of their rates, such as 'x - 1' or 'x_dot'",
-            key=key,
-        )
 
 
 def _check_ends(scene: Scene, force: Force, key: str) -> None:

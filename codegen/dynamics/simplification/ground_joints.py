@@ -19,7 +19,7 @@ from kousoku.codegen.dynamics.elements.constraints import (
     facets_of_kind,
     held_by,
 )
-from kousoku.codegen.dynamics.operations.joint_coordinates import AXIS, NOTHING, POINT
+from kousoku.codegen.dynamics.operations.joint_projections import AXIS, NOTHING, POINT
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.model.mechanics.multibody import GROUND_INDEX
 from kousoku.model.numbers import precise

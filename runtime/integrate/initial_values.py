@@ -1,18 +1,19 @@
-"""Initial values that a caller gives, refused in one line where they are not possible."""
+"""Initial values as a caller gives them, of coordinates or of bodies; refused where impossible."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from .given import number_in, numbers_of
-from .result import Coordinates, refusal, shown, unknown
+from ..messages import refusal, shown, unknown
+from .result import Coordinates
+from .run_arguments import number_in, numbers_of
 
 if TYPE_CHECKING:
     from .motion import Layout
 
 
-class Initial(NamedTuple):
+class InitialValues(NamedTuple):
     """Where a run starts, if not where the scene does; empty of what is not given.
 
     Parameters
@@ -20,7 +21,7 @@ class Initial(NamedTuple):
     values : tuple of (str, float)
         Coordinates and their rates, in the unit of the scene.
     q0, v0 : tuple of float
-        Bodies as written, see :func:`.placing.place`.
+        Bodies as written, see :func:`.initial_poses.place`.
     counted : tuple of float
         q of the solver where q0 is the row of a run: its angles count turns.
     """
@@ -38,14 +39,14 @@ def parameters_of(parameters: Any, q0: object) -> Any:
 
 def initial_of(
     layout: Layout, initial: Mapping[str, float | str] | None, q0: object, v0: object
-) -> Initial:
+) -> InitialValues:
     """Initial values of a scene, checked; there may be no such coordinate."""
     scene = layout.name
     if initial is None:
         counted = q0.counted if isinstance(q0, Coordinates) else None
         if counted is not None and len(counted) != layout.sizes["q"]:  # of another solver
             counted = None
-        return Initial(
+        return InitialValues(
             (),
             *(
                 () if given is None else tuple(numbers_of(scene, name, given).ravel().tolist())
@@ -79,4 +80,4 @@ def initial_of(
             problems.append(f"initial {name} is {shown(value)}; wanted a finite number{wanted}")
     if problems:
         raise refusal(f"{scene}: {'; '.join(problems)}")
-    return Initial(tuple(found.items()))
+    return InitialValues(tuple(found.items()))

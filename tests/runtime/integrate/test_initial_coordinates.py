@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kousoku.runtime.integrate.body_tables import BodyPlaces
-from kousoku.runtime.integrate.initial import Leader, Start
+from kousoku.runtime.integrate.initial_coordinates import Leader, Start
 
 #: Of each direction of a point; nothing moves where the last one leads.
 MASSES = np.array([0.25, 4.0, 0.0])

@@ -35,14 +35,15 @@ from kousoku.model.lowering.system import system_of
 from kousoku.model.numbers.varying import Varying
 from kousoku.model.operations.interpret import ARRAY
 from kousoku.model.operations.interpret import evaluate as evaluated
-from kousoku.runtime.integrate.body_tables import (
-    BodyPlaces,
-    rotated,
-    solver_state,
-    written_sizes,
+from kousoku.runtime.integrate.body_tables import BodyPlaces, solver_state, written_sizes
+from kousoku.runtime.integrate.euler_parameters import rotated
+from kousoku.runtime.integrate.run_arguments import (
+    misfit_of_bodies,
+    numbers_of,
+    require_numbers,
+    values_of,
 )
-from kousoku.runtime.integrate.given import misfit_of_bodies, numbers_of, require_numbers, values_of
-from kousoku.runtime.integrate.result import listed, unknown
+from kousoku.runtime.messages import listed, unknown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -1,6 +1,6 @@
 /* The equations of the blocks: residuals, Jacobians, and the motion that they determine. */
-#ifndef KOUSOKU_KINEMATICS_EQUATIONS_H
-#define KOUSOKU_KINEMATICS_EQUATIONS_H
+#ifndef KOUSOKU_KINEMATICS_BLOCK_EQUATIONS_H
+#define KOUSOKU_KINEMATICS_BLOCK_EQUATIONS_H
 
 #include <string.h>
 

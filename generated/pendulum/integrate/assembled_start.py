@@ -1,4 +1,4 @@
-"""The start of a run with other parameters than the scene's: what the file with these would have.
+"""The start of a run with other parameters, assembled anew: what the file with these would have.
 
 Bodies are where they fit nearest to where the scene has them, weighed with masses and moments of
 inertia; their velocities are those of the scene there, changed by the least. Assembly found both
@@ -14,14 +14,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .body_tables import BACK, body_tables, composed, crossed, indices, rotated
+from .body_tables import body_tables, indices
+from .euler_parameters import BACK, composed, crossed, rotated
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from .arithmetic import Array
-    from .initial import Evaluate
     from .motion import Layout
+    from .start_evaluation import Evaluate
 
 #: Least moment of inertia that weighs a displacement, as a part of the largest of the body.
 THIN = 1e-3
@@ -47,7 +48,7 @@ NO_TURN = (1.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
-class GivenStart:
+class WrittenBody:
     """A body at the start, as the scene gives it.
 
     Parameters
@@ -76,7 +77,7 @@ class GivenStart:
     mass_properties: tuple[int | float, ...]
 
     @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> GivenStart:
+    def from_data(cls, data: Mapping[str, Any]) -> WrittenBody:
         """Start that the scene gives a body, from ``motion.json``."""
         names = ("position", "orientation", "velocity", "spin", "mass_properties")
         return cls(is_in_o=data["is_in_o"], **{name: tuple(data[name]) for name in names})
@@ -107,7 +108,7 @@ class Places:
         target[self.at[self.moves]] = values[self.moves]
 
 
-class Given:
+class WrittenBodies:
     """The bodies of a scene as it gives them, each in the principal frame of what carries it.
 
     A body carries itself, or another one that it is fixed to. Components stand before bodies.
@@ -289,7 +290,7 @@ def _norm(a: Any) -> float:
     return float(np.linalg.norm(a))
 
 
-def given_start(
+def assembled_start(
     layout: Layout, evaluate: Evaluate, y: Array, *, is_told: bool = True
 ) -> tuple[Array, Array, Layout, list[Change]]:
     """Start, q and v, with the parameters of a run, and what these change.
@@ -302,13 +303,13 @@ def given_start(
     layout : Layout
         What stands where, with the parameters of the run.
     evaluate : callable
-        What :func:`.initial.evaluated` returns, with these parameters.
+        What :func:`.start_evaluation.evaluated` returns, with these parameters.
     y : array
         Where bodies fit, on the branch of the scene: q, then some v.
     is_told : bool
         Whether what it changes is told: not where the caller places the bodies.
     """
-    given, count = Given(layout), layout.sizes["q"]
+    given, count = WrittenBodies(layout), layout.sizes["q"]
     q, v = y[:count].copy(), y[count:].copy()
     if given.has_places:
         found = nearest(layout, given, evaluate, q)
@@ -324,7 +325,7 @@ def given_start(
     return q, v, replace(layout, notes=(*told, *notes)), changes
 
 
-def nearest(layout: Layout, given: Given, evaluate: Evaluate, q: Array) -> Array | None:
+def nearest(layout: Layout, given: WrittenBodies, evaluate: Evaluate, q: Array) -> Array | None:
     """Place nearest to where the scene has its bodies, that can be reached from q.
 
     There the force f of ½ dᵀ W d is normal to the constraints: what is tangent of −M⁻¹ f is a step

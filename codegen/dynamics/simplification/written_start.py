@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 REST = (0.0, 0.0, 0.0)
 
 
-def given_start(scene: Scene, written: System, joined: System) -> tuple[WrittenStart, ...]:
+def written_start(scene: Scene, written: System, joined: System) -> tuple[WrittenStart, ...]:
     """Bodies as written, if the start depends on parameters.
 
     It does where they change numbers of the scene, or what drivers prescribe: what assembly made
