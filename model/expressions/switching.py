@@ -36,6 +36,8 @@ SMOOTH = 2
 HIGHEST = 12
 #: Functions with a jump, or that jump through infinity.
 JUMPING = frozenset({Op.SIGN, Op.TAN, Op.ATAN2})
+#: Functions that are bounded where what they are of is infinite, too.
+BOUNDED = frozenset({Op.SIGN, Op.SIN, Op.COS, Op.ATAN, Op.ATAN2})
 #: Functions of which those of their arguments may be looked at instead.
 TRANSPARENT = frozenset({*SWITCHES, Op.ADD, Op.NEG, Op.MUL})
 
@@ -77,8 +79,9 @@ def switching_functions(formula: Expression) -> Iterator[Expression]:
     ``atan(1/a)`` jumps where a is zero, and ``atan2(a, b)`` where b is negative there.
     """
     smooth = {id(factor) for part in ordered(formula) for factor in _signed_squares(part)}
+    divided = {id(factor) for part in ordered(formula) for factor in _divided(part)}
     for part in ordered(formula):
-        if part.op in SWITCHES and id(part) not in smooth:
+        if part.op in SWITCHES and (id(part) not in smooth or id(part) in divided):
             first, *rest = part.args
             yield add(first, *map(neg, rest))
         elif (root := even_root(part)) is not None and root[1] < SMOOTH:
@@ -93,7 +96,7 @@ def _divisors_of(formula: Expression) -> Iterator[Expression]:
     """What may be zero in a formula, and is divided by there."""
     for part in ordered(formula):
         if part.op is Op.DIV:
-            yield from filter(may_be_zero, _crossed(part.args[1]))
+            yield from filter(may_be_zero, _zeros_of(part.args[1]))
 
 
 def edges_of(formula: Expression) -> Iterator[Expression]:
@@ -134,7 +137,7 @@ def places_of(law: Expression) -> Iterator[Expression]:
 
 def poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
     """Functions that are zero where a formula may be infinite, as far as it varies."""
-    for part in ordered(formula):
+    for part in _unbounded_parts(formula):
         place = None
         if part.op in {Op.DIV, Op.LOG}:
             place = _place_of(part) or part.args[0]
@@ -147,6 +150,17 @@ def poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expressi
         for zero in _zeros_of(place) if place is not None else ():
             if may_be_zero(zero) and not set(varying).isdisjoint(names_of(zero)):
                 yield zero
+
+
+def _unbounded_parts(formula: Expression) -> Iterator[Expression]:
+    """Parts of a formula, but not those of functions that are bounded whatever they are of."""
+    stack, seen = [formula], set()
+    while stack:
+        part = stack.pop()
+        if id(part) not in seen:
+            seen.add(id(part))
+            yield part
+            stack.extend(() if part.op in BOUNDED else reversed(part.args))
 
 
 def summands(formula: Expression) -> Iterator[Expression]:
@@ -289,6 +303,16 @@ def _signed_squares(part: Expression) -> Iterator[Expression]:
             (inside,) = factor.args
             if inside in factors:
                 yield factor
+
+
+def _divided(part: Expression) -> Iterator[Expression]:
+    """Sizes in what is divided by a formula that may be zero and has a name of theirs."""
+    if part.op is not Op.DIV or part.args[1].value is not None:
+        return
+    names = set(names_of(part.args[1]))
+    sizes = [one for one in ordered(part.args[0]) if one.op is Op.ABS]
+    if sizes and may_be_zero(part.args[1]):
+        yield from (one for one in sizes if not names.isdisjoint(names_of(one)))
 
 
 def _factors(part: Expression) -> Iterator[Expression]:

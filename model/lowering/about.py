@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.errors import ExpressionError
 from kousoku.model.expressions.design_numbers import with_numbers
-from kousoku.model.expressions.formulas import LAW_NAMES, RATE, state_names, texts_of, used_names
+from kousoku.model.expressions.folds import with_signs
+from kousoku.model.expressions.formulas import LAW_NAMES, RATE, state_names, texts_of
 from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.switching import may_jump
 from kousoku.model.lowering.quaternions import quaternion
@@ -43,7 +44,7 @@ class About:
     duration : float [s], optional
         How long it moves unless a run says so.
     jumps : tuple of str
-        Keys of forces that jump where a ``sign`` in their formula changes.
+        Keys of forces that jump where a ``sign`` in their formula changes, or what is one.
     moved : sequence of sequence
         What assembly changed: body, metres and radians, and those per second.
     """
@@ -57,9 +58,9 @@ class About:
     def of(cls, scene: Scene, notes: Sequence[str] = ()) -> About:
         """Facts about a checked scene of bodies, with further notes."""
         jumps = tuple(
-            join("forces", name)
-            for name, force in scene.forces.items()
-            if any(used_names(text, ("sign",)) for text in texts_of(force))
+            key
+            for key, parts in _parts_of_forces(scene)
+            if any(part.op is Op.SIGN for part in parts)
         )
         notes = (*scene_notes(scene), *notes_of_events(scene), *notes)
         return cls(notes, scene.duration, jumps)
@@ -87,13 +88,13 @@ def scene_notes(scene: Scene) -> Iterator[str]:
 
 
 def _parts_of_forces(scene: Scene) -> Iterator[tuple[str, list[Expression]]]:
-    """Key of each force, and all parts of its formulas."""
+    """Key of each force, and all parts of its formulas, with a sign where a quotient is one."""
     names = {*state_names(scene), *LAW_NAMES}
     for name, force in scene.forces.items():
         formulas = []
         for text in texts_of(force):
             with suppress(ExpressionError):  # a text that is no formula, such as the type
-                formulas.append(parse_expression(text, names))
+                formulas.append(with_signs(parse_expression(text, names))[0])
         yield join("forces", name), [part for one in formulas for part in ordered(one)]
 
 

@@ -29,13 +29,26 @@ from kousoku.model.expressions.switching import (
     with_rates,
 )
 from kousoku.model.expressions.values import value_of
-from kousoku.model.operations.expression import add, names_of, neg, number, ordered, symbol
+from kousoku.model.lowering.driven_lengths import driven_lengths
+from kousoku.model.operations.expression import (
+    ZERO,
+    add,
+    apply,
+    mul,
+    names_of,
+    neg,
+    number,
+    ordered,
+    replaced,
+    symbol,
+)
+from kousoku.model.operations.graph import Op
 from kousoku.model.records.dotted_keys import join
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator
 
-    from kousoku.model.mechanics.multibody import Instance, System
+    from kousoku.model.mechanics.multibody import System
     from kousoku.model.operations.expression import Expression
 
 
@@ -154,17 +167,22 @@ def seen_of(system: System) -> Seen:
     edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(edges_of, events))))
     crossings = (*events, *found(switching_functions, is_state=True), *edges)
     narrow = tuple(map(without_overflow, found(varying, is_state=True)))
-    led = [
-        (one, parse_expression(one.law, names, longest=len(one.law)))
-        for one in system.constraints
+    led = {
+        place: parse_expression(one.law, names, longest=len(one.law))
+        for place, one in enumerate(system.constraints)
         if one.law
-    ]
+    }
     laws: dict[Expression, str] = {}
-    for one, law in led:
-        laws.setdefault(law, one.joint)
+    for place, law in led.items():
+        laws.setdefault(law, system.constraints[place].joint)
     breaks = {one: tuple(filter(varies, places_of(one))) for one in laws}
     followed = [one for one, places in breaks.items() if places or any(varying_parts(one, {TIME}))]
-    gaps = dict(_gaps(system, led))
+    drawn = [*driven_lengths(system, led)]
+    gaps = {
+        add(one.law, neg(_nearly_none(one.law, system))): one.driver
+        for one in drawn
+        if varies(one.law)
+    }
     switches = (*gaps, *found(switching_functions, is_state=False), *chain(*breaks.values()))
     poles: dict[Expression, str] = {}
     infinite: dict[Expression, None] = {}
@@ -197,15 +215,14 @@ def seen_of(system: System) -> Seen:
     )
 
 
-def _gaps(
-    system: System, led: Sequence[tuple[Instance, Expression]]
-) -> Iterator[tuple[Expression, str]]:
-    """Laws of distances, less a part of what they are at the start, with their drivers."""
-    for one, law in led:
-        if system.coordinates[one.terms[0].coordinate].kind == "length" and varies(law):
-            start = value_of(law, {TIME: 0.0, **dict(system.parameters)})
-            least = NO_DISTANCE * abs(start) if isfinite(start) else 0.0
-            yield add(law, neg(number(Fraction(least)))), one.joint
+def _nearly_none(law: Expression, system: System) -> Expression:
+    """Part of what a law of a distance is at the start that counts as none, with any parameters."""
+    if not isfinite(value_of(law, {TIME: 0.0, **dict(system.parameters)})):
+        return ZERO
+    start = apply(Op.ABS, replaced(law, symbol(TIME), ZERO))
+    if names_of(start):
+        return mul(number(Fraction(NO_DISTANCE)), start)
+    return number(Fraction(NO_DISTANCE * value_of(start, {})))
 
 
 def _measures(system: System) -> Iterator[Measure]:

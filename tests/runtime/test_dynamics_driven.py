@@ -448,3 +448,85 @@ def test_free_points_whose_distance_is_driven_to_zero_stop_there(load: Load) -> 
     for samples in (2, 7, 101):
         with pytest.raises(MotionError, match=r"winch prescribes a distance of 0"):
             solver.simulate(2.0, samples=samples)
+
+
+#: What leads the other end of the coupling, by (1 - t)^2 less than a metre from where it starts.
+LEADING = {
+    "directly": (
+        '[drivers]\nmotor = { coordinate = "x", value = "size*(1 - (1 - t)^2)" }\n',
+        "motor with joints.tie",
+    ),
+    "by a rack": (
+        "[bodies.pinion]\nposition = [0, 2, 0]\nmass = 1\ninertia = { xx = 1, yy = 1, zz = 1 }\n"
+        "[joints.axle]\n"
+        'type = "revolute"\nbodies = ["ground", "pinion"]\nat = [0, 2, 0]\naxis = [0, 0, 1]\n'
+        '[joints.mesh]\ntype = "rack_and_pinion"\njoints = ["axle", "slide"]\nradius = 0.3\n'
+        '[coordinates.turn]\njoint = "axle"\n'
+        '[drivers]\nmotor = { coordinate = "turn", value = "size*(2*t - t^2)/0.3" }\n',
+        "motor with joints.tie and joints.mesh",
+    ),
+    "by two": (
+        "[bodies.third]\nposition = [0, 2, 0]\npoint = true\nmass = 1\n[joints.guide]\n"
+        'type = "point_on_line"\nbodies = ["ground", "third"]\nat = [0, 2, 0]\naxis = [1, 0, 0]\n'
+        '[joints.second]\ntype = "linear"\ncoordinates = ["x", "z"]\nfactors = [2, "size"]\n'
+        '[coordinates.z]\nbody = "third"\nalong = [1, 0, 0]\n'
+        '[drivers]\nmotor = { coordinate = "z", value = "-2*(2*t - t^2)" }\n',
+        "motor with joints.tie and joints.second",
+    ),
+    "by a point": (
+        "[bodies.third]\nposition = [0, 2, 0]\npoint = true\nmass = 1\n"
+        '[joints.second]\ntype = "linear"\ncoordinates = ["z", "x"]\nfactors = [-0.1, 0.1]\n'
+        '[coordinates.z]\nbody = "third"\nalong = [1, 0, 0]\n'
+        '[drivers]\nmotor = { body = "third", path = ["size*(2*t - t^2)", "2", "t"] }\n',
+        "motor with joints.tie and joints.second",
+    ),
+}
+
+
+def tied(leading: str, more: str = "") -> Scene:
+    """Point on a rail, whose distance from a point of it is coupled with a rack beside it."""
+    return scene_from_toml(
+        'name = "tied"\nunit = "m"\n[parameters]\nsize = 1.0\n'
+        "[bodies.slider]\nposition = [1, 0, 0]\npoint = true\nmass = 1\n"
+        "[bodies.rack]\nposition = [0, 1, 0]\nmass = 1\n"
+        "inertia = { xx = 1, yy = 1, zz = 1 }\n[joints]\n"
+        'rail = { type = "inline", bodies = ["ground", "slider"], at = [0, 0, 0],'
+        " axis = [1, 0, 0] }\n"
+        'slide = { type = "prismatic", bodies = ["ground", "rack"], at = [0, 1, 0],'
+        " axis = [1, 0, 0] }\n"
+        'tie = { type = "linear", coordinates = ["far", "x"], factors = [3, 3] }\n[coordinates]\n'
+        'far = { bodies = ["ground", "slider"], points = [[0, 0, 0], [0, 0, 0]] }\n'
+        f'x = {{ joint = "slide" }}\n{leading}{more}'
+    )
+
+
+@pytest.mark.parametrize("leading", LEADING)
+def test_points_whose_distance_is_coupled_with_what_is_driven_stop_where_they_meet(
+    load: Load, leading: str
+) -> None:
+    """They parted on one side or the other, by the rows that were asked for, without a word."""
+    text, named = LEADING[leading]
+    solver = load(tied(text))
+    for samples in (2, 3, 11):
+        with pytest.raises(MotionError) as stop:
+            solver.simulate(2.0, samples=samples)
+        assert f"drivers.{named} prescribes a distance of 0" in str(stop.value)
+        reached = float(str(stop.value).split("t = ")[1].split(" s")[0])
+        assert reached == pytest.approx(1.0, abs=1e-4)
+    short = solver.simulate(2.0, samples=3, parameters={"size": 0.9})
+    assert short.position["slider"][:, 0] == pytest.approx([1.0, 0.1, 1.0], abs=1e-8)
+    assert short.ledger.trust
+    with pytest.raises(MotionError, match="prescribes a distance of 0") as stop:
+        solver.simulate(2.0, samples=3, parameters={"size": 1.1})
+    reached = float(str(stop.value).split("t = ")[1].split(" s")[0])
+    assert reached == pytest.approx(1.0 - math.sqrt(1.0 - 1.0 / 1.1), abs=1e-4)
+
+
+def test_what_counts_as_no_distance_follows_parameters(load: Load) -> None:
+    """It was a part of what the distance is with the parameters of the scene."""
+    solver = load(drawn("(1 + 1e3*least)*(1 - t)"))
+    for least in (0.0, 1.0, -1e-3 * (1.0 - 1e-8)):
+        with pytest.raises(MotionError, match="winch prescribes a distance of 0") as stop:
+            solver.simulate(2.0, samples=2, parameters={"least": least})
+        reached = float(str(stop.value).split("t = ")[1].split(" s")[0])
+        assert reached == pytest.approx(1.0, abs=1e-8)

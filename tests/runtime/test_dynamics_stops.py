@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -105,19 +105,36 @@ def test_run_that_needs_too_many_steps_is_stopped_and_keeps_its_rows(load: Load)
     assert motion.ledger.steps == 20
 
 
-def test_run_that_chatters_at_a_sign_says_which_force_to_smooth(load: Load) -> None:
-    block = {"position": [0, 0, 0], "velocity": [1, 0, 0], "point": True, "mass": 1}
+def rubbed(law: str, speed: float) -> dict[str, Any]:
+    """Block on a line under a force."""
+    block = {"position": [0, 0, 0], "velocity": [speed, 0, 0], "point": True, "mass": 1}
     line = {"type": "point_on_line", "bodies": ["ground", "block"]}
-    tree = {
+    return {
         "name": "rub",
         "unit": "m",
         "bodies": {"block": block},
         "joints": {"a": line | {"points": [[0] * 3] * 2, "axes": [[1, 0, 0]] * 2}},
         "coordinates": {"s": {"body": "block", "along": [1, 0, 0]}},
-        "forces": {"rub": {"type": "along", "coordinate": "s", "force": "-3*sign(s_dot)"}},
+        "forces": {"rub": {"type": "along", "coordinate": "s", "force": law}},
     }
+
+
+@pytest.mark.parametrize("law", ["-3*sign(s_dot)", "-3*s_dot/abs(s_dot)"])
+def test_run_that_chatters_at_a_sign_says_which_force_to_smooth(load: Load, law: str) -> None:
     with pytest.raises(MotionError, match=r"the sign in forces\.rub jumps, .* x/sqrt\(x\^2"):
-        load(scene_from_dict(tree)).simulate(2.0, samples=3, most_steps=2000)
+        load(scene_from_dict(rubbed(law, 1.0))).simulate(2.0, samples=3, most_steps=2000)
+
+
+@pytest.mark.parametrize(
+    "rub", ["s_dot/abs(s_dot)", "s_dot^3/sqrt(s_dot^6)", "s_dot/sqrt(s_dot^2)"]
+)
+def test_a_body_starts_from_rest_against_friction_that_is_written_as_a_quotient(
+    load: Load, rub: str
+) -> None:
+    """Its force was 0/0 there, and the start was refused."""
+    motion = load(scene_from_dict(rubbed(f"2 - 0.5*{rub}", 0.0))).simulate(2.0, samples=3)
+    assert motion.position["block"][:, 0] == pytest.approx([0.0, 0.75, 3.0], abs=1e-8)
+    assert motion.ledger.trust
 
 
 def test_start_without_a_determined_motion_names_the_joint_that_depends(load: Load) -> None:

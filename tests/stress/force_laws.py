@@ -40,8 +40,9 @@ class Form:
         Returns parameters, and what is right.
     number : int
         Random runs of the full size.
-    is_led, may_be_fixed : bool
-        Whether drivers determine the motion; whether steps are also fixed.
+    is_led, may_be_fixed, may_be_loose : bool
+        Whether drivers determine the motion; whether steps are also fixed, or as long as a
+        tolerance of 1e-4 lets them.
     free : float [m/s]
         The speed at the end without the force.
     """
@@ -52,6 +53,7 @@ class Form:
     number: int = 170
     is_led: bool = False
     may_be_fixed: bool = False
+    may_be_loose: bool = False
     free: float = SPEED
 
 
@@ -167,6 +169,43 @@ WALLS = {
         "-height*max(0, min(1, (x - place)/(0.1*width), (place + width - x)/(0.1*width)))",
         0.9,
     ),
+}
+#: A ball that goes through two places, between which two forces towards and away from them add up.
+BALL = """
+name = "{name}"
+unit = "m"
+outputs = ["energies"]
+parameters = {{ place = 50.0, width = 1.0, height = 1e4 }}
+[bodies.cart]
+point = true
+position = [0, 0, 0]
+velocity = [10, 0, 0]
+mass = 1
+[coordinates]
+x = {{ body = "cart", along = [1, 0, 0] }}
+y = {{ body = "cart", along = [0, 1, 0] }}
+"""
+#: How far it passes by them, in widths: right there a formula is 0/0.
+ASIDE = 1e-6
+#: How far the ball is from two places, in formulas and as lengths of springs.
+DISTANCES = {
+    "distance_wall": f"""[forces.wall]
+type = "along"
+coordinate = "x"
+force = '''height*((x - place - width)/sqrt((x - place - width)^2 + (y + {ASIDE}*width)^2)
+- (x - place)/sqrt((x - place)^2 + (y + {ASIDE}*width)^2))'''
+""",
+    "length_wall": f"""[forces.first]
+type = "spring_damper"
+bodies = ["ground", "cart"]
+points = [["place", "-{ASIDE}*width", 0], [0, 0, 0]]
+tension = "height + 0*v"
+[forces.second]
+type = "spring_damper"
+bodies = ["ground", "cart"]
+points = [["place + width", "-{ASIDE}*width", 0], [0, 0, 0]]
+tension = "0*v - height"
+""",
 }
 
 
@@ -439,6 +478,16 @@ FORMS: dict[str, Form] = {
             may_be_fixed=True,
         )
         for name, (law, integral) in WALLS.items()
+    },
+    **{
+        name: Form(
+            "distances",
+            BALL.format(name=name) + forces,
+            wall(2.0, is_steep=True, least=-4.0),
+            number=50,
+            may_be_loose=name == "distance_wall",
+        )
+        for name, forces in DISTANCES.items()
     },
     "arctangent_wall": Form(
         "walls",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.expressions import to_graph
+from kousoku.model.expressions.folds import with_signs
 from kousoku.model.expressions.formulas import WORD, used_names
 from kousoku.model.expressions.parser import parse_expression
 
@@ -65,7 +66,8 @@ def formula_node(trace: Trace, formula: str, names: tuple[str, ...], blocks: lis
         name: trace.graph.div(value, unit) for name, (value, unit) in zip(names, pairs, strict=True)
     }
     # It was read before, and the names of :func:`scaled` may be longer than those it had then.
-    expression = parse_expression(formula, names, longest=len(formula))
+    # Quotients such as v/abs(v) are signs: at rest they have a value, and lose no digits beside it.
+    expression, _ = with_signs(parse_expression(formula, names, longest=len(formula)))
     return to_graph(expression, trace.graph, leaves)
 
 

@@ -71,12 +71,16 @@ def test_a_ball_on_a_rod_without_mass_is_no_mistake_and_a_bar_beside_its_hinge_i
 def test_a_force_that_jumps_and_the_duration_are_told() -> None:
     tree = pair([1, 0, 0])
     tree["coordinates"] = {"s": {"joint": "a"}}
-    laws = {"rub": "-3*sign(s_dot)", "smooth": "-3*s_dot/sqrt(s_dot^2 + 1e-6)"}
+    laws = {
+        "rub": "-3*sign(s_dot)",
+        "smooth": "-3*s_dot/sqrt(s_dot^2 + 1e-6)",
+        "written": "-3*s_dot/sqrt(s_dot^2)",
+    }
     tree["forces"] = {
         name: {"type": "along", "coordinate": "s", "force": law} for name, law in laws.items()
     }
     scene = scene_from_dict(tree | {"duration": 2})
-    assert About.of(scene, ["more"]) == About(("more",), 2.0, ("forces.rub",))
+    assert About.of(scene, ["more"]) == About(("more",), 2.0, ("forces.rub", "forces.written"))
 
 
 @pytest.mark.parametrize(

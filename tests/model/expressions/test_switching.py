@@ -1,0 +1,50 @@
+"""Kinks and poles of formulas: which functions are zero there."""
+
+from __future__ import annotations
+
+import pytest
+
+from kousoku.model.expressions.parser import parse_expression
+from kousoku.model.expressions.switching import poles_of, switching_functions
+from kousoku.model.operations.expression import symbol
+
+NAMES = ("x", "y", "m")
+
+
+@pytest.mark.parametrize(
+    ("text", "kinks"),
+    [
+        ("-x*abs(x)", False),
+        ("-x*abs(x)/m", False),
+        ("x*abs(x)/(y^2 + 1)", False),
+        ("x*abs(x)/tan(x)^2", True),
+        ("x*abs(x)/(exp(x) - 1)^2", True),
+        ("abs(x)/m", True),
+    ],
+)
+def test_a_square_with_a_sign_is_smooth_unless_it_is_divided(text: str, kinks: bool) -> None:
+    found = [*switching_functions(parse_expression(text, NAMES))]
+    assert (symbol("x") in found) is kinks
+
+
+@pytest.mark.parametrize(
+    ("text", "is_pole"),
+    [
+        ("1/x", True),
+        ("exp(1/x)", True),
+        ("tan(1/x)", True),
+        ("y + x/abs(y/x)", True),
+        ("atan(1/x)", False),
+        ("sin(1/x)*y", False),
+        ("atan2(y, 1/x)", False),
+        ("sign(1/x)", False),
+    ],
+)
+def test_what_is_bounded_has_no_pole(text: str, is_pole: bool) -> None:
+    """Places were known to the noise of a pole there, and jumps were met late."""
+    assert (symbol("x") in poles_of(parse_expression(text, NAMES), ("x", "y"))) is is_pole
+
+
+def test_a_jump_is_looked_for_in_what_roots_and_powers_divide_by() -> None:
+    found = [*switching_functions(parse_expression("atan(y/sqrt(x^3))", NAMES))]
+    assert symbol("x") in found
