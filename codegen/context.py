@@ -132,7 +132,7 @@ _COUNTLESS = 10**6
 
 
 def _summary(kernel: Kernel) -> str:
-    """Title on one line; what stands in brackets goes first where it is too long."""
+    """Title on one line; text in brackets goes first where it is too long."""
     title = plain(kernel.title)
     brief = re.sub(r" \([^()]*\)", "", title)
     texts = (f"{kernel.name}: {title}", f"{kernel.name}: {brief}", brief)

@@ -1,4 +1,4 @@
-"""Straight-line text of one choice of outputs: what is computed once, then what is written."""
+"""Straight-line text of one choice of outputs: shared terms, then the outputs."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def layout(
     before: frozenset[int] = frozenset(),
     used_later: frozenset[int] = frozenset(),
 ) -> LineLayout:
-    """Decide what gets a line of its own.
+    """Decide which nodes get a line of their own.
 
     What is used once is written where it is used, as long as the line stays short; what has a
     name, what is used later, and what is called or is an operand of a call, stands alone.

@@ -1,4 +1,4 @@
-"""Bodies of kernels that differ in the choice of rows only: what they share stands once."""
+"""Bodies of kernels that differ in the choice of rows only: shared terms stand once."""
 
 from __future__ import annotations
 

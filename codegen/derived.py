@@ -45,13 +45,13 @@ SOURCES = (
     "model/operations/arithmetic.py",
     "model/numbers/digits.py",
     "model/numbers/dual.py",
+    "model/operations/differentials.py",
     "model/operations/graph.py",
     "model/operations/interpret.py",
     "model/files/jsontext.py",
     "model/operations/kernel.py",
     "model/files/quantity.py",
     "model/mechanics/parallel_rows.py",
-    "model/operations/slopes.py",
 )
 #: File beside the committed kinds that says of which sources they were derived.
 RECORD_FILE = "derived.json"
@@ -62,7 +62,7 @@ _LOG = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Derived:
-    """The result of deriving a kind: what is emitted, and what it is checked against.
+    """The result of deriving a kind: a package, and the references that it is checked against.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def recall_or_derive(name: str) -> Derived:
 
 
 def record_of(trees: Mapping[str, Mapping[str, str]]) -> str:
-    """Text of ``derived.json``: the digest of the sources, and of what they gave.
+    """Text of ``derived.json``: the digest of the sources, and of graphs and references.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def recall_committed(folder: Path, name: str) -> Derived | None:
 
 @cache
 def content_key() -> str:
-    """SHA-256 over all that decides what deriving gives: sources and versions.
+    """SHA-256 over all that decides a derivation: sources and versions.
 
     It is that of the first call, before what derives is imported: a process that outlives an edit
     of the sources still runs the old ones.

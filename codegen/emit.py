@@ -63,7 +63,7 @@ def environment() -> Environment:
 
 
 def along(*names: str) -> dict[str, str]:
-    """Plain source of the runtime that goes along with what is generated.
+    """Plain source of the runtime that goes along with generated solvers.
 
     Parameters
     ----------

@@ -56,7 +56,7 @@ def to_graph(expression: Expression, graph: Graph, leaves: Mapping[str, int]) ->
 
 
 def _apply(graph: Graph, op: Op, args: Sequence[int]) -> int:
-    """Node of a function; what the graph does not have is composed."""
+    """Node of a function; operations that the graph does not have are composed."""
     match op:
         case Op.ADD:
             return graph.sum(args)

@@ -176,7 +176,7 @@ def beside_runtime(tree: SourceTree) -> SourceTree:
 
 
 def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
-    """Write a folder, each file whole or not at all, and remove what an older version left.
+    """Write a folder, each file whole or not at all, and remove files that an older version left.
 
     What ends in ``.gz`` is compressed, and is written where what it holds changes.
     Only files that the folder's own manifest lists are removed. The manifest is written last, so
@@ -203,7 +203,7 @@ def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
 
 
 def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
-    """Differences of a folder from what would be written, a line for each file; empty if none.
+    """Differences of a folder from the files that it should have, a line for each; empty if none.
 
     Each line says where the file differs, and what it is made of that changed: it was edited by
     hand, or the plain source that it copies, or inputs of the package that manifests know by their
@@ -309,7 +309,7 @@ def _listed(folder: Path) -> dict[str, Any]:
 
 
 def _where(found: str, wanted: str) -> str:
-    """Say in which line two texts differ first, and what stands there, of long lines a part."""
+    """Say in which line two texts differ first, and the text there, of long lines a part."""
     lines = zip(found.splitlines(), wanted.splitlines(), strict=False)
     differ = [(number, *pair) for number, pair in enumerate(lines, 1) if pair[0] != pair[1]]
     if not differ:

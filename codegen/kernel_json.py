@@ -53,7 +53,7 @@ def dump(package: Package) -> str:
 
 
 def parse(text: str) -> Package:
-    """Read what :func:`dump` wrote.
+    """Package that :func:`dump` wrote.
 
     Raises
     ------

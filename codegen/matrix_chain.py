@@ -32,7 +32,7 @@ def flip(factors: MatrixFactors) -> tuple[int, MatrixFactors]:
 
 
 class Association:
-    """Chooses where to split products, knowing zeros and what is multiplied out already."""
+    """Chooses where to split products, knowing zeros and products that are there already."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph

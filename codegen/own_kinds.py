@@ -1,4 +1,4 @@
-"""A constraint of one's own as the type of joints: what a scene has to know of its kernels."""
+"""A constraint of one's own as the type of joints: its inputs and rows, for a scene."""
 
 from __future__ import annotations
 

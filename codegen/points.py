@@ -148,7 +148,7 @@ def infinite_points(components: Kernel, stream: Sha256Random) -> list[Evaluation
 def _scaled_arrays(
     components: Kernel, numbers: Numbers, stream: Sha256Random, turn: int
 ) -> dict[str, tuple[float, ...]]:
-    """Scale one array as far as doubles allow, all others with what is left."""
+    """Scale one array as far as doubles allow, all others with the rest."""
     held = degrees(components)
     names = [name for name in numbers if held[name]]
     left = EXPONENT_BUDGET

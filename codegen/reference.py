@@ -1,4 +1,4 @@
-"""Reference values: what emitted code must give, in 50 digits, with the unit its error is told in.
+"""Reference values for emitted code, in 50 digits, with the unit its error is told in.
 
 They are computed with so many digits that 50 are left where terms cancel that are larger by any
 power that the points hold.

@@ -127,7 +127,7 @@ class EquationsAtState(NamedTuple):
 
 
 class SceneEquations:
-    """The equations of a scene of bodies; what does not depend on a state is prepared once.
+    """The equations of a scene of bodies; terms that do not depend on a state are prepared once.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ class SceneEquations:
         parameters: Mapping[str, float | str] | None,
         angles: Mapping[str, float] | None,
     ) -> CheckedState:
-        """State that is possible, with what its angles are counted to.
+        """State that is possible, with the values near which its angles are counted.
 
         Raises
         ------
@@ -233,7 +233,7 @@ class SceneEquations:
     def _near(
         self, time: float, values: Mapping[str, float], angles: Mapping[str, float]
     ) -> tuple[dict[str, float], frozenset[str]]:
-        """Values near which the angles are: what is given, what drivers say, else the start."""
+        """Values near which the angles are: those given, those of drivers, else of the start."""
         turning = {x.name: x.near for x in self.system.coordinates if x.counts_turns}
         known = {}
         for one in self.system.constraints:

@@ -1,4 +1,4 @@
-"""Catalog of kousoku: kinds, and what a scene may hold, with names, keys and one line each."""
+"""Catalog of kousoku: kinds, and the elements of scenes, with names, keys and one line each."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ class Section(_Named[CatalogItem]):
 
 
 class Catalog(_Named[Section]):
-    """All sections by name; its repr says what is in each."""
+    """All sections by name; its repr lists the entries of each."""
 
     COLUMNS = ("section", "entries")
 
@@ -189,7 +189,7 @@ def _section(name: str, entries: Sequence[CatalogItem]) -> Section:
 
 
 def _kinds() -> list[CatalogItem]:
-    """Kinds, with what their kernels take."""
+    """Kinds, with the inputs of their kernels."""
     from kousoku.generated import kinds
     from kousoku.model.files.manifest import Manifest
     from kousoku.symbolic import KINDS
@@ -212,7 +212,7 @@ def _sorts(
     *before: str,
     also: Sequence[str] = (),
 ) -> list[CatalogItem]:
-    """Sorts of a record: the types of a force, or what says which driver it is."""
+    """Sorts of a record: the types of a force, or the keys that say which driver it is."""
     return [
         CatalogItem(name, titles[name], _meanings(record, (*before, *own, *also)))
         for name, own in keys.items()

@@ -1,4 +1,4 @@
-"""Explain what a scene does not pay for, and verify that emitted code computes what was derived."""
+"""Explanations of solvers, and the verification of emitted code against its derivation."""
 
 from __future__ import annotations
 

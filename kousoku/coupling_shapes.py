@@ -1,4 +1,4 @@
-"""Pictures of couplings: two bodies on a frame that is not drawn, and what is coupled."""
+"""Pictures of couplings: two bodies on a frame that is not drawn, and the coupled coordinates."""
 
 from __future__ import annotations
 

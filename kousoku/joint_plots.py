@@ -169,7 +169,7 @@ def _label(axes: Axes, shape: JointPicture, owner: str) -> None:
 
 
 def _middle(solid: Solid) -> tuple[Array, float]:
-    """Middle of what is seen of a solid, and how large it is."""
+    """Middle of the visible part of a solid, and its size."""
     match solid:
         case BoxShape(owner, low, high):
             size = np.subtract(high, low)

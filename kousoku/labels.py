@@ -42,7 +42,7 @@ def rows_of(system: System, rows: Iterable[ConstraintEquation]) -> Iterator[str]
 
 
 def _component(system: System, one: Instance, row: int) -> str:
-    """Kind and component of a row of an instance; of a combination what it combines."""
+    """Kind and component of a row of an instance; of a combination the coordinates in it."""
     if one.terms:
         return " and ".join(system.coordinates[term.coordinate].name for term in one.terms)
     if is_own(one.kind):

@@ -135,7 +135,7 @@ class LinkageEquations:
     def _of_links(
         self, q: Array, v: Array, known: Mapping[str, Sequence[float]]
     ) -> Iterator[LinkageRow]:
-        """Equations of links: they keep their lengths, and what is known of their angles."""
+        """Equations of links: they keep their lengths, and prescribed angles."""
         angles: dict[int, list[LinkageRow]] = {}
         for element in self.assembly.elements:
             for row in element.rows:

@@ -345,7 +345,7 @@ def stamp() -> str:
 
 
 def cache_key(*parts: str | bytes) -> str:
-    """Key of what this kousoku makes of some parts."""
+    """Key of the files that this kousoku makes of some parts."""
     digest = hashlib.sha256(stamp().encode())
     for part in parts:
         data = part.encode() if isinstance(part, str) else part
@@ -396,7 +396,7 @@ def _outputs_of(outputs: object) -> list[str]:
 
 @contextmanager
 def naming(file: str | Path) -> Iterator[None]:
-    """Name the file, and the lines, of what is found wrong with a scene after it was read.
+    """Name the file, and the lines, of problems that are found in a scene after it was read.
 
     Raises
     ------

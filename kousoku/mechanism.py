@@ -291,7 +291,7 @@ class Mechanism:
         return self._knowing(self.solver.of_bodies("a run that goes on").resume(saved))
 
     def _knowing(self, run: Run) -> Run:
-        """Run whose results know what moved."""
+        """Run whose results know the mechanism."""
         run.mechanism = self
         return run
 
@@ -368,7 +368,7 @@ class Mechanism:
 
     @contextmanager
     def _passed_on(self) -> Iterator[None]:
-        """Let what was computed until a motion stopped know what moved."""
+        """Let results until a motion stopped know the mechanism."""
         try:
             yield
         except (MotionError, Interrupted) as error:
@@ -378,6 +378,6 @@ class Mechanism:
             raise
 
     def result_of(self, result: Any) -> Result:
-        """Result that knows what moved."""
+        """Result that knows the mechanism."""
         result.mechanism = self
         return cast("Result", result)

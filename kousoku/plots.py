@@ -1,4 +1,4 @@
-"""Plots of a motion: what figures 5, 7 and 8 of Yamada and Tatsumi (1981) show.
+"""Plots of a motion, such as figures 5, 7 and 8 of Yamada and Tatsumi (1981).
 
 Needs matplotlib (the extra ``plot``). The same numbers give the same bytes of SVG.
 """
@@ -139,7 +139,7 @@ def draw_vectors(
 
 
 def draw_linkage(motion: Any, node: str | None = None) -> dict[str, Figure]:
-    """Draw what figures 5, 7 and 8 of the paper show.
+    """Draw a linkage as figures 5, 7 and 8 of the paper do.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Progress of what takes long, on a terminal and in a notebook, silently elsewhere."""
+"""Progress of long computations, on a terminal and in a notebook, silently elsewhere."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def is_watched() -> bool:
-    """Whether somebody sees what is shown: standard error is a terminal, or a notebook."""
+    """Whether somebody watches: standard error is a terminal, or a notebook."""
     return _is_notebook() or (sys.stderr is not None and sys.stderr.isatty())
 
 
@@ -24,7 +24,7 @@ def _is_notebook() -> bool:
 
 @contextmanager
 def told() -> Iterator[Callable[[str], object]]:
-    """Give what shows a line, such as ``generating loop``, until the next one or the end."""
+    """Display of a line, such as ``generating loop``, until the next one or the end."""
     if not is_watched():
         yield lambda text: None
         return
@@ -41,7 +41,7 @@ def told() -> Iterator[Callable[[str], object]]:
 
 @contextmanager
 def _shown_in_a_cell() -> Iterator[Callable[[str], object]]:
-    """Give what shows a line below a cell, and takes it away at the end.
+    """Display of a line below a cell, taken away at the end.
 
     Rich wants widgets there, and what is written to standard error stays, on red ground, in
     notebooks that are saved.

@@ -162,7 +162,7 @@ def figures_of(
 
 
 def _efforts(result: Result) -> list[str]:
-    """Columns of what drivers do, where that is known, without what is zero."""
+    """Columns of forces of drivers, where they are known, without those that are zero."""
     if not (isinstance(result, Motion) and result.force):
         return []
     known = {x: result.places[x].table for name in result.drivers for x in result.columns_of(name)}
@@ -173,7 +173,7 @@ def _efforts(result: Result) -> list[str]:
 def _panels(
     result: Result, columns: Iterable[str], title: str = "", asked: Collection[str] = ()
 ) -> Iterator[PlotPanel]:
-    """Panels of columns: components of one vector share one, and what has one unit.
+    """Panels of columns: components of one vector share one, and columns of one unit.
 
     Labels leave out the body or joint that the title tells. Columns that are asked for one by one
     are drawn as they are, at rest too.
@@ -207,7 +207,7 @@ def _panels(
 
 
 def _curves(result: Result, table: str, owner: str, names: Sequence[str]) -> dict[str, Array]:
-    """Curves of a panel by what tells them apart."""
+    """Curves of a panel by the part of their names that tells them apart."""
     if not owner:
         places = (result.places[name] for name in names)
         shown = [f"{place.owner or place.table}{COORDINATE.get(table, '')}" for place in places]
@@ -242,7 +242,7 @@ def _size(result: Result, table: str, unit: str) -> float:
 
 
 def _turning(result: Motion, table: str) -> float:
-    """Speed of a point that is a length of the scene beside what turns fastest."""
+    """Speed of a point that is a length of the scene beside the body that turns fastest."""
     length = result.reaction_length
     omega = max(map(_largest, result.angular_velocity.values()), default=0.0)
     alpha = max(map(_largest, result.angular_acceleration.values()), default=0.0)

@@ -1,4 +1,4 @@
-"""Saved runs: a file of columns that also holds what they belong to, to be opened again."""
+"""Saved runs: a file of columns, and of the mechanism and settings, to be opened again."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ class MovedScene:
 
 
 class KeptFigures:
-    """Ledger or verdict of a run that was opened: what it says, and its numbers by name.
+    """Ledger or verdict of a run that was opened: its text, and its numbers by name.
 
     Parameters
     ----------
@@ -272,7 +272,7 @@ def open_run(path: str | Path) -> Result:
 
 
 def _arrays_in(path: Path) -> dict[str, Any]:
-    """Arrays of a file that are no columns; what was cut off is missed."""
+    """Arrays of a file that are no columns; those that were cut off are missed."""
     found = {}
     with zipfile.ZipFile(path) as archive:
         for entry in archive.namelist():

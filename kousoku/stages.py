@@ -1,4 +1,4 @@
-"""The stages of kernels: the graph that a derivation is frozen into, and what its passes save."""
+"""The stages of kernels: the graph that a derivation is frozen into, and savings by passes."""
 
 from __future__ import annotations
 

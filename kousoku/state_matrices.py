@@ -197,7 +197,7 @@ class Evaluation(NamedTuple):
     notes: tuple[str, ...]
 
     def __repr__(self) -> str:
-        """Sizes, and what is not unique or not closed."""
+        """Sizes, rows that are not unique, and notes."""
         several = [row for row, one in zip(self.rows, self.is_unique, strict=True) if not one]
         text = f"v_dot ({len(self.v_dot)},), lam ({len(self.lam)},)"
         text = f"{text}; not unique: {listed(several)}" if several else text

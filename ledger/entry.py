@@ -1,4 +1,4 @@
-"""The record of one statement of the documents: as printed, what is true of it, and why."""
+"""The record of one statement of the documents: as printed, its verdict, and the proof."""
 
 from __future__ import annotations
 

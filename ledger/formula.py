@@ -1,4 +1,4 @@
-"""The tree of a formula, as the documents' LaTeX spells it. What symbols mean comes later."""
+"""The tree of a formula, as the documents' LaTeX spells it; its symbols have no meaning yet."""
 
 from __future__ import annotations
 

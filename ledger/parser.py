@@ -1,4 +1,4 @@
-"""From a formula's LaTeX to its tree: strict about brackets, ignorant of what symbols mean."""
+"""From a formula's LaTeX to its tree: strict about brackets, ignorant of the meaning of symbols."""
 
 from __future__ import annotations
 

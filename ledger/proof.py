@@ -1,4 +1,4 @@
-"""The proofs: what an entry says is read, carried into an exact ring, and compared.
+"""The proofs: statements of an entry are read, carried into an exact ring, and compared.
 
 Nothing is rounded and nothing rests on sampled points: an equality holds identically in all
 quantities, an inequality is shown by one rational point.
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """One statement that was tested, and what was seen."""
+    """One statement that was tested, and the finding."""
 
     statement: str
     result: str
@@ -66,7 +66,7 @@ def prove(entry: Entry) -> Proof:
 
 
 def _printed(entry: Entry) -> tuple[Line, ...]:
-    """Refute the printed form where it is not what is true."""
+    """Refute the printed form where it is not true."""
     if entry.verdict == "holds":
         if entry.corrected or entry.refutation:
             raise LedgerError("holds as printed, yet the entry corrects or refutes it")
@@ -152,7 +152,7 @@ def refuted(latex: str, vocabulary: Vocabulary) -> str:
 
 
 def _values(statement: Statement, vocabulary: Vocabulary) -> list[Value]:
-    """Values of the sides; of what is replaced, ``x ← …``, the new one."""
+    """Values of the sides; of a replacement ``x ← …`` the new one."""
     sides = list(statement.sides)
     if "\\leftarrow" in statement.relations:
         sides[0] = SymbolName(f"new {sides[0]}")

@@ -119,7 +119,7 @@ def _form(entry: Entry, name: str) -> str:
 
 
 def _seen(function: Callable[..., Evidence], arguments: Mapping[str, Any]) -> str:
-    """Run a proof, and return what it saw; of statements all must be true."""
+    """Run a proof, and return its findings; of statements all must be true."""
     seen = function(**arguments)
     if isinstance(seen, str):
         return seen

@@ -49,12 +49,12 @@ class Names:
         self._methods: dict[str, ProofMethod] = {} if known is None else dict(known._methods)
 
     def words(self, function: _Words) -> _Words:
-        """Enter what gives a vocabulary by its name: a decorator."""
+        """Enter a function that gives a vocabulary by its name: a decorator."""
         self._words[function.__name__] = function
         return function
 
     def proof(self, statement: str = "") -> Callable[[_Proof], _Proof]:
-        """Enter what proves something by its name: a decorator.
+        """Enter a function that proves something by its name: a decorator.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""The documents' LaTeX as tokens, and what is left of a formula without its notation."""
+"""The documents' LaTeX as tokens, and a formula without its notation."""
 
 from __future__ import annotations
 

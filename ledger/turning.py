@@ -1,4 +1,4 @@
-"""Rotations on the component level: what δ and d/dt do, found by differentiating alone.
+"""Rotations on the component level: δ and d/dt, found by differentiating alone.
 
 No rule that an entry states is used here. A(p) is the quadratic form over p·p, a rotation for all
 Euler parameters; it changes along ½ p∘(0, δθ′), and everything else is the chain rule.

@@ -159,7 +159,7 @@ def _runs(text: str) -> list[str]:
 
 
 def _bare(run: str) -> str:
-    """Run of text; what spells a formula without dollar signs becomes one."""
+    """Run of text; text that spells a formula without dollar signs becomes one."""
     plain = re.sub(r"</?sup>", "", run)
     if re.search(r"(?<![\\\w])[A-Za-z]{4,}", plain):  # words, so that formulas end at blanks
         return " ".join(_formula_or_words(word, r"[\\{]") for word in plain.split(" "))

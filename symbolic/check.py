@@ -50,7 +50,7 @@ def check_constraint(c: Constraint, given: Sequence[str]) -> None:
 
 
 def check_functions(derivation: Derivation) -> None:
-    """Check that each function holds only what it declares, in the sizes that it declares.
+    """Check that each function holds only the symbols that it declares, in their sizes.
 
     Raises
     ------

@@ -53,7 +53,7 @@ A = OrientationMatrix(symbol(P))
 
 @dataclass(frozen=True, slots=True)
 class BodyTerms:
-    """The matrix level of what moves; equations of three mass points.
+    """The matrix level of moving bodies; equations of three mass points.
 
     Parameters
     ----------

@@ -53,12 +53,7 @@ def motion_steps(
     centre = add(R, mul(orientation, MatrixSymbol("r_AG_b", 3, 1)))
     momentum = mul(body.mass, rate(rate(centre)))
     force = _collected_force(momentum, body, orientation, omega, omega_dot)
-    arm, spin = skew(body.moment), skew(omega)
-    torque = add(
-        mul(arm, transpose(orientation), ACCELERATION),
-        mul(body.inertia, omega_dot),
-        mul(spin, body.inertia, omega),
-    )
+    torque = _torque(body, orientation, omega, omega_dot)
     left = MatrixSymbol("H_dot", 3, 1)
     return (
         *_one_point("G", centre, rate, (ACCELERATION, omega_dot)),
@@ -156,16 +151,25 @@ def _collected_torque(
     omega: SymbolicMatrix,
     omega_dot: SymbolicMatrix,
 ) -> tuple[Step, ...]:
-    arm, spin = skew(body.moment), skew(omega)
-    collected = add(
-        mul(arm, transpose(orientation), ACCELERATION),
-        mul(body.inertia, omega_dot),
-        mul(spin, body.inertia, omega),
-    )
+    torque = _torque(body, orientation, omega, omega_dot)
     left = MatrixSymbol("H_dot", 3, 1)
     return (
         Step(left, moment, "times s′_k~ Aᵀ and summed: equals N′", "moment-sum"),
-        Step(left, collected, "AᵀA = I and s~ ω~ ω~ s = ω~ s~ᵀ s~ ω", "moment-balance"),
+        Step(left, torque, "AᵀA = I and s~ ω~ ω~ s = ω~ s~ᵀ s~ ω", "moment-balance"),
+    )
+
+
+def _torque(
+    body: BodyTerms,
+    orientation: SymbolicMatrix,
+    omega: SymbolicMatrix,
+    omega_dot: SymbolicMatrix,
+) -> SymbolicMatrix:
+    """Torque N′ = c~ Aᵀ r̈ + I_A ω̇′ + ω′~ I_A ω′ (3, 1) [N m], in the body frame."""
+    return add(
+        mul(skew(body.moment), transpose(orientation), ACCELERATION),
+        mul(body.inertia, omega_dot),
+        mul(skew(omega), body.inertia, omega),
     )
 
 

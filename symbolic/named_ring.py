@@ -1,4 +1,4 @@
-"""A ring in which names stand for themselves: what holds for every value of them holds for theirs.
+"""A ring in which names stand for themselves: an identity for all values holds for theirs.
 
 Without it a quotient of sums in many Euler parameters would be multiplied out. An equality that is
 found here is one; an inequality is not, as the values may have what the names have not.

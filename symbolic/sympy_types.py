@@ -56,7 +56,7 @@ class Scalar(SymbolicExpression, Protocol):
 
     @property
     def base(self) -> Any:
-        """Of a power: what is multiplied."""
+        """Base of a power."""
 
     @property
     def exp(self) -> Any:
@@ -97,7 +97,7 @@ class SymbolicMatrix(SymbolicExpression, Protocol):
     def __iter__(self) -> Iterator[Any]: ...
 
     def applyfunc(self, function: Callable[[Any], Any]) -> Any:
-        """A matrix of what a function gives for each element."""
+        """A matrix of the values of a function at each element."""
 
     def tolist(self) -> list[list[Any]]:
         """Its rows."""

@@ -52,7 +52,7 @@ _SHARED = {q.name: q for q in (*bodies.CONFIGURATION, *bodies.MOTION)}
 
 @dataclass(frozen=True, slots=True, repr=False)
 class _Term:
-    """What vectors and numbers have in common.
+    """A term of vectors or numbers.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ class Vector(_Term):
         )
 
     def _product(self, other: Vector) -> Scalar:
-        """Scalar product by elements; what A has turned on both sides it leaves alone."""
+        """Scalar product by elements; vectors that A has turned on both sides stay as they are."""
         total = S.Zero
         for name in self.parts.keys() & other.parts.keys() - {self.frame}:
             total += _square(name) ** 2 * dot(self.parts[name], other.parts[name])
@@ -586,7 +586,7 @@ def _square(body: str) -> Scalar:
 
 
 def _input(name: str, shape: tuple[int, ...], unit: str, meaning: str) -> Quantity:
-    """Input by a name; what every constraint has already, such as a′ of body i, as it is there."""
+    """Input by a name; those of every constraint, such as a′ of body i, are there already."""
     if unit not in POWERS:
         raise DerivationError(f"{name}: unit {unit!r}; wanted one of {', '.join(POWERS)}")
     there = _SHARED.get(name)

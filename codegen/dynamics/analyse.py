@@ -137,7 +137,7 @@ class Analysed:
 
 
 def analyse(system: System, wanted: Collection[str]) -> Analysed:
-    """Assembled system with what all analyses found that need no program.
+    """Assembled system with the findings of all analyses that need no program.
 
     Parameters
     ----------
@@ -239,7 +239,7 @@ def in_xy_plane(found: Analysed) -> Analysed:
 
 
 def require_driven(found: Analysed, wanted: Collection[str]) -> None:
-    """Refuse what depends on masses that are missing.
+    """Refuse quantities that depend on masses that are missing.
 
     Raises
     ------

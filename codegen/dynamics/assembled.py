@@ -1,4 +1,4 @@
-"""From a scene to the system whose equations are solved: what all that follows begins with."""
+"""From a scene to the system whose equations are solved: the first stage of all pipelines."""
 
 from __future__ import annotations
 

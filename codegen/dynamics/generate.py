@@ -144,7 +144,7 @@ def compose_scene(scene: Scene, wanted: Sequence[str]) -> Composed:
 
 
 def _of_reactions(program: Program) -> Iterator[str]:
-    """Notes on what leads out of the plane: not unique, or not computed."""
+    """Notes on reactions that lead out of the plane: not unique, or not computed."""
     joints = program.unique_in_plane
     if joints:
         names = listed([scene_key(name) for name in joints])

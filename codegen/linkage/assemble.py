@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class Role(enum.Enum):
-    """The parts of (18) and (19); what never moves is apart from what is prescribed."""
+    """The parts of (18) and (19); constants are apart from prescribed coordinates."""
 
     FIXED = "fixed"
     INPUT = "input"

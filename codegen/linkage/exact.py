@@ -128,7 +128,7 @@ class Exact:
         return values["epsilon"][row], slope
 
     def _carried(self, element: LinkElement, row: int, number: int, order: int) -> Any:
-        """Product of D and the derivatives of what is known before the block."""
+        """Product of D and the derivatives of coordinates that are known before the block."""
         unknowns = self.layout.blocks[number].unknowns
         values = self._element(element, row, 0)
         total = self.arithmetic.number(_ZERO)

@@ -69,7 +69,7 @@ class LinkageExplanation:
 
 
 def explain_linkage(scene: Scene) -> LinkageExplanation:
-    """Explanation of what is solved for a planar linkage.
+    """Explanation of the equations that are solved for a planar linkage.
 
     Parameters
     ----------

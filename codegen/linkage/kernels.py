@@ -171,7 +171,7 @@ class _Composer:
         source: str,
         outputs: Mapping[Quantity, Sequence[int]],
     ) -> Kernel:
-        """Kernel of what was composed."""
+        """Kernel of a graph that was composed."""
         return drop_dead(
             Kernel(
                 name=name + self.suffix,

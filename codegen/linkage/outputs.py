@@ -1,4 +1,4 @@
-"""The kernels that turn coordinates into what is asked for: motions of nodes, angles of links."""
+"""The kernels that turn coordinates into outputs: motions of nodes, angles of links."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ class NodeRotation:
 
 
 def merge_rotations(scene: Scene, notes: list[str]) -> tuple[NodeRotation, ...]:
-    """Rotations of a scene, node by node, and append to ``notes`` what was merged."""
+    """Rotations of a scene, node by node; merged ones are appended to ``notes``."""
     inputs = {
         (item.link, item.about): name
         for name, item in scene.inputs.items()

@@ -45,7 +45,7 @@ PassTrace = tuple[PassRecord, ...]
 def run_passes(
     kernel: Kernel, passes: Sequence[Callable[[Kernel], Kernel]]
 ) -> tuple[Kernel, PassTrace]:
-    """Apply passes one after the other, and record what each did."""
+    """Apply passes one after the other, and record the savings of each."""
     records = []
     for one in passes:
         start = time.perf_counter()

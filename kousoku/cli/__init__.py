@@ -1,4 +1,4 @@
-"""The command line: one file for each command, which imports what it needs only when it runs."""
+"""The command line: one file for each command, whose imports wait until it runs."""
 
 from kousoku.cli.app import main
 

@@ -30,12 +30,12 @@ from kousoku.model.version import __version__
 
 
 def _discard() -> None:
-    """Discard what is left in the buffer: it would be written, in vain, when Python ends."""
+    """Discard the rest of the buffer: it would be written, in vain, when Python ends."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _is_lost() -> bool:
-    """Whether what is printed cannot be written: not even the end of a line."""
+    """Whether output cannot be written: not even the end of a line."""
     try:
         os.write(sys.stdout.fileno(), b"\n")
     except OSError:

@@ -1,4 +1,4 @@
-"""``kousoku cache``: what was generated and compiled before, and how to be rid of it."""
+"""``kousoku cache``: solvers that were generated and compiled before, and their removal."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""``kousoku check``: all that is wrong with scene files, and what one may not expect of them."""
+"""``kousoku check``: all problems of scene files, and notes on them."""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""``kousoku explain``: what a scene does not need, what that saves, and what remains."""
+"""``kousoku explain``: steps that a scene does not need, their savings, and the rest."""
 
 import typer
 

@@ -1,4 +1,4 @@
-"""``kousoku ledger``: every equation of the documents, what is true of it, and the proof."""
+"""``kousoku ledger``: every equation of the documents, its verdict, and the proof."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated

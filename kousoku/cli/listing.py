@@ -1,4 +1,4 @@
-"""``kousoku list``: what a scene may have; or the generated packages, and their kernels."""
+"""``kousoku list``: the elements of scenes; or the generated packages, and their kernels."""
 
 from pathlib import Path
 from typing import Annotated, Any

@@ -123,7 +123,7 @@ def move(
     how: Callable[[Mechanism, Any], Result],
     compare: Callable[[Mechanism, Result], Mapping[str, float] | None] | None = None,
 ) -> None:
-    """Load a scene, move it, and print, write and draw what came of it.
+    """Load a scene, move it, and print, write and draw the result.
 
     Parameters
     ----------
@@ -319,7 +319,7 @@ def _show(
 
 
 def _print_rows(result: Result, wish: Wish) -> None:
-    """Print what was asked for, thinned to a table that is read at one glance."""
+    """Print the wanted columns, thinned to a table that is read at one glance."""
     names = ["time"] if "time" in result else []
     names = [*dict.fromkeys([*names, *(wish.columns or result.main_columns(wish.of))])]
     names = names[:MOST_COLUMNS]
@@ -331,7 +331,7 @@ def _print_rows(result: Result, wish: Wish) -> None:
 
 @contextmanager
 def shown_progress() -> Iterator[Callable[[float, float], None] | None]:
-    """Give what shows the time reached where somebody watches."""
+    """Progress of the time reached, where somebody watches."""
     from kousoku.progress import told
 
     with told() as tell:

@@ -1,4 +1,4 @@
-"""``kousoku schema``: the JSON schema of scene files, or of what a command prints."""
+"""``kousoku schema``: the JSON schema of scene files, or of the answer of a command."""
 
 import json
 import sys

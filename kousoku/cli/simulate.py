@@ -1,4 +1,4 @@
-"""``kousoku simulate``: load a scene, let it move in time, say what it cost."""
+"""``kousoku simulate``: load a scene, let it move in time, tell the cost."""
 
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, Literal

@@ -102,7 +102,7 @@ def verify_all(folders: Sequence[Path], target: "Target" = "auto") -> list["Repo
 
 
 def print_summary(reports: Sequence["Report"]) -> None:
-    """Print one line for each package, then what was not checked and what is wrong."""
+    """Print one line for each package, then those not checked, and problems."""
     from kousoku.runtime.report import LIMIT
 
     rows = []

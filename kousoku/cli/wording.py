@@ -42,7 +42,7 @@ def as_typed(text: str) -> str:
 
 
 def refused(error: BadParameter) -> str:
-    """Say what is wrong with an argument in words of the command line, not of its library.
+    """Problem of an argument in words of the command line, not of its library.
 
     An error of which the library keeps no details, as older ones do, keeps its words.
     """

@@ -24,7 +24,7 @@ AXIS, EDGE = "#b02020", "#2b3140"
 
 
 def draw(picture: Picture) -> Figure:
-    """Draw what a picture shows where it starts, over a grid whose unit is told.
+    """Draw a picture where it starts, over a grid whose unit is told.
 
     Parameters
     ----------

@@ -182,7 +182,7 @@ def _mesh(name: str) -> dict[str, Any]:
 
 
 def _motion(picture: Picture) -> tuple[str, list[float], float]:
-    """Places and turns of all frames in 16 bits, and what the places are counted from."""
+    """Places and turns of all frames in 16 bits, and the origin of the places."""
     position = picture.position
     if not position.size:
         return "", [0.0, 0.0, 0.0], 0.0

@@ -122,35 +122,25 @@ class Picture:
 
 def picture_at_rest(scene: Scene, parameters: Mapping[str, float | str] | None = None) -> Picture:
     """Picture of a scene at the positions as they are written."""
-    if not scene.is_spatial:
+    if scene.is_spatial:
+        scene = with_values(scene, parameters)
+        poses = written_poses(scene)
+        shapes, (position, turn) = spatial_shapes(scene, poses), (one[None] for one in poses)
+        normal = normal_of(shapes, position, turn)
+    else:
         shapes, position, turn = linkage_at_rest(scene)
-        return Picture(
-            name=scene.name,
-            title=scene.title or scene.name,
-            unit=scene.unit,
-            shapes=shapes,
-            time=np.zeros(1),
-            position=position,
-            turn=turn,
-            force={},
-            paths=(),
-            normal=OUT,
-            speed=1.0,
-        )
-    scene = with_values(scene, parameters)
-    position, turn = written_poses(scene)
-    shapes = spatial_shapes(scene, (position, turn))
+        normal = OUT
     return Picture(
         name=scene.name,
         title=scene.title or scene.name,
         unit=scene.unit,
         shapes=shapes,
         time=np.zeros(1),
-        position=position[None],
-        turn=turn[None],
+        position=position,
+        turn=turn,
         force={},
         paths=(),
-        normal=normal_of(shapes, position[None], turn[None]),
+        normal=normal,
         speed=1.0,
     )
 
@@ -219,7 +209,7 @@ def picture_of(
 def require_showable(
     scene: Scene, *, paths_of: Sequence[Any] | None = None, speed: float | None = None
 ) -> None:
-    """Refuse what no picture of a scene can show, before it is moved.
+    """Refuse options that no picture of a scene can show, before it is moved.
 
     Raises
     ------
@@ -242,7 +232,7 @@ def require_moment(picture: Picture, time: float) -> None:
 
 
 def _require_numbers(scene: str, **given: float | None) -> None:
-    """Refuse what is no number, and what has to be positive and is not."""
+    """Refuse options that are no numbers, or not positive where they have to be."""
     from kousoku.model.errors import SolveError
     from kousoku.runtime.integrate.run_arguments import require_numbers
 

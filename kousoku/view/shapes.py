@@ -432,7 +432,7 @@ class _SpatialShapes:
             )
 
     def _unit_of(self, mark: JointMark) -> float:
-        """Length of 1 of a joint's sign, by the thickness of what meets there."""
+        """Length of 1 of a joint's sign, by the thickness of the bodies that meet there."""
         radius = self._thin
         for body, point in ((mark.i, mark.s_i), (mark.j, mark.s_j)):
             for part in self._bodies[body].parts:

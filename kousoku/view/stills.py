@@ -153,12 +153,12 @@ class Camera:
 
     @property
     def scale(self) -> float:
-        """Units of the picture in a unit of the scene, in the middle of what is seen."""
+        """Units of the picture in a unit of the scene, in the middle of the view."""
         return self._scale
 
 
 def _reached(picture: Picture) -> Array:
-    """Corners of what bodies reach, over the whole motion, (n, 3) in frame O."""
+    """Corners of the space that bodies reach, over the whole motion, (n, 3) in frame O."""
     found = []
     rows = np.unique(np.linspace(0, len(picture.time) - 1, 60).round().astype(int))
     for k, shape in enumerate(picture.shapes.bodies):

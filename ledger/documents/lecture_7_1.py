@@ -1,4 +1,4 @@
-"""Lecture 7.1: what its symbols mean, and what ties its equations to the code's derivation."""
+"""Lecture 7.1: the meaning of its symbols, and how its equations meet the code's derivation."""
 
 from __future__ import annotations
 
@@ -79,13 +79,13 @@ def derived(function: str, output: str) -> Any:
 
 @NAMES.proof("the code's rotation.{function} gives this as {output}")
 def in_code(function: str, output: str, formula: str | Side) -> str:
-    """Prove that an output of the code's rotation is what a formula says."""
+    """Prove that an output of the code's rotation is that of a formula."""
     return equality(words(), derived(function, output), value_of(formula, words()))
 
 
 @NAMES.proof("the code's steps that cite this")
 def in_steps(key: str, formula: str | Side) -> str:
-    """Prove that the code's steps from an equation are about what a formula says.
+    """Prove that the code's steps from an equation are about a formula.
 
     Of steps on the virtual rotation alone, both sides of each are compared with the formula.
     """

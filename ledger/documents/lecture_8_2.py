@@ -67,7 +67,7 @@ def primes(count: int, side: int, formula: str, part: int = 1) -> str:
 
 @NAMES.proof("the code's d is this")
 def offset_in_code(formula: str | Side) -> str:
-    """Prove that the vector between the points in the code is what a formula says."""
+    """Prove that the vector between the points in the code is that of a formula."""
     return equality(words(), D, value_of(formula, words()))
 
 
@@ -89,7 +89,7 @@ def selection(axis: str) -> Value:
 
 @NAMES.proof("the code's {package} has C = this")
 def in_code(package: str, formula: str) -> str:
-    """Prove that the code's C is what a chain that ends in zero says.
+    """Prove that the code's C is that of a chain that ends in zero.
 
     Of p1 and p2 the code turns c into the frame of i and keeps two rows: C = S A_iᵀ c.
     """
@@ -100,13 +100,13 @@ def in_code(package: str, formula: str) -> str:
 
 @NAMES.proof("the code's {package} has C = S A_iᵀ c, c being this")
 def rows_in_code(package: str, formula: str) -> str:
-    """Prove of two rows that the code's C is what a chain that ends in zero says."""
+    """Prove of two rows that the code's C is that of a chain that ends in zero."""
     return in_code(package, formula)
 
 
 @NAMES.proof("the code's {package} has C_q δq = this")
 def varied_in_code(package: str, formula: str) -> str:
-    """Prove that the code's C_q is what a chain that ends in zero says.
+    """Prove that the code's C_q is that of a chain that ends in zero.
 
     Of p1 and p2 the rows are turned: δ(A_iᵀ c) = A_iᵀ δc − δθ̃′ A_iᵀ c, whose last term vanishes
     where c = 0.
@@ -116,7 +116,7 @@ def varied_in_code(package: str, formula: str) -> str:
 
 @NAMES.proof("the code's {package} has C_q δq = S (A_iᵀ δc − δθ̃′ A_iᵀ c), δc being this")
 def varied_rows_in_code(package: str, formula: str) -> str:
-    """Prove of two rows that the code's C_q is what a chain that ends in zero says."""
+    """Prove of two rows that the code's C_q is that of a chain that ends in zero."""
     return varied_in_code(package, formula)
 
 

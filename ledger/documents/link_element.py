@@ -1,4 +1,4 @@
-"""Yamada and Tatsumi 1981, section 2: what the symbols of one link mean, and what is proved of it.
+"""Yamada and Tatsumi 1981, section 2: the meaning of the symbols of one link, and proofs.
 
 The link is at any reference position, displaced by any **u**. Angles are those of the direction
 from end to end, so that their sines and cosines are quotients of lengths, and all is exact.
@@ -304,13 +304,13 @@ def is_position() -> str:
 
 @NAMES.proof("the code's step for {step}")
 def in_code(step: str, formula: str | Side) -> str:
-    """Prove that a step of the code's derivation says what a formula says."""
+    """Prove that a step of the code's derivation is a formula."""
     return equality(words(), derived(step), value_of(formula, words()))
 
 
 @NAMES.proof("the code's step for {step}")
 def at_reference_in_code(step: str, formula: str | Side) -> str:
-    """Prove that a step about the reference position says what a formula says."""
+    """Prove that a step about the reference position is a formula."""
     x = sympy.MatrixSymbol("x_0", 6, 1)
     values = {x[k, 0]: value for k, value in enumerate(reference())}
     return equality(words(), derived(step).xreplace(values), value_of(formula, words()))

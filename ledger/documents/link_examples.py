@@ -64,7 +64,7 @@ class ExampleVocabulary(Vocabulary):
     mechanism: ExampleMechanism = PISTON_CRANK
 
     def value(self, node: FormulaNode) -> Value:
-        """Left side of the system, all products carried out, or what its zeros stand for."""
+        """Left side of the system, all products carried out, or the meaning of its zeros."""
         match node:
             case Product() if all(isinstance(factor, Array) for factor in node.factors):
                 rows, cells = parts(node)

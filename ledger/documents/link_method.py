@@ -1,4 +1,4 @@
-"""Yamada and Tatsumi 1981, section 3: the motion of the piston crank, and what is proved along it.
+"""Yamada and Tatsumi 1981, section 3: the motion of the piston crank, and proofs along it.
 
 Its crank stands at the angle α, its rod at −β. With t = tan(α/2) and s = tan(β/2) every coordinate
 is a rational function of l1, t and s or one of the two angles, and l2 = l1 sin α / sin β. The
@@ -303,7 +303,7 @@ def is_derivative_of(first: str) -> str:
 
 @NAMES.proof()
 def without_unknowns() -> dict[str, bool]:
-    """Leave out what (23) as printed leaves out: the unknown part of x′."""
+    """Leave out the unknown part of x′, as (23) does as it is printed."""
     known = words().meanings
     matrix, pick = reference_matrix(), picking(KNOWN, 10)
     inverse = (matrix * known["L^1"]).xreplace(NUMBERS).inv()
@@ -337,7 +337,7 @@ def third_order() -> dict[str, bool]:
 
 @NAMES.proof()
 def slope_changes() -> dict[str, bool]:
-    """Look at what the slope that leads to the true position by (26) has beside x′."""
+    """Look at the rest of the slope that leads to the true position by (26), beside x′."""
     third = [value.xreplace(NUMBERS) for value in motion(3)]
     changed = [name for name, value in zip(PISTON_CRANK.names, third, strict=True) if value != 0]
     return {

@@ -1,4 +1,4 @@
-"""Three mass points: points carried by a frame, under Newton's law, and what is proved of them.
+"""Three mass points: points carried by a frame, under Newton's law, and proofs.
 
 Everything is found on the component level: positions are differentiated along ṗ = ½ p∘(0, ω′).
 An internal force is central, and opposite to the one on the other point. An external force is what
@@ -294,14 +294,14 @@ def derived(package: str, function: str, output: str) -> Value:
 
 @NAMES.proof("the code's {package}.{function} gives this as {output}")
 def in_code(package: str, function: str, output: str, formula: str | Side, words: Words) -> str:
-    """Prove that an output of a function of the code is what a formula says."""
+    """Prove that an output of a function of the code is that of a formula."""
     known = words()
     return equality(known, derived(package, function, output), value_of(formula, known))
 
 
 @NAMES.proof("the code's steps of {package} end with this as {name}")
 def in_step(package: str, name: str, formula: str | Side, words: Words) -> str:
-    """Prove that the last step about a symbol in the code is what a formula says."""
+    """Prove that the last step about a symbol in the code is a formula."""
     found = [s.right for s in derive(package).steps if getattr(s.left, "name", "") == name]
     if not found:
         raise LedgerError(f"the code's {package} has no step about {name}")

@@ -1,4 +1,4 @@
-"""Checks that kinds of elements share: one key of several, what a joint leaves free, a place."""
+"""Checks that kinds of elements share: one key of several, a coordinate of a joint, a place."""
 
 from __future__ import annotations
 

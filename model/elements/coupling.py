@@ -1,31 +1,28 @@
-"""A kind of coupling: a linear combination of what other joints leave free."""
+"""A kind of coupling: a linear combination of the coordinates of other joints."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
+from kousoku.model.elements.inputs import ElementKind
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.lowering.coordinates import CoordinateList
     from kousoku.model.mechanics.multibody import Instance
     from kousoku.model.records.scene import Scene
     from kousoku.model.records.spatial import Joint
 
 
-class Coupling:
-    """A linear combination of what other joints leave free: it has no bodies of its own.
+class Coupling(ElementKind):
+    """A linear combination of the coordinates of other joints: it has no bodies of its own.
 
     Attributes
     ----------
-    title : str
-        What it couples, in one line.
     wanted : mapping of str to str
         The keys of :class:`~kousoku.model.records.spatial.Joint` that a scene gives, all of them,
-        and what each is.
-    inputs : mapping of str to ElementInput
-        Keys that it alone has; a scene gives all, and has their values in ``joint.inputs``.
+        and what each is; those of ``inputs`` it gives all, too.
     couples : tuple of str
         What the two joints of it must leave free, where it names joints.
     not_zero : tuple of str
@@ -34,9 +31,7 @@ class Coupling:
         Other names that are accepted.
     """
 
-    title: ClassVar[str]
     wanted: ClassVar[Mapping[str, str]]
-    inputs: ClassVar[Mapping[str, ElementInput]] = {}
     couples: ClassVar[tuple[str, ...]] = ()
     not_zero: ClassVar[tuple[str, ...]] = ()
     aliases: ClassVar[tuple[str, ...]] = ()
@@ -47,17 +42,12 @@ class Coupling:
         return tuple(self.wanted)
 
     @property
-    def all_keys(self) -> tuple[str, ...]:
-        """Its keys in a scene, beside its type."""
-        return (*self.keys, *self.inputs)
-
-    @property
     def rows(self) -> int:
         """Count of equations."""
         return 1
 
     def check(self, scene: Scene, joint: Joint, key: str) -> None:
-        """Refuse what is wrong with the values of its keys, beside what is stated above.
+        """Refuse wrong values of its keys, beside the conditions that are stated above.
 
         Raises
         ------

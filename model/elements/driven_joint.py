@@ -1,4 +1,4 @@
-"""A driver of what a joint leaves free."""
+"""A driver of a coordinate that a joint leaves free."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class DrivenJoint(DriverKind):
     keys = ("joint", "of", "value")
 
     def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
-        """Joint, and which of what it leaves free."""
+        """Joint, and which of its free coordinates."""
         require_value(driver, key)
         joint = driver.joint or ""
         yield joint, check_leaves(scene, joint, driver.of, key)
@@ -37,5 +37,5 @@ class DrivenJoint(DriverKind):
         yield coordinates.of_joint(driver.joint, driver.of), driver.value
 
     def of_joint(self, scene: Scene, driver: Driver) -> tuple[str, str | None] | None:
-        """Joint, and which of what it leaves free."""
+        """Joint, and which of its free coordinates."""
         return driver.joint or "", driver.of

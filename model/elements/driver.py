@@ -1,16 +1,16 @@
-"""A kind of driver: what it drives, and by which laws of time."""
+"""A kind of driver: driven coordinates, and their laws of time."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, ClassVar
+from abc import abstractmethod
+from typing import TYPE_CHECKING
 
+from kousoku.model.elements.inputs import ElementKind
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
-    from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.lowering.coordinates import CoordinateList
     from kousoku.model.records.scene import Scene
     from kousoku.model.records.spatial import Driver, Value
@@ -19,31 +19,12 @@ if TYPE_CHECKING:
     Driven = tuple[object, ...]
 
 
-class DriverKind(ABC):
-    """One sort of drivers in a scene, by the key that says which it is.
-
-    Attributes
-    ----------
-    title : str
-        What it is, in one line.
-    keys : tuple of str
-        The keys of :class:`~kousoku.model.records.spatial.Driver` that it has.
-    inputs : mapping of str to ElementInput
-        Keys that it alone has; the scene has their values in ``driver.inputs``.
-    """
-
-    title: ClassVar[str]
-    keys: ClassVar[tuple[str, ...]]
-    inputs: ClassVar[Mapping[str, ElementInput]] = {}
-
-    @property
-    def all_keys(self) -> tuple[str, ...]:
-        """Its keys in a scene."""
-        return (*self.keys, *self.inputs)
+class DriverKind(ElementKind):
+    """One sort of drivers in a scene, by the key that says which it is."""
 
     @abstractmethod
     def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
-        """Check what it drives, and yield it.
+        """Coordinates that it drives, checked.
 
         Parameters
         ----------
@@ -70,11 +51,11 @@ class DriverKind(ABC):
         """
 
     def of_joint(self, scene: Scene, driver: Driver) -> tuple[str, str | None] | None:
-        """Joint that it drives, and which of what that leaves free, if it does."""
+        """Joint that it drives, and which of its free coordinates, if it does."""
         return None
 
     def near(self, scene: Scene, driver: Driver) -> tuple[str, float] | None:
-        """Coordinate that says which turn it is in at the start, and what it is near."""
+        """Coordinate that says which turn it is in at the start, and the value that it is near."""
         return None
 
 

@@ -1,17 +1,17 @@
-"""The kind of a force: what a scene gives it, what is wrong with that, and its elements."""
+"""The kind of a force: its keys in a scene, their checks, and its elements."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
+from kousoku.model.elements.inputs import ElementKind
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.lowering.coordinates import CoordinateList
     from kousoku.model.mechanics.frames import BodyFrame
     from kousoku.model.mechanics.multibody import ForceElement
@@ -47,31 +47,12 @@ class Lowering:
     unit: High
 
 
-class ForceKind(ABC):
-    """One type of forces in a scene.
-
-    Attributes
-    ----------
-    title : str
-        What it is, in one line.
-    keys : tuple of str
-        The keys of :class:`~kousoku.model.records.loads.Force` that it has.
-    inputs : mapping of str to ElementInput
-        Keys that it alone has; the scene has their values in ``force.inputs``.
-    """
-
-    title: ClassVar[str]
-    keys: ClassVar[tuple[str, ...]]
-    inputs: ClassVar[Mapping[str, ElementInput]] = {}
-
-    @property
-    def all_keys(self) -> tuple[str, ...]:
-        """Its keys in a scene, beside its type."""
-        return (*self.keys, *self.inputs)
+class ForceKind(ElementKind):
+    """One type of forces in a scene."""
 
     @abstractmethod
     def check(self, scene: Scene, force: Force, key: str) -> None:
-        """Refuse what is wrong with the values of its keys.
+        """Refuse wrong values of its keys.
 
         Types are right, and of two ``bodies`` both are there; formulas are checked elsewhere.
 
@@ -118,18 +99,6 @@ def require_one(value: object, key: str, which: str = "") -> None:
     if value is None or isinstance(value, tuple):
         problem = "is missing" if value is None else "has components"
         raise SceneError(f"{problem}; wanted one number or formula{which}", key=key)
-
-
-def require_only_point(name: str, point: tuple[float, float, float] | None, key: str) -> None:
-    """Refuse a point of a body that is a point itself, unless it is that one.
-
-    Raises
-    ------
-    SceneError
-        With the dotted key.
-    """
-    if any(point or ()):
-        raise SceneError(f"{name} is a point; wanted [0, 0, 0], its only point", key=key)
 
 
 def scalars(given: Mapping[str, tuple[Value | High | None, High]]) -> tuple[Constants, Formulas]:

@@ -26,7 +26,7 @@ class Friction(ForceKind):
     keys = ("joint", "of", "damping")
 
     def check(self, scene: Scene, force: Force, key: str) -> None:
-        """Refuse friction in what leaves nothing free that is one number."""
+        """Refuse friction in a joint that leaves no coordinate free."""
         if force.joint is None:
             raise SceneError("is missing; wanted the joint that it is in", key=f"{key}.joint")
         of: str | None = force.of

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 Dependence = Literal["nothing", "parameters", "time", "law", "motion"]
 """What formulas of a key may depend on: ``parameters`` only, or ``time`` too, of which those of
@@ -30,6 +34,31 @@ class ElementInput:
     type: object
     meaning: str
     depends_on: Dependence = "nothing"
+
+
+class ElementKind(ABC):
+    """A kind of force, coupling or driver, by the keys that a scene gives of it.
+
+    Attributes
+    ----------
+    title : str
+        What it is, in one line.
+    inputs : mapping of str to ElementInput
+        Keys that it alone has; a scene has their values in the ``inputs`` of its record.
+    """
+
+    title: ClassVar[str]
+    inputs: ClassVar[Mapping[str, ElementInput]] = {}
+
+    @property
+    @abstractmethod
+    def keys(self) -> tuple[str, ...]:
+        """Keys of its record that it has: of a ``Force``, a ``Joint`` or a ``Driver``."""
+
+    @property
+    def all_keys(self) -> tuple[str, ...]:
+        """Its keys in a scene, beside its type."""
+        return (*self.keys, *self.inputs)
 
 
 def given(record: object, name: str) -> object:

@@ -1,4 +1,4 @@
-"""A kind of joint: what a scene gives it, what it is composed of, and what it leaves free.
+"""A kind of joint: its keys in a scene, the constraints in it, and its free coordinates.
 
 A joint has a frame in each of its two bodies: an axis, a direction across it, and a third that is
 perpendicular to both. Its parts say which kind keeps which of them.

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from kousoku.model.elements.force import ForceKind, require_only_point
+from kousoku.model.elements.checks import check_only_point
+from kousoku.model.elements.force import ForceKind
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanics.multibody import GROUND_INDEX, ForceElement
 from kousoku.model.records.dotted_keys import require_known
@@ -90,9 +91,9 @@ class OnBody(ForceKind):
                 "is one number; wanted three components in frame O", key=f"{key}.{self.name}"
             )
         if scene.bodies[force.body].point:
-            self._check_on_point(force, key)
+            self._check_on_point(scene, force, key)
 
-    def _check_on_point(self, force: Force, key: str) -> None:
+    def _check_on_point(self, scene: Scene, force: Force, key: str) -> None:
         raise NotImplementedError
 
     def kind_of(self, force: Force) -> str:
@@ -134,12 +135,12 @@ class ForceOnBody(OnBody):
     title = "a force on a body"
     keys = ("body", "point", "force", "force_b")
 
-    def _check_on_point(self, force: Force, key: str) -> None:
+    def _check_on_point(self, scene: Scene, force: Force, key: str) -> None:
         if force.force_b is not None:
             raise SceneError(
                 "a point has no axes of its own; wanted 'force', in frame O", key=f"{key}.force_b"
             )
-        require_only_point(force.body or "", force.point, f"{key}.point")
+        check_only_point(scene, force.body or "", force.point, f"{key}.point")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
         """Element of the force: s′ (3,) [m] in the principal frame, F (3,) [N] in its frame."""
@@ -160,7 +161,7 @@ class TorqueOnBody(OnBody):
     title = "a torque on a body"
     keys = ("body", "torque", "torque_b")
 
-    def _check_on_point(self, force: Force, key: str) -> None:
+    def _check_on_point(self, scene: Scene, force: Force, key: str) -> None:
         raise SceneError("a point does not turn; wanted a body", key=f"{key}.body")
 
     def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:

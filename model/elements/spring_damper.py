@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.model.elements.force import ForceKind, require_only_point, scalars
+from kousoku.model.elements.checks import check_only_point
+from kousoku.model.elements.force import ForceKind, scalars
 from kousoku.model.elements.spring import check_law, unused_free
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanics.multibody import ForceElement
@@ -60,8 +61,8 @@ class SpringDamper(ForceKind):
         if force.points is None:
             raise SceneError("is missing; wanted its end in each of them", key=f"{key}.points")
         for index, (name, point) in enumerate(zip(force.bodies or (), force.points, strict=True)):
-            if name != GROUND and scene.bodies[name].point:
-                require_only_point(name, point, f"{key}.points[{index}]")
+            if name != GROUND:
+                check_only_point(scene, name, point, f"{key}.points[{index}]")
         check_law(force, "tension", key)
         free = force.free_length
         if isinstance(free, float) and free < 0:

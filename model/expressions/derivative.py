@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import fields
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from kousoku.model.expressions.polynomials import root_of_even_power
 from kousoku.model.operations.arithmetic import FormulaArithmetic
+from kousoku.model.operations.differentials import DIFFERENTIALS
 from kousoku.model.operations.expression import (
     ONE,
     ZERO,
@@ -19,7 +20,6 @@ from kousoku.model.operations.expression import (
     power,
 )
 from kousoku.model.operations.graph import Op
-from kousoku.model.operations.slopes import SLOPES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -67,30 +67,25 @@ def _smooth_root(part: Expression) -> Expression | None:
 
 def _derivative(part: Expression, slopes: tuple[Expression, ...]) -> Expression:
     """Derivative of a function of formulas, given those of its arguments."""
-    args = part.args
     match part.op:
         case Op.ADD:
             return add(*slopes)
-        case Op.MUL:
-            (a, b), (da, db) = args, slopes
-            return da * b + a * db
-        case Op.DIV:
-            (_, b), (da, db) = args, slopes
-            return (da - part * db) / b
-        case Op.NEG:
-            return -slopes[0]
         case Op.POW:
             return _of_power(part, *slopes)
-        case Op.ATAN2:
-            (y, x), (dy, dx) = args, slopes
-            return (dy * x - y * dx) / (y * y + x * x)
         case Op.MAX | Op.MIN:
             return _of_extreme(part, *slopes)
+        case Op.ABS:
+            return apply(Op.SIGN, *part.args) * slopes[0]
+        case Op.SIGN:
+            return ZERO
         case Op.LOG_SUM:
-            (a, b), (da, db) = args, slopes
+            (a, b), (da, db) = part.args, slopes
             return apply(Op.SHARE, a - b) * da + apply(Op.SHARE, b - a) * db
+        case Op.SHARE:
+            return part * apply(Op.SHARE, -part.args[0]) * slopes[0]
         case _:
-            return _slope(part) * slopes[0]
+            found: Expression = DIFFERENTIALS[part.op](part, part.args, slopes, FORMULAS)
+            return found
 
 
 def _of_power(part: Expression, da: Expression, db: Expression) -> Expression:
@@ -117,21 +112,6 @@ def _of_extreme(part: Expression, da: Expression, db: Expression) -> Expression:
     a, b = part.args if part.op is Op.MAX else part.args[::-1]
     sign = apply(Op.SIGN, a - b)
     return ((1 + sign) * da + (1 - sign) * db) / 2
-
-
-def _slope(part: Expression) -> Expression:
-    """Derivative of a function by its only argument."""
-    (x,) = part.args
-    match part.op:
-        case Op.ABS:
-            return apply(Op.SIGN, x)
-        case Op.SIGN:
-            return ZERO
-        case Op.SHARE:
-            return part * apply(Op.SHARE, -x)
-        case _:
-            (slope,) = SLOPES[part.op](part, part.args, FORMULAS)
-            return cast("Expression", slope)
 
 
 def _made(op: Op) -> Callable[..., Expression]:

@@ -1,1 +1,1 @@
-"""A system of bodies: its records, kinds of constraints, frames, and what is measured."""
+"""A system of bodies: its records, kinds of constraints, frames and measures."""

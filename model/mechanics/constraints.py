@@ -1,4 +1,4 @@
-"""The kinds of constraints and coordinates: what joints are made of, and what of them is measured.
+"""The kinds of constraints and coordinates, of which joints are made, and by which measured.
 
 What they mean in a program and in the checks beside it stands in
 :mod:`kousoku.codegen.dynamics.elements.constraints`; their equations in :mod:`kousoku.symbolic`.
@@ -35,7 +35,7 @@ def is_axis(name: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class ConstraintKind:
-    """Kind of constraint: what is known of it beside its equations.
+    """Kind of constraint: its properties beside its equations.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Body frames and joint frames of a scene in 50 digits, and what becomes of them when rounded."""
+"""Body frames and joint frames of a scene in 50 digits, and rounded."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ class MovingBody:
 
 @dataclass(frozen=True, slots=True)
 class RelativeCoordinate:
-    """A scalar quantity of two bodies: what a joint leaves free, a distance, the place of a point.
+    """A scalar quantity of two bodies: an angle or displacement, a distance, the place of a point.
 
     Parameters
     ----------
@@ -233,7 +233,7 @@ class ForceElement:
 
 @dataclass(frozen=True, slots=True)
 class Carried:
-    """A body of the scene, and what carries it: bodies that are joined rigidly are one body.
+    """A body of the scene, and the body that carries it: bodies joined rigidly are one.
 
     Parameters
     ----------
@@ -287,7 +287,7 @@ class WrittenStart:
 
 @dataclass(frozen=True, slots=True)
 class SystemEvent:
-    """A formula that passes zero, and what a run does then.
+    """A formula that passes zero, and the action of a run then.
 
     Parameters
     ----------

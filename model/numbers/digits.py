@@ -1,4 +1,4 @@
-"""Numbers of 50 digits: what is decided, and what doubles are compared with."""
+"""Numbers of 50 digits: references of doubles, and for decisions."""
 
 from __future__ import annotations
 

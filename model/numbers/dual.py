@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.model.numbers.digits import CONTEXT, HIGH
 from kousoku.model.operations.arithmetic import Arithmetic
+from kousoku.model.operations.differentials import slopes_of
 from kousoku.model.operations.graph import Op
 from kousoku.model.operations.interpret import evaluate
-from kousoku.model.operations.slopes import SLOPES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -56,7 +56,7 @@ class Dual:
 
 def _applied(op: Op, value: High, *args: Dual) -> Dual:
     """Value of an operation with the gradient Σ slope · ∇argument."""
-    slopes = SLOPES[op](value, [arg.value for arg in args], HIGH)
+    slopes = slopes_of(op, value, [arg.value for arg in args], HIGH)
     gradient: dict[Any, High] = {}
     for arg, slope in zip(args, slopes, strict=True):
         for name, derivative in arg.gradient.items():

@@ -1,4 +1,4 @@
-"""Vectors and rotations in 50 digits: what is fixed while a scene is read is rounded only once.
+"""Vectors and rotations in 50 digits: constants of a scene are rounded only once.
 
 Quaternions are Euler parameters with the scalar first and of any length but zero: a rotation
 divides by their square, so that the numbers of a scene stay exact as long as they can.

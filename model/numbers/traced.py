@@ -235,7 +235,7 @@ def _of_its_own(value: Any, key: str) -> list[Any]:
 
 
 def _plain(value: Any, noise: Any) -> Any:
-    """Number that does not depend on parameters, without what rounding left of it."""
+    """Number that does not depend on parameters, without the noise of rounding."""
     near = CONTEXT.mpf(float(value))
     if abs(value) <= noise:
         return CONTEXT.mpf(0)

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 class Varying(Guarded):
     """A double that depends on parameters, see :func:`kousoku.model.numbers.precise.number`.
 
+    A :class:`~kousoku.model.records.design.Formula` of a scene is another class: it has a text, and
+    scenes are read and written without 50 digits.
+
     Parameters
     ----------
     traced : Traced

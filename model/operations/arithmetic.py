@@ -1,4 +1,4 @@
-"""Kinds of numbers: what an expression is evaluated over beside the operators of Python."""
+"""Kinds of numbers to evaluate expressions over: functions beside the operators of Python."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Number = TypeVar("Number")
 
 @dataclass(frozen=True, slots=True)
 class Arithmetic(Generic[Number]):
-    """A kind of numbers: what the operators + − × ÷ of Python leave open.
+    """A kind of numbers: its functions beside the operators + − × ÷ of Python.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Formulas: numbers, names, and operations on formulas; the builders fold what is known.
+"""Formulas: numbers, names, and operations on formulas; the builders fold numbers that meet.
 
 Nothing here evaluates text: :mod:`kousoku.model.expressions.parser` reads a formula into these
 nodes, and the code that is generated from them computes it. Numbers are exact.

@@ -137,7 +137,7 @@ def test_a_parameter_that_no_formula_has_is_told(run: Run, tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("force", "problem", "note"),
     [
-        ("-20*turn_dot/abs(turn_dot)", True, True),
+        ("-20*turn_dot/abs(turn_dot)", False, True),
         ("-2*log(turn_dot)", True, False),
         ("-20*sign(turn_dot)", False, True),
         ("3*sign(2*turn_dot - t)*turn", False, True),

@@ -1,4 +1,4 @@
-"""What assembly changed: told, so that no start is moved without a word."""
+"""Changes by assembly: told, so that no start is moved without a word."""
 
 from __future__ import annotations
 

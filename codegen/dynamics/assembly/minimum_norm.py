@@ -42,7 +42,7 @@ moments count as they are, as in a run."""
 
 
 class Metric:
-    """What a displacement d = (δr, δθ′) weighs: masses and moments, relative to the system's.
+    """Weights of a displacement d = (δr, δθ′): masses and moments, relative to the system's.
 
     W (n,) is m/m̄ [-] of δr [m] in frame O, I/m̄ [m²] of δθ′ [rad] in the principal frame, m̄ the
     mean mass.
@@ -83,7 +83,7 @@ class Metric:
 
 
 def _weights(body: MovingBody, mass: float, size: float, thin: float) -> list[float]:
-    """Weights of a body, six; what it does not say is taken from the system."""
+    """Weights of a body, six; those that it does not say are taken from the system."""
     own = body.mass if body.mass > 0 else mass
     largest = max(body.inertia) or own * size**2 / 10
     return [own] * 3 + [max(moment, thin * largest) for moment in body.inertia]

@@ -191,7 +191,7 @@ def _led_by_drivers(
 
 
 def _stages(missing: Array, drives: Array, size: float) -> int:
-    """Number of stages in which drivers reach what they prescribe."""
+    """Number of stages in which drivers reach their prescribed values."""
     largest = float(np.abs(missing[drives]).max(initial=0.0))
     return max(1, math.ceil(largest / (FAR * size)))
 

@@ -39,7 +39,7 @@ WIDTH = 2 * COLUMNS
 
 @dataclass(frozen=True, slots=True)
 class _Piece:
-    """What one kernel adds to rows: a whole instance, or one term of a combination.
+    """Rows by one kernel: a whole instance, or one term of a combination.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ class Residuals:
                 yield _Piece(source, first, term.factor, term.coordinate)
 
     def _fixed(self, parameters: Sequence[tuple[str, float]]) -> None:
-        """Set what rows have beside functions of positions, at t = 0, and the rates they want."""
+        """Set terms of rows beside functions of positions, at t = 0, and the rates they want."""
         zero = precise.ZERO[0]
         self._offsets = [zero] * self.rows
         #: How large the numbers are that the rows of combinations are made of.
@@ -272,7 +272,7 @@ class Residuals:
         return self._summed([evaluate(*stack, ARRAY)["C"] for stack in stacks], near)
 
     def _summed(self, results: Sequence[Sequence[Array]], near: Array | None) -> Array:
-        """C from what the kernels of all stacks give."""
+        """C from the outputs of the kernels of all stacks."""
         c = self._offsets_in_doubles.copy()
         for stack, result in zip(self._stacks, results, strict=True):
             for row, value in enumerate(result):
@@ -367,7 +367,7 @@ def _size(instance: Instance) -> int:
 
 
 def unit_of(one: Instance | RelativeCoordinate) -> str:
-    """Unit of the rows of a constraint, or of a coordinate: ``m``, or what is no length."""
+    """Unit of the rows of a constraint, or of a coordinate: ``m``, or one that is no length."""
     own = "" if isinstance(one, RelativeCoordinate) else one.unit
     return own or frozen(one.kind, "constraint").outputs[0].unit
 

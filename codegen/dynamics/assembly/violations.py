@@ -59,7 +59,7 @@ def violations(
 
 
 def key_of(instance: Instance) -> str:
-    """Dotted key of what an instance comes from: ``joints.a``, ``drivers.motor``."""
+    """Dotted key of the element that an instance comes from: ``joints.a``, ``drivers.motor``."""
     if "." in instance.joint:
         return instance.joint
     return f"{'drivers' if instance.is_driver else 'joints'}.{instance.joint}"

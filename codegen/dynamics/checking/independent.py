@@ -92,7 +92,7 @@ class GivenSolver:
 
 
 def independent_points(given: GivenSolver) -> list[dict[str, object]]:
-    """States of a scene, and what a solver must compute there: M v̇ + C_qᵀλ = f, C_q v̇ = γ.
+    """States of a scene, and the results of a solver there: M v̇ + C_qᵀλ = f, C_q v̇ = γ.
 
     These are solved for each body by itself: m v̇ = F [N] in frame O, I′ω̇′ = N′ − ω̃′I′ω′ [N m] in
     the principal frame, three mass points, (newton-euler-force) and (newton-euler-moment).
@@ -333,7 +333,7 @@ def _condition(scaled: Array) -> float:
 def _point(
     given: GivenSolver, finder: _States, state: tuple[str, float, Array, Array]
 ) -> dict[str, object]:
-    """State, and what a solver must compute there."""
+    """State, and the results that a solver must have there."""
     label, time, q, v = state
     equations = BodyEquations(given.system, HIGH)
     poses = finder.poses(q, v, HIGH)
@@ -352,7 +352,7 @@ def _point(
 
 
 class _Values:
-    """What a solver must compute at a state, by name, and how far off it may be."""
+    """Results that a solver must have at a state, by name, and how far off they may be."""
 
     def __init__(
         self,
@@ -411,7 +411,7 @@ class _Values:
         return {"names": list(names), "high": high, "unit": float(f"{unit:.3e}")}
 
     def _accelerations(self) -> Iterator[tuple[str, dict[str, object]]]:
-        """Accelerations r̈ of origins and ω̇′; what is not determined is left out."""
+        """Accelerations r̈ of origins and ω̇′; those that are not determined are left out."""
         own = [*self.equations.origins(self.at, self.solved.v_dot)]
         loose = self._loose(own)
         names = [body.name for body in self.equations.bodies]

@@ -1,4 +1,4 @@
-"""The equations of a scene from its definitions, for comparison with what a solver computes.
+"""The equations of a scene from its definitions, for comparison with the results of a solver.
 
 Each body of the scene is for itself: m v̇ = F and I′ ω̇′ = N′ − ω̃′ I′ ω′, with forces, joints,
 drivers and coordinates as the scene gives them, each by its geometric definition. Nothing is

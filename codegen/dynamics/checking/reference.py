@@ -119,7 +119,7 @@ def _uses(program: Program, allowed: frozenset[Op]) -> bool:
 
 
 def _known(program: Program, system: System, written: System) -> GivenSolver:
-    """Solver as the checker sees it, beside what it computes: where it has its bodies."""
+    """Solver as the checker sees it, beside its results: where it has its bodies."""
     data = motion_data(program, system)
     numbers = ProgramInterpreter(program)["design"] if program.design else []
     names = [

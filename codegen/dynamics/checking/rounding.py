@@ -1,4 +1,4 @@
-"""How far rounding can move what a program computes: the unit that errors of solvers are told in.
+"""How far rounding can move results of a program: the unit that errors of solvers are told in.
 
 The unit of a result y is u Σ |z ∂y/∂z| with u = 2⁻⁵³, over all numbers z that the program is given
 or computes. To first order, no rounding of these numbers moves y by more. Near places where rows
@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.model.operations.arithmetic import FLOAT
+from kousoku.model.operations.differentials import slopes_of
 from kousoku.model.operations.graph import Op
-from kousoku.model.operations.slopes import SLOPES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -95,7 +95,7 @@ def _units(
 
 
 def _go_back(kernel: Kernel, step: ExecutedTask, slopes: dict[int, Array], total: Array) -> None:
-    """Bring derivatives by what a task writes to what it reads, and count its roundings."""
+    """Bring derivatives from the outputs of a task to its inputs, and count its roundings."""
     own: dict[int, Array] = {}
     for base, result in zip(step.task.outputs, kernel.results, strict=True):
         for k, node in enumerate(result):
@@ -135,4 +135,4 @@ def _slopes(node: OperationNode[int], value: float, values: Sequence[float]) -> 
     """Derivatives of a node by its arguments."""
     if not node.args:
         return ()
-    return SLOPES[node.op](value, [values[arg] for arg in node.args], FLOAT)
+    return slopes_of(node.op, value, [values[arg] for arg in node.args], FLOAT)

@@ -19,6 +19,7 @@ from kousoku.codegen.dynamics.operations.joint_projections import (
     BiasAcceleration,
     DriverPower,
     DriverWrench,
+    GroundJointBlocks,
     JointArm,
     JointWrench,
     PrescribedValue,
@@ -114,7 +115,16 @@ class JointCoordinateRecorder:
         """Record r = r_joint − A s′ + a x and p; return formulas of drivers by coordinates."""
         one, blocks, vector = self.one, self.blocks, self._vector
         drivers = [(led, self._law(led, 0)) for _, led in one.prescribed]
-        turned = _compose(one.p, one.axis_b)
+        joint = GroundJointBlocks(
+            point=vector(one.joint),
+            point_b=self.point,
+            p=vector(one.p),
+            r=vector(one.base),
+            across=self._pair(one.across),
+            beside=self._pair(one.beside),
+            p_turned=vector(_compose(one.p, one.axis_b)),
+            axis=vector(one.axis),
+        )
         self.recorder.call(
             ProjectPosition(
                 blocks.coordinates,
@@ -123,9 +133,7 @@ class JointCoordinateRecorder:
                 bool(one.prescribed_turn),
                 bool(one.prescribed_slide),
             ),
-            *(blocks.r, blocks.p, dr, dtheta, vector(one.joint), self.point),
-            *(vector(one.p), vector(one.base), self._pair(one.across), self._pair(one.beside)),
-            *(vector(turned), vector(one.axis)),
+            *(blocks.r, blocks.p, dr, dtheta, *joint),
             *(self._since(led, law) for led, law in drivers),
             into=(into,),
         )

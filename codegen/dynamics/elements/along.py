@@ -67,7 +67,7 @@ class OnCoordinate(ForceFacets[E]):
         return facets_of_kind(one.kind).leaves_plane(system, one, normal) is not False
 
     def applied(self) -> Applied:
-        """Nothing applied: what it does to one body it does to the other."""
+        """Nothing applied: its effects on both bodies cancel."""
         return Applied()
 
     def source(self, system: System) -> Source:
@@ -77,7 +77,7 @@ class OnCoordinate(ForceFacets[E]):
     def add(
         self, equations: BodyEquations, at: Mapping[int, Course], tau: Real, found: Found
     ) -> None:
-        """Add Jᵀτ: of each velocity what u̇ is where that alone is one."""
+        """Add Jᵀτ: of each velocity the u̇ that it makes where it alone is one."""
         ends = {body: at[body] for body in (self.force.i, self.force.j)}
         for column, ahead in equations.each_column(ends):
             found.force[column] += tau * equations.coordinate(self.force.coordinate, ahead).d

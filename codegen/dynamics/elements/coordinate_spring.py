@@ -90,7 +90,7 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
     """A spring and damper against a coordinate: τ = −k (u − u⁰) − c u̇."""
 
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
-        """M⁻¹Jᵀτ of both bodies, and the power of what is no potential energy, recorded."""
+        """M⁻¹Jᵀτ of both bodies, and the power beside that of potential energy, recorded."""
         constants = tasks.constants(self.force)
         ends = self.slopes(tasks)
         rate = self.rate(tasks)
@@ -137,7 +137,7 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         given: Mapping[str, Sequence[Real]],
         found: Found,
     ) -> tuple[Real, Real]:
-        """Add Jᵀτ; return the power of what is no potential energy, and ½ k (u − u⁰)²."""
+        """Add Jᵀτ; return the power beside that of potential energy, and ½ k (u − u⁰)²."""
         force = self.force
         energy: Real = 0
         value = equations.coordinate(force.coordinate, at)

@@ -121,7 +121,7 @@ class ForceFacets(ABC, Generic[E]):
         return Applied(None, None)
 
     def source(self, system: System) -> Source | None:
-        """Source of what the ground does through it, where that is not :meth:`applied`."""
+        """Source of the force of the ground through it, where that is not :meth:`applied`."""
         return None
 
     # In the check beside the program.

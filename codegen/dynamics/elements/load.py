@@ -127,7 +127,7 @@ class LoadFacets(ForceFacets[Load]):
         return not is_level([given["s_j_b"][normal]], list(given.values()))
 
     def seen_from(self, i: Placement, j: Placement) -> Load:
-        """Force on the body that carries its own; what turns with a body is a vector of it."""
+        """Force on the body that carries its own; one that turns with a body is a vector of it."""
         constants = seen_from_carriers(self.force.constants, i, j, turning=self.force.turns)
         return replace(self.force, i=i.carrier, j=j.carrier, constants=constants)
 

@@ -10,7 +10,7 @@ from kousoku.codegen.dynamics.operations.applied_forces import ELONGATION, accel
 from kousoku.codegen.dynamics.operations.formulas import formula_node
 from kousoku.codegen.dynamics.operations.heights import heights_of_ends, is_level
 from kousoku.codegen.dynamics.operations.jets import Jet, dot, sqrt
-from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, share
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, inputs_of_body
 from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.mechanics.multibody import RelativeCoordinate
 from kousoku.model.numbers import precise
@@ -34,7 +34,7 @@ ENDS, LAW = ("s_i_b", "s_j_b"), ("stiffness", "damping", "free_length")
 
 @dataclass(frozen=True, slots=True)
 class SpringEffect:
-    """M⁻¹f of a spring and damper, and the power of what is no potential energy.
+    """M⁻¹f of a spring and damper, and the power beside that of potential energy.
 
     f = −T ∂l/∂q with T = k (l − l⁰) + c l̇ [N] and l = |d|, lecture 8.2, (8.8). Blocks: r (3,) [m],
     p (4,), A (3, 3), v (3,) [m/s] in frame O, ω′ (3,) [rad/s] in the principal frame and the
@@ -63,21 +63,17 @@ class SpringEffect:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Accelerations (c, 1) of the coordinates of i and j; power (1, 1) [W], −c l̇² if linear."""
-        r_i, p_i, a_i, v_i, omega_i, inverse_mass_i = blocks[:6]
-        r_j, p_j, a_j, v_j, omega_j, inverse_mass_j = blocks[6:12]
-        share(trace, p_i, a_i)
-        share(trace, p_j, a_j)
-        places = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j}
-        places |= dict(zip(ENDS, blocks[12:14], strict=True))
-        motion = {"v_i": v_i, "omega_i_b": omega_i, "v_j": v_j, "omega_j_b": omega_j}
-        found = _inline(trace, "length", places | motion)
+        (*i, inverse_mass_i), (*j, inverse_mass_j) = blocks[:6], blocks[6:12]
+        state = inputs_of_body(trace, "i", *i) | inputs_of_body(trace, "j", *j)
+        state |= dict(zip(ENDS, blocks[12:14], strict=True))
+        found = _inline(trace, "length", state)
         if self.law:
             tension = damped = self._tension(trace, found, *blocks[14:])
         else:
             law = dict(zip(LAW, blocks[14:], strict=True))
             tension = _inline(trace, "law", found | law)["T"]
             damped = law["damping"] @ found["l_dot"]
-        force = _inline(trace, "force", places | {"T": tension})["force"].flat
+        force = _inline(trace, "force", state | {"T": tension})["force"].flat
         added = (
             accelerations(trace, force[:COLUMNS], self.columns_i, inverse_mass_i),
             accelerations(trace, force[COLUMNS:], self.columns_j, inverse_mass_j),
@@ -140,7 +136,7 @@ class SpringFacets(ForceFacets[PointSpring]):
     is_carried = True
 
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
-        """M⁻¹f of both bodies, and the power of what is no potential energy, recorded."""
+        """M⁻¹f of both bodies, and the power beside that of potential energy, recorded."""
         constants = tasks.constants(self.force)
         i, j = tasks.body(self.force.i), tasks.body(self.force.j)
         ends = [
@@ -188,7 +184,7 @@ class SpringFacets(ForceFacets[PointSpring]):
         return energy
 
     def applied(self) -> Applied:
-        """Nothing applied: what it does to one body it does to the other."""
+        """Nothing applied: its effects on both bodies cancel."""
         return Applied()
 
     def source(self, system: System) -> Source:

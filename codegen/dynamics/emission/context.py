@@ -1,4 +1,4 @@
-"""From a program to what the templates of its solver in C fill in."""
+"""From a program to the context of the templates of its solver in C."""
 
 from __future__ import annotations
 
@@ -217,7 +217,7 @@ class SolverContext:
 
     @property
     def settings(self) -> tuple[tuple[str, list[str]], ...]:
-        """Types and names of the fields of what a run is told."""
+        """Types and names of the fields of the settings of a run."""
         return _fields(Settings)
 
     @property
@@ -465,7 +465,7 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
 
 
 def _of_features(numbers: Mapping[str, int], features: Collection[str]) -> dict[str, int]:
-    """Counts, or places, without those that come with what the scene lacks."""
+    """Counts, or places, without those of features that the scene lacks."""
     absent = {
         name
         for needed, names in COME_WITH.items()

@@ -140,7 +140,7 @@ def tables(
 
 
 def measure_size(one: Measure, system: System, length: float) -> float:
-    """Length of the scene in its unit, or 1 rad: what errors are compared with."""
+    """Length of the scene in its unit, or 1 rad: the measure of errors."""
     if one.coordinate < 0:
         return length / system.unit
     if not is_length(system.coordinates[one.coordinate].kind):
@@ -238,7 +238,7 @@ def slots(program: Program, name: str) -> range:
 
 
 def floors(program: Program, length: float) -> list[float]:
-    """Floors of the coordinates: what the change of each is compared with."""
+    """Floors of the coordinates: least measures of the change of each."""
     lengths = {slot for slot, _ in shift_slots(program)}
     ignored = {one.place.slot for one in program.auxiliary}
     own = slots(program, "q")
@@ -246,7 +246,7 @@ def floors(program: Program, length: float) -> list[float]:
 
 
 def shift_slots(program: Program) -> list[tuple[int, int]]:
-    """Slots of each length that changes, in q and in v; first what is added to."""
+    """Slots of each length that changes, in q and in v; first those that are added to."""
     places = sorted(range(len(program.bodies)), key=program.placed.__contains__)
     bodies = (program.bodies[k] for k in places)
     pairs = ((r.slot, v.slot) for body in bodies for r, v in zip(body.r, body.v, strict=True))

@@ -261,5 +261,5 @@ def _body(
 
 
 def _numbers(places: Iterable[CoordinatePlace], base: int) -> Sequence[int | float]:
-    """Index for a coordinate, a number for what never changes."""
+    """Index for a coordinate, a number for a constant."""
     return [place.slot - base if place.slot >= 0 else float(place.value) for place in places]

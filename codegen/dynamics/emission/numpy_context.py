@@ -1,4 +1,4 @@
-"""From a program to what the template of its solver in Python fills in.
+"""From a program to the context of the template of its solver in Python.
 
 The tasks of a segment stand level by level: tasks of one level do not need each other, so that
 those of one kernel can run together, on arrays whose last axis is the task.
@@ -220,7 +220,7 @@ def python_kernels(program: Program) -> Iterator[PythonKernel]:
 def python_kernel(
     name: str, kernel: Kernel, slots: Slots | None = None, targets: Sequence[int] = ()
 ) -> PythonKernel:
-    """Kernel as a function in Python: it unpacks only what it reads.
+    """Kernel as a function in Python: it unpacks only the inputs that it reads.
 
     Parameters
     ----------
@@ -297,7 +297,7 @@ def python_segment(program: Program, segment: Segment) -> PythonSegment:
 
 
 def _table(table: Table) -> str:
-    """Table in lines, each with what it belongs to: rows of one number share a line."""
+    """Table in lines, each with the name that it belongs to: rows of one number share a line."""
     lines = []
     for owner, run in groupby(table, key=itemgetter(0)):
         rows = [row for _, row in run]

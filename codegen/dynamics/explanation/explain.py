@@ -73,7 +73,7 @@ class SavedStep:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Explanation:
-    """Explanation of a solver: what is solved for a scene, and what is not.
+    """Explanation of a solver: steps that the scene does not need, and the structure of the rest.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ class Explanation:
 
 
 def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
-    """Explanation of a scene of bodies: what it does not need, and what remains.
+    """Explanation of a scene of bodies: steps that it does not need, and the structure of the rest.
 
     Parameters
     ----------
@@ -238,7 +238,7 @@ def _columns(program: Program) -> int:
 
 
 def _counted(system: System, program: Program) -> list[SavedStep]:
-    """Steps that leave nothing to compare with: what they avoid is counted."""
+    """Steps that leave nothing to compare with: avoided operations are counted."""
     shipped = shipped_kinds()
     kinds = [one.kind for one in system.constraints]
     kinds += [one.kind for one in system.coordinates] + [one.kind for one in system.forces]

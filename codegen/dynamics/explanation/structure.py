@@ -28,7 +28,7 @@ GOLDEN = 0.6180339887498949
 
 @dataclass(frozen=True, slots=True)
 class Structure:
-    """Structure of what remains of a scene.
+    """Structure of the equations that remain of a scene.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def _free(system: System, program: Program) -> dict[int, int]:
 
 
 def _coupled(ends: Sequence[tuple[int, ...]], free: Mapping[int, int]) -> list[tuple[int, int]]:
-    """Pairs of joints that share a body that moves by what acts on it."""
+    """Pairs of joints that share a body whose motion is not prescribed."""
     by_body: dict[int, list[int]] = {}
     pairs: dict[tuple[int, int], None] = {}
     for k, bodies in enumerate(ends):
@@ -137,7 +137,7 @@ def _columns(program: Program) -> list[int]:
 
 
 def _elements(system: System, program: Program, free: Mapping[int, int]) -> int:
-    """Count what is not zero at a position without a pattern.
+    """Count of elements that are not zero at a position without a pattern.
 
     Of a body that is put onto a joint each row that has any has so many as it has velocities.
     """

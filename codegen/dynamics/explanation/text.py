@@ -1,4 +1,4 @@
-"""The text of an explanation: what a scene does not need, what that saves, and what remains."""
+"""The text of an explanation: steps that a scene does not need, their savings, and the rest."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def explanation_text(found: Explanation) -> str:
 
 
 def _structure(found: Explanation) -> str:
-    """Sizes of what is solved."""
+    """Sizes of the equations that are solved."""
     s = found.structure
     return (
         f"{s.positions} coordinates, {s.velocities} velocities"

@@ -1,4 +1,4 @@
-"""The coordinates that bodies have in a plane and in space, and what they need to move in them."""
+"""The coordinates of bodies in a plane and in space, and the masses to move in them."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def start(body: MovingBody) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 
 def require_masses(system: System, *, is_planar: bool) -> None:
-    """Refuse bodies that lack what their motion depends on.
+    """Refuse bodies that lack masses or moments that their motion depends on.
 
     Raises
     ------

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, share
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, inputs_of_body
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ class CoordinateGamma:
 
 @dataclass(frozen=True, slots=True)
 class CoordinateRate:
-    """Rate of a coordinate. Blocks: J and x of each body in turn, what is taken away last.
+    """Rate of a coordinate. Blocks: J and x of each body in turn, the subtrahend last.
 
     J (1, c) and x (c,) have the columns δr in frame O, δθ′ in the principal frame: x is v [m/s,
     rad/s], or v̇ and the last block γ.
@@ -148,11 +148,8 @@ def _inline(
     motion: dict[str, Matrix] | None = None,
 ) -> dict[str, list[int]]:
     """Rebuild a kernel of a coordinate; return its outputs."""
-    r_i, p_i, a_i, r_j, p_j, a_j, _, *constants = blocks
-    for p, orientation in ((p_i, a_i), (p_j, a_j)):
-        if orientation.flat:
-            share(trace, p, orientation)
-    given = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j} | (motion or {})
+    i, j, constants = blocks[:3], blocks[3:TURNED], blocks[TURNED + 1 :]
+    given = inputs_of_body(trace, "i", *i) | inputs_of_body(trace, "j", *j) | (motion or {})
     given |= dict(zip(what.constants, constants, strict=True))
     inputs = {name: block.flat for name, block in given.items()}
     return trace.inline(frozen(what.kind, kernel), inputs)

@@ -134,7 +134,7 @@ class Update:
 
 @dataclass(frozen=True, slots=True)
 class Couple:
-    """Coupling of two joints that share a body. Blocks: what couples them already, C_q M⁻¹, C_q.
+    """Coupling of two joints that share a body. Blocks: that of other bodies, C_q M⁻¹, C_q.
 
     C_q (n, c) has the columns δr in frame O, δθ′ in the principal frame of that body.
     """

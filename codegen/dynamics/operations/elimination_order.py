@@ -29,7 +29,7 @@ class Pivot:
 def minimum_degree(
     count: int, pairs: Iterable[tuple[int, int]], *, at_once: bool = True
 ) -> tuple[Pivot, ...]:
-    """Order that eliminates what has the fewest neighbours.
+    """Order that eliminates the node with the fewest neighbours.
 
     Of equals that comes which has to wait for the fewest others, one after another: a chain is
     eliminated from both ends in turn, and a processor works on both at once. Or the first comes.

@@ -1,4 +1,4 @@
-"""Formulas of a scene in its program: what their names stand for, and constants times a formula."""
+"""Formulas of a scene in its program: the nodes of their names, and constants times a formula."""
 
 from __future__ import annotations
 

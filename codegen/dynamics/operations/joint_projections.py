@@ -9,15 +9,17 @@ across the axis, so that rounding of the axis itself neither speeds up nor slows
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
-from kousoku.codegen.dynamics.operations.mechanics import frozen, orientation_of
+from kousoku.codegen.dynamics.operations.mechanics import euler_rates, normalised, orientation_of
 from kousoku.codegen.dynamics.recording.matrix import Matrix, stack
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.traces import Trace
+
+Block = TypeVar("Block")
 
 #: What a body on a joint with the ground can turn about.
 NOTHING, AXIS, POINT = "nothing", "an axis", "a point"
@@ -39,15 +41,44 @@ class JointArm:
         return (orientation @ arms,)
 
 
+class GroundJointBlocks(NamedTuple, Generic[Block]):
+    """Blocks of a joint with the ground, with its numbers at the start.
+
+    :class:`~kousoku.codegen.dynamics.simplification.ground_joints.VelocityTransformation` has
+    the numbers.
+
+    Parameters
+    ----------
+    point, point_b : (3,) [m]
+        The point of the joint in frame O, and in the body.
+    p, r : (4,) [-] and (3,) [m]
+        The position of the body.
+    across : (3, n) [-]
+        Vectors across the axis in frame O, by columns.
+    beside : (4, n) [-]
+        p ∘ (0, b′) of vectors b′ across the axis: no turn about it has any of these.
+    p_turned : (4,) [-]
+        p ∘ (0, a′).
+    axis : (3,) [-]
+        a, in frame O.
+    """
+
+    point: Block
+    point_b: Block
+    p: Block
+    r: Block
+    across: Block
+    beside: Block
+    p_turned: Block
+    axis: Block
+
+
 @dataclass(frozen=True, slots=True)
 class ProjectPosition:
     """Position on the joint: r = r_joint − A s′ + a x.
 
-    Blocks: r (3,) [m], p (4,), δr [m], δθ′ [rad]; as
-    :class:`~kousoku.codegen.dynamics.simplification.ground_joints.VelocityTransformation` has
-    them the point of the joint in frame O and in the body, p and r at the start, vectors across the
-    axis in frame O, those beside p, p ∘ (0, a′), a; then what drives turn [rad] and displacement x
-    [m].
+    Blocks: r (3,) [m], p (4,), δr [m], δθ′ [rad]; those of :class:`GroundJointBlocks`; then the
+    driven turn [rad] and displacement x [m].
 
     Parameters
     ----------
@@ -68,38 +99,32 @@ class ProjectPosition:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Position r, p that meets the joint, p of norm one: its coordinates, (c,) [m, -]."""
-        r, p, dr, dtheta, joint, joint_b, p_start, base, across, beside, p_turned, axis, *led = (
-            blocks
-        )
-        graph = trace.graph
-        given = iter(led)
+        (r, p, dr, dtheta), joint = blocks[:4], GroundJointBlocks(*blocks[4:12])
+        graph, given = trace.graph, iter(blocks[12:])
         if self.turn == NOTHING:
-            new, foot = p_start, base
+            new, foot = joint.p, joint.r
         else:
             if self.drives_turn:
                 half = graph.div(next(given).flat[0], graph.const(2))
-                new = _times(p_start, graph.cos(half)) + _times(p_turned, graph.sin(half))
+                cosine, sine = (Matrix.of(graph, [x]) for x in (graph.cos(half), graph.sin(half)))
+                new = joint.p @ cosine + joint.p_turned @ sine
             else:
-                new = self._turned(trace, p, dtheta, beside)
-            foot = joint - orientation_of(trace, new) @ joint_b
+                new = self._turned(trace, p, dtheta, joint.beside)
+            foot = joint.point - orientation_of(trace, new) @ joint.point_b
         if self.drives_slide:
-            foot += axis @ next(given)
+            foot += joint.axis @ next(given)
         elif self.slides:
             moved = r + dr
-            foot = moved - across @ (across.T @ (moved - foot))
+            foot = moved - joint.across @ (joint.across.T @ (moved - foot))
         rows = (*foot.rows, *new.rows)
         return (Matrix(graph, tuple(rows[k] for k in self.coordinates), 1),)
 
     def _turned(self, trace: Trace, p: Matrix, dtheta: Matrix, beside: Matrix) -> Matrix:
-        """Euler parameters p ∘ (1, ½ δθ′) without what no turn about the axis has, of norm one."""
-        graph = trace.graph
-        rates = frozen("rotation", "euler_rates")
-        change = trace.inline(rates, {"p": p.flat, "omega_b": dtheta.flat})["p_dot"]
-        new = p + Matrix.of(graph, change)
+        """Euler parameters p ∘ (1, ½ δθ′), of turns about the axis alone, of norm one."""
+        new = p + euler_rates(trace, p, dtheta)
         if self.turn == AXIS:
             new -= beside @ (beside.T @ new)
-        norm = graph.sqrt(graph.sum(graph.mul(x, x) for x in new.flat))
-        return _times(new, graph.div(graph.const(1), norm))
+        return normalised(new)
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +159,7 @@ class ProjectVelocity:
     title: str = "velocity on the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Velocities u (f,), what v lacks of R u + β, and β, (c,) [m/s, rad/s]."""
+        """Velocities u (f,), the differences R u + β − v, and β, (c,) [m/s, rad/s]."""
         v, omega, arm, axis_b, axis, across_b, across, masses, *led = blocks
         graph, given = trace.graph, iter(led)
         free: list[Matrix] = []
@@ -258,7 +283,7 @@ class ReduceForces:
 
 @dataclass(frozen=True, slots=True)
 class DriverPower:
-    """Power of what drives a freedom.
+    """Power of the driver of a freedom.
 
     Blocks: its mass m (1, 1) [kg or kg m²], ü that it prescribes, u̇ without it, its column (c, 1)
     of R, what all other joints do, −Σ C_qᵀλ (c,) [N in frame O, N m in the principal frame], and
@@ -305,7 +330,7 @@ class DriverWrench:
     title: str = "force of a driver of a joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Wrench of the driver, and what is left for others, (c,)."""
+        """Wrench of the driver, and the rest for others, (c,)."""
         wrench, column, slopes = blocks
         effort = column.T @ wrench
         own = slopes.T @ (effort if self.sign > 0 else -effort)
@@ -330,11 +355,6 @@ class PrescribedValue:
         law, start = blocks
         difference = law - start
         return (difference if self.sign > 0 else -difference,)
-
-
-def _times(column: Matrix, factor: int) -> Matrix:
-    mul = column.graph.mul
-    return Matrix.of(column.graph, [mul(x, factor) for x in column.flat])
 
 
 def _selected(moves: Matrix, spins: Matrix, columns: Sequence[int]) -> Matrix:

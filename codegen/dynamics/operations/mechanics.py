@@ -110,6 +110,32 @@ def share(trace: Trace, p: Matrix, orientation: Matrix) -> None:
     trace.is_known(orientation_of(trace, p).flat, orientation.flat)
 
 
+def inputs_of_body(
+    trace: Trace, body: str, r: Matrix, p: Matrix, orientation: Matrix, *motion: Matrix
+) -> dict[str, Matrix]:
+    """Inputs r and p of kernels for body ``i`` or ``j``, and of its motion v and ω′, by name.
+
+    A is read where a kind computes it from p, unless it has no entries.
+    """
+    if orientation.flat:
+        share(trace, p, orientation)
+    moving = zip((f"v_{body}", f"omega_{body}_b"), motion, strict=False)
+    return {f"r_{body}": r, f"p_{body}": p, **dict(moving)}
+
+
+def euler_rates(trace: Trace, p: Matrix, omega: Matrix) -> Matrix:
+    """Rates ½ p ∘ (0, ω′) (4, 1), lecture 7.1, (5.16): [1/s] of ω′ [rad/s], [-] of a turn [rad]."""
+    inputs = {"p": p.flat, "omega_b": omega.flat}
+    return Matrix.of(trace.graph, trace.inline(frozen("rotation", "euler_rates"), inputs)["p_dot"])
+
+
+def normalised(w: Matrix) -> Matrix:
+    """Euler parameters w/|w| (4, 1) [-]."""
+    graph = w.graph
+    norm = graph.sqrt(graph.sum(graph.mul(x, x) for x in w.flat))
+    return w @ Matrix.of(graph, [graph.div(graph.const(1), norm)])
+
+
 def _title(parts: Sequence[InstanceRows]) -> str:
     return " + ".join(kind_name(part.kind) for part in parts)
 
@@ -228,11 +254,8 @@ def rows_of_parts(
     δr [m] is in frame O, δθ′ [rad] in the principal frame; each kind has its equation of lecture
     8.2.
     """
-    r_i, p_i, a_i, r_j, p_j, a_j, *rest = blocks
-    share(trace, p_i, a_i)
-    share(trace, p_j, a_j)
-    state = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j}
-    given = iter(rest)
+    i, j, given = blocks[:3], blocks[3:6], iter(blocks[6:])
+    state = inputs_of_body(trace, "i", *i) | inputs_of_body(trace, "j", *j)
     residuals: list[Matrix] = []
     slopes: list[list[Matrix]] = [[] for _ in columns]
     for part in parts:
@@ -271,7 +294,7 @@ def _dot(a: Matrix, b: Matrix, i: int, j: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Rates:
-    """Right side ν or γ of a joint: what it asks of velocities or accelerations.
+    """Right side ν or γ of a joint, of the equations of velocities or accelerations.
 
     Blocks: p, A, v (3,) [m/s] in frame O and ω′ (3,) [rad/s] in the principal frame of body i, then
     what is multiplied by its Jacobian, and the Jacobian; the same of body j; r of both; of each
@@ -298,12 +321,9 @@ class Rates:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Difference (n,) [unit of C per s or s²]."""
-        p_i, a_i, v_i, omega_i, x_i, left, p_j, a_j, v_j, omega_j, x_j, right = blocks[:12]
+        (*i, x_i, left), (*j, x_j, right) = blocks[:6], blocks[6:12]
         r_i, r_j, *rest = blocks[12:]
-        share(trace, p_i, a_i)
-        share(trace, p_j, a_j)
-        state = {"r_i": r_i, "p_i": p_i, "v_i": v_i, "omega_i_b": omega_i}
-        state |= {"r_j": r_j, "p_j": p_j, "v_j": v_j, "omega_j_b": omega_j}
+        state = inputs_of_body(trace, "i", r_i, *i) | inputs_of_body(trace, "j", r_j, *j)
         others, given = rest[: 2 * self.others], iter(rest[2 * self.others :])
         rates = []
         for part in self.parts:
@@ -365,10 +385,7 @@ class PoseRate:
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Rates (v, ½ p ∘ (0, ω′)) at the coordinates, (c,) [m/s, 1/s]."""
         p, v, omega = blocks
-        rates = trace.inline(
-            frozen("rotation", "euler_rates"), {"p": p.flat, "omega_b": omega.flat}
-        )
-        full = (*v.flat, *rates["p_dot"])
+        full = (*v.flat, *euler_rates(trace, p, omega).flat)
         return (Matrix.of(trace.graph, [full[k] for k in self.coordinates]),)
 
 
@@ -390,17 +407,10 @@ class Move:
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Moved position: r + δr and w/|w|, w = p ∘ (1, ½ δθ′), its coordinates (c,) [m, -]."""
         r, p, dr, dtheta = blocks
-        graph = trace.graph
         moved = list((r + dr).flat)
         if any(place > 2 for place in self.coordinates):
-            change = trace.inline(
-                frozen("rotation", "euler_rates"), {"p": p.flat, "omega_b": dtheta.flat}
-            )["p_dot"]
-            w = [graph.add(a, b) for a, b in zip(p.flat, change, strict=True)]
-            norm = graph.sqrt(graph.sum(graph.mul(x, x) for x in w))
-            factor = graph.div(graph.const(1), norm)
-            moved += [graph.mul(x, factor) for x in w]
-        return (Matrix.of(graph, [moved[k] for k in self.coordinates]),)
+            moved += normalised(p + euler_rates(trace, p, dtheta)).flat
+        return (Matrix.of(trace.graph, [moved[k] for k in self.coordinates]),)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Placement of a body in the frame of what carries it: its points and vectors as seen there."""
+"""Placement of a body in the frame of its carrier: its points and vectors as seen there."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NOISE = CONTEXT.mpf(2) ** -51
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """Where the principal frame of a body is in the frame of what carries it: s = at + A(turn) s′.
+    """Where the principal frame of a body is in the frame of its carrier: s = at + A(turn) s′.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class Placement:
 def seen_from_carriers(
     constants: Constants, i: Placement, j: Placement, *, turning: bool = False
 ) -> Constants:
-    """Points at + A s′ and vectors A a′ in the frames of what carries their bodies.
+    """Points at + A s′ and vectors A a′ in the frames of the carriers of their bodies.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def seen_from_carriers(
 
 
 def rounded_vector(values: Triple, size: High = 0) -> Vector:
-    """Vector (3,), rounded once in its frame and unit, without what is noise beside its size."""
+    """Vector (3,), rounded once in its frame and unit, without noise beside its size."""
     x, y, z = precise.rounded(values, size, NOISE)
     return x, y, z
 

@@ -117,7 +117,7 @@ class _Inliner:
         )
 
     def _start(self) -> dict[int, int]:
-        """Nodes of what is in the workspace before any task has run."""
+        """Nodes of the slots that are in the workspace before any task has run."""
         base = self.old.region("constants").base
         nodes = {base + k: self.graph.const(value) for k, value in enumerate(self.old.constants)}
         for slot, moved in self.moved.items():
@@ -147,7 +147,7 @@ class _Inliner:
         }
 
     def _passed(self, wanted: Mapping[str, Mapping[int, int]], shared: int) -> dict[int, int]:
-        """Slots for what the geometry computes and the segments after it need.
+        """Slots for results of the geometry that the segments after it need.
 
         What rows alone need, such as the matrix of a momentum, their segments compute themselves.
         """
@@ -172,7 +172,7 @@ class _Inliner:
         return node < shared and bool(found.args) and found.op is not Op.NEG
 
     def _order(self, roots: Iterable[int], is_known: Callable[[int], bool]) -> list[int]:
-        """Nodes that ``roots`` need, each after its operands; not what known nodes need."""
+        """Nodes that ``roots`` need, each after its operands; not those that known nodes need."""
         done: dict[int, None] = {}
         stack = list(reversed(list(roots)))
         while stack:
@@ -242,7 +242,7 @@ class _Inliner:
         return Segment(name, tuple(tasks), self._contents(name))
 
     def _contents(self, name: str) -> tuple[str, ...]:
-        """Titles of the tasks of a segment, by what they belong to."""
+        """Titles of the tasks of a segment, by the element that they belong to."""
         titles: dict[str, dict[str, None]] = {}
         for task in self.old.segment(name).tasks:
             if task.owner:
@@ -281,7 +281,7 @@ class _Inliner:
         return Task(len(self.kernels) - 1, (0,), tuple(slot for slot, _ in runs))
 
     def _copy(self, graph: Graph, node: int, ids: dict[int, int], slots: Mapping[int, int]) -> None:
-        """Rebuild a node in a function, with what it reads."""
+        """Rebuild a node in a function, with its operands."""
         if node in ids:
             return
         if node in slots:

@@ -1,4 +1,4 @@
-"""Small matrices of nodes: what an operation is written with while it is traced."""
+"""Small matrices of nodes, in which an operation is written while it is traced."""
 
 from __future__ import annotations
 

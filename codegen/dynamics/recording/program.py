@@ -157,7 +157,7 @@ class ConservedMomenta:
 
     @property
     def count(self) -> int:
-        """Count of numbers that stay what they are."""
+        """Count of components that stay constant."""
         return len(self.linear) + len(self.angular)
 
 

@@ -101,7 +101,7 @@ class Operation(Protocol):
 
     @property
     def title(self) -> str:
-        """Title of what it computes, in one line; kernels and counts are named after it."""
+        """Title of its results, in one line; kernels and counts are named after it."""
 
     def __hash__(self) -> int:
         """Hash that equal operations share."""
@@ -318,7 +318,7 @@ def _traced_kernel(
 def pattern_of(
     blocks: Sequence[SlotMatrix],
 ) -> tuple[OperandPattern, list[int], list[int], list[int]]:
-    """Pattern that decides a trace, and what differs between its calls.
+    """Pattern that decides a trace, and the slots that differ between its calls.
 
     Returns
     -------

@@ -84,7 +84,7 @@ class Trace:
                 self._known[node] = leaf
 
     def rebuilt(self, results: Sequence[Matrix]) -> tuple[Graph, list[list[int]]]:
-        """Graph of what ``results`` need beyond what is known, and their nodes in it."""
+        """Graph of the nodes that ``results`` need beyond known ones, and their nodes in it."""
         graph = Graph()
         new: dict[int, int] = {}
         order = self._needed(node for result in results for node in result.flat)
@@ -163,7 +163,7 @@ def traced_kernel(
 
 
 class _Sorter:
-    """Sort the entries of results into numbers, copies, and what is new."""
+    """Sort the entries of results into numbers, copies, and new nodes."""
 
     def __init__(self, graph: Graph, trace: Trace) -> None:
         self.graph = graph
@@ -193,7 +193,7 @@ class _Sorter:
 def _compact(
     graph: Graph, title: str, lengths: Sequence[int], outputs: Sequence[Sequence[int]]
 ) -> tuple[Kernel, tuple[int, ...]]:
-    """Kernel of what ``outputs`` need, without name, and the runs that it reads."""
+    """Kernel of the nodes that ``outputs`` need, without name, and the runs that it reads."""
     order = _in_order(graph, outputs)
     symbols = [graph.nodes[node].symbol for node in order]
     read = {name for name, _ in filter(None, symbols)}

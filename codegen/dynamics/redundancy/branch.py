@@ -1,4 +1,4 @@
-"""Positions along the branch that a loop is assembled on, and what its rows are there.
+"""Positions along the branch that a loop is assembled on, and its rows there.
 
 From one position to the next all bodies are moved a little by a displacement that changes no row,
 and are put back on the rows. Everything is doubles in an order that is ours, and finite rotations
@@ -209,7 +209,7 @@ class Branch:
         return factors, ranks[0], every.pivots
 
     def is_redundant(self, positions: Sequence[BranchPosition], few: int) -> bool:
-        """Whether rows repeat others at all positions, few being what they may determine."""
+        """Whether rows repeat others at all positions; one alone tells it at rank ``few`` only."""
         rank = max(position.factors.rank for position in positions)
         return rank < len(self._rows) and (len(positions) > 1 or rank == few)
 

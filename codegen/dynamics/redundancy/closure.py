@@ -1,4 +1,4 @@
-"""Rows that others imply but for less than the closure tolerance: which, and what they miss.
+"""Rows that others imply but for less than the closure tolerance: which, and their gaps.
 
 People type 0.7071 for an axis. The rows of such a loop are independent by a hair, and what they
 hold beyond each other is no motion that anyone means: they count as redundant, as the exact ones

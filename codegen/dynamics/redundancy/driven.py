@@ -1,4 +1,4 @@
-"""Drivers that prescribe what joints or other drivers determine already: refused, never dropped.
+"""Drivers of coordinates that joints or other drivers determine already: refused, never dropped.
 
 Rows of joints may depend on each other, and some of them are left out. A driver says how the
 mechanism shall move; where it takes part in a dependence there is one driver too many, also where
@@ -57,7 +57,7 @@ class Drivers:
         self._rank = 0
 
     def look(self, position: BranchPosition) -> bool:
-        """Look at a position; return whether drivers are known to prescribe what is free."""
+        """Look at a position; return whether drivers are known to prescribe free coordinates."""
         self._rank = max(self._rank, position.factors.rank)
         if self._count and not self._are_free():
             factors = self._branch.with_others(position, self._places)
@@ -65,7 +65,7 @@ class Drivers:
         return self._are_free()
 
     def _extra(self, rank: int, factors: LQFactors) -> int:
-        """Number of drivers that prescribe what joints of a rank, or others, determine."""
+        """Number of drivers of coordinates that joints of a rank, or other drivers, determine."""
         return rank + self._count - factors.rank
 
     def _are_free(self) -> bool:

@@ -83,7 +83,7 @@ class DependentSet:
 
 @dataclass(frozen=True, slots=True)
 class Freedom:
-    """What the rows of a system leave free.
+    """Freedoms that the rows of a system leave.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ class Freedom:
 
 
 class _Found(NamedTuple):
-    """What is known of a part, and where it was looked at."""
+    """Findings about a part, and where it was looked at."""
 
     branch: Branch
     positions: list[BranchPosition]

@@ -29,7 +29,7 @@ EQUAL = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class LQFactors:
-    """A = L Q for the rows that were taken, and what the others are made of.
+    """A = L Q for the rows that were taken, and the others as combinations of them.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class LQFactors:
 
     @property
     def pivots(self) -> Array:
-        """What was left of each row when it was taken."""
+        """Rest of each row when it was taken."""
         found: Array = np.diagonal(self.lower)
         return found
 
@@ -71,7 +71,7 @@ class LQFactors:
     def null_part(self, x: Array) -> Array:
         """Part of x that changes no row."""
         for _ in range(2):
-            x = x - _combined(self.basis.T, _products(self.basis, x))
+            x = x - _combined(self.basis.T, _combined(self.basis, x))
         return x
 
     def combinations(self) -> Array:
@@ -121,7 +121,7 @@ def factorise(matrix: Array, least: float | None = None, most: int | None = None
         row = int(np.argmax(squares >= (1 - EQUAL) * best))
         size = float(squares[row]) ** 0.5
         direction = rest[:, row] / size
-        part = _products(rest, direction)
+        part = _combined(rest, direction)
         rest -= direction[:, None] * part
         rest[:, row] = 0.0
         taken.append(row)
@@ -171,7 +171,7 @@ def _without(basis: Array, row: int) -> Array:
     if not size:
         return basis
     column = column / size
-    rest: Array = basis - column[:, None] * _products(basis, column)
+    rest: Array = basis - column[:, None] * _combined(basis, column)
     return rest
 
 
@@ -193,13 +193,7 @@ def damped_change(matrix: Array, wanted: Array, damping: float) -> Array:
     return _combined(matrix, right)
 
 
-def _products(columns: Array, x: Array) -> Array:
-    """Products of all columns with a vector."""
-    products: Array = (columns * x[:, None]).sum(axis=0)
-    return products
-
-
 def _combined(rows: Array, factors: Array) -> Array:
-    """Sum of rows times factors."""
+    """Sum of rows times factors, Aᵀ x: so many products of columns with x, too."""
     total: Array = (rows * factors[:, None]).sum(axis=0)
     return total

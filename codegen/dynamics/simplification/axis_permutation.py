@@ -55,7 +55,7 @@ def can_permute(system: System) -> bool:
 
 
 def permuted(system: System, shift: int) -> System:
-    """System whose component k is what component k + shift was, counted in turn.
+    """System whose component k is component k + shift of the given one, counted in turn.
 
     It is turned by a rotation of frame O and all principal frames alike, P (3, 3): r → P r [m], A →
     P A Pᵀ, I′ → P I′Pᵀ, so that every equation C = 0 stays what it is.

@@ -1,4 +1,4 @@
-"""Bodies that hang on the ground by one joint: v = R u + β with what the joint leaves free.
+"""Bodies that hang on the ground by one joint: v = R u + β with the velocities u that it leaves.
 
 A revolute, spherical, prismatic or cylindrical joint with the ground leaves one to three velocities
 u of the six of its body. R is known in closed form, and the mass Rᵀ M R that moves with u is
@@ -131,7 +131,7 @@ class VelocityTransformation:
 
     @property
     def prescribed(self) -> tuple[tuple[int, Prescribed], ...]:
-        """Which of its freedoms are driven, and by what."""
+        """Which of its freedoms are driven, and by which driver."""
         found = ((0, self.prescribed_turn), (self.turns, self.prescribed_slide))
         return tuple((k, one) for k, one in found if one)
 
@@ -144,7 +144,7 @@ class VelocityTransformation:
 def velocity_transformations_of(
     system: System, rows: Mapping[int, Sequence[int]], *, is_planar: bool
 ) -> dict[int, VelocityTransformation]:
-    """Bodies that can be described by what their joint with the ground leaves free: v = R u + β.
+    """Bodies that the coordinates of their joint with the ground can describe: v = R u + β.
 
     v (6,) [m/s, rad/s] of a body has ṙ in frame O, ω′ in the principal frame.
 
@@ -301,7 +301,7 @@ def _pair(values: Sequence[Sequence[High]]) -> tuple[Numbers, Numbers]:
 def _with_drivers(
     system: System, found: VelocityTransformation, drivers: Sequence[int]
 ) -> VelocityTransformation:
-    """Body with what drives the coordinates of its joint; other drivers stay rows."""
+    """Body with the drivers of the coordinates of its joint; other drivers stay rows."""
     for place in drivers:
         one = system.constraints[place]
         if len(one.terms) != 1 or one.terms[0].factor != 1.0 or one.offset:
@@ -321,7 +321,7 @@ def _with_drivers(
 
 
 def _along(found: VelocityTransformation, coordinate: RelativeCoordinate) -> int:
-    """Sign 1 or −1 of a coordinate that grows or falls with what the joint leaves free, else 0."""
+    """Sign 1 or −1 of a coordinate that grows or falls with that of the joint, else 0."""
     direction = facets_of_kind(coordinate.kind).direction(dict(coordinate.constants))
     if direction is None:
         return 0

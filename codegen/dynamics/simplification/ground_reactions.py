@@ -39,7 +39,7 @@ PARALLEL = 1e-9
 
 
 def ground_reactions_of(system: System) -> Iterator[tuple[int, GroundReaction]]:
-    """Reactions of the ground on bodies: on which body, and what the ground can do, −C_qᵀλ.
+    """Reactions of the ground on bodies: on which body, and all possible ones, −C_qᵀλ.
 
     Points (3,) [m] and directions (3,) are in frame O.
     """

@@ -219,7 +219,7 @@ def _kernel_at_start(
 
 
 def _axes(system: System, instance: Instance) -> list[tuple[float, ...]]:
-    """Axes of an instance, or of what it combines.
+    """Axes of an instance, or of the coordinates that it combines.
 
     What a kind of one's own does with axes is not known: it has one that is none.
     """

@@ -1,4 +1,4 @@
-"""The mass that moves with what a joint with the ground leaves free: Rᵀ M R, exactly.
+"""The mass that moves with the coordinates of a joint with the ground: Rᵀ M R, exactly.
 
 It does not change with the position, since R turns with the body: of a turn about an axis it is
 m |s′ × a′|² + a′ᵀ I′ a′, of turns about a point m s̃′ᵀ s̃′ + I′, of a displacement m.

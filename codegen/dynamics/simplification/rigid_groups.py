@@ -27,7 +27,7 @@ MOST_JOINTS = 4
 
 
 def grouped(system: System) -> tuple[tuple[int, ...], ...]:
-    """Bodies that are one, in groups of two and more; what stands still with the ground.
+    """Bodies that are one, in groups of two and more; those that stand still with the ground.
 
     Two bodies of a group stay apart if there is a coordinate between them, or a force whose work is
     told or whose energy depends on parameters; so does a body with a force or constraint that is
@@ -50,7 +50,7 @@ def grouped(system: System) -> tuple[tuple[int, ...], ...]:
 
 
 def _joined(count: int, edges: Sequence[Edge], counts: Mapping[int, int]) -> DisjointSets:
-    """Groups that fixed joints make: first what they hold to the ground."""
+    """Groups that fixed joints make: first the bodies that they hold to the ground."""
     leaders = DisjointSets(range(GROUND_INDEX, count))
     beside: dict[int, list[int]] = {}
     for i, j in edges:
@@ -94,7 +94,7 @@ def _joint_counts(system: System, edges: list[Edge]) -> dict[int, int]:
 
 
 def _kept(system: System, leaders: DisjointSets) -> set[int]:
-    """Bodies that stay what they are."""
+    """Bodies that stay bodies."""
     found: set[int] = set()
     for coordinate in system.coordinates:
         if leaders.of(coordinate.i) == leaders.of(coordinate.j):

@@ -1,4 +1,4 @@
-"""The potential energy of what does not move, and is left out of a program."""
+"""The potential energy of bodies that do not move, and are left out of a program."""
 
 from __future__ import annotations
 

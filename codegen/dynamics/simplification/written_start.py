@@ -56,7 +56,7 @@ def written_start(scene: Scene, written: System, joined: System) -> tuple[Writte
 
 
 def require_held(written: System, placed: System) -> None:
-    """Refuse to hold what a run with other parameters could not keep.
+    """Refuse to hold coordinates that a run with other parameters could not keep.
 
     Only assembly holds, and it takes the parameters of the scene. With others, drivers may begin
     elsewhere or at another rate, and bodies with other masses share what does not fit.
