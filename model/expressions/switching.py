@@ -86,10 +86,26 @@ def switching_functions(formula: Expression) -> Iterator[Expression]:
             yield add(first, *map(neg, rest))
         elif (root := even_root(part)) is not None and root[1] < SMOOTH:
             yield root[0]
-        elif part.op is Op.ATAN2 and range_of(part.args[1])[0] < 0.0:
-            yield from filter(may_be_zero, _crossed(part.args[0]))
-        elif part.op is Op.ATAN:
-            yield from _divisors_of(part)
+        else:
+            yield from _wrapped(part)
+
+
+def jumping_functions(formula: Expression) -> Iterator[Expression]:
+    """Those switching functions that are zero where a formula jumps, or may do so."""
+    divided = {id(factor) for part in ordered(formula) for factor in _divided(part)}
+    for part in ordered(formula):
+        if part.op is Op.SIGN or id(part) in divided:
+            yield part.args[0]
+        else:
+            yield from _wrapped(part)
+
+
+def _wrapped(part: Expression) -> Iterator[Expression]:
+    """Functions that are zero where an angle jumps."""
+    if part.op is Op.ATAN2 and range_of(part.args[1])[0] < 0.0:
+        yield from filter(may_be_zero, _crossed(part.args[0]))
+    elif part.op is Op.ATAN:
+        yield from _divisors_of(part)
 
 
 def _divisors_of(formula: Expression) -> Iterator[Expression]:

@@ -18,6 +18,7 @@ from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.switching import (
     edges_of,
     is_jump,
+    jumping_functions,
     places_of,
     poles_of,
     square,
@@ -97,8 +98,8 @@ class Seen:
     measures : tuple of Measure
         What those below depend on beside time and parameters.
     crossings : tuple of Expression
-        The formulas of events, then functions of the state that are zero where a formula has a kink
-        or a jump, or one of an event gets or loses its value.
+        The formulas of events, then functions of the state that are zero where a formula has a
+        kink, or one of an event gets or loses its value.
     narrow : tuple of Expression
         Smooth parts that vary with the state beyond polynomials.
     jumps : tuple of bool
@@ -122,6 +123,8 @@ class Seen:
         points meet, and nothing tells in which direction they part.
     drawn : tuple of str
         Which driver each of these is of.
+    breaks : tuple of Expression
+        Functions of the state that are zero where a formula jumps, and with it a force.
     """
 
     switches: tuple[Expression, ...]
@@ -139,6 +142,7 @@ class Seen:
     distances: tuple[Expression, ...] = ()
     gaps: tuple[Expression, ...] = ()
     drawn: tuple[str, ...] = ()
+    breaks: tuple[Expression, ...] = ()
 
 
 def seen_of(system: System) -> Seen:
@@ -165,7 +169,9 @@ def seen_of(system: System) -> Seen:
 
     varying = partial(varying_parts, varying={TIME, *of_state})
     edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(edges_of, events))))
-    crossings = (*events, *found(switching_functions, is_state=True), *edges)
+    breaks = found(jumping_functions, is_state=True)
+    kinks = (one for one in found(switching_functions, is_state=True) if one not in breaks)
+    crossings = (*events, *kinks, *edges)
     narrow = tuple(map(without_overflow, found(varying, is_state=True)))
     led = {
         place: parse_expression(one.law, names, longest=len(one.law))
@@ -175,15 +181,15 @@ def seen_of(system: System) -> Seen:
     laws: dict[Expression, str] = {}
     for place, law in led.items():
         laws.setdefault(law, system.constraints[place].joint)
-    breaks = {one: tuple(filter(varies, places_of(one))) for one in laws}
-    followed = [one for one, places in breaks.items() if places or any(varying_parts(one, {TIME}))]
+    bends = {one: tuple(filter(varies, places_of(one))) for one in laws}
+    followed = [one for one, places in bends.items() if places or any(varying_parts(one, {TIME}))]
     drawn = [*driven_lengths(system, led)]
     gaps = {
         add(one.law, neg(_nearly_none(one.law, system))): one.driver
         for one in drawn
         if varies(one.law)
     }
-    switches = (*gaps, *found(switching_functions, is_state=False), *chain(*breaks.values()))
+    switches = (*gaps, *found(switching_functions, is_state=False), *chain(*bends.values()))
     poles: dict[Expression, str] = {}
     infinite: dict[Expression, None] = {}
     for text, key in _texts(system):
@@ -194,7 +200,7 @@ def seen_of(system: System) -> Seen:
                 infinite |= dict.fromkeys([part] * bool(own))
     lengths = tuple(_lengths(system))
     distances = tuple(one for one in found(squares_of, is_state=True) if one not in lengths)
-    told = (*crossings, *narrow, *poles, *infinite, *lengths, *distances)
+    told = (*crossings, *breaks, *narrow, *poles, *infinite, *lengths, *distances)
     read = set(chain.from_iterable(map(names_of, told)))
     return Seen(
         tuple(dict.fromkeys(switches)),
@@ -212,6 +218,7 @@ def seen_of(system: System) -> Seen:
         distances,
         tuple(gaps),
         tuple(gaps.values()),
+        breaks,
     )
 
 

@@ -6,11 +6,10 @@
  * may be it is looked for in the polynomial. The step is made again, to end right before that
  * place, and the next one, to end as far behind. */
 
-/* distances that sink to this part of the largest one at the ends and in the middle of a step, as
- * cubics over its halves tell, are looked at; those that do so to this part in the polynomial turn
- * a force within the step, and those in formulas to this one: bounds tell how these vary, but for
- * what places are known to */
-#define SUNK 0.3
+/* distances that have sunk beside the largest at the ends and in the middle of a step, as cubics
+ * over its halves tell, are looked at; those that do so to this part in the polynomial turn a force
+ * within the step, and those in formulas to this one: bounds tell how these vary, but for what
+ * places are known to */
 #define TURNING 0.0625
 #define TOLD_TURNING 1e-2
 /* rates of squares are told by their difference over this part of a step */
@@ -20,16 +19,8 @@
 /* a force turns within so many times the time in which a distance gets larger by as much as it is
  */
 #define AROUND 8.0
-/* a step that was cut leads over such a place where this part of it is behind */
-#define BEHIND 0.3
 /* a step of so many times no way leads over such a place, and has no other */
 #define LEAP 4.0
-/* places within this part of a trial that is not kept must lie where its first rates lead: a
- * distance has sunk there, or is this part of the one to which they lead */
-#define EARLY 0.1
-#define THERE 1e-3
-/* how often a step is cut for distances */
-#define MOST_TURNED 8
 /* where the golden section divides an interval, and how often it does */
 #define GOLDEN 0.3819660112501051
 #define MOST_SECTIONS 80
@@ -174,13 +165,11 @@ static double cut_end(size_t k, double time, double nodes[N_NODES][ROOM(N_DISTAN
     if (!(way > tiny) && !(look->h * sqrt(larger(before / far, 0.0)) < 0.5 * nothing))
         return HUGE_VAL;
     /* it is made to lead over the place, and does */
-    if (end == look->turning && look->place < end && end - time > BEHIND * look->h) return HUGE_VAL;
+    if (is_leap(end, look) && end - time > BEHIND * look->h) return HUGE_VAL;
     const double farthest = before == far ? 0.0 : nodes[2][k] == far ? 0.5 : 1.0;
     const double from_there = fabs(way - farthest * look->h);
     const double turn = AROUND * from_there * sqrt(larger(least / (far - least), 0.0));
-    const double near = larger(nothing, turn);
-    if (way > 2.0 * near) return time - larger(near, SMALL * way);
-    return time + near;
+    return cut_beside(time, larger(nothing, turn), look);
 }
 
 /* where a step to an end must end by the first such place of a distance, and that */
@@ -220,18 +209,6 @@ static int is_on_the_way(
     for (size_t i = 0; i != NY; ++i) y[i] = s->y[i] + early * s->f[i];
     distances_of(look->start + early, y, work, beyond);
     return there[k] <= larger(SUNK * SUNK * before, THERE * THERE * beyond[k]);
-}
-
-/* where a step is cut for distances; what was seen, which is noted, after many cuts */
-static double turned_in(double turned, double seen, Look *look)
-{
-    if (++look->turned > MOST_TURNED) {
-        look->is_untold = 1;
-        return seen;
-    }
-    memset(look->crosses, 0, sizeof look->crosses);
-    look->turning = turned;
-    return turned;
 }
 
 /* where a step to an end must end by all distances, infinite where it need not */

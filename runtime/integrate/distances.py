@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger, smaller
-from .crossing import FINEST, ONWARD, SMALL, SMALLEST, read_of
+from .crossing import FINEST, ONWARD, SMALLEST, read_of
+from .cuts import BEHIND, EARLY, SUNK, THERE, cut_beside, is_leap
 from .dense_output import interpolate
 
 if TYPE_CHECKING:
@@ -23,11 +24,10 @@ if TYPE_CHECKING:
     from .crossing import Look
     from .scene_tables import Workspace
 
-#: Distances that sink to this part of the largest one at the ends and in the middle of a step, as
-#: cubics over its halves tell, are looked at; those that do so to this part in the polynomial turn
-#: a force within the step, and those in formulas to this one: bounds tell how these vary, but for
-#: what places are known to.
-SUNK = 0.3
+#: Distances that have sunk beside the largest at the ends and in the middle of a step, as cubics
+#: over its halves tell, are looked at; those that do so to this part in the polynomial turn a force
+#: within the step, and those in formulas to this one: bounds tell how these vary, but for what
+#: places are known to.
 TURNING = 0.0625
 TOLD_TURNING = 1e-2
 #: Rates of squares are told by their difference over this part of a step.
@@ -38,16 +38,8 @@ DOUBLED = 20
 NODES = (0.0, DIFFERENCE, 0.5, 0.5 + DIFFERENCE, 1.0 - DIFFERENCE, 1.0)
 #: A force turns within so many times the time in which a distance gets larger by as much as it is.
 AROUND = 8.0
-#: A step that was cut leads over such a place where this part of it is behind.
-BEHIND = 0.3
 #: A step of so many times no way leads over such a place, and has no other.
 LEAP = 4.0
-#: Places within this part of a trial that is not kept must lie where its first rates lead: a
-#: distance has sunk there, or is this part of the one to which they lead.
-EARLY = 0.1
-THERE = 1e-3
-#: How often a step is cut for distances.
-MOST_TURNED = 8
 #: Where the golden section divides an interval, and how often it does.
 GOLDEN = 0.3819660112501051
 MOST_SECTIONS = 80
@@ -165,15 +157,12 @@ def cut_end(k: int, time: float, nodes: Array, end: float, look: Look) -> float:
         return math.inf
     if not way > tiny and not look.h * math.sqrt(larger(before / far, 0.0)) < 0.5 * nothing:
         return math.inf  # it starts behind the place
-    if end == look.turning and look.place < end and end - time > BEHIND * look.h:
+    if is_leap(end, look) and end - time > BEHIND * look.h:
         return math.inf  # it is made to lead over the place, and does
     farthest = 0.0 if before == far else 0.5 if float(nodes[2]) == far else 1.0
     from_there = abs(way - farthest * look.h)
     turn = AROUND * from_there * math.sqrt(larger(least / (far - least), 0.0))
-    near = larger(nothing, turn)
-    if way > 2.0 * near:
-        return time - larger(near, SMALL * way)
-    return time + near
+    return cut_beside(time, larger(nothing, turn), look)
 
 
 def turning_end(k: int, nodes: Array, end: float, look: Look) -> tuple[float, float]:
@@ -206,17 +195,6 @@ def is_on_the_way(k: int, place: float, before: float, look: Look) -> bool:
         for part in (way, early)
     )
     return there <= larger(SUNK * SUNK * before, THERE * THERE * beyond)
-
-
-def turned_in(turned: float, seen: float, look: Look) -> float:
-    """Time at which a step is cut for distances; what was seen, which is noted, after many cuts."""
-    look.turned += 1
-    if look.turned > MOST_TURNED:
-        look.is_untold = True
-        return seen
-    look.crosses = np.zeros(len(look.state.sides), dtype=bool)
-    look.turning = turned
-    return turned
 
 
 def turned_end(end: float, look: Look) -> float:

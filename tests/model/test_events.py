@@ -116,6 +116,27 @@ def test_lengths_count_along_which_a_force_acts_that_is_not_smooth(bead: Tree) -
 
 
 @pytest.mark.parametrize(
+    ("force", "count"),
+    [
+        ("sign(x)*at + max(x - 1, 0)", 1),
+        ("sign(x - 1)*x_dot - sign(x_dot)", 2),
+        ("(x - at)/abs(x - at) + x/sqrt(x^2)", 2),
+        ("atan2(x, x_dot) + atan(1/(x - at))", 2),
+        ("x*abs(x)/(exp(x) - 1)^2", 1),
+        ("sign(t - 1)*x", 0),
+        ("abs(x) + min(x, x_dot) - abs(x_dot)*x_dot", 0),
+    ],
+)
+def test_functions_at_which_a_force_jumps_are_told_from_kinks(
+    bead: Tree, force: str, count: int
+) -> None:
+    push = {"type": "along", "coordinate": "x", "force": force}
+    seen = seen_of(system_of(scene_from_dict(bead | {"forces": {"push": push}}), ()))
+    assert len(seen.breaks) == count
+    assert set(seen.breaks).isdisjoint(seen.crossings[1:])  # behind the event of the bead
+
+
+@pytest.mark.parametrize(
     ("force", "crossings", "narrow"),
     [
         ("max(0, -x)", 1, 0),

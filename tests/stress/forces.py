@@ -202,7 +202,7 @@ QUESTION = Question(
         ),
         Fault(
             "steps leap over kinks of the state",
-            partial(blind, "crossings"),
+            partial(blind, "crossings", "breaks"),
             "triangle_wall c 1 0 30",
         ),
         Fault(

@@ -157,7 +157,9 @@ def record_switching(
     if seen.laws:
         record("bending", recorder.region("law_span", 2), {"laws": seen.laws})
     near = {"lengths": seen.lengths, "distances": seen.distances}
-    if seen.crossings or seen.narrow or seen.poles or any(near.values()):
+    crossing = {"crossings": seen.crossings, "breaks": seen.breaks, "poles": seen.poles}
+    crossing |= {"narrow": seen.narrow, "infinite": seen.infinite}
+    if any(crossing.values()) or any(near.values()):
         region = recorder.region("measures", 2 * len(seen.measures))
         recorder.begin("measure")
         for k, one in enumerate(seen.measures):
@@ -169,8 +171,6 @@ def record_switching(
                 target = recorder.region(name, len(found))
                 valued = Valued(found, names, seen.measures)
                 recorder.call(valued, forces.names[TIME][0], region, parameters, into=(target,))
-    if seen.crossings or seen.narrow or seen.poles:
+    if any(crossing.values()):
         ranges = recorder.region("ranges", 2 + RANGES * len(seen.measures))
-        parts = {"crossings": seen.crossings, "poles": seen.poles}
-        parts |= {"narrow": seen.narrow, "infinite": seen.infinite}
-        record("crossing", ranges, parts, *seen.measures)
+        record("crossing", ranges, crossing, *seen.measures)

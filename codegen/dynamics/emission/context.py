@@ -67,6 +67,7 @@ COME_WITH = {
         *("N_CROSSINGS", "N_NARROW", "EVENTS", "N_POLES", "N_INFINITE"),
         *("W_RANGES", "W_CROSSINGS", "W_NARROW", "W_POLES"),
     ),
+    ("HAS_BREAKS",): ("N_BREAKS", "W_BREAKS"),
     ("HAS_MEASURE",): ("N_MEASURES", "W_MEASURES"),
     ("HAS_DISTANCE",): ("N_LENGTHS", "N_DISTANCES", "W_LENGTHS", "W_DISTANCES"),
 }
@@ -458,6 +459,7 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
         "HAS_MEASURE": "measure" in segments,
         "HAS_DISTANCE": "distance" in segments,
         "HAS_CROSSING": "crossing" in segments,
+        "HAS_BREAKS": "breaks" in regions,
     }
     return tuple(name for name, has in features.items() if has)
 

@@ -31,6 +31,7 @@ def layout_sizes(program: Program) -> dict[str, int]:
     """Counts that a solver is laid out by, as C calls them."""
     present = {region.name: region.size for region in program.regions}
     counted = counted_turns(program)
+    crossings = sum(present.get(name, 0) for name in ("crossings", "breaks", "poles"))
     return {
         "NQ": present["q"],
         "NV": present["v"],
@@ -51,7 +52,8 @@ def layout_sizes(program: Program) -> dict[str, int]:
         "N_GAPS": present.get("gaps", 0) // BOUNDS,
         "N_LAWS": present.get("laws", 0) // BOUNDS,
         "N_MEASURES": present.get("measures", 0) // 2,
-        "N_CROSSINGS": (present.get("crossings", 0) + present.get("poles", 0)) // BOUNDS,
+        "N_CROSSINGS": crossings // BOUNDS,
+        "N_BREAKS": present.get("breaks", 0) // BOUNDS,
         "N_POLES": present.get("poles", 0) // BOUNDS,
         "N_NARROW": present.get("narrow", 0) // BOUNDS,
         "N_INFINITE": present.get("infinite", 0) // BOUNDS,

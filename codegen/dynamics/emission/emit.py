@@ -40,10 +40,12 @@ TEMPLATES = {
     "integrate/methods.h": "dynamics/methods.h.jinja",
 }
 #: What scenes lack whose parameters change no rows of loops, or that drivers leave freedom, or
-#: without forces along distances.
+#: without forces along distances, or that jump.
 OF_RANK = tuple(f"integrate/{name}" for name in ("rank.h", "rank.py", "nearly_dependent.py"))
 OF_KINEMATICS = ("integrate/kinematics.h", "integrate/kinematics.py")
 OF_DISTANCES = ("integrate/distances.h", "integrate/distances.py")
+OF_BREAKS = ("integrate/breaks.h", "integrate/breaks.py")
+OF_CUTS = ("integrate/cuts.h", "integrate/cuts.py")
 
 
 def emit_dynamics(
@@ -78,6 +80,8 @@ def emit_dynamics(
     context = solver_context(program, system, length, parts)
     lacked = OF_RANK * (not context.looks_at_rank) + OF_KINEMATICS * (not context.is_driven)
     lacked += OF_DISTANCES * ("HAS_DISTANCE" not in context.features)
+    lacked += OF_BREAKS * ("HAS_BREAKS" not in context.features)
+    lacked += OF_CUTS * {"HAS_DISTANCE", "HAS_BREAKS"}.isdisjoint(context.features)
     copies = along("integrate", MESSAGES)
     integrator = {name: text for name, text in copies.items() if name not in lacked}
     given = {

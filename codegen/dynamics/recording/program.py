@@ -326,6 +326,7 @@ REGIONS = {
     "measures": "value and rate of what formulas read of a state, in their units",
     "ranges": "two times, s; least and most of each measure between them, of its rate, of the next",
     "crossings": "of each event, then each switching function of the state, as of switches",
+    "breaks": "of each of these that is zero where a force jumps, likewise; right behind them",
     "poles": "of what is zero where forces may be infinite, likewise",
     "narrow": "of each part of a formula that varies with the state, likewise",
     "infinite": "of each part of a formula that may be infinite, likewise",
@@ -339,7 +340,7 @@ REGIONS = {
 ON_DEMAND_REGIONS = (
     *("more_lam", "more_power", "all_lam", "wrenches"),
     *("span", "switches", "features", "gaps", "law_span", "laws"),
-    *("measures", "ranges", "crossings", "poles", "narrow", "infinite"),
+    *("measures", "ranges", "crossings", "breaks", "poles", "narrow", "infinite"),
     *("lengths", "distances"),
 )
 
@@ -366,7 +367,7 @@ ON_DEMAND = {
     "bending": "law_span, parameters -> laws",
     "measure": "q, v -> measures",
     "distance": "t, measures, parameters -> lengths, distances",
-    "crossing": "ranges, parameters -> crossings, poles, narrow, infinite",
+    "crossing": "ranges, parameters -> crossings, breaks, poles, narrow, infinite",
 }
 
 #: The segments that read what ``geometry`` left; the others need regions only.

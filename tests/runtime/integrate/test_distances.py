@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 
 from kousoku.runtime.integrate import distances
+from kousoku.runtime.integrate.cuts import EARLY, MOST_TURNED, turned_in
 from kousoku.runtime.integrate.distances import (
     AROUND,
     DIFFERENCE,
     DOUBLED,
-    EARLY,
-    MOST_TURNED,
     NODES,
     TOLD_TURNING,
     TURNING,
@@ -26,7 +25,6 @@ from kousoku.runtime.integrate.distances import (
     node_of,
     sinks_in,
     turned_end,
-    turned_in,
 )
 
 if TYPE_CHECKING:

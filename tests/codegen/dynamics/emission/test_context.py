@@ -89,6 +89,10 @@ def test_a_solver_is_strict_c_and_says_nothing_of_what_its_scene_lacks(
     assert not re.search(r"\{ (\{?0\}?|\(void\)w;) \}", text)
     assert ("IS_DRIVEN" in parts) == ("integrate/kinematics.h" in files)
     assert ("IS_DRIVEN" in parts) == ("integrate/kinematics.py" in files)
+    for end in ("h", "py"):
+        assert ("HAS_BREAKS" in parts) == (f"integrate/breaks.{end}" in files)
+        cuts = f"integrate/cuts.{end}" in files
+        assert cuts != parts.isdisjoint({"HAS_DISTANCE", "HAS_BREAKS"})
     tables = files["solver.py"].partition("TABLES = {")[2]
     assert not re.search(r'": """\n\n|=False|, 0\),', tables)
 
