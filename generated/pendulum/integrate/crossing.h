@@ -66,9 +66,10 @@ enum {
     N_LOOKED = N_SEEN + N_DISTANCES,
     N_READ = 2 * N_MEASURES,
     /* one behind the other */
-    W_SEEN = N_SWITCHING > 0 ? W_CROSSINGS
-    : N_POLES > 0            ? W_POLES
-                             : W_NARROW
+    W_SEEN = N_SWITCHING > N_BREAKS ? W_CROSSINGS
+    : N_BREAKS > 0                  ? W_BREAKS
+    : N_POLES > 0                   ? W_POLES
+                                    : W_NARROW
 };
 
 /* notes a step from a time on over which bounds do not tell how formulas vary */
@@ -89,13 +90,14 @@ typedef struct {
  * whether it is kept if nothing cuts it, the event without a value right behind its start, counted
  * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
  * is, by what rates change in it, in the mean, by how much more at its end, and at most, and what
- * they are known to: to no more than they have been; how often it was cut for distances,
- * where last, when the one that did so is least, and whether it only leads over that */
+ * they are known to: to no more than they have been; how often it was cut for distances and
+ * jumps, where last, the place that did so, and whether it only leads over that; until when
+ * functions first cross in it at which a force jumps, infinite where they do not */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
     double pole_time, bend[ROOM(N_MEASURES)], lean[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
-    double known[ROOM(N_MEASURES)], turning, place;
+    double known[ROOM(N_MEASURES)], turning, place, breaks[ROOM(N_BREAKS)];
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_short[ROOM(N_SEEN)];
     int is_untold, has_error, is_kept, lost, pole, turned, is_over;
 } Look;
@@ -241,6 +243,7 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
     look->h = h;
     look->slack = settings->tolerance * h;
     look->is_untold = 0;
+    for (size_t k = 0; k != N_BREAKS; ++k) look->breaks[k] = HUGE_VAL;
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memset(s->dense, 0, sizeof s->dense);
     hermite_cubic(h, y, f_before, f, s);
@@ -690,7 +693,11 @@ static double seen_end(double end, Look *look, State *s, Work *work)
             if (look->pole) return end;
         }
         for (size_t k = 0; k != N_POLES; ++k) passed[k] = passed[k] != passes[k];
-        if (any) return smaller(larger(first_time(&a, &b, look, s, work), nearest), end);
+        if (any) {
+            for (size_t k = 0; k != N_BREAKS; ++k)
+                if (look->crosses[N_SWITCHING - N_BREAKS + k]) look->breaks[k] = b.time;
+            return smaller(larger(first_time(&a, &b, look, s, work), nearest), end);
+        }
         a = b;
         width = smaller(2.0 * width, widest);
     }

@@ -171,9 +171,11 @@ class Look:
     pole_time : float [s]
         When that is.
     turned, turning, place : int, float [s], float [s]
-        How often it was cut for distances, where last, and when the one that did so is least.
+        How often it was cut for distances and jumps, where last, and the place that did so.
     is_over : bool
-        Whether it only leads over where that is least.
+        Whether it only leads over that.
+    breaks : array [s]
+        Until when functions first cross in it at which a force jumps; infinite where they do not.
     """
 
     state: State
@@ -203,6 +205,7 @@ class Look:
     turning: float = math.inf
     place: float = math.inf
     is_over: bool = False
+    breaks: Array = field(init=False)
 
 
 def side_at(node: TimeNode) -> Array:
@@ -313,7 +316,7 @@ def look_into(
     """Make the polynomial of a step from the state to y, where the derivative is f."""
     state, sizes = look.state, look.work.scene.measure_sizes
     look.m, look.start, look.h, look.slack = m, state.time, h, s.tolerance * h
-    look.is_untold = False
+    look.is_untold, look.breaks = False, np.full(look.work.scene.n_breaks, math.inf)
     state.y_before[:] = state.y
     state.dense[:] = 0.0
     hermite_cubic(h, y, state.f, f, state)
@@ -628,6 +631,7 @@ def seen_end(end: float, look: Look) -> float:
                 return end
         passed ^= passes
         if look.crosses.any():
+            look.breaks = np.where(look.crosses[look.work.scene.breaks], b.time, math.inf)
             return smaller(larger(first_time(a, b, look), nearest), end)
         a, width = b, smaller(2.0 * width, widest)
     look.is_untold = a.time < end and not a.time > nearest

@@ -32,8 +32,14 @@
 #include "projection.h"
 #include "dense_output.h"
 #include "crossing.h"
+#if defined HAS_DISTANCE || defined HAS_BREAKS
+#include "cuts.h"
+#endif
 #ifdef HAS_DISTANCE
 #include "distances.h"
+#endif
+#ifdef HAS_BREAKS
+#include "breaks.h"
 #endif
 #include "branches.h"
 #include "stepper.h"

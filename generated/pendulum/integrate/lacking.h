@@ -156,6 +156,10 @@ static void measure(double *w) { (void)w; }
 #define W_LENGTHS 0
 #define W_DISTANCES 0
 #endif
+#ifndef HAS_BREAKS
+#define N_BREAKS 0
+#define W_BREAKS 0
+#endif
 #ifndef HAS_CROSSING
 #define N_CROSSINGS 0
 #define N_POLES 0

@@ -226,6 +226,17 @@ class SceneTables:
         return self.sees or self.n_distances > 0
 
     @property
+    def n_breaks(self) -> int:
+        """Count of functions that are zero where forces jump."""
+        return self.size("breaks") // 4
+
+    @property
+    def breaks(self) -> slice:
+        """Where these are among all functions that cross."""
+        last = self.size("crossings") // 4 + self.n_breaks
+        return slice(last - self.n_breaks, last)
+
+    @property
     def n_poles(self) -> int:
         """Count of functions that are zero where forces may be infinite."""
         return self.size("poles") // 4
@@ -269,7 +280,7 @@ class SceneTables:
             "N_PARAMETERS": self.size("parameters"),
             "MOMENTA": self.size("momenta"),
             "NCHECK": self.nc + self.size("C_left_out"),
-            "N_CROSSINGS": self.size("crossings") // 4 + self.n_poles,
+            "N_CROSSINGS": sum(map(self.size, ("crossings", "breaks", "poles"))) // 4,
             "EVENTS": len(self.events),
             "RANGED": self.nq + self.size("coordinates") // self.per_shown,
         }
@@ -328,6 +339,7 @@ class Workspace:
     measures: Array
     ranges: Array
     crossings: Array
+    breaks: Array
     poles: Array
     narrow: Array
     infinite: Array
@@ -346,7 +358,7 @@ class Workspace:
         rows = scene.nc + scene.size("C_left_out")
         self.all_C = slots[base : base + rows]
         # those that vary with the state behind those that cross
-        names = ("crossings", "poles", "narrow", "infinite")
+        names = ("crossings", "breaks", "poles", "narrow", "infinite")
         base, size = scene.regions.get("ranges", (0, 0))
         base += size
         self.seen = slots[base : base + sum(map(scene.size, names))]

@@ -630,6 +630,9 @@ static double seen_in(Attempts *tried, Trial *trial, Work *work, State *s)
     look_into(tried->settings, m, has_stages, trial->h, work->y, s->f, f, look, s, work);
     look->least_part = is_kept(trial) && !trial->is_vague ? 0.0 : LEAST_PART;
     look->is_kept = is_kept(trial);
+#ifdef HAS_BREAKS
+    const int leaps = is_leap(trial->end, look);
+#endif
 #ifdef HAS_DISTANCE
     const double turned = turns ? turned_end(trial->end, look, s, work) : HUGE_VAL;
 #endif
@@ -640,10 +643,18 @@ static double seen_in(Attempts *tried, Trial *trial, Work *work, State *s)
         seen = seen_end(trial->end, look, s, work);
     }
     if (look->pole) return end_before_pole(look, s);
-#ifdef HAS_DISTANCE
-    if (turned < seen && !look->lost) return turned_in(turned, seen, look);
+    if (look->lost) return seen;
+    double broken = seen;
+#ifdef HAS_BREAKS
+    if (!is_bare) broken = break_end(trial->end, seen, leaps, look, s, work);
 #endif
-    return seen;
+#ifdef HAS_DISTANCE
+    if (turned < broken) return turned_in(turned, seen, look);
+#endif
+#ifdef HAS_BREAKS
+    if (broken < seen) return broken_in(broken, look);
+#endif
+    return broken;
 }
 
 /* where a trial must end so that samples tell up to a time how narrow parts vary; noted where it

@@ -747,9 +747,10 @@ def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
     m, s, look = tried.m, tried.s, tried.look
     has_stages = tried.has_switches and is_kept(trial)
     # one that leads beyond its end stays as it is
-    turned, turns = math.inf, False
+    turned, turns, n_breaks = math.inf, False, work.scene.n_breaks
     if work.scene.n_distances > 0 and not tried.is_beyond:
-        from .distances import may_turn, turned_end, turned_in  # other scenes do not have it
+        from .cuts import turned_in  # other scenes do not have these
+        from .distances import may_turn, turned_end
 
         turns = may_turn(trial.h, work.y, work.k[m.stages], look)
         if not turns and not work.scene.sees:
@@ -759,6 +760,11 @@ def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
     look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
     look.least_part = 0.0 if is_kept(trial) and not trial.is_vague else LEAST_PART
     look.is_kept = is_kept(trial)
+    if n_breaks > 0:
+        from .breaks import break_end, broken_in
+        from .cuts import is_leap
+
+        leaps = is_leap(trial.end, look)
     if turns:
         turned = turned_end(trial.end, look)
     is_bare = tried.is_beyond or not work.scene.sees
@@ -768,7 +774,16 @@ def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
         seen = seen_end(trial.end, look)
     if look.pole:
         return end_before_pole(look)
-    return turned_in(turned, seen, look) if turned < seen and not look.lost else seen
+    if look.lost:
+        return seen
+    broken = seen
+    if n_breaks > 0 and not is_bare:
+        broken = break_end(trial.end, seen, look, leaps=leaps)
+    if turned < broken:
+        return turned_in(turned, seen, look)
+    if broken < seen:
+        return broken_in(broken, look)
+    return broken
 
 
 def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:
