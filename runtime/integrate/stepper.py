@@ -780,9 +780,9 @@ def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
     if n_breaks > 0 and not is_bare:
         broken = break_end(trial.end, seen, look, leaps=leaps)
     if turned < broken:
-        return turned_in(turned, seen, look)
-    if broken < seen:
-        return broken_in(broken, look)
+        broken = turned_in(turned, seen, look)
+    elif broken < seen:
+        broken = broken_in(broken, look)
     return broken
 
 
