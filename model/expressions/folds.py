@@ -6,10 +6,30 @@ those of ``a/abs(a)`` beside zero.
 
 from __future__ import annotations
 
+from fractions import Fraction
+from math import pi
+from typing import TYPE_CHECKING
+
 from kousoku.model.expressions.polynomials import root_of_even_power
 from kousoku.model.expressions.powers import without_quotient
-from kousoku.model.operations.expression import Expression, apply, ordered, rebuilt
+from kousoku.model.expressions.switching import may_be_zero
+from kousoku.model.operations.expression import (
+    ZERO,
+    Expression,
+    add,
+    apply,
+    div,
+    mul,
+    names_of,
+    neg,
+    number,
+    ordered,
+    rebuilt,
+)
 from kousoku.model.operations.graph import Op
+
+if TYPE_CHECKING:
+    from collections.abc import Set
 
 OTHER = {Op.SIN: Op.COS, Op.COS: Op.SIN}
 """The function whose sign tells on which branch the inverse of one is."""
@@ -18,10 +38,20 @@ SIZES = frozenset({Op.ABS, Op.LOG})
 """Functions, beside roots of even powers, of which quotients are jumps: logarithms in exponents."""
 
 
-def without_folds(formula: Expression) -> tuple[Expression, dict[Expression, Expression]]:
+def without_folds(
+    formula: Expression, constant: Set[str] = frozenset()
+) -> tuple[Expression, dict[Expression, Expression]]:
     """Formula with ``abs`` and ``sign`` in place of its folds, and which fold each of them was.
 
-    ``asin(sin(x))`` is ``atan2(sin(x), abs(cos(x)))``, and ``a/abs(a)`` is ``sign(a)``.
+    ``asin(sin(x))`` is ``atan2(sin(x), abs(cos(x)))``, ``a/abs(a)`` is ``sign(a)``, and
+    ``atan(1/b)`` is ``pi/2*sign(b) - atan(b)``.
+
+    Parameters
+    ----------
+    formula : Expression
+        The formula.
+    constant : set of str
+        Names in it that do not vary.
     """
     folds: dict[Expression, Expression] = {}
 
@@ -31,6 +61,13 @@ def without_folds(formula: Expression) -> tuple[Expression, dict[Expression, Exp
             size = apply(Op.ABS, apply(OTHER[args[0].op], *args[0].args))
             folds[size] = part
             return apply(Op.ATAN2, *((args[0], size) if op is Op.ASIN else (size, args[0])))
+        if op is Op.ATAN and args[0].op is Op.DIV and may_be_zero(args[0].args[1]):
+            above, below = args[0].args
+            if set(names_of(above)) <= constant and above != ZERO:
+                jump = apply(Op.SIGN, mul(above, below))
+                folds[jump] = part
+                smooth = apply(Op.ATAN, div(below, above))
+                return add(mul(number(Fraction(pi / 2)), jump), neg(smooth))
         return part
 
     signed, signs = with_signs(formula)

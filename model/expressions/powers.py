@@ -243,4 +243,7 @@ def _logarithm(term: Expression) -> Powers | None:
             inside = base.args[0]
         else:
             return None
-    return None if inside is None else _raised(_powers_of(inside), exponent)
+    found = None if inside is None else _powers_of(inside)
+    if found is None or not all(_is_positive(*pair) for pair in found.items()):
+        return None  # where what a logarithm is of is negative it has no value
+    return _raised(found, exponent)

@@ -116,7 +116,7 @@ def _coupled(
     shares = {k: share for k, share in shares.items() if abs(at_scene(share)) > least}
     for k, share in shares.items():
         row, part = system.constraints[k], share / unit
-        terms.append(_formula(part * precise.number(-row.offset)))
+        terms.append(_formula(-(part * precise.number(row.offset))))
         if k in laws:
             terms.append(mul(_formula(part * precise.number(row.law_unit)), laws[k]))
     keys = dict.fromkeys(

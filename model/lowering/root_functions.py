@@ -148,11 +148,13 @@ class Seen:
 def seen_of(system: System) -> Seen:
     """Quantities that runs of a system look at: forces, springs, gravity, drivers, and events."""
     measures = tuple(_measures(system))
-    names = {TIME, *(name for name, _ in system.parameters)}
+    parameters = {name for name, _ in system.parameters}
+    names = {TIME, *parameters}
     names.update(chain.from_iterable((one.name, one.rate) for one in measures))
     texts = dict.fromkeys(text for text, _ in _texts(system) if text)
     parsed = {
-        text: without_folds(parse_expression(text, names, longest=len(text)))[0] for text in texts
+        text: without_folds(parse_expression(text, names, longest=len(text)), parameters)[0]
+        for text in texts
     }
     formulas = list(parsed.values())
     events = [parse_expression(one.when, names) for one in system.events]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from kousoku.model.errors import MotionError
 from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 
@@ -87,6 +88,30 @@ def test_errors_of_jumps_that_are_passed_again_and_again_do_not_add_up(
     assert off_by(run) < max(1e-3 * tolerance, 1e-10)
     assert run.ledger.trust.is_trusted
     assert run.ledger.derivatives < (2500 if method == "dopri5" else 7000)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_no_run_stops_at_an_arc_whose_jump_moves(
+    solver_of: Callable[..., DynamicsSolver], method: str
+) -> None:
+    """Steps were halved before it, as before what is narrow, down to nothing: 80 of 200 stopped."""
+    solver = solver_of(BEAD.replace("LAW", "0.3*atan(1/(x - near - 0.2*t))"))
+    for k in range(20):
+        given = {"near": 0.1 + 0.005 * k}
+        run = solver.simulate(1.0, samples=2, method=method, parameters=given)
+        exact = solver.simulate(1.0, samples=2, tolerance=1e-12, parameters=given)
+        assert run.position["bead"][-1] == pytest.approx(exact.position["bead"][-1], abs=1e-7)
+        assert run.ledger.trust.is_trusted
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_logarithm_without_a_value_stops_a_run(
+    solver_of: Callable[..., DynamicsSolver], method: str
+) -> None:
+    """|x|·exp(−log(x)) is 1 as long as x is positive, and nothing behind; it was −1, trusted."""
+    text = BEAD.replace("LAW", "abs(x)*exp(-log(x))").replace("[0, 0, 0], vel", "[0.2, 0, 0], vel")
+    with pytest.raises(MotionError, match=r"forces\.push"):
+        solver_of(text.replace("[2, 0, 0]", "[-1, 0, 0]")).simulate(1.5, samples=2, method=method)
 
 
 @pytest.mark.parametrize("step", [0.05, 0.3])

@@ -54,6 +54,7 @@ def test_formulas_without_folds_have_the_same_values(text: str) -> None:
     [
         *("asin(sin(t)/2)", "acos(t/9)", "t/abs(t - 1)", "(t-1)/abs(t-2)", "sin(t)/t", "2*t"),
         *("t/abs(t)^3", "t^2/abs(t)^2", "t^3/t^2", "t*exp(log(t))", "t*sqrt(t)/abs(t - 1)"),
+        *("abs(t)*exp(-log(t))", "exp(log(t) - 2*log(abs(t)))", "atan(1/(t^2 + 1))", "atan(t)"),
     ],
 )
 def test_other_formulas_stay_as_they_are(text: str) -> None:
@@ -68,6 +69,18 @@ def test_quotients_of_powers_are_the_sign_of_what_cancels(text: str) -> None:
     unfolded, folds = without_folds(parse_expression(text, ("t",)))
     assert unfolded == apply(Op.SIGN, symbol("t"))
     assert unfolded in folds
+
+
+@pytest.mark.parametrize("text", ["a*atan(1/(t - 1))", "atan(-a/t)", "atan(2/(a - t))"])
+def test_arcs_of_quotients_are_a_jump_and_a_smooth_part(text: str) -> None:
+    formula = parse_expression(text, ("t", "a"))
+    unfolded, folds = without_folds(formula, {"a"})
+    assert any(one.op is Op.SIGN for one in folds)
+    for k in range(200):
+        values = {"t": 0.0371 * k - 3.0, "a": -0.7}
+        wanted = value_of(formula, values)
+        assert value_of(unfolded, values) == pytest.approx(wanted, rel=0, abs=1e-15)
+    assert without_folds(parse_expression("atan(a/t)", ("t", "a")))[1] == {}  # a varies
 
 
 @pytest.mark.parametrize(

@@ -77,6 +77,14 @@ def test_a_distance_follows_a_driver_through_gears_and_a_screw(ring: bool) -> No
             assert value_of(one.law, {"t": time, "a": a}) == pytest.approx(wanted, rel=1e-14)
 
 
+def test_the_factor_of_a_distance_may_depend_on_parameters() -> None:
+    text = GEARS.replace('["far", "way"], factors = [1, 4]', '["far", "way"], factors = ["a", 4]')
+    (one,) = found(text + MOTOR)
+    for a in (3.0, 5.0):
+        wanted = 100.0 - 4.0 / a * 5.0 * (2.0 / a * 0.21 * 0.5)
+        assert value_of(one.law, {"t": 0.5, "a": a}) == pytest.approx(wanted, rel=1e-14)
+
+
 @pytest.mark.parametrize("left_out", ["meet", "lead", "drive", "tie"])
 def test_a_distance_follows_no_driver_where_a_coupling_is_left_out(left_out: str) -> None:
     lines = [
