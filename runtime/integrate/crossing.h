@@ -628,7 +628,7 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     const double widest = look->h / CELLS;
     const double soon = look->start + larger(ONWARD * tiny, look->slack);
     int passed[ROOM(N_POLES)] = { 0 }, passes[ROOM(N_POLES)] = { 0 };
-    double width = widest;
+    double width = widest, bounds[4 * ROOM(N_CROSSINGS)];
     TimeNode a, b;
     look->pole = 0;
     look_at(look->start, look, s, work, &a);
@@ -672,12 +672,12 @@ static double seen_end(double end, Look *look, State *s, Work *work)
             }
         }
         bound_seen(&a, &b, work->w);
+        memcpy(bounds, work->w + W_SEEN, 4 * N_CROSSINGS * sizeof *bounds);
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
             int side = (int)s->sides[k];
             if (N_POLES > 0 && (int)k >= N_SWITCHING && passed[k - N_SWITCHING]) side = -side;
-            const double *bounds = work->w + W_SEEN + 4 * k;
             if (is_lost && !has_value(&b, k)) continue; /* it ends where that has no value */
-            if (!is_told(k, side, &a, &b, bounds, look, s, work)) is_known = 0;
+            if (!is_told(k, side, &a, &b, bounds + 4 * k, look, s, work)) is_known = 0;
         }
         const double left = larger(first_left(&a, &b, look, s, work), look->start + ONWARD * tiny);
         if (left - look->start < SOON * (end - look->start)) {

@@ -769,6 +769,44 @@ def test_initial_values_lead_away_from_where_an_event_has_no_value(
     assert run.ledger.trust.is_trusted
 
 
+SPEEDS = """
+name = "speeds"
+unit = "m"
+outputs = ["energies"]
+parameters = { near = 1e-5, high = 0.0 }
+[bodies.cart]
+point = true
+position = [0, 0, 0]
+mass = 1
+[coordinates]
+x = { body = "cart", along = [1, 0, 0] }
+[forces.engine]
+type = "along"
+coordinate = "x"
+force = "10 - high*max(0, 1 - abs(x - 8)/near)"
+[events]
+speed = { when = "abs(x_dot - 5) - near", action = "count" }
+time = { when = "abs(t - 0.777) - near", action = "count" }
+"""
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("way", WAYS[:2], ids=str)
+def test_what_is_seen_first_does_not_hide_what_is_seen_behind_it(
+    solver_of: Callable[..., Any], target: str, way: dict[str, Any]
+) -> None:
+    """Bounds of the second function were overwritten in C by a look at the first."""
+    solver = solver_of(SPEEDS, target)
+    for near, tolerance in ((1e-5, 1e-6), (1.07e-5, 1e-6), (7.7e-9, 1e-9)):
+        options = {**way, "tolerance": tolerance, "parameters": {"near": near}}
+        run = solver.simulate(2.0, samples=2, **options)
+        assert [run.events[name].count for name in ("speed", "time")] == [2, 2]
+    thrown = {"near": 1e-5, "high": 1e8}
+    run = solver.simulate(2.0, samples=2, **way, parameters=thrown)
+    assert run.position["cart"][-1, 0] < 8.0  # a wall behind a window of a speed
+
+
 CARS = """
 name = "cars"
 unit = "m"
