@@ -468,10 +468,10 @@ def valued_end(a: TimeNode, b: TimeNode, look: Look) -> float:
 def noise_of(k: int, look: Look) -> Array:
     """Noise to which values are known where a function is looked for.
 
-    An event that may jump does so in the polynomial, and a force is infinite there.
+    An event is where the polynomial is zero, and a force is infinite there.
     """
-    events, scene = look.work.scene.events, look.work.scene
-    is_exact = k >= len(look.state.sides) - scene.n_poles or (k < len(events) and events[k, 2])
+    scene = look.work.scene
+    is_exact = k < len(scene.events) or k >= len(look.state.sides) - scene.n_poles
     return look.rounding if is_exact else look.noise
 
 

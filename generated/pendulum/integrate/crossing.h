@@ -409,12 +409,11 @@ static double valued_end(
     return end;
 }
 
-/* what values are known to where a function is looked for: an event that may jump does so in the
- * polynomial, and a force is infinite there */
+/* what values are known to where a function is looked for: an event is where the polynomial is zero,
+ * and a force is infinite there */
 static const double *noise_of(size_t k, const Look *look)
 {
-    const int is_exact = (int)k >= N_SWITCHING || ((int)k < EVENTS && events[k][2]);
-    return is_exact ? look->rounding : look->noise;
+    return (int)k < EVENTS || (int)k >= N_SWITCHING ? look->rounding : look->noise;
 }
 
 /* the first time between two nodes at which a function that crosses does: those of events are zero
