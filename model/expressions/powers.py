@@ -32,8 +32,8 @@ MOST_FACTORS = 200
 
 
 @dataclass(frozen=True, slots=True)
-class Power:
-    """Power bᵖ |b|ˢ of a base b.
+class SignedPower:
+    """SignedPower bᵖ |b|ˢ of a base b.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ class Power:
     has_size: bool
 
     @classmethod
-    def of(cls, power_: int, size: Fraction) -> Power:
-        """Power that is a single factor."""
+    def of(cls, power_: int, size: Fraction) -> SignedPower:
+        """SignedPower that is a single factor."""
         exponent = power_ + size
         return cls(power_, size, exponent > 0, exponent < 0, bool(size))
 
@@ -69,9 +69,9 @@ class Power:
         """Whether it is never negative."""
         return self.power % 2 == 0
 
-    def times(self, other: Power) -> Power:
+    def times(self, other: SignedPower) -> SignedPower:
         """Product with another power of the same base."""
-        return Power(
+        return SignedPower(
             self.power + other.power,
             self.size + other.size,
             self.is_above or other.is_above,
@@ -79,19 +79,19 @@ class Power:
             self.has_size or other.has_size,
         )
 
-    def raised(self, exponent: Fraction) -> Power:
-        """Power of it: with an exponent that is no whole number it has to be a size."""
+    def raised(self, exponent: Fraction) -> SignedPower:
+        """SignedPower of it: with an exponent that is no whole number it has to be a size."""
         is_whole = exponent.denominator == 1
         power_ = int(self.power * exponent) if is_whole else 0
         size = self.exponent * exponent - power_
         above, below = self.is_above, self.is_below
         if exponent < 0:
             above, below = below, above
-        return Power(power_, size, above, below, self.has_size or not is_whole)
+        return SignedPower(power_, size, above, below, self.has_size or not is_whole)
 
-    def sized(self) -> Power:
+    def sized(self) -> SignedPower:
         """Size of it."""
-        return Power(0, self.exponent, self.is_above, self.is_below, has_size=True)
+        return SignedPower(0, self.exponent, self.is_above, self.is_below, has_size=True)
 
     @property
     def cancels(self) -> bool:
@@ -100,8 +100,8 @@ class Power:
         return is_quotient and (self.exponent > 0 or (self.exponent == 0 and not self.is_size))
 
 
-Powers = dict[Expression, Power]
-ITSELF = Power.of(1, Fraction(0))
+Powers = dict[Expression, SignedPower]
+ITSELF = SignedPower.of(1, Fraction(0))
 MINUS = number(-1)
 
 
@@ -117,14 +117,14 @@ def without_quotient(part: Expression) -> Expression | None:
     return above if below == ONE else div(above, below)
 
 
-def _written(base: Expression, one: Power) -> Iterator[tuple[Expression, bool]]:
+def _written(base: Expression, one: SignedPower) -> Iterator[tuple[Expression, bool]]:
     """Factors of a power, and whether each is divided by."""
     if base == MINUS:
         if not one.is_size:
             yield base, False
         return
     if base.value is not None:
-        one = Power.of(0, one.exponent)
+        one = SignedPower.of(0, one.exponent)
     if not (one.cancels and names_of(base)):
         size = base if base.value is not None else apply(Op.ABS, base)
         for kept, exponent in ((base, Fraction(one.power)), (size, one.size)):
@@ -161,7 +161,7 @@ def _powers_of(part: Expression) -> Powers | None:
     return found
 
 
-def _multiply(powers: Powers, base: Expression, by: Power) -> None:
+def _multiply(powers: Powers, base: Expression, by: SignedPower) -> None:
     powers[base] = powers[base].times(by) if base in powers else by
 
 
@@ -206,14 +206,14 @@ def _powers_of_sum(part: Expression) -> Powers | None:
 
 
 def _raised(powers: Powers | None, exponent: Fraction) -> Powers | None:
-    """Power of a product; None where its factors must not come apart."""
+    """SignedPower of a product; None where its factors must not come apart."""
     is_whole = exponent.denominator == 1
     if powers is None or not all(is_whole or _is_positive(*pair) for pair in powers.items()):
         return None
     return {base: one.raised(exponent) for base, one in powers.items()}
 
 
-def _is_positive(base: Expression, one: Power) -> bool:
+def _is_positive(base: Expression, one: SignedPower) -> bool:
     return one.is_size or (base.value is not None and base.value > 0)
 
 

@@ -1,4 +1,4 @@
-"""A small package written by hand, so that loading is tested without the generator."""
+"""Solvers of scenes as texts, and a small package by hand: loading without the generator."""
 
 from __future__ import annotations
 
@@ -15,12 +15,15 @@ import pytest
 from kousoku.model.files.compressed import stored
 from kousoku.model.files.manifest import REFERENCE_FILE, KernelManifest, Manifest
 from kousoku.model.files.quantity import Quantity
+from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime import load, notice, plan, toolchain
+from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kousoku.runtime import Library
+    from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.toolchain import Toolchain
 
 _PLAN_TYPE = plan.plan_type
@@ -47,6 +50,18 @@ POINTS: dict[str, list[float]] = {
     "infinite": [1.0, math.inf, 2.0, 1.5],
     "NaN": [1.0, 2.0, 2.0, math.nan],
 }
+
+
+@pytest.fixture
+def solver_of(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Callable[..., Any]:
+    """Function that makes a solver of a text."""
+    assert compiler
+
+    def solver(text: str, target: Any = "c") -> DynamicsSolver:
+        scene = scene_from_toml(text)
+        return load_dynamics(bodies_folder(scene, scene.outputs), target=target)
+
+    return solver
 
 
 def sha256(data: bytes) -> str:

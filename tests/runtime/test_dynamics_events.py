@@ -13,17 +13,13 @@ import numpy as np
 import pytest
 
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.model.reading.read import scene_from_toml
-from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.settings import Status
 from tests.stress.force_laws import SHAFT
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.toolchain import Toolchain
 
 #: A cart that meets a wall as a spring: it takes 2e4 N/m/kg over half a metre.
 WALL = """
@@ -101,18 +97,6 @@ WAYS: tuple[dict[str, Any], ...] = (
     {"method": "dop853", "step": 0.0037},
     {"method": "dopri5", "step": 0.001},
 )
-
-
-@pytest.fixture
-def solver_of(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Callable[..., Any]:
-    """Function that makes a solver of a text."""
-    assert compiler
-
-    def solver(text: str, target: Any = "c") -> DynamicsSolver:
-        scene = scene_from_toml(text)
-        return load_dynamics(bodies_folder(scene, scene.outputs), target=target)
-
-    return solver
 
 
 @pytest.mark.parametrize("way", WAYS, ids=str)

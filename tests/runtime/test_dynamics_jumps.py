@@ -9,15 +9,12 @@ import numpy as np
 import pytest
 
 from kousoku.model.errors import MotionError
-from kousoku.model.reading.read import scene_from_toml
-from kousoku.runtime.dynamics import load_dynamics
+from tests.runtime.test_dynamics_distances import fall
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.toolchain import Toolchain
 
 #: A ball that is pulled towards y = 0, as strongly everywhere.
 FALL = """
@@ -47,32 +44,9 @@ push = { type = "along", coordinate = "x", force = "LAW" }
 METHODS = ["dopri5", "dop853"]
 
 
-@pytest.fixture
-def solver_of(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Callable[..., Any]:
-    """Function that makes a solver of a text."""
-    assert compiler
-
-    def solver(text: str, target: Any = "c") -> DynamicsSolver:
-        scene = scene_from_toml(text)
-        return load_dynamics(bodies_folder(scene, scene.outputs), target=target)
-
-    return solver
-
-
-def height_at(time: float) -> float:
-    """Height of the ball: parabolas, each of a quarter of its period."""
-    quarter = math.sqrt(2.0)
-    phase = time % (4.0 * quarter)
-    if phase < quarter:
-        return 1.0 - 0.5 * phase**2
-    if phase < 3.0 * quarter:
-        return 0.5 * (phase - 2.0 * quarter) ** 2 - 1.0
-    return 1.0 - 0.5 * (phase - 4.0 * quarter) ** 2
-
-
 def off_by(run: Any) -> float:
     """Largest error of the ball's height in a run."""
-    heights = [height_at(time) for time in run.time.tolist()]
+    heights = [fall(time) for time in run.time.tolist()]
     return float(np.max(np.abs(run.position["ball"][:, 1] - heights)))
 
 

@@ -409,8 +409,8 @@ static double valued_end(
     return end;
 }
 
-/* what values are known to where a function is looked for: an event is where the polynomial is zero,
- * and a force is infinite there */
+/* what values are known to where a function is looked for: an event is where the polynomial is
+ * zero, and a force is infinite there */
 static const double *noise_of(size_t k, const Look *look)
 {
     return (int)k < EVENTS || (int)k >= N_SWITCHING ? look->rounding : look->noise;
