@@ -39,7 +39,7 @@ SIZES = frozenset({Op.ABS, Op.LOG})
 
 
 def without_folds(
-    formula: Expression, constant: Set[str] = frozenset()
+    formula: Expression, constant: Set[str] | None = None
 ) -> tuple[Expression, dict[Expression, Expression]]:
     """Formula with ``abs`` and ``sign`` in place of its folds, and which fold each of them was.
 
@@ -50,8 +50,8 @@ def without_folds(
     ----------
     formula : Expression
         The formula.
-    constant : set of str
-        Names in it that do not vary.
+    constant : set of str, optional
+        Names in it that do not vary; without these arcs of quotients stay.
     """
     folds: dict[Expression, Expression] = {}
 
@@ -61,9 +61,10 @@ def without_folds(
             size = apply(Op.ABS, apply(OTHER[args[0].op], *args[0].args))
             folds[size] = part
             return apply(Op.ATAN2, *((args[0], size) if op is Op.ASIN else (size, args[0])))
-        if op is Op.ATAN and args[0].op is Op.DIV and may_be_zero(args[0].args[1]):
+        if constant is not None and op is Op.ATAN and args[0].op is Op.DIV:
             above, below = args[0].args
-            if set(names_of(above)) <= constant and above != ZERO:
+            is_fixed = set(names_of(above)) <= constant and above != ZERO
+            if is_fixed and may_be_zero(below):
                 jump = apply(Op.SIGN, mul(above, below))
                 folds[jump] = part
                 smooth = apply(Op.ATAN, div(below, above))

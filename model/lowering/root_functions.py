@@ -152,8 +152,12 @@ def seen_of(system: System) -> Seen:
     names = {TIME, *parameters}
     names.update(chain.from_iterable((one.name, one.rate) for one in measures))
     texts = dict.fromkeys(text for text, _ in _texts(system) if text)
+    pushing = {text for text, key in _texts(system) if key}  # arcs in laws of drivers stay
     parsed = {
-        text: without_folds(parse_expression(text, names, longest=len(text)), parameters)[0]
+        text: without_folds(
+            parse_expression(text, names, longest=len(text)),
+            parameters if text in pushing else None,
+        )[0]
         for text in texts
     }
     formulas = list(parsed.values())
