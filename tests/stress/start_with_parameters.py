@@ -35,7 +35,7 @@ are met or left out."""
 
 def cases(size: Size) -> Iterator[str]:
     """Name a case for each batch of random scenes."""
-    for batch in range(-(-size.examples(20, 2000) // BATCH)):
+    for batch in range(-(-size.examples(20, 500) // BATCH)):
         yield f"begun {size.seed} {batch}"
 
 
