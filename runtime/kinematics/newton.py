@@ -68,7 +68,7 @@ class Newton:
         self.orientation = [0.0 for _ in self.blocks]
         self.at = 0
 
-    def solve_block(self, number: int) -> Convergence:
+    def iterate(self, number: int) -> Convergence:
         """Improve the unknowns of one block, where it is looked at, by full Newton.
 
         Raises
@@ -103,7 +103,7 @@ class Newton:
         self.equations.place(LinkageCoordinates(alpha, trial))
         for number in range(len(self.blocks)):
             self.at = number
-            found = self.solve_block(number)
+            found = self.iterate(number)
             iterations = max(iterations, found.iterations)
             residual = max(residual, found.residual)
         trial[:] = self.equations.region("x")
