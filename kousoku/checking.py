@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, overload
 
-from kousoku.loading import GivenScene, naming, solver_folder
+from kousoku.loading import GivenScene, cached_solver_folder, naming
 from kousoku.mechanism import Mechanism
 from kousoku.model.errors import DerivationError, LoadError
 from kousoku.own_kinds import own_kinds
@@ -127,12 +127,13 @@ def verify(
 
         what = kernels(what, target=target)
     if isinstance(what, Mechanism):
-        with solver_folder(GivenScene.of(what.scene), what.outputs, references=True) as folder:
+        given = GivenScene.of(what.scene)
+        with cached_solver_folder(given, what.outputs, references=True) as folder:
             return verified(folder, target=target)
     if isinstance(what, Library):
         return verified(what, target=target)
     if not isinstance(what, str | Path) or "\n" in str(what) or str(what).endswith(".toml"):
-        with solver_folder(GivenScene.of(what, own_kinds(kinds)), references=True) as folder:
+        with cached_solver_folder(GivenScene.of(what, own_kinds(kinds)), references=True) as folder:
             return verified(folder, target=target)
     if not (folder_of(what) / MANIFEST).is_file():
         raise LoadError(

@@ -191,7 +191,7 @@ def opened(given: GivenScene, outputs: Sequence[str] | None, target: Target) -> 
         As of :func:`load`; the message names the file.
     """
     for is_last in (False, True):
-        with solver_folder(given, outputs, anew=is_last) as folder:
+        with cached_solver_folder(given, outputs, anew=is_last) as folder:
             try:
                 text = (folder.parent / SCENE_FILE).read_text(encoding="utf-8")
                 with told() as tell:
@@ -208,14 +208,14 @@ def opened(given: GivenScene, outputs: Sequence[str] | None, target: Target) -> 
 
 
 @contextmanager
-def solver_folder(
+def cached_solver_folder(
     given: GivenScene,
     outputs: Sequence[str] | None = None,
     *,
     references: bool = False,
     anew: bool = False,
 ) -> Iterator[Path]:
-    """Give the folder of a scene's solver, in the cache or generated now.
+    """Folder of a scene's solver while it is open, in the cache or generated now.
 
     Parameters
     ----------

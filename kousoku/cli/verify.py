@@ -76,12 +76,12 @@ def _folders(name: str, stack: ExitStack, kinds: Sequence[Path] | None = None) -
     LoadError
         There is no such package, scene or folder.
     """
-    from kousoku.loading import GivenScene, solver_folder
+    from kousoku.loading import GivenScene, cached_solver_folder
     from kousoku.own_kinds import own_kinds
 
     if name.endswith(".toml"):
         given = GivenScene.of(name, own_kinds(kinds))
-        return [stack.enter_context(solver_folder(given, references=True))]
+        return [stack.enter_context(cached_solver_folder(given, references=True))]
     try:
         return find_packages(name)
     except LoadError:
@@ -89,7 +89,7 @@ def _folders(name: str, stack: ExitStack, kinds: Sequence[Path] | None = None) -
         scene = None if root is None else root / "scenes" / f"{name}.toml"
         if scene is None or not scene.is_file():
             raise
-        return [stack.enter_context(solver_folder(GivenScene.of(scene), references=True))]
+        return [stack.enter_context(cached_solver_folder(GivenScene.of(scene), references=True))]
 
 
 def verify_all(folders: Sequence[Path], target: "Target" = "auto") -> list["Report"]:
