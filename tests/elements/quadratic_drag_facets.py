@@ -75,5 +75,5 @@ class DragFacets(ForceFacets[Drag]):
         rate = [x.d for x in course.point(given["s_j_b"])]
         speed = equations.digits.sqrt(sum(x * x for x in rate))
         force = [-coefficient * speed * x for x in rate]
-        equations.push(self.force.j, course, given["s_j_b"], force, found)
+        equations.apply_force(self.force.j, course, given["s_j_b"], force, found)
         return sum(a * b for a, b in zip(force, rate, strict=True)), 0

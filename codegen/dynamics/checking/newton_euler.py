@@ -399,7 +399,7 @@ class BodyEquations:
             names |= {one.name: value, f"{one.name}{RATE}": Jet(value.d)}
         return names
 
-    def push(
+    def apply_force(
         self, body: int, at: Course, arm: Sequence[Real], force: Sequence[Real], found: Found
     ) -> None:
         """Add a force F (3,) [N] in frame O that acts on a point s′ (3,) [m]: F, and s′ × AᵀF."""
@@ -410,7 +410,7 @@ class BodyEquations:
         for k, x in zip(own, (*force, *torque), strict=False):
             found.force[k] += x
 
-    def turn(self, body: int, at: Course, torque: Sequence[Real], found: Found) -> Real:
+    def apply_torque(self, body: int, at: Course, torque: Sequence[Real], found: Found) -> Real:
         """Add a torque N (3,) [N m] in frame O that acts on a body, AᵀN; return its power N·ω."""
         p = [x.x for x in at.p]
         own = self.own(body)[3:] if body != GROUND_INDEX else range(0)

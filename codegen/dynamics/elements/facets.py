@@ -143,7 +143,7 @@ class ForceFacets(ABC, Generic[E]):
         Parameters
         ----------
         equations : BodyEquations
-            What it is added with: ``push``, ``turn``.
+            What it is added with: ``apply_force``, ``apply_torque``.
         at : mapping of int to Course
             The bodies on their way, by their places; the ground too.
         names : mapping of str to Jet

@@ -159,8 +159,8 @@ class LoadFacets(ForceFacets[Load]):
         if force.turns:
             vector = [x.x for x in course.vector(vector)]
         if force.is_torque:
-            return equations.turn(force.j, course, vector, found), 0
+            return equations.apply_torque(force.j, course, vector, found), 0
         point = course.point(given["s_j_b"])
-        equations.push(force.j, course, given["s_j_b"], vector, found)
+        equations.apply_force(force.j, course, given["s_j_b"], vector, found)
         power = sum(a * x.d for a, x in zip(vector, point, strict=True))
         return power, -sum(a * x.x for a, x in zip(vector, point, strict=True))

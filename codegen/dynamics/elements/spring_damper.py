@@ -218,8 +218,8 @@ class SpringFacets(ForceFacets[PointSpring]):
             tension = stiffness * beyond.x + damped
             energy = stiffness * beyond.x**2 / 2
         pull = [tension * x.x / length.x for x in across]
-        equations.push(force.i, at[force.i], given["s_i_b"], pull, found)
-        equations.push(force.j, at[force.j], given["s_j_b"], [-x for x in pull], found)
+        equations.apply_force(force.i, at[force.i], given["s_i_b"], pull, found)
+        equations.apply_force(force.j, at[force.j], given["s_j_b"], [-x for x in pull], found)
         return -damped * length.d, energy
 
 
