@@ -345,15 +345,15 @@ class SceneEquations:
     ) -> EquationsAtState:
         """Evaluated equations, for the body frames and in the unit of the scene."""
         m, n = len(self.rows), len(self.columns)
-        slopes, drift = np.zeros((m, n)), np.zeros(n)
+        jacobian, drift = np.zeros((m, n)), np.zeros(n)
         if m:
-            slopes[self._places] = work["slopes"]
+            jacobian[self._places] = work["jacobian"]
         written, mass = np.zeros((m, n)), np.zeros((n, n))
         force, loads = np.zeros(n), np.array(work["forces"])
         for k, body in enumerate(bodies):
             own = slice(*self.starts[1][k : k + 2])
             change, drift[own] = _change(body, *solved)
-            written[:, own] = slopes[:, own] @ change
+            written[:, own] = jacobian[:, own] @ change
             p, omega = state.q[self.starts[0][k] + 3 :][:4], state.v[own][3:]
             mass[own, own], force[own] = _newton_euler(
                 body, masses[k], p, omega, change.T @ loads[own]
@@ -362,7 +362,7 @@ class SceneEquations:
         return EquationsAtState(
             C=rows * np.array(work["C"]),
             nu=0.0 - rows * np.array(work["minus_nu"]),
-            gamma=0.0 - rows * (np.array(work["minus_gamma"]) + slopes @ drift),
+            gamma=0.0 - rows * (np.array(work["minus_gamma"]) + jacobian @ drift),
             C_q=rows[:, np.newaxis] * written * columns,
             M=columns[:, np.newaxis] * mass * columns / self.unit**2,
             f=columns * force / self.unit**2,

@@ -103,9 +103,9 @@ class LinkageEquations:
         for name, node in self.scene.nodes.items():
             for k, axis in enumerate("xy") if node.fixed else ():
                 place = self._place[name] + k
-                slope = np.eye(len(q))[place]
+                jacobian = np.eye(len(q))[place]
                 yield LinkageRow(
-                    f"{name}: fixed {axis}", self.scene.unit, q[place] - node.at[k], 0, 0, slope
+                    f"{name}: fixed {axis}", self.scene.unit, q[place] - node.at[k], 0, 0, jacobian
                 )
 
     def _sliding(self, q: Array, known: Mapping[str, Sequence[float]]) -> Iterator[LinkageRow]:
@@ -127,10 +127,10 @@ class LinkageEquations:
         self, label: str, slider: Slider, along: Array, q: Array, law: Sequence[float]
     ) -> LinkageRow:
         """Equation of a node that is so far along a direction, from the origin of its line."""
-        first, slope = self._place[slider.node], np.zeros(len(q))
-        slope[first : first + 2] = along
+        first, jacobian = self._place[slider.node], np.zeros(len(q))
+        jacobian[first : first + 2] = along
         far = along @ (q[first : first + 2] - np.array(slider.through, float))
-        return LinkageRow(label, self.scene.unit, float(far) - law[0], law[1], law[2], slope)
+        return LinkageRow(label, self.scene.unit, float(far) - law[0], law[1], law[2], jacobian)
 
     def _of_links(
         self, q: Array, v: Array, known: Mapping[str, Sequence[float]]
@@ -176,18 +176,18 @@ class LinkageEquations:
         inputs = {"x": x, "length": [float(element.length)], "offset": [0.0, 0.0]}
         shape = evaluate(link_kernels()["deformation"], inputs, FLOAT)
         rate = evaluate(link_kernels()["rate"], inputs | {"x_dot": x_dot}, FLOAT)
-        slopes = shape["D"][6 * row : 6 * row + 6]
-        factor = 1 / slopes[ROTATION[row]] if row else 1.0
-        slope = np.zeros(len(q))
+        derivatives = shape["D"][6 * row : 6 * row + 6]
+        factor = 1 / derivatives[ROTATION[row]] if row else 1.0
+        jacobian = np.zeros(len(q))
         for end, place in zip(PLACES, places, strict=True):
-            slope[place] += factor * slopes[end]
+            jacobian[place] += factor * derivatives[end]
         return LinkageRow(
             f"{element.name} at {element.nodes[row - 1]}" if row else f"{element.name}: length",
             "rad" if row else self.scene.unit,
             factor * shape["epsilon"][row],
             0.0,
             -factor * rate["D_dot_x_dot"][row],
-            slope,
+            jacobian,
         )
 
 

@@ -405,13 +405,13 @@ def _multipliers(
     """Shortest λ with C_qᵀλ = f − M v̇, and which of its elements are unique."""
     rows = np.array([length if unit == "rad" else 1.0 for unit in found.units])
     columns = np.array([1 / length if is_turn(name) else 1.0 for name in found.columns])
-    slopes = rows[:, np.newaxis] * found.C_q * columns
+    scaled = rows[:, np.newaxis] * found.C_q * columns
     wanted = columns * (found.f - inertia)
-    left, sizes, right = np.linalg.svd(slopes, full_matrices=False)
+    left, sizes, right = np.linalg.svd(scaled, full_matrices=False)
     rank = int((sizes > ZERO * sizes.max(initial=0.0)).sum())
     lam = left[:, :rank] @ ((right[:rank] @ wanted) / sizes[:rank])
     size = max(np.abs(columns * x).max(initial=0.0) for x in (found.f, inertia))
-    missing = np.abs(slopes.T @ lam - wanted).max(initial=0.0)
+    missing = np.abs(scaled.T @ lam - wanted).max(initial=0.0)
     if missing > HOLDS * size:
         raise SolveError(
             f"{found.name}: at this state the accelerations of the solver leave {missing:.3g} of"

@@ -60,9 +60,9 @@ def block_kernels(layout: WorkspaceLayout, number: int) -> tuple[Kernel, Kernel,
     )
 
 
-def _places(element: LinkElement, row: int, slopes: Sequence[int]) -> list[tuple[Affine, int]]:
+def _places(element: LinkElement, row: int, derivatives: Sequence[int]) -> list[tuple[Affine, int]]:
     """Ends that one row depends on, each with the derivative by it."""
-    return [(element.ends[place], slopes[6 * row + place]) for place in DEPENDS[row]]
+    return [(element.ends[place], derivatives[6 * row + place]) for place in DEPENDS[row]]
 
 
 class _Composer:

@@ -47,9 +47,9 @@ def derivative(expression: Expression, name: str) -> Expression:
         elif (same := _smooth_root(part)) is not None:
             known[id(part)] = derivative(same, name)
         else:
-            slopes = tuple(known[id(arg)] for arg in part.args)
-            is_fixed = all(slope == ZERO for slope in slopes)
-            known[id(part)] = ZERO if is_fixed else _derivative(part, slopes)
+            derivatives = tuple(known[id(arg)] for arg in part.args)
+            is_fixed = all(one == ZERO for one in derivatives)
+            known[id(part)] = ZERO if is_fixed else _derivative(part, derivatives)
     return known[id(expression)]
 
 
@@ -65,26 +65,26 @@ def _smooth_root(part: Expression) -> Expression | None:
     return power(size, number(found[1]))
 
 
-def _derivative(part: Expression, slopes: tuple[Expression, ...]) -> Expression:
+def _derivative(part: Expression, derivatives: tuple[Expression, ...]) -> Expression:
     """Derivative of a function of formulas, given those of its arguments."""
     match part.op:
         case Op.ADD:
-            return add(*slopes)
+            return add(*derivatives)
         case Op.POW:
-            return _of_power(part, *slopes)
+            return _of_power(part, *derivatives)
         case Op.MAX | Op.MIN:
-            return _of_extreme(part, *slopes)
+            return _of_extreme(part, *derivatives)
         case Op.ABS:
-            return apply(Op.SIGN, *part.args) * slopes[0]
+            return apply(Op.SIGN, *part.args) * derivatives[0]
         case Op.SIGN:
             return ZERO
         case Op.LOG_SUM:
-            (a, b), (da, db) = part.args, slopes
+            (a, b), (da, db) = part.args, derivatives
             return apply(Op.SHARE, a - b) * da + apply(Op.SHARE, b - a) * db
         case Op.SHARE:
-            return part * apply(Op.SHARE, -part.args[0]) * slopes[0]
+            return part * apply(Op.SHARE, -part.args[0]) * derivatives[0]
         case _:
-            found: Expression = DIFFERENTIALS[part.op](part, part.args, slopes, FORMULAS)
+            found: Expression = DIFFERENTIALS[part.op](part, part.args, derivatives, FORMULAS)
             return found
 
 

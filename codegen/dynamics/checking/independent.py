@@ -207,12 +207,12 @@ class _States:
             if not lines:
                 return q, v
             residual = np.array([line.value for line in lines])
-            slopes = dense(lines, self.equations.count) @ self.velocities(q)
-            if not np.isfinite(slopes).all():
+            jacobian = dense(lines, self.equations.count) @ self.velocities(q)
+            if not np.isfinite(jacobian).all():
                 raise _UnsuitableError
-            inverse = np.linalg.pinv(slopes * self.sizes, rcond=ZERO)
+            inverse = np.linalg.pinv(jacobian * self.sizes, rcond=ZERO)
             if np.abs(residual).max() <= CLOSED * max(self.length, 1.0):
-                rates = slopes @ v - np.array([line.nu for line in lines])
+                rates = jacobian @ v - np.array([line.nu for line in lines])
                 return q, v - self.sizes * (inverse @ rates)
             q = self.moved(q, -self.sizes * (inverse @ residual))
         raise _UnsuitableError
@@ -258,7 +258,7 @@ def dense(lines: Sequence[ConstraintRow], count: int) -> Array:
     """C_q (m, n) in doubles, of C_q v = ν: columns δr [m], frame O, δθ′ [rad], principal frame."""
     found = np.zeros((len(lines), count))
     for k, line in enumerate(lines):
-        for column, x in line.slopes.items():
+        for column, x in line.jacobian.items():
             found[k, column] = float(x)
     return found
 
@@ -280,13 +280,13 @@ class _Solved:
         masses = np.array([float(x) for x in inertia])
         usual = np.where(masses > 0, masses, masses.max(initial=0.0) or 1.0)
         columns = 1 / np.sqrt(usual)
-        slopes = dense(lines, count)
-        sizes = np.sqrt(((slopes * columns) ** 2).sum(axis=1)) if lines else np.zeros(0)
+        jacobian = dense(lines, count)
+        sizes = np.sqrt(((jacobian * columns) ** 2).sum(axis=1)) if lines else np.zeros(0)
         # A row of a cross product may be rounding, where an axis lies along a coordinate.
         sizes = np.where(sizes > ZERO * sizes.max(initial=0.0), sizes, 0.0)
-        slopes[sizes == 0] = 0.0
+        jacobian[sizes == 0] = 0.0
         rows = 1 / np.where(sizes > 0, sizes, 1.0)
-        scaled = rows[:, np.newaxis] * slopes * columns
+        scaled = rows[:, np.newaxis] * jacobian * columns
         self.condition = _condition(scaled)
         m = len(lines)
         matrix = np.zeros((count + m, count + m))
@@ -306,7 +306,7 @@ class _Solved:
             for k in range(count):
                 rest[k] -= inertia[k] * found_x[k]
             for k, line in enumerate(lines):
-                for column, x in line.slopes.items():
+                for column, x in line.jacobian.items():
                     rest[column] -= x * found_x[count + k]
                     rest[count + k] -= x * found_x[column]
             step = scale * (inverse @ (scale * np.array([float(x) for x in rest])))
@@ -558,8 +558,8 @@ class _Values:
     def _wrench(self, line: ConstraintRow, body: int) -> list[Real]:
         """Row of C_q of a body as force in frame O and moment about its origin."""
         pose, own = self.poses[body], self.equations.own(body)
-        slopes = [line.slopes.get(k, 0) for k in own]
-        force, turning = slopes[:3], slopes[3:] or [0, 0, 0]
+        jacobian = [line.jacobian.get(k, 0) for k in own]
+        force, turning = jacobian[:3], jacobian[3:] or [0, 0, 0]
         moment = rotated(pose.p, turning)
         x, y, z = pose.r
         arm = (

@@ -163,7 +163,7 @@ class ConstraintRow:
         The joint or driver.
     value, nu, gamma : number [m or rad, per s, per s²]
         C, and what C_q v and C_q v̇ are.
-    slopes : dict of int to number
+    jacobian : dict of int to number
         C_q by column: δr [m] in frame O, δθ′ [rad] in the principal frame.
     """
 
@@ -171,7 +171,7 @@ class ConstraintRow:
     value: Real
     nu: Real
     gamma: Real
-    slopes: dict[int, Real]
+    jacobian: dict[int, Real]
 
 
 class BodyEquations:
@@ -310,7 +310,7 @@ class BodyEquations:
             for column, ahead_at in self.each_column(at_rest):
                 ahead = self._residuals(one, ahead_at, time)
                 for line, a, s in zip(own, ahead, still, strict=True):
-                    line.slopes[column] = a.d - s.d
+                    line.jacobian[column] = a.d - s.d
             found += own
         return found
 

@@ -83,43 +83,43 @@ def units(
 def _units(
     workspace: ProgramInterpreter, steps: Sequence[ExecutedTask], slots: Sequence[int]
 ) -> list[float]:
-    slopes: dict[int, Array] = {}
+    adjoints: dict[int, Array] = {}
     for k, slot in enumerate(slots):
-        slopes.setdefault(slot, np.zeros(len(slots)))[k] = 1.0
+        adjoints.setdefault(slot, np.zeros(len(slots)))[k] = 1.0
     total = np.zeros(len(slots))
     for step in reversed(steps):
-        _go_back(workspace.program.kernels[step.task.kernel], step, slopes, total)
-    for slot, slope in slopes.items():
-        total += np.abs(slope) * abs(float(workspace.values[slot]))
+        _go_back(workspace.program.kernels[step.task.kernel], step, adjoints, total)
+    for slot, adjoint in adjoints.items():
+        total += np.abs(adjoint) * abs(float(workspace.values[slot]))
     return [float(x) for x in ROUNDING * total]
 
 
-def _go_back(kernel: Kernel, step: ExecutedTask, slopes: dict[int, Array], total: Array) -> None:
-    """Bring derivatives from the outputs of a task to its inputs, and count its roundings."""
+def _go_back(kernel: Kernel, step: ExecutedTask, adjoints: dict[int, Array], total: Array) -> None:
+    """Bring adjoints from the outputs of a task to its inputs, and count its roundings."""
     own: dict[int, Array] = {}
     for base, result in zip(step.task.outputs, kernel.results, strict=True):
         for k, node in enumerate(result):
-            if (slope := slopes.pop(base + k, None)) is not None:
-                _add(own, node, slope)
+            if (adjoint := adjoints.pop(base + k, None)) is not None:
+                _add(own, node, adjoint)
     bases = dict(zip((q.name for q in kernel.inputs), step.task.inputs, strict=True))
     for node in reversed(range(len(kernel.nodes))):
-        slope = own.pop(node, None)
-        if slope is None:
+        adjoint = own.pop(node, None)
+        if adjoint is None:
             continue
         what, value = kernel.nodes[node], step.values[node]
         if what.symbol is not None:
             name, place = what.symbol
-            _add(slopes, bases[name] + place, slope)
+            _add(adjoints, bases[name] + place, adjoint)
         elif value and (weight := _roundings(what)):
-            total += np.abs(slope) * (weight * abs(value))
-        for arg, factor in zip(what.args, _slopes(what, value, step.values), strict=True):
+            total += np.abs(adjoint) * (weight * abs(value))
+        for arg, factor in zip(what.args, _partials(what, value, step.values), strict=True):
             if factor:
-                _add(own, arg, slope * factor)
+                _add(own, arg, adjoint * factor)
 
 
-def _add(table: dict[int, Array], place: int, slope: Array) -> None:
+def _add(table: dict[int, Array], place: int, adjoint: Array) -> None:
     known = table.get(place)
-    table[place] = slope if known is None else known + slope
+    table[place] = adjoint if known is None else known + adjoint
 
 
 def _roundings(node: OperationNode[int]) -> int:
@@ -131,8 +131,8 @@ def _roundings(node: OperationNode[int]) -> int:
     return 2 if node.op in FUNCTIONS else 1
 
 
-def _slopes(node: OperationNode[int], value: float, values: Sequence[float]) -> tuple[float, ...]:
-    """Derivatives of a node by its arguments."""
+def _partials(node: OperationNode[int], value: float, values: Sequence[float]) -> tuple[float, ...]:
+    """Partial derivatives of a node, by each of its arguments."""
     if not node.args:
         return ()
     return slopes_of(node.op, value, [values[arg] for arg in node.args], FLOAT)

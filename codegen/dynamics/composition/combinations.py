@@ -107,9 +107,9 @@ class Combinations:
         values = [self.coordinates.value(term.coordinate) for term in one.terms]
         return self._weighted(one, total, values)
 
-    def slopes(self, one: Instance, index: int, body: BodyBlocks) -> SlotMatrix:
+    def jacobian(self, one: Instance, index: int, body: BodyBlocks) -> SlotMatrix:
         """Jacobian Σ c J (1, c) by the columns δr, frame O, and δθ′ of a body, recorded."""
-        found = [self.coordinates.slopes(term.coordinate).get(index) for term in one.terms]
+        found = [self.coordinates.jacobian(term.coordinate).get(index) for term in one.terms]
         return self._weighted(one, zeros(1, len(body.columns)), found)
 
     def rate(self, one: Instance, output: str) -> SlotMatrix:

@@ -45,11 +45,11 @@ class SystemEquations:
     ----------
     program : Program
         The segment ``masses`` fills the region of that name, :data:`NUMBERS` for each body;
-        ``geometry`` all others: ``C``; ``slopes``, what C_q has body by body; ``minus_nu`` and
+        ``geometry`` all others: ``C``; ``jacobian``, what C_q has body by body; ``minus_nu`` and
         ``minus_gamma``; ``forces`` [N, N m], what acts on each body at its centre of mass, in the
         order of v, weight too.
     places : tuple of (int, int)
-        Row and column in C_q of each number of ``slopes``; columns in the order of v.
+        Row and column in C_q of each number of ``jacobian``; columns in the order of v.
     """
 
     program: Program
@@ -117,7 +117,7 @@ class _Equations:
             (orientation,) = self.recorder.call(BodyOrientation(), blocks.p)
             self.bodies[k] = replace(blocks, orientation=orientation)
         still = [zeros(len(blocks.columns), 1) for blocks in self.bodies]
-        slopes: list[SlotMatrix] = []
+        jacobian: list[SlotMatrix] = []
         places: list[tuple[int, int]] = []
         for joint in joints:
             self.tasks.watch(joint, residuals.part(joint.first, joint.count))
@@ -125,11 +125,11 @@ class _Equations:
                 self.tasks.rates(joint, name, still, target.part(joint.first, joint.count))
             for index, block in joint.whole.items():
                 if index != GROUND_INDEX:
-                    slopes.append(block)
+                    jacobian.append(block)
                     rows = range(joint.first, joint.first + joint.count)
                     columns = range(self.body(index).v, self.body(index).v + block.width)
                     places += ((row, place) for row in rows for place in columns)
-        self._keep("slopes", slopes)
+        self._keep("jacobian", jacobian)
         self._keep("forces", self._loads())
         pairs = zip(self.system.bodies, self.bodies, strict=True)
         at = tuple(coordinates(body, blocks) for body, blocks in pairs)

@@ -64,10 +64,10 @@ class CoordinateRecorder:
         """Value u (1,) [m or rad], turns counted, recorded."""
         return self._once("value", place, self._value)[0]
 
-    def slopes(self, place: int) -> dict[int, SlotMatrix]:
+    def jacobian(self, place: int) -> dict[int, SlotMatrix]:
         """Jacobian J by body, one row (1, c) each, recorded; the ground's is empty."""
         one = self.all[place]
-        return dict(zip((one.i, one.j), self._once("slopes", place, self._slopes), strict=True))
+        return dict(zip((one.i, one.j), self._once("jacobian", place, self._jacobian), strict=True))
 
     def gamma(self, place: int) -> SlotMatrix:
         """Right-hand side γ (1,) [m/s² or rad/s²] of ü = J v̇ − γ, recorded."""
@@ -83,9 +83,9 @@ class CoordinateRecorder:
         """Rate J x − less (1,), for x in the order of v, body by body, recorded."""
         pairs = [
             block
-            for body, slopes in self.slopes(place).items()
+            for body, jacobian in self.jacobian(place).items()
             if body >= 0
-            for block in (slopes, by_body[body])
+            for block in (jacobian, by_body[body])
         ]
         (rate,) = self._recorder.call(CoordinateRate(), *pairs, less or column((0,)), into=(into,))
         return rate
@@ -153,7 +153,7 @@ class CoordinateRecorder:
         operation = CoordinateValue(one.kind, _names(one), counts)
         return self._recorder.call(operation, *self._ends(one), turns, *self._constants(one))
 
-    def _slopes(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
+    def _jacobian(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
         columns = (self._body(k).columns for k in (one.i, one.j))
         operation = CoordinateJacobian(one.kind, _names(one), *columns)
         return self._recorder.call(operation, *self._ends(one), NOTHING, *self._constants(one))

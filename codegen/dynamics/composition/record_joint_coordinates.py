@@ -235,9 +235,9 @@ class JointCoordinateRecorder:
         (left,) = self.recorder.call(JointWrench(), masses, second, free, others)
         for k, led in self.one.prescribed:
             one = constraints[led.instance]
-            slopes = coordinates.slopes(one.terms[0].coordinate)[self.one.body]
+            jacobian = coordinates.jacobian(one.terms[0].coordinate)[self.one.body]
             column = _chosen(self._columns(), (k,))
-            own, left = self.recorder.call(DriverWrench(led.sign), left, column, slopes)
+            own, left = self.recorder.call(DriverWrench(led.sign), left, column, jacobian)
             found[one.joint] = own
         return {constraints[self.one.instances[0]].joint: left, **found}
 

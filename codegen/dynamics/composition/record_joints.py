@@ -98,15 +98,15 @@ class JointRecorder:
         With ``beyond`` it is x = R u + what that says of bodies that are reduced, and u is given.
         """
         i, j = self.body(joint.i), self.body(joint.j)
-        slopes = joint.whole if beyond is None else joint.jacobian
+        jacobian = joint.whole if beyond is None else joint.jacobian
         x_i, x_j, *others = (column(()) if k == GROUND_INDEX else by_body[k] for k in joint.bodies)
-        pairs = [(x, slopes[k]) for x, k in zip(others, joint.others, strict=True)]
+        pairs = [(x, jacobian[k]) for x, k in zip(others, joint.others, strict=True)]
         pairs += [(x, joint.whole[k]) for k, x in (beyond or {}).items() if k in joint.bodies]
         with self.recorder.of(joint.name):
             (difference,) = self.recorder.call(
                 Rates(joint.parts, output, len(pairs)),
-                *(i.p, i.orientation, i.v_r, i.omega_b, x_i, slopes[joint.i]),
-                *(j.p, j.orientation, j.v_r, j.omega_b, x_j, slopes[joint.j]),
+                *(i.p, i.orientation, i.v_r, i.omega_b, x_i, jacobian[joint.i]),
+                *(j.p, j.orientation, j.v_r, j.omega_b, x_j, jacobian[joint.j]),
                 *(i.r, j.r),
                 *(block for pair in pairs for block in pair),
                 *self._of_parts(joint, output),
@@ -143,7 +143,7 @@ class JointRecorder:
                 found += constants
             elif output == "C":
                 found.append(self.combinations.residual(one))
-                found += (self.combinations.slopes(one, k, self.body(k)) for k in joint.bodies)
+                found += (self.combinations.jacobian(one, k, self.body(k)) for k in joint.bodies)
             else:
                 found.append(self.combinations.rate(one, output))
         return found

@@ -48,13 +48,13 @@ class OnCoordinate(ForceFacets[E]):
 
     is_carried = True
 
-    def slopes(self, tasks: ForceRecorder) -> list[SlotMatrix]:
-        """Jacobian J (1, c) and the diagonal of M⁻¹ (1, c) of body i, then those of body j."""
-        slopes = tasks.coordinates.slopes(self.force.coordinate)
+    def jacobians(self, tasks: ForceRecorder) -> list[SlotMatrix]:
+        """Jacobian J (1, c) of body i and the diagonal of its M⁻¹ (1, c), then those of body j."""
+        jacobian = tasks.coordinates.jacobian(self.force.coordinate)
         return [
             block
             for index in (self.force.i, self.force.j)
-            for block in (slopes[index], tasks.body(index).inverse_mass)
+            for block in (jacobian[index], tasks.body(index).inverse_mass)
         ]
 
     def rate(self, tasks: ForceRecorder) -> SlotMatrix:
@@ -89,7 +89,7 @@ class AlongFacets(OnCoordinate[CoordinateForce]):
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """M⁻¹Jᵀτ of both bodies, and τ u̇, recorded."""
         constants = tasks.constants(self.force)
-        ends = self.slopes(tasks)
+        ends = self.jacobians(tasks)
         return tasks.recorder.call(AlongEffect(), *ends, self.rate(tasks), *constants)
 
     def by_definition(

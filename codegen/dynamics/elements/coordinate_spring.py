@@ -92,7 +92,7 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """M⁻¹Jᵀτ of both bodies, and the power beside that of potential energy, recorded."""
         constants = tasks.constants(self.force)
-        ends = self.slopes(tasks)
+        ends = self.jacobians(tasks)
         rate = self.rate(tasks)
         names, given = tasks.law(self.force)
         operation = CoordinateSpringEffect(self.force.law, names, self.force.works)

@@ -331,9 +331,9 @@ class DriverWrench:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Wrench of the driver, and the rest for others, (c,)."""
-        wrench, column, slopes = blocks
+        wrench, column, jacobian = blocks
         effort = column.T @ wrench
-        own = slopes.T @ (effort if self.sign > 0 else -effort)
+        own = jacobian.T @ (effort if self.sign > 0 else -effort)
         return own, wrench - own
 
 

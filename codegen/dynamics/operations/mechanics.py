@@ -257,7 +257,7 @@ def rows_of_parts(
     i, j, given = blocks[:3], blocks[3:6], iter(blocks[6:])
     state = inputs_of_body(trace, "i", *i) | inputs_of_body(trace, "j", *j)
     residuals: list[Matrix] = []
-    slopes: list[list[Matrix]] = [[] for _ in columns]
+    by_body: list[list[Matrix]] = [[] for _ in columns]
     for part in parts:
         if part.is_combination:
             residuals.append(next(given))
@@ -267,10 +267,10 @@ def rows_of_parts(
             found = _evaluate(trace, part, "constraint", state, constants)
             residuals.append(_pick(trace, found["C"], part, 1))
             own = _by_body(_pick(trace, found["C_q"], part, 2 * COLUMNS), columns)
-        for body, matrix in zip(slopes, own, strict=True):
+        for body, matrix in zip(by_body, own, strict=True):
             body.append(matrix)
     graph = trace.graph
-    jacobians = [stack(graph, own, len(kept)) for own, kept in zip(slopes, columns, strict=True)]
+    jacobians = [stack(graph, own, len(kept)) for own, kept in zip(by_body, columns, strict=True)]
     return stack(graph, residuals, 1), jacobians
 
 

@@ -122,11 +122,11 @@ class _Framed:
             swings.append(end.orientation @ omega.cross(arm))
         swing = stack(graph, swings, 1)
         found = substitute(graph, self.kernel, self.given)
-        slopes = substitute(graph, constraint, self.given)["C_q"]
+        jacobian = substitute(graph, constraint, self.given)["C_q"]
         gamma = []
         for row, node in enumerate(found["gamma"]):
             first = row * 2 * COLUMNS
-            forces = [slopes[first + side * COLUMNS + k] for side in (0, 1) for k in range(3)]
+            forces = [jacobian[first + side * COLUMNS + k] for side in (0, 1) for k in range(3)]
             (extra,) = (Matrix.of(graph, forces).T @ swing).flat
             gamma.append(graph.sub(node, extra))
         return self._kernel({"nu": found["nu"], "gamma": gamma})
