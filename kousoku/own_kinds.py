@@ -43,7 +43,7 @@ def own_kinds(kinds: Sequence[Kind] | None) -> Mapping[str, OwnKind]:
         return {}
     if not isinstance(kinds, list | tuple):
         raise DerivationError(f"kinds: {shown(kinds)} is no list; wanted one, such as kinds=[mine]")
-    from kousoku.codegen.own_kinds import own_kind_of
+    from kousoku.codegen.dynamics.own_kinds import own_kind_of
 
     found: dict[str, OwnKind] = {}
     for one in kinds:

@@ -34,9 +34,9 @@ STAGES = {
         *("expressions", "mechanics", "linkage", "elements", "validation", "reading", "lowering"),
     ),
     "codegen/dynamics": (
-        *("recording", "operations", "elements", "assembly", "simplification", "redundancy"),
-        *("assembled", "analyse", "composition", "emission", "checking", "choose"),
-        *("generate", "explanation"),
+        *("disjoint_sets", "recording", "operations", "own_kinds", "elements", "assembly"),
+        *("simplification", "redundancy", "assembled", "analyse", "composition", "emission"),
+        *("checking", "choose", "generate", "explanation"),
     ),
 }
 #: The room of ``model``, and the files beside it, that ``runtime`` uses.

@@ -5,13 +5,17 @@
 :mod:`~kousoku.codegen.dynamics.analyse` decides what is solved, ``composition`` records it, and
 :mod:`~kousoku.codegen.dynamics.choose` takes of two programs one, where only composing them tells.
 
-Where what is, the lowest first; a folder imports those before it only,
+Where what is, the lowest first; each imports those before it only,
 but ``elements``, which names in types who calls it:
 
+``disjoint_sets``
+    Which bodies, joints or rows belong together.
 ``recording``
     What operations are recorded on: kernels, tasks and one workspace; a program run and counted.
 ``operations``
     What one task computes: of a body, a joint, a force, a block of a factorisation.
+``own_kinds``
+    A constraint of one's own as the type of joints, before scenes are read.
 ``elements``
     Forces and kinds of constraints: what is recorded of each, and what analyses ask of it.
 ``assembly``

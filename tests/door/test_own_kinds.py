@@ -21,7 +21,7 @@ from kousoku import loading
 from kousoku.codegen import kernel_json
 from kousoku.codegen.dynamics.generate import compose_scene
 from kousoku.codegen.dynamics.operations.mechanics import frozen
-from kousoku.codegen.own_kinds import own_kind_of
+from kousoku.codegen.dynamics.own_kinds import own_kind_of
 from kousoku.model.errors import AssemblyError, DerivationError, LoadError, SceneError
 from kousoku.model.files.quantity import Quantity
 from kousoku.model.operations.arithmetic import EXACT

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.codegen.dynamics.disjoint_sets import DisjointSets
 from kousoku.codegen.dynamics.operations.elimination_order import minimum_degree
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
-from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.model.lowering.parametric import fixed_system
 from kousoku.model.mechanics.multibody import GROUND_INDEX
 

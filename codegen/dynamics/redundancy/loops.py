@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
+from kousoku.codegen.dynamics.disjoint_sets import DisjointSets
 from kousoku.model.mechanics.multibody import GROUND_INDEX
 
 if TYPE_CHECKING:

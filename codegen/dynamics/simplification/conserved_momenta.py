@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.disjoint_sets import DisjointSets
 from kousoku.codegen.dynamics.elements.force_facets import facets_of
-from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.codegen.dynamics.recording.program import ConservedMomenta
 from kousoku.codegen.dynamics.simplification.ground_reactions import (
     AXES,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.disjoint_sets import DisjointSets
 from kousoku.codegen.dynamics.elements.force_facets import facets_of
-from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.model.elements.joints import JOINTS
 from kousoku.model.lowering.moved import moved_by_parameters
 from kousoku.model.mechanics.constraints import base_of, is_known

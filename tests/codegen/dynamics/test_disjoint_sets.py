@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
+from kousoku.codegen.dynamics.disjoint_sets import DisjointSets
 
 
 def test_sets_are_those_that_pairs_connect() -> None:
