@@ -87,7 +87,7 @@ class Measure:
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class RootFunctions:
     """Functions that a run watches, so that no step leaps over their roots and narrow parts.
 
     Parameters
@@ -106,11 +106,11 @@ class Seen:
         Of each event whether its formula may jump, also through infinity.
     laws : tuple of Expression
         Those of drivers that are no polynomials, with two derivatives, which must not jump.
-    led : tuple of str
+    law_drivers : tuple of str
         Which driver each of these laws, of three expressions, is of.
     poles : tuple of Expression
         Functions of time and the state that are zero where a force may be infinite.
-    pushed : tuple of str
+    pole_forces : tuple of str
         The key of the force that each of them is of.
     infinite : tuple of Expression
         The parts of formulas that may be infinite there.
@@ -121,7 +121,7 @@ class Seen:
     gaps : tuple of Expression
         What drivers prescribe of distances, less what counts as none: where one is zero its two
         points meet, and nothing tells in which direction they part.
-    drawn : tuple of str
+    gap_drivers : tuple of str
         Which driver each of these is of.
     breaks : tuple of Expression
         Functions of the state that are zero where a formula jumps, and with it a force.
@@ -134,19 +134,19 @@ class Seen:
     narrow: tuple[Expression, ...]
     jumps: tuple[bool, ...] = ()
     laws: tuple[Expression, ...] = ()
-    led: tuple[str, ...] = ()
+    law_drivers: tuple[str, ...] = ()
     poles: tuple[Expression, ...] = ()
-    pushed: tuple[str, ...] = ()
+    pole_forces: tuple[str, ...] = ()
     infinite: tuple[Expression, ...] = ()
     lengths: tuple[Expression, ...] = ()
     distances: tuple[Expression, ...] = ()
     gaps: tuple[Expression, ...] = ()
-    drawn: tuple[str, ...] = ()
+    gap_drivers: tuple[str, ...] = ()
     breaks: tuple[Expression, ...] = ()
 
 
-def seen_of(system: System) -> Seen:
-    """Quantities that runs of a system look at: forces, springs, gravity, drivers, and events."""
+def root_functions_of(system: System) -> RootFunctions:
+    """Functions that runs of a system watch: of forces, gravity, drivers, and events."""
     measures = tuple(_measures(system))
     parameters = {name for name, _ in system.parameters}
     names = {TIME, *parameters}
@@ -208,7 +208,7 @@ def seen_of(system: System) -> Seen:
     distances = tuple(one for one in found(squares_of, is_state=True) if one not in lengths)
     told = (*crossings, *breaks, *narrow, *poles, *infinite, *lengths, *distances)
     read = set(chain.from_iterable(map(names_of, told)))
-    return Seen(
+    return RootFunctions(
         tuple(dict.fromkeys(switches)),
         tuple(map(without_overflow, found(varying, is_state=False))),
         tuple(one for one in measures if {one.name, one.rate} & read),

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from kousoku.model.errors import SceneError
-from kousoku.model.lowering.root_functions import seen_of
+from kousoku.model.lowering.root_functions import root_functions_of
 from kousoku.model.lowering.system import system_of
 from kousoku.model.reading.builder import SceneBuilder
 from kousoku.model.reading.read import scene_from_dict
@@ -92,9 +92,9 @@ def test_a_linkage_of_nodes_has_no_events(bead: Tree) -> None:
 )
 def test_squares_of_distances_are_found_in_forces(bead: Tree, force: str, count: int) -> None:
     push = {"type": "along", "coordinate": "x", "force": force}
-    seen = seen_of(system_of(scene_from_dict(bead | {"forces": {"push": push}}), ()))
-    assert len(seen.distances) == count
-    assert not seen.lengths
+    functions = root_functions_of(system_of(scene_from_dict(bead | {"forces": {"push": push}}), ()))
+    assert len(functions.distances) == count
+    assert not functions.lengths
 
 
 def test_lengths_count_along_which_a_force_acts_that_is_not_smooth(bead: Tree) -> None:
@@ -103,7 +103,7 @@ def test_lengths_count_along_which_a_force_acts_that_is_not_smooth(bead: Tree) -
 
     def counts(**force: object) -> int:
         system = system_of(scene_from_dict(bead | {"forces": {"push": force}}), ())
-        return len(seen_of(system).lengths)
+        return len(root_functions_of(system).lengths)
 
     spring = {"type": "spring_damper", **ends}
     assert counts(**spring, stiffness=1.0, free_length=0.0) == 0
@@ -131,9 +131,9 @@ def test_functions_at_which_a_force_jumps_are_told_from_kinks(
     bead: Tree, force: str, count: int
 ) -> None:
     push = {"type": "along", "coordinate": "x", "force": force}
-    seen = seen_of(system_of(scene_from_dict(bead | {"forces": {"push": push}}), ()))
-    assert len(seen.breaks) == count
-    assert set(seen.breaks).isdisjoint(seen.crossings[1:])  # behind the event of the bead
+    functions = root_functions_of(system_of(scene_from_dict(bead | {"forces": {"push": push}}), ()))
+    assert len(functions.breaks) == count
+    assert set(functions.breaks).isdisjoint(functions.crossings[1:])  # behind the event of the bead
 
 
 @pytest.mark.parametrize(
@@ -156,8 +156,8 @@ def test_functions_at_which_a_force_jumps_are_told_from_kinks(
 def test_what_of_a_force_is_looked_at(bead: Tree, force: str, crossings: int, narrow: int) -> None:
     push = {"type": "along", "coordinate": "x", "force": force}
     system = system_of(scene_from_dict(bead | {"forces": {"push": push}}), ())
-    seen = seen_of(system)
-    assert len(seen.crossings) == 1 + crossings
-    assert len(seen.narrow) == narrow
-    assert not seen.switches
-    assert not seen.features
+    functions = root_functions_of(system)
+    assert len(functions.crossings) == 1 + crossings
+    assert len(functions.narrow) == narrow
+    assert not functions.switches
+    assert not functions.features

@@ -16,7 +16,7 @@ from unittest.mock import patch
 
 import kousoku as ks
 from kousoku.model.errors import MotionError
-from kousoku.model.lowering.root_functions import seen_of
+from kousoku.model.lowering.root_functions import root_functions_of
 from kousoku.model.operations.expression import names_of
 from tests.stress.force_laws import END, FORMS, SPEED, Form
 from tests.stress.kit import Fault, Outcome, Question, Size
@@ -24,7 +24,7 @@ from tests.stress.kit import Fault, Outcome, Question, Size
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.lowering.root_functions import Seen
+    from kousoku.model.lowering.root_functions import RootFunctions
     from kousoku.model.mechanics.multibody import System
     from tests.stress.force_laws import Wanted
 
@@ -160,14 +160,14 @@ def blind(*names: str) -> Iterator[None]:
     """Compose solvers that do not know some of the functions at which steps end."""
     nothing: dict[str, Any] = dict.fromkeys(names, ())
 
-    def blinded(system: System) -> Seen:
-        found = replace(seen_of(system), **nothing)
+    def blinded(system: System) -> RootFunctions:
+        found = replace(root_functions_of(system), **nothing)
         told = chain.from_iterable(getattr(found, name) for name in OF_MEASURES)
         read = set(chain.from_iterable(map(names_of, told)))
         used = tuple(one for one in found.measures if {one.name, one.rate} & read)
         return replace(found, measures=used)
 
-    stages = (f"kousoku.codegen.dynamics.{stage}.seen_of" for stage in SEEING)
+    stages = (f"kousoku.codegen.dynamics.{stage}.root_functions_of" for stage in SEEING)
     with ExitStack() as stack:
         for stage in stages:
             stack.enter_context(patch(stage, blinded))

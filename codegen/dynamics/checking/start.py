@@ -11,7 +11,7 @@ from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.expressions.formulas import TIME
 from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
-from kousoku.model.lowering.root_functions import seen_of
+from kousoku.model.lowering.root_functions import root_functions_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -65,7 +65,7 @@ def events_without_value(program: Program, system: System) -> list[tuple[str, st
     except (ArithmeticError, ValueError):  # of a spring without length: its force says so
         return []
     values = {TIME: 0.0, **dict(system.parameters)}
-    measures = seen_of(system).measures
+    measures = root_functions_of(system).measures
     pairs = zip(*[iter(work["measures"])] * 2, strict=True)
     for one, (value, rate) in zip(measures, pairs, strict=True):
         values |= {one.name: value, one.rate: rate}

@@ -13,7 +13,7 @@ from kousoku.model.expressions.enclosure import Bounds, enclosure
 from kousoku.model.expressions.exponentials import without_overflow
 from kousoku.model.expressions.formulas import TIME
 from kousoku.model.expressions.quotients import without_quotients
-from kousoku.model.lowering.root_functions import seen_of
+from kousoku.model.lowering.root_functions import root_functions_of
 from kousoku.model.operations.expression import add, mul, symbol
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def record_switching(
     forces : ForceRecorder
         What records its forces.
     """
-    seen, names = seen_of(system), tuple(name for name, _ in system.parameters)
+    functions, names = root_functions_of(system), tuple(name for name, _ in system.parameters)
 
     def record(
         segment: str,
@@ -150,27 +150,32 @@ def record_switching(
                 operation = Enclosed(tuple(found), names, measures)
                 recorder.call(operation, ranges, parameters, into=(target,))
 
-    if seen.switches or seen.features:
-        parts = {"switches": seen.switches, "features": seen.features}
-        parts |= {"gaps": seen.gaps}
+    if functions.switches or functions.features:
+        parts = {"switches": functions.switches, "features": functions.features}
+        parts |= {"gaps": functions.gaps}
         record("switching", recorder.region("span", 2), parts)
-    if seen.laws:
-        record("bending", recorder.region("law_span", 2), {"laws": seen.laws})
-    near = {"lengths": seen.lengths, "distances": seen.distances}
-    crossing = {"crossings": seen.crossings, "breaks": seen.breaks, "poles": seen.poles}
-    crossing |= {"narrow": seen.narrow, "infinite": seen.infinite}
+    if functions.laws:
+        record("bending", recorder.region("law_span", 2), {"laws": functions.laws})
+    near = {"lengths": functions.lengths, "distances": functions.distances}
+    crossing = {
+        "crossings": functions.crossings,
+        "breaks": functions.breaks,
+        "poles": functions.poles,
+        "narrow": functions.narrow,
+        "infinite": functions.infinite,
+    }
     if any(crossing.values()) or any(near.values()):
-        region = recorder.region("measures", 2 * len(seen.measures))
+        region = recorder.region("measures", 2 * len(functions.measures))
         recorder.begin("measure")
-        for k, one in enumerate(seen.measures):
+        for k, one in enumerate(functions.measures):
             forces.measure(system, one, region.part(2 * k, 1), region.part(2 * k + 1, 1))
     if any(near.values()):
         recorder.begin("distance")
         for name, found in near.items():
             if found:
                 target = recorder.region(name, len(found))
-                valued = Valued(found, names, seen.measures)
+                valued = Valued(found, names, functions.measures)
                 recorder.call(valued, forces.names[TIME][0], region, parameters, into=(target,))
     if any(crossing.values()):
-        ranges = recorder.region("ranges", 2 + RANGES * len(seen.measures))
-        record("crossing", ranges, crossing, *seen.measures)
+        ranges = recorder.region("ranges", 2 + RANGES * len(functions.measures))
+        record("crossing", ranges, crossing, *functions.measures)

@@ -10,7 +10,7 @@ from kousoku.codegen.dynamics.operations.body_coordinates import thickened
 from kousoku.codegen.dynamics.redundancy.redundant_rows import take_over
 from kousoku.codegen.dynamics.redundancy.varying_rank import rank_rows
 from kousoku.codegen.dynamics.simplification.body_blocks import inverse_masses as of_body
-from kousoku.model.lowering.root_functions import seen_of
+from kousoku.model.lowering.root_functions import root_functions_of
 from kousoku.model.mechanics.constraints import is_length
 from kousoku.model.numbers import precise
 from kousoku.model.numbers.varying import is_varying
@@ -98,7 +98,7 @@ def tables(
     q, v = slots(program, "q"), slots(program, "v")
     shifts, starts = shift_slots(program), start_places(program)
     lengths = {slot for pair in shifts for slot in pair}
-    switched, seen = has_row_switch(program), seen_of(system)
+    switched, functions = has_row_switch(program), root_functions_of(system)
     rows = (*program.rows, *program.left_out, *program.satisfied)
     looked_at = rank_rows(program, system)
     compares = bool(looked_at) or is_driven(program, system)
@@ -126,11 +126,11 @@ def tables(
         "starts": [(owner[(*q, *v)[place]], (place, at)) for place, at in starts],
         "positive": positive_places(program),
         "measure_sizes": [
-            (one.name, float(measure_size(one, system, length))) for one in seen.measures
+            (one.name, float(measure_size(one, system, length))) for one in functions.measures
         ],
         "events": [
             (one.name, (one.direction, ACTIONS.index(one.action), int(jumps)))
-            for one, jumps in zip(system.events, seen.jumps, strict=True)
+            for one, jumps in zip(system.events, functions.jumps, strict=True)
         ],
         "row_is_length": [
             (name, int(unit == "m")) for name, unit in (row_of(row, system) for row in rows)

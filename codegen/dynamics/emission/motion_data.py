@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.recording.program import (
 )
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.model.lowering.about import About
-from kousoku.model.lowering.root_functions import seen_of
+from kousoku.model.lowering.root_functions import root_functions_of
 from kousoku.model.lowering.system import UNIT_NAMES
 from kousoku.model.mechanics.constraints import is_length
 from kousoku.model.numbers.varying import is_varying
@@ -65,7 +65,7 @@ def motion_data(
     about : About, optional
         What the scene has beside numbers.
     """
-    about = about or About()
+    about, functions = about or About(), root_functions_of(system)
     q, v = program.region("q").base, program.region("v").base
     varying: dict[str, object] = {"design": _design(program)} if program.design else {}
     if system.given:
@@ -119,9 +119,9 @@ def motion_data(
         "jumps": list(about.jumps),
         "events": [[one.name, one.action] for one in system.events],
         "whens": [one.when for one in system.events],
-        "led": list(seen_of(system).led),
-        "drawn": list(seen_of(system).drawn),
-        "poles": list(seen_of(system).pushed),
+        "led": list(functions.law_drivers),
+        "drawn": list(functions.gap_drivers),
+        "poles": list(functions.pole_forces),
         "works": [[one.name, one.place.slot - q] for one in program.auxiliary if one.kind == WORK],
     }
 

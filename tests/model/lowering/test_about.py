@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from kousoku.model.lowering.about import About, scene_notes
-from kousoku.model.lowering.root_functions import seen_of
+from kousoku.model.lowering.root_functions import root_functions_of
 from kousoku.model.lowering.system import system_of
 from kousoku.model.reading.read import scene_from_dict
 
@@ -132,6 +132,6 @@ def test_a_force_that_may_be_infinite_is_looked_at(force: str, *, is_told: bool)
     tree = pair([1, 0, 0])
     tree |= {"coordinates": {"s": {"joint": "a"}}, "parameters": {"p": 0.1}}
     tree["forces"] = {"spring": {"type": "along", "coordinate": "s", "force": force}}
-    seen = seen_of(system_of(scene_from_dict(tree), ()))
-    assert seen.pushed == ("forces.spring",) * is_told
-    assert len(seen.infinite) == is_told
+    functions = root_functions_of(system_of(scene_from_dict(tree), ()))
+    assert functions.pole_forces == ("forces.spring",) * is_told
+    assert len(functions.infinite) == is_told
