@@ -111,8 +111,8 @@ class Operation(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class _Traced:
-    """A kernel, and how the results of a call are made of its slots."""
+class _CallLayout:
+    """Layout of a call: its kernel, and how its results are made of slots."""
 
     kernel: int
     used: tuple[int, ...]
@@ -133,7 +133,7 @@ class Recorder:
         self._size = 0
         self._pool: dict[tuple[Fraction, ...], int] = {}
         self._columns: dict[tuple[High, ...], SlotMatrix] = {}
-        self._traced: dict[object, _Traced] = {}
+        self._layouts: dict[object, _CallLayout] = {}
         self._kernel_ids: dict[object, int] = {}
 
     def region(self, name: str, size: int) -> SlotMatrix:
@@ -217,9 +217,9 @@ class Recorder:
         pattern, leaves, bases, lengths = pattern_of(blocks)
         pinned = tuple(block is not None for block in into)
         key = (operation, pattern, tuple(lengths), pinned)
-        known = self._traced.get(key)
+        known = self._layouts.get(key)
         if known is None:
-            known = self._traced[key] = self._trace(operation, pattern, lengths, pinned)
+            known = self._layouts[key] = self._layout_of(operation, pattern, lengths, pinned)
         base = self._allocate(known.fresh)
         outputs = [base] if known.fresh else []
         outputs += [
@@ -283,16 +283,16 @@ class Recorder:
         slot = leaves[place] if kind == "leaf" else base + place
         return sign * (slot + 2)
 
-    def _trace(
+    def _layout_of(
         self,
         operation: Operation,
         pattern: OperandPattern,
         lengths: Sequence[int],
         pinned: tuple[bool, ...],
-    ) -> _Traced:
+    ) -> _CallLayout:
         kernel, used, fresh, codes = _traced_kernel(operation, pattern, tuple(lengths), pinned)
         number = self._kernel_id(kernel) if kernel.outputs else NOTHING
-        return _Traced(number, used, fresh, codes)
+        return _CallLayout(number, used, fresh, codes)
 
     def _kernel_id(self, kernel: Kernel) -> int:
         key = (kernel.nodes, kernel.results, kernel.inputs, kernel.title)
