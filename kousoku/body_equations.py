@@ -175,7 +175,7 @@ class SceneEquations:
         self.lacks = _lack(self.system.bodies)
 
     @property
-    def is_weighed(self) -> bool:
+    def has_masses(self) -> bool:
         """Whether the scene gives all masses, and so has M and f."""
         return not self.lacks
 

@@ -67,7 +67,7 @@ class DynamicsSolver:
         What a run may change, and its value in the scene.
     is_driven : bool
         Whether drivers determine the whole motion.
-    is_weighed : bool
+    has_masses : bool
         Whether the scene gives all masses; else no energy or work of it is known.
     places : mapping of str to (int, int)
         Where what :meth:`evaluate` returns is in the memory for work, and how many numbers.
@@ -93,7 +93,7 @@ class DynamicsSolver:
     conserved: tuple[ConservedPlaces, ...]
     parameters: tuple[tuple[str, float], ...]
     is_driven: bool
-    is_weighed: bool
+    has_masses: bool
     places: Mapping[str, tuple[int, int]]
     state: Mapping[str, Field]
     moved: Mapping[str, Moved]
@@ -367,7 +367,7 @@ def open_dynamics(sources: Sources, target: Target) -> DynamicsSolver:
         conserved=tuple(map(ConservedPlaces.from_data, data["kept"])),
         parameters=tuple((name, value) for name, value in data["parameters"]),
         is_driven=data["is_driven"],
-        is_weighed=data["is_weighed"],
+        has_masses=data["is_weighed"],
         places={name: (base, size) for name, (base, size) in data["places"].items()},
         state={field.name: field for field in fields_of(data["state"])},
         moved={name: Moved(*sizes) for name, *sizes in data["moved"]},

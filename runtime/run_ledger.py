@@ -326,7 +326,7 @@ def ledger_of(
     missed = missed_by(worst[0], rows, layout) if options.checks else {}
     works: dict[str, float] = {}
     violations: dict[str, Violation] = {}
-    if solver.is_weighed:
+    if solver.has_masses:
         works = _works(state["y"], layout.works, options)
     if options.checks:
         violations = violations_of(worst, [one for part in rows for one in part], layout.checked)
@@ -344,8 +344,8 @@ def ledger_of(
         branch_point_time=single["branch_point_time"] if single["branch_points"] else None,
         meeting_time=single["meeting_time"] if single["meetings"] else None,
         fallback_time=single["fallback_time"] if single["fallbacks"] else None,
-        energy=single["energy"] if solver.is_weighed else None,
-        energy_error=single["energy_error"] if options.checks and solver.is_weighed else None,
+        energy=single["energy"] if solver.has_masses else None,
+        energy_error=single["energy_error"] if options.checks and solver.has_masses else None,
         works=Named(works),
         momenta=momenta_of(solver.conserved, changes) if options.checks else (),
         violations=Named(violations),
@@ -359,7 +359,7 @@ def ledger_of(
             rows,
             layout,
             options.settings(),
-            is_weighed=solver.is_weighed,
+            is_weighed=solver.has_masses,
             is_driven=solver.is_driven,
             error=error,
         ),

@@ -69,7 +69,7 @@ def choice_of(analysed: Analysed, wanted: Sequence[str]) -> Choice:
         chosen, whole = with_reactions(analysed, wanted)
     else:
         chosen, whole = analysed, compose(analysed, wanted)
-    whole = replace(whole, is_weighed=not analysed.missing)
+    whole = replace(whole, has_masses=not analysed.missing)
     return Choice(chosen, whole, cheaper(chosen, wanted, whole))
 
 
@@ -103,7 +103,7 @@ def cheaper(
         return program
     return replace(
         other,
-        is_weighed=program.is_weighed,
+        has_masses=program.has_masses,
         not_unique=program.not_unique,
         undetermined=program.undetermined,
         unique_in_plane=program.unique_in_plane,

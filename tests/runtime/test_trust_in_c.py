@@ -71,7 +71,7 @@ def in_python(solver: DynamicsSolver, settings: Settings, state: Any) -> RunVerd
         CheckedRows(solver.rows, solver.left_out, solver.satisfied),
         solver.layout,
         settings,
-        is_weighed=solver.is_weighed,
+        is_weighed=solver.has_masses,
         is_driven=solver.is_driven,
     )
 
@@ -265,7 +265,7 @@ def test_any_state_is_judged_with_the_same_bits(
     found = solvers(bodies_folder, tmp_path / "pendulum")
     assert any(one.left_out for one in found.values())
     assert any(one.satisfied for one in found.values())
-    assert {(one.is_driven, one.is_weighed) for one in found.values()} == {
+    assert {(one.is_driven, one.has_masses) for one in found.values()} == {
         (False, True),
         (True, True),
         (True, False),

@@ -78,7 +78,7 @@ class GivenSolver:
     momenta : sequence of (names, linear, angular, about)
         Which momenta it computes: bodies, directions (3,) of frame O, and the point (3,) [m] of the
         ground, None for the centre of mass.
-    is_weighed : bool
+    has_masses : bool
         Whether masses are those of the scene.
     """
 
@@ -88,7 +88,7 @@ class GivenSolver:
     v: Array
     turning: Mapping[int, str]
     momenta: Sequence[tuple[Sequence[str], Any, Any, Any]]
-    is_weighed: bool
+    has_masses: bool
 
 
 def independent_points(given: GivenSolver) -> list[dict[str, object]]:
@@ -272,11 +272,11 @@ class _Solved:
         lines: Sequence[ConstraintRow],
         found: Found,
         *,
-        is_weighed: bool,
+        has_masses: bool,
     ) -> None:
         self.lines, count = lines, equations.count
-        inertia = equations.inertia() if is_weighed else [equations.digits.number(1)] * count
-        force = found.force if is_weighed else [equations.digits.number(0)] * count
+        inertia = equations.inertia() if has_masses else [equations.digits.number(1)] * count
+        force = found.force if has_masses else [equations.digits.number(0)] * count
         masses = np.array([float(x) for x in inertia])
         usual = np.where(masses > 0, masses, masses.max(initial=0.0) or 1.0)
         columns = 1 / np.sqrt(usual)
@@ -340,7 +340,7 @@ def _point(
     at_time = HIGH.number(time)
     lines = equations.lines(poses, at_time)
     found = equations.loads(poses, at_time)
-    solved = _Solved(equations, lines, found, is_weighed=given.is_weighed)
+    solved = _Solved(equations, lines, found, has_masses=given.has_masses)
     values = _Values(given, equations, poses, found, solved).all()
     return {
         "label": label,
@@ -395,7 +395,7 @@ class _Values:
             for name, size in sizes.items()
         }
         made |= rests
-        if self.given.is_weighed:
+        if self.given.has_masses:
             made |= dict([*self._energies(), *self._forces()])
         return made
 

@@ -142,7 +142,7 @@ def _known(program: Program, system: System, written: System) -> GivenSolver:
             (own, part.linear, part.angular, part.about)
             for own, part in zip(names, program.conserved, strict=True)
         ],
-        is_weighed=program.is_weighed,
+        has_masses=program.has_masses,
     )
 
 

@@ -64,7 +64,7 @@ def layout_sizes(program: Program) -> dict[str, int]:
 
 def works(program: Program) -> int:
     """Number of entries at the end of q that are works."""
-    return sum(one.kind == WORK for one in program.auxiliary) if program.is_weighed else 0
+    return sum(one.kind == WORK for one in program.auxiliary) if program.has_masses else 0
 
 
 def counted_turns(program: Program) -> range:

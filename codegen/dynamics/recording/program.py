@@ -224,7 +224,7 @@ class Program:
         Joints of whose reactions only what leads out of the plane of the motion is not unique.
     only_in_plane : str
         Why what leads out of the plane of reactions is not computed; empty where it is, or none.
-    is_weighed : bool
+    has_masses : bool
         Whether masses are those of the scene; else its energies and works mean nothing.
     parameters : tuple of float
         Values in the region ``parameters`` unless a run has others.
@@ -259,7 +259,7 @@ class Program:
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
     unique_in_plane: tuple[str, ...] = ()
     only_in_plane: str = ""
-    is_weighed: bool = True
+    has_masses: bool = True
     parameters: tuple[float, ...] = ()
     on_demand: tuple[Segment, ...] = ()
     design: DesignNumbers = field(default_factory=DesignNumbers)
