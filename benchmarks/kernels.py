@@ -77,7 +77,7 @@ VERIFIED = {
     **{LANES: "C lanes", ROWS: "C batch", ARRAY: "NumPy batch"},
 }
 #: The evaluation that the table of all kinds shows.
-SHOWN = 10_000
+BATCH_SHOWN = 10_000
 
 
 def folder_of(package: str) -> Path:
@@ -565,7 +565,7 @@ def _table_of_kinds(records: Sequence[Record], known: Limits) -> str:
             continue
         single = own[CALL, "1 thread"]
         cells = [f"{(own[way, '1 thread'].fastest or 0) * 1e9:.3g}" for way in (BOUND, NUMPY)]
-        batches = [own[way, f"{SHOWN}, 1 thread"] for way in (LANES, ROWS, ARRAY)]
+        batches = [own[way, f"{BATCH_SHOWN}, 1 thread"] for way in (LANES, ROWS, ARRAY)]
         largest = max((one for one in own.values() if "n" in one.extra), key=_size_of)
         rows.append(
             [
@@ -574,7 +574,7 @@ def _table_of_kinds(records: Sequence[Record], known: Limits) -> str:
                 _with_share(single, known),
                 *cells,
                 *(_with_share(one, known) for one in batches),
-                _with_share(own[LANES, f"{SHOWN}, 2 threads"], known),
+                _with_share(own[LANES, f"{BATCH_SHOWN}, 2 threads"], known),
                 f"{_with_share(largest, known)} at {largest.extra['n']:g}",
                 _units_of(single),
                 _units_of(own[NUMPY, "1 thread"]),

@@ -36,7 +36,7 @@ MANIFEST_FILE = "manifest.json"
 #: A digest in a line: hexadecimal digits, and no decimal number.
 DIGEST = re.compile(r"\b(?=[0-9e]*[a-df])[0-9a-f]{16,}\b")
 #: How much of a line that differs is shown.
-SHOWN = 60
+EXCERPT_LENGTH = 60
 
 
 def package_names() -> tuple[str, ...]:
@@ -318,6 +318,6 @@ def _where(found: str, wanted: str) -> str:
     number, old, new = next((one for one in differ if not DIGEST.search(one[1])), differ[0])
     pairs = enumerate(zip_longest(old, new))
     alike = next(place for place, (one, other) in pairs if one != other)
-    first = max(0, alike - SHOWN // 2) if alike >= SHOWN else 0
-    parts = (("… " if first else "") + text[first : first + SHOWN] for text in (old, new))
+    first = max(0, alike - EXCERPT_LENGTH // 2) if alike >= EXCERPT_LENGTH else 0
+    parts = (("… " if first else "") + text[first : first + EXCERPT_LENGTH] for text in (old, new))
     return "from line {} on: {!r} instead of {!r}".format(number, *parts)

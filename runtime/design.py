@@ -14,8 +14,7 @@ from kousoku.model.errors import SolveError
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate.nearly_dependent import nearly_dependent
 from kousoku.runtime.integrate.settings import Status
-from kousoku.runtime.messages import listed, scene_key
-from kousoku.runtime.run_stop import SHOWN
+from kousoku.runtime.messages import MOST_PARTS_SHOWN, listed, scene_key
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -127,7 +126,7 @@ def not_closed(solver: DynamicsSolver, work: Array, times: float) -> str:
         joint, unit = rows[k]
         if not sizes[k] <= limit * (solver.length if unit == "m" else 1.0):
             worst.setdefault(joint, f"{scene_key(joint)} by {sizes[k]:.3g} {unit}")
-    return ", ".join(list(worst.values())[:SHOWN])
+    return ", ".join(list(worst.values())[:MOST_PARTS_SHOWN])
 
 
 def loops_that_open(solver: DynamicsSolver, values: Array) -> str:
@@ -163,7 +162,7 @@ def loops_that_open(solver: DynamicsSolver, values: Array) -> str:
         others = [rows[n][0] for n in np.flatnonzero(np.abs(shares) > INDEPENDENT).tolist()]
         loop = listed(list(dict.fromkeys(map(scene_key, [joint, *others]))))
         found.setdefault(joint, f"{scene_key(joint)} by {missed:.3g} {unit} in the loop of {loop}")
-    return ", ".join(list(found.values())[:SHOWN])
+    return ", ".join(list(found.values())[:MOST_PARTS_SHOWN])
 
 
 def _rates_of_rows(solver: DynamicsSolver, values: Array) -> Array:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from kousoku.runtime.messages import MOST_PARTS_SHOWN
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-
-#: Bodies, and parts, that a text names.
-SHOWN = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +71,8 @@ class Momentum:
         return {"bodies": list(self.bodies), **numbers, "about": about}
 
     def __str__(self) -> str:
-        named = ", ".join(self.bodies[:SHOWN]) + ", …" * (len(self.bodies) > SHOWN)
+        is_cut = len(self.bodies) > MOST_PARTS_SHOWN
+        named = ", ".join(self.bodies[:MOST_PARTS_SHOWN]) + ", …" * is_cut
         about = "" if self.is_central else " about a point of the ground"
         texts = [
             f"{size:.1e} {unit}"

@@ -28,10 +28,10 @@ from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.nearly_dependent import nearly_dependent
 from kousoku.runtime.integrate.run_arguments import require_callable, require_numbers, require_room
 from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, MESSAGES, Status
-from kousoku.runtime.messages import listed
+from kousoku.runtime.messages import MOST_PARTS_SHOWN, listed
 from kousoku.runtime.options import is_given_anew, require_unmoved, with_values
 from kousoku.runtime.run_ledger import ledger_of
-from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies
+from kousoku.runtime.run_stop import joints_at_stop, joints_of_bodies
 from kousoku.runtime.saved import SavedRun
 
 if TYPE_CHECKING:
@@ -412,7 +412,7 @@ class Run:
         if not jumps:
             return ""
         return (
-            f"; the sign in {listed(jumps, SHOWN)} jumps, and where what it is taken of"
+            f"; the sign in {listed(jumps, MOST_PARTS_SHOWN)} jumps, and where what it is taken of"
             " stays near 0 steps become tiny: take x/sqrt(x^2 + 1e-6) instead of sign(x)"
         )
 
@@ -422,7 +422,8 @@ class Run:
         if not poles:
             return ""
         verb = "is" if len(poles) == 1 else "are"
-        return f"; {listed(poles, SHOWN)} {verb} infinite where what it is divided by is 0"
+        named = listed(poles, MOST_PARTS_SHOWN)
+        return f"; {named} {verb} infinite where what it is divided by is 0"
 
     def _stop(self) -> str:
         if self._status == Status.NO_VALUE:

@@ -10,9 +10,8 @@ import numpy as np
 from kousoku.runtime.integrate.result import Named
 from kousoku.runtime.integrate.settings import KINEMATICS
 from kousoku.runtime.integrate.trust import MISSES, CheckedRows, missed_by, released, trust_of
-from kousoku.runtime.messages import listed, scene_key
+from kousoku.runtime.messages import MOST_PARTS_SHOWN, listed, scene_key
 from kousoku.runtime.momenta import momenta_of
-from kousoku.runtime.run_stop import SHOWN
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -261,7 +260,7 @@ class RunLedger:
             texts = [f"{name} {self.works[name]:.6g} J" for name in most[:MOST_WORKS]]
             more = ", …" * (len(most) > MOST_WORKS)
             lines.append(f"work done at the end: {', '.join(texts)}{more}")
-        lines += [str(one) for one in self.momenta[:SHOWN]]
+        lines += [str(one) for one in self.momenta[:MOST_PARTS_SHOWN]]
         if self.events:
             lines.append(f"events: {', '.join(f'{one} {n}' for one, n in self.events.items())}")
         lines += self._of_constraints()

@@ -6,21 +6,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.runtime.messages import scene_key
+from kousoku.runtime.messages import MOST_PARTS_SHOWN, scene_key
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.runtime.integrate.arithmetic import Array
 
-#: Joints, or parts of a scene, that a text names.
-SHOWN = 3
 #: A joint is open when its residual is larger, in metres or radians.
 OPEN = 1e-9
 #: Below this pivot ratio the rows of joints count as dependent.
-DEPENDENT = 1e-10
+NEARLY_DEPENDENT_PIVOT_RATIO = 1e-10
 #: Pivots up to this multiple of the smallest are named with it.
-NEAR = 100.0
+SMALL_PIVOT_FACTOR = 100.0
 
 
 def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Array) -> str:
@@ -42,16 +40,18 @@ def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Ar
     left = [k for k in np.argsort(-sizes).tolist() if sizes[k] > OPEN]
     if left:
         worst = {rows[k][0]: k for k in reversed(left)}
-        shown = sorted(worst.items(), key=lambda item: -sizes[item[1]])[:SHOWN]
+        shown = sorted(worst.items(), key=lambda item: -sizes[item[1]])[:MOST_PARTS_SHOWN]
         texts = [f"{scene_key(name)} by {sizes[k]:.3g} {rows[k][1]}" for name, k in shown]
         parts.append(f"open: {', '.join(texts)}")
     known = np.where(np.isfinite(pivots), pivots, np.inf)
     most = pivots.max(where=np.isfinite(pivots), initial=0.0)
     ratio = known.min() / most if most > 0.0 else 0.0
     order = np.argsort(known).tolist()
-    weak = dict.fromkeys(rows[k][0] for k in order if known[k] <= max(NEAR * known.min(), 0.0))
-    names = ", ".join(map(scene_key, list(weak)[:SHOWN]))
-    dependent = "rows are nearly dependent" if ratio < DEPENDENT else "the smallest pivots are"
+    limit = max(SMALL_PIVOT_FACTOR * known.min(), 0.0)
+    weak = dict.fromkeys(rows[k][0] for k in order if known[k] <= limit)
+    names = ", ".join(map(scene_key, list(weak)[:MOST_PARTS_SHOWN]))
+    is_dependent = ratio < NEARLY_DEPENDENT_PIVOT_RATIO
+    dependent = "rows are nearly dependent" if is_dependent else "the smallest pivots are"
     return f"; {'; '.join([*parts, f'{dependent} at {names} (pivot ratio {ratio:.1e})'])}"
 
 
@@ -71,7 +71,7 @@ def joints_of_bodies(
     names = dict.fromkeys(name for name, _ in satisfied)
     drivers = [name for name in names if "." in name]
     if is_driven and drivers:
-        return f"; {', '.join(drivers[:SHOWN])} cannot lead on"
+        return f"; {', '.join(drivers[:MOST_PARTS_SHOWN])} cannot lead on"
     if names and not rows:
-        return f"; bodies move on {', '.join(map(scene_key, list(names)[:SHOWN]))}"
+        return f"; bodies move on {', '.join(map(scene_key, list(names)[:MOST_PARTS_SHOWN]))}"
     return ""

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.report import Report
 
 #: Problems of one package in the summary; verifying it alone prints all of them.
-SHOWN = 4
+MOST_PROBLEMS_SHOWN = 4
 
 
 def verify(
@@ -116,10 +116,10 @@ def print_summary(reports: Sequence["Report"]) -> None:
     for note in dict.fromkeys(note for report in reports for note in report.notes):
         typer.echo(note)
     for report in reports:
-        for problem in report.problems[:SHOWN]:
+        for problem in report.problems[:MOST_PROBLEMS_SHOWN]:
             typer.echo(f"{report.package}: {problem}", err=True)
-        if len(report.problems) > SHOWN:
-            more = f"and {len(report.problems) - SHOWN} more; kousoku verify {report.package}"
+        if (left := len(report.problems) - MOST_PROBLEMS_SHOWN) > 0:
+            more = f"and {left} more; kousoku verify {report.package}"
             typer.echo(f"{report.package}: {more}", err=True)
     count = sum(report.ok for report in reports)
     typer.echo(

@@ -147,7 +147,7 @@ def test_a_kind_is_measured_in_all_ways_with_its_error(
     settings = {one.setting for one in found if one.line == "rates_z: C, lanes"}
     assert settings == {"3, 1 thread", "1000, 1 thread", "1000, 2 threads"}
     known = Limits({("vector", 1): 1e-10, ("vector", 2): 1e-10, ("scalar", 1): 1e-10}, FLAT)
-    monkeypatch.setattr(kernels, "SHOWN", 1000)
+    monkeypatch.setattr(kernels, "BATCH_SHOWN", 1000)
     own = [one for one in found if one.line.startswith("constraint_z")]
     table = kernels._table_of_kinds(own, known)
     assert "| p2 constraint_z | 183 |" in table

@@ -22,6 +22,7 @@ from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column, zeros
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanics.multibody import GROUND_INDEX
+from kousoku.runtime.messages import MOST_NAMES_SHOWN
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -36,8 +37,6 @@ if TYPE_CHECKING:
 ORIGIN = (0.0, 0.0, 0.0)
 #: Rows of a set that are shared out at most: what it takes grows with their cube.
 MOST_ROWS = 60
-#: Joints that a message names.
-SHOWN = 6
 #: What multipliers of rows that carry nothing count beside forces: their squares tell those apart
 #: that give the same forces, and change the least ones by 10⁻¹² of them.
 LITTLE = Fraction(1, 2**20)
@@ -173,7 +172,7 @@ class LeastNorm:
         left_out = [one.left_out for one in reactions if one.left_out]
         count = sum(rows.count for rows in left_out)
         if count > MOST_ROWS:
-            names = ", ".join(f"joints.{one.name}" for one in reactions[:SHOWN])
+            names = ", ".join(f"joints.{one.name}" for one in reactions[:MOST_NAMES_SHOWN])
             raise SceneError(
                 f"asks for reactions, which are not unique at {names} and others: {count} rows"
                 f" depend on each other, and what they carry is shared out for {MOST_ROWS} at most;"

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.explanation.explain import Explanation
 
 #: Joints that a line names.
-SHOWN = 12
+MOST_JOINTS_SHOWN = 12
 
 
 def explanation_text(found: Explanation) -> str:
@@ -93,4 +93,4 @@ def _lines(found: Explanation) -> list[str]:
 
 
 def _named(names: Sequence[str]) -> str:
-    return listed(names, SHOWN)
+    return listed(names, MOST_JOINTS_SHOWN)

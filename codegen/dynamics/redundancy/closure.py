@@ -36,6 +36,7 @@ from kousoku.model.numbers import precise
 from kousoku.runtime.integrate.continuation import NEAR_SINGULAR
 from kousoku.runtime.integrate.row_switch import FALL_BACK
 from kousoku.runtime.integrate.settings import CLEARLY
+from kousoku.runtime.messages import listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -58,8 +59,6 @@ OPEN, OPEN_FAR = 1e-13, 2.0**-44
 NEARLY_PARALLEL = 0.1
 #: What counts as equal to the closure tolerance: a scene that misses as much as it says is taken.
 ROUNDED = 1e-9
-#: Joints that a message names.
-SHOWN = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,7 +214,7 @@ def _refuse(system: System, row: ConstraintEquation, others: Sequence[str], size
     """Refuse a row that is neither redundant nor independent."""
     tolerance, leaning = system.closure_tolerance, _leaning(system, (row.joint, *others))
     raise SceneError(
-        f"holds beyond {_listed(others)} no more than {size}:"
+        f"holds beyond {listed([f'joints.{name}' for name in others])} no more than {size}:"
         f" closure_tolerance is {tolerance:.3g}, above which it is not redundant, and it is"
         f" independent above {CLEARLY * tolerance:.3g} only; {leaning}"
         "give points and axes with more digits, or set closure_tolerance",
@@ -330,17 +329,10 @@ def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
             f"{key} but for {x * size:.3g} {unit}" if is_length else f"{key} but for {x:.3g} rad"
             for (key, is_length), x in sorted(worst.items(), key=lambda item: -item[1])
         ]
-        more = f" and {len(texts) - SHOWN} more" if len(texts) > SHOWN else ""
         yield (
             f"redundant within closure_tolerance, {system.closure_tolerance:g}: other joints imply"
-            f" rows of {', '.join(texts[:SHOWN])}{more}{given}; they are left out, and miss so much"
+            f" rows of {listed(texts)}{given}; they are left out, and miss so much"
             " along the motion"
         )
     if not freedom.degrees and not any(one.is_driver for one in system.constraints):
         yield f"nothing can move: joints hold all bodies where they are{given}"
-
-
-def _listed(names: Sequence[str]) -> str:
-    shown = ", ".join(f"joints.{name}" for name in names[:SHOWN])
-    more = len(names) - SHOWN
-    return f"{shown} and {more} more" if more > 0 else shown

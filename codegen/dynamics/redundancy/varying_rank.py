@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.redundancy.closure import SHOWN
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.redundant_rows import MOST_DENSE
 from kousoku.model.lowering.parametric import fixed_system
+from kousoku.runtime.messages import listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -32,9 +32,8 @@ def notes_of_rank(program: Program, system: System) -> Iterator[str]:
     found = _rows_of_varying_loops(program, system)
     if len(found) > MOST_DENSE:
         names = [f"joints.{joint}" for joint in dict.fromkeys(joint for joint, _ in found)]
-        more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
         yield (
-            f"with other parameters rows of {', '.join(names[:SHOWN])}{more} may become redundant,"
+            f"with other parameters rows of {listed(names)} may become redundant,"
             f" which no run looks at: they are {len(found)}, more than {MOST_DENSE}"
         )
 
