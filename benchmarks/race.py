@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 #: The longest time [s] of one call, and of what is not timed: to set it up, and to judge it.
 CAP, SET_UP = 30.0, 120.0
 #: A call that is shorter [s] is tried three times: the first one finds cold caches.
-SHORT = 0.05
+SHORT_CALL = 0.05
 #: How the note of a case begins whose tool is not installed.
 MISSING = "missing: "
 #: Whose lines run first, and what the first case of another line is taken to cost [s].
@@ -83,7 +83,9 @@ def answer(question: str, command: str) -> RaceAnswer:
 def _trial(call: Call) -> float:
     """Seconds of a first call, or of the fastest of three where that is short."""
     seconds = seconds_of(call.run)
-    return min(seconds, *(seconds_of(call.run) for _ in range(2))) if seconds < SHORT else seconds
+    if seconds >= SHORT_CALL:
+        return seconds
+    return min(seconds, *(seconds_of(call.run) for _ in range(2)))
 
 
 class Workers:

@@ -55,7 +55,7 @@ ORDER = ("start", "import", "look up", *STAGES, "first step")
 WARMED = 2
 #: A time that the first step reaches, and two later ones [s]; between these the steps are as long
 #: as they may be, for every number of bars.
-FIRST, SHORT, LONG = 1e-6, 0.2, 0.6
+FIRST_TIME, EARLY_TIME, LATE_TIME = 1e-6, 0.2, 0.6
 TOLERANCE, STEP = 1e-6, 4e-3
 #: So many bars are moved at least when a step is timed, by a short chain again and again.
 BARS = 1000
@@ -152,7 +152,7 @@ def _watch(clock: Clock) -> None:
                 clock.watch(stage, modules[module], name)
 
 
-def _move(mechanism: Any, end: float = FIRST) -> Any:
+def _move(mechanism: Any, end: float = FIRST_TIME) -> Any:
     """Move a chain on; its bars are as fast as they fall."""
     return mechanism.simulate(
         times=[end], tolerance=TOLERANCE, largest_step=STEP, method="dop853", checks=False
@@ -172,12 +172,12 @@ def steps(file: str) -> None:
         motion = _move(mechanism, end)
         return time.perf_counter() - start, motion.ledger.steps
 
-    timed(FIRST)
+    timed(FIRST_TIME)
     print("moved", flush=True)
     for _ in sys.stdin:
         found = []
         for _ in range(max(1, BARS // count)):
-            (long, more), (short, few) = timed(LONG), timed(SHORT)
+            (long, more), (short, few) = timed(LATE_TIME), timed(EARLY_TIME)
             found.append((long - short) / (more - few) / count)
         print(statistics.median(found), flush=True)
 
@@ -222,7 +222,7 @@ def exudyn(count: int, clock: Clock) -> None:
         system.Assemble()
     with clock.stage("first step"):
         settings = exu.SimulationSettings()
-        settings.timeIntegration.endTime = FIRST
+        settings.timeIntegration.endTime = FIRST_TIME
         settings.timeIntegration.numberOfSteps = 1
         settings.timeIntegration.verboseMode = 0
         settings.solutionSettings.writeSolutionToFile = False

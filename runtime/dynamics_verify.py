@@ -40,7 +40,7 @@ BY_ROW = ("C", "C_dot", "C_ddot", "lam", "pivots")
 #: Steps that both targets make, rows that they write, and how exactly.
 STEPS, ROWS, TOLERANCE = 2, 5, 1e-7
 #: Largest relative difference where functions differ from library to library.
-NEAR = 1e-9
+MOST_RELATIVE_DIFFERENCE = 1e-9
 
 
 class BodiesCheck(SolverCheck[DynamicsSolver]):
@@ -153,7 +153,7 @@ def _differences(
         a, b = (run.save().rows.ravel() for run in runs)
         if is_exact:
             a, b = (np.concatenate([run.state, x]) for run, x in zip(runs, (a, b), strict=True))
-        limit = 0.0 if is_exact else NEAR * float(np.nanmax(np.abs(a)))
+        limit = 0.0 if is_exact else MOST_RELATIVE_DIFFERENCE * float(np.nanmax(np.abs(a)))
         places = np.flatnonzero(~((np.abs(a - b) <= limit) | (np.isnan(a) & np.isnan(b))))
         if len(places):
             yield (

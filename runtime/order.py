@@ -52,7 +52,7 @@ LEAST, MOST = 1e-12, 1e-3
 #: grows to differences that no order tells.
 MOVES = 1e-6
 #: A method of order p whose steps show less than p less this, twice at least, is none.
-SHORT = 2.0
+ORDER_SHORTFALL = 2.0
 #: Parts of the time at which rows are written: inside of steps.
 ROWS = (0.0, 0.31, 0.57, 0.83, 1.0)
 
@@ -255,10 +255,10 @@ def shown_order_problems(
             order = _shown(solver, method.name, values, time)
             if order is not None:
                 orders.append(order)
-                if order > method.order - SHORT:
+                if order > method.order - ORDER_SHORTFALL:
                     break
             time *= 2
-        if len(orders) > 1 and max(orders) < method.order - SHORT:
+        if len(orders) > 1 and max(orders) < method.order - ORDER_SHORTFALL:
             yield (
                 f"solver, {method.name}: halving its steps shows the order {max(orders):.1f}, not"
                 f" {method.order}"

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 OFTEN = frozenset({"geometry", "position", "move", "velocity", "acceleration"})
 #: Rows are dependent when one pivot is smaller than this part of another: of the sixteen digits of
 #: a double such a pivot has four at most.
-DEPENDENT = 1e-12
+DEPENDENT_PIVOT_RATIO = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,4 +180,4 @@ def _is_regular(program: Program) -> bool:
     except ZeroDivisionError:  # a pivot is exactly zero
         return False
     pivots = workspace["pivots"]
-    return not pivots or min(pivots) > DEPENDENT * max(pivots)
+    return not pivots or min(pivots) > DEPENDENT_PIVOT_RATIO * max(pivots)

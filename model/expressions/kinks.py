@@ -34,7 +34,7 @@ DEEPEST = 6
 DIGITS = 1e-30
 """Parts of their size by which both sides of a kink may differ: of 50 digits, and of π."""
 
-NEAR = ("1", "1.0625", "0.921875")
+PARAMETER_FACTORS = ("1", "1.0625", "0.921875")
 """Factors of the parameters, one power more for each: a run may change them."""
 
 
@@ -65,7 +65,7 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Expr
         if time not in names_of(part):
             continue
         sides = (*part.args, neg(part.args[0]))[:2]
-        for factor in NEAR:
+        for factor in PARAMETER_FACTORS:
             values: dict[str, Any] = {
                 name: CONTEXT.mpf(value) * CONTEXT.mpf(factor) ** place
                 for place, (name, value) in enumerate(parameters.items(), 1)

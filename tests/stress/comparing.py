@@ -44,7 +44,7 @@ CLEAR = 1e4
 """How much larger the smallest singular value that counts is than the next one, at least."""
 
 
-NEAR = 1e-9
+NEARLY_ZERO = 1e-9
 """Formulas of events that are nearer to zero in a row may be on either side of it."""
 
 DIRECTIONS = {"both": (-1, 1), "rising": (1,), "falling": (-1,)}
@@ -198,7 +198,7 @@ class Comparison:
                 off = abs(self._beyond(name, found))
                 yield "formulas of events at their events (s, m, rad)", off, 100 * U
             signs = [self._beyond(name, found) for _, found in seen]
-            signs = [1 if x > 0 else -1 for x in signs if abs(x) > NEAR]
+            signs = [1 if x > 0 else -1 for x in signs if abs(x) > NEARLY_ZERO]
             wanted = DIRECTIONS[self.tree["events"][name].get("direction", "both")]
             changes = [b for a, b in pairwise(signs) if a != b]
             missing = sum(b in wanted for b in changes) - event.count

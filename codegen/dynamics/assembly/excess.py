@@ -23,7 +23,7 @@ MOST_ROWS = 1000
 CLOSED = 1e-9
 """Joints fit when they are open by less than this part of the size of the system."""
 
-DEPENDENT = 1e-6
+SINGULAR_VALUE_TOLERANCE = 1e-6
 """Rows that differ by less from a sum of others, at joints that fit, depend on them."""
 
 
@@ -54,7 +54,7 @@ def excess_of_drivers(system: System, pose: Pose) -> str:
     matrix /= np.maximum(np.sqrt((matrix * matrix).sum(axis=1, keepdims=True)), 1e-300)
     sizes = np.linalg.svd(matrix, compute_uv=False) if matrix.size else np.zeros(0)
     free = sum(3 if body.is_point else 6 for body in system.bodies)
-    free -= int((sizes > DEPENDENT * sizes.max(initial=0.0)).sum())
+    free -= int((sizes > SINGULAR_VALUE_TOLERANCE * sizes.max(initial=0.0)).sum())
     counts = [Residuals.of(system, [one]).rows for one in drivers]
     if sum(counts) <= free:
         return ""

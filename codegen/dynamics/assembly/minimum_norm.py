@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.precise import High
     from kousoku.model.numbers.real import Array
 
-DEPENDENT = 1e-11
+SQUARED_RANK_TOLERANCE = 1e-11
 """Squares of singular values of C_q, in lengths, that belong to rows that depend on others: S has
 these squares, and in doubles the smaller ones are rounding of the largest."""
 
@@ -179,7 +179,7 @@ class MinimumNormSolver:
             rows = self._factors[:, None] * self._jacobian.dense()
             lengths = np.tile([1.0] * 3 + [self._metric.size] * 3, len(self._roots) // COLUMNS)
             vectors, sizes, _ = np.linalg.svd(rows / lengths, full_matrices=False)
-            own = vectors[:, sizes**2 > DEPENDENT * sizes.max(initial=0.0) ** 2]
+            own = vectors[:, sizes**2 > SQUARED_RANK_TOLERANCE * sizes.max(initial=0.0) ** 2]
             left, sizes, _ = np.linalg.svd(own.T @ (rows * self._roots), full_matrices=False)
             self._parts = sizes**2, own @ left
         return self._parts

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     Source = TypeVar("Source", Instance, RelativeCoordinate)
 
-NEAR = 1024.0
+MOST_SIZES_FROM_ORIGIN = 1024.0
 """So many sizes of a system from the origin it stays where it is: that costs three digits."""
 
 
@@ -35,7 +35,7 @@ def brought_near(system: System, size: float) -> tuple[System, Vector]:
     size : float [m]
         The size of it.
     """
-    grid = 2.0 ** math.ceil(math.log2(NEAR * size))
+    grid = 2.0 ** math.ceil(math.log2(MOST_SIZES_FROM_ORIGIN * size))
     sources: tuple[Instance | RelativeCoordinate, ...] = (
         *system.constraints,
         *system.held,

@@ -49,7 +49,7 @@ REFINED = 4
 #: What changes by less along a null direction, as a part of what it is made of, is unique.
 UNIQUE = 1e-7
 #: An angle that is further from what it is counted to may have another turn [rad].
-NEAR = 2.5
+MOST_ANGLE_DIFFERENCE = 2.5
 #: The unit of error at a condition of one, as a part of the largest number of a sort.
 UNIT = 2.0**-42
 #: What is smaller, as a part of that unit, is rounding of 50 digits, which is another one beside
@@ -453,7 +453,7 @@ class _Values:
         ]
         for place, (_, value) in zip(system.shown, shown, strict=True):
             one = system.coordinates[place]
-            if one.counts_turns and abs(float(value.x) - one.near) > NEAR:
+            if one.counts_turns and abs(float(value.x) - one.near) > MOST_ANGLE_DIFFERENCE:
                 raise _UnsuitableError
         length = min(1.0, self.length)
         names = [name for name, _ in shown]

@@ -68,7 +68,7 @@ if TYPE_CHECKING:
 
 #: A tree of so few joints is eliminated in one go: a processor gains nothing from the two ends of a
 #: chain, which want more kernels.
-SHORT = 16
+SMALL_TREE_JOINTS = 16
 
 
 def compose(analysed: Analysed, wanted: Collection[str] = ()) -> Program:
@@ -143,7 +143,7 @@ class _ProgramComposer:
         self.residuals = region("C", self.rows)
         beside = sum(joint.count for joint in (*self.left_out, *self.satisfied))
         self.others = region("C_left_out", beside)
-        at_once = not self.left_out and (len(self.joints) > SHORT or analysed.has_loops)
+        at_once = not self.left_out and (len(self.joints) > SMALL_TREE_JOINTS or analysed.has_loops)
         self.schur = Schur(self.recorder, region("pivots", self.rows), at_once=at_once)
 
     def body(self, index: int) -> BodyBlocks:

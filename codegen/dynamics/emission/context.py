@@ -74,7 +74,7 @@ COME_WITH = {
 #: How wide lines of tables are.
 WIDTH = 92
 #: The longest table that stands in the line of its name.
-SHORT = 50
+LONGEST_INLINE_TABLE = 50
 
 
 @dataclass(frozen=True, slots=True)
@@ -539,7 +539,7 @@ def _initialiser(lines: str) -> str:
     """Initialiser of an array, nothing of one that has no elements."""
     if not lines:
         return ""
-    if "\n" in lines or len(lines) > SHORT:
+    if "\n" in lines or len(lines) > LONGEST_INLINE_TABLE:
         return "{\n    " + lines.replace("\n", "\n    ") + "\n}"
     return f"{{ {lines} }}"
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.residuals import remark_on_ratios
 from kousoku.codegen.dynamics.assembly.violations import key_of
-from kousoku.codegen.dynamics.redundancy.rank import DEPENDENT, TAKES_PART
+from kousoku.codegen.dynamics.redundancy.rank import DEPENDENT_REMAINDER, TAKES_PART
 from kousoku.model.errors import SceneError
 from kousoku.runtime.messages import listed
 
@@ -109,7 +109,7 @@ class Drivers:
         drivers = [name for name in names if name in self._named()]
         joints = [name for name in names if name not in self._named()]
         taking = [self._system.constraints[row.instance] for row in self._rows[: self._first]]
-        remark = remark_on_ratios(taking, 1 / DEPENDENT)
+        remark = remark_on_ratios(taking, 1 / DEPENDENT_REMAINDER)
         held = f" determine already with {listed(joints)}" if joints else " prescribe already"
         if len(drivers) == 1:
             raise SceneError(

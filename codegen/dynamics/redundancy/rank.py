@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 #: What is left of a row that depends on others, as a part of the largest row, is below this: rows
 #: are looked at where they hold to 1e-11, and elimination in a large part costs three digits.
-DEPENDENT = 1e-8
+DEPENDENT_REMAINDER = 1e-8
 #: What is smaller in a unit vector of a dependence does not take part in it: ten times what cannot
 #: be told from rounding there.
 TAKES_PART = 1e-7
@@ -116,7 +116,8 @@ def factorise(matrix: Array, least: float | None = None, most: int | None = None
         best = float(squares.max(initial=0.0))
         size = best**0.5
         largest = largest or size
-        if size <= (DEPENDENT * largest if least is None else least) or len(taken) == most:
+        limit = DEPENDENT_REMAINDER * largest if least is None else least
+        if size <= limit or len(taken) == most:
             break
         row = int(np.argmax(squares >= (1 - EQUAL) * best))
         size = float(squares[row]) ** 0.5

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     State = Mapping[str, tuple[Vector, Vector, Vector, Vector]]
     Turns = Mapping[tuple[str, str], Number]
 
-DEPENDENT = 1e-7
+RANK_TOLERANCE = 1e-7
 """Singular values of scaled rows that are smaller belong to rows that depend on others."""
 
 
@@ -95,7 +95,7 @@ class Evaluation:
     def solution(self) -> Solution:
         """Accelerations and multipliers."""
         assert self.M is not None
-        return solve(self.M, self.C_q, self.gamma, self.f, DEPENDENT)
+        return solve(self.M, self.C_q, self.gamma, self.f, RANK_TOLERANCE)
 
     def turns(self, later: float = 0.0) -> dict[tuple[str, str], Number]:
         """Values that angles are near a little later."""
