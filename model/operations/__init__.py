@@ -1,1 +1,1 @@
-"""Scalar operations: graphs and formulas of them, kernels, their evaluation and slopes."""
+"""Scalar operations: graphs and formulas of them, kernels, their evaluation and differentials."""
