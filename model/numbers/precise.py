@@ -77,7 +77,7 @@ def cleaned(value: High, size: High) -> High:
 
 
 def total(values: Sequence[High]) -> High:
-    """Sum, which is rounded once where no number is traced."""
+    """Sum Σ values, a scalar in their unit, rounded once where no number is traced."""
     if any(isinstance(value, Traced) for value in values):
         return sum(values, ZERO[0])
     found: High = CONTEXT.fsum(values)

@@ -125,6 +125,15 @@ class Newton:
 
         A modified Newton method, x − D(x_ref)⁻¹ ε(x): the Jacobian stays that of the reference
         position, which ``trial`` was predicted from.
+
+        Parameters
+        ----------
+        alpha : (inputs,) array
+            The inputs, in their units.
+        trial : (unknowns,) array
+            Predicted unknowns, which are overwritten.
+        reference : LinkageCoordinates
+            The position of the Jacobian.
         """
         self.equations.place(reference)
         for block in self.blocks:

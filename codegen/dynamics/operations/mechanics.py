@@ -115,7 +115,8 @@ def inputs_of_body(
 ) -> dict[str, Matrix]:
     """Inputs r and p of kernels for body ``i`` or ``j``, and of its motion v and ω′, by name.
 
-    A is read where a kind computes it from p, unless it has no entries.
+    r (3,) [m], v (3,) [m/s] and A (3, 3) [-] are of frame O, p (4,) [-] and ω′ (3,) [rad/s] of the
+    principal frame. A is read where a kind computes it from p, unless it has no entries.
     """
     if orientation.flat:
         share(trace, p, orientation)
