@@ -1,1 +1,1 @@
-"""Linkages of nodes and their inputs, as drivers too; mobility, circuits, Grashof's conditions."""
+"""Linkages of nodes and their inputs, also as drivers; mobility, circuits, Grashof's conditions."""

@@ -35,7 +35,10 @@ NEARLY = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Dyad:
-    """A node between two known places: when it exists.
+    """A node between two known places: it exists where least ≤ distance ≤ most.
+
+    Of two links that is |l_a − l_b| ≤ d ≤ l_a + l_b, from which (34) of Yamada and Tatsumi
+    (1981) follows for a full turn of a four-bar; of a link and a slider it is 0 ≤ d ≤ l.
 
     Parameters
     ----------

@@ -29,13 +29,13 @@ def drivers_of(scene: Scene) -> dict[str, Driver]:
 
 
 def law_of(given: Input) -> str:
-    """Formula of an input: its start, its rate and its acceleration."""
+    """Formula start + rate t + ½ acceleration t² of an input, in rad or the unit of the scene."""
     start, rate, acceleration = map(formula_text, (given.start, given.rate, given.acceleration))
     return f"{start} + {rate}*t + {acceleration}/2*t^2"
 
 
 def way_of(given: Input) -> float:
-    """Length of the way of an input, in rad or the unit of the scene."""
+    """Way of an input with its sign, 2π turns or to − start, in rad or the unit of the scene."""
     turns = turns_of(given)
     if turns is not None:
         return tau * turns
@@ -44,9 +44,9 @@ def way_of(given: Input) -> float:
 
 
 def time_of(given: Input, part: float) -> float:
-    """Time at which an input has gone a part of its way, from 0 to 1; not a number if never.
+    """Time [s] at which an input has gone a part of its way, from 0 to 1; not a number if never.
 
-    It is the first time at which rate t + ½ acceleration t² is that part. An input that first goes
+    It is the first t at which rate t + ½ acceleration t² = part · way. An input that first goes
     the other way never does.
     """
     way = way_of(given)

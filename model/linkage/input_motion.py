@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def turns_of(given: Input) -> float | None:
-    """Turns of an input that is described by turns, else None.
+    """Turns [-] of an input that is described by turns, else None.
 
     An input of a link or of a joint with neither ``to`` nor ``turns`` makes one turn.
     """

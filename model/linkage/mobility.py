@@ -1,4 +1,4 @@
-"""Degrees of freedom of a planar linkage: how many inputs it wants, and what repeats what."""
+"""Degrees of freedom of a planar linkage: its number of inputs, and redundant constraints."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ def check_mobility(scene: Scene) -> None:
 
     The rank of the Jacobian is taken at random positions of the free nodes, in arithmetic modulo a
     prime: exact, and never below the rank at any position that the linkage can really take. What is
-    refused here is therefore singular everywhere.
+    refused here is therefore singular everywhere. A linkage wants as many inputs as 2 · (free
+    nodes) − (rows of links, sliders and rigid connections).
 
     Raises
     ------

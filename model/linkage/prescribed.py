@@ -65,7 +65,18 @@ class Known:
 
 
 def known_nodes(scene: Scene, ks: np.ndarray) -> dict[str, Known]:
-    """Nodes that are known at the divisions `ks`, in the order of finding."""
+    """Nodes that are known at the divisions `ks`, in the order of finding.
+
+    The far end of a link of length l that starts at a known node r with the direction β is at
+    r + l (cos β, sin β), that of a driven slider at through + unit direction · value.
+
+    Parameters
+    ----------
+    scene : Scene
+        A linkage of nodes.
+    ks : (n,) array
+        Divisions of the motion; they may lie between whole ones.
+    """
     known = {
         name: Known(np.array(node.at).reshape(2, 1))
         for name, node in scene.nodes.items()

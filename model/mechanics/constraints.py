@@ -1,4 +1,4 @@
-"""The kinds of constraints and coordinates, of which joints are made, and by which measured.
+"""Kinds of constraints, of which joints are composed, and of coordinates, which measure them.
 
 What they mean in a program and in the checks beside it stands in
 :mod:`kousoku.codegen.dynamics.elements.constraints`; their equations in :mod:`kousoku.symbolic`.
@@ -147,7 +147,7 @@ CONSTRAINTS: dict[str, ConstraintKind] = {
     "p2": ConstraintKind(2, "m", ("a_i_b", *_ENDS), has_variants=True),
     COMBINATION: ConstraintKind(1, "", ()),
 }
-"""Those that joints are made of."""
+"""Those that joints are made of; lecture 8.2: n1 (8.9), n2 (8.12), p1 (8.14), p2 (8.16)."""
 
 COORDINATES: dict[str, CoordinateKind] = {
     "angle": AngleKind(1, "rad", ("a_i_b", "b_i_b", "a_j_b")),

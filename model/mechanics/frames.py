@@ -26,12 +26,12 @@ class BodyFrame:
         The body.
     position : (3,) [unit of the scene]
         Origin of the body frame, frame O.
-    p : (4,)
-        Euler parameters of the body frame, of any length.
+    p : (4,) [-]
+        Euler parameters of the body frame in frame O, scalar first, of any norm.
     center : (3,) [unit of the scene]
         Centre of mass in the body frame.
-    axes : (4,)
-        Euler parameters that take components in the body frame to the principal frame.
+    axes : (4,) [-]
+        Euler parameters of any norm: components in the body frame to the principal frame.
     is_point : bool
         Whether the body is a point, which has no point but its own.
     """
@@ -44,23 +44,34 @@ class BodyFrame:
     is_point: bool
 
     def principal(self, a: Triple) -> Triple:
-        """Components in the principal frame of a vector of the body frame."""
+        """Components (3,) in the principal frame, in the unit of a (3,) in the body frame."""
         return precise.rotate(self.axes, a)
 
     def from_ground(self, a: Triple) -> Triple:
-        """Components in the principal frame of a vector of frame O."""
+        """Components (3,) in the principal frame, in the unit of a (3,) in frame O."""
         return self.principal(precise.rotate_back(self.p, a))
 
     def to_ground(self, a: Triple) -> Triple:
-        """Components in frame O of a vector of the principal frame."""
+        """Components (3,) in frame O, in the unit of a (3,) in the principal frame."""
         return precise.rotate(self.p, precise.rotate_back(self.axes, a))
 
     def place(self, s: Triple) -> Triple:
-        """Place of a point of the body frame in frame O, in the unit of the scene."""
+        """Place r + A s′ (3,) of a point s′ (3,), body frame, in frame O; lecture 7.1, (4.3).
+
+        r is the position of the body frame; all are in the unit of the scene.
+        """
         return precise.add(self.position, precise.rotate(self.p, s))
 
     def point(self, s: Triple, unit: High) -> Vector:
-        """Point of the body frame, seen from the centre of mass in the principal frame."""
+        """Point (3,) [m] from the centre of mass, in the principal frame.
+
+        Parameters
+        ----------
+        s : (3,) [unit of the scene]
+            The point in the body frame.
+        unit : number [m]
+            The unit of the scene.
+        """
         size = precise.length(s) + precise.length(self.center)
         arm = self.principal(precise.subtract(s, self.center))
         return to_vector(precise.scale(unit, arm), unit * size)
@@ -77,7 +88,11 @@ DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 def joint_points(joint: Joint, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, Triple]:
-    """Point of a joint in the two body frames; of a point body it is the body itself."""
+    """Points (3,) of a joint in its two body frames, in the unit of the scene.
+
+    s′ = Aᵀ (at − r), lecture 7.1, (4.3), of a joint at one place of frame O; of a point body it is
+    the body itself.
+    """
     if joint.points is not None:
         return precise.triple(joint.points[0]), precise.triple(joint.points[1])
     assert joint.at is not None
@@ -92,7 +107,7 @@ def joint_points(joint: Joint, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Tripl
 def joint_vectors(
     ends: tuple[BodyFrame, BodyFrame], joint: Joint | None = None
 ) -> tuple[dict[str, Triple], dict[str, Triple]]:
-    """Axis, across and third of the two joint frames, each in its principal frame.
+    """Axis, across and third (3,) [-] of the two joint frames, each in its principal frame.
 
     Where the joint says by ``zero`` which directions are across the axes, these are taken. Else the
     frame of body j is that of body i at the positions of the scene, turned as little as makes its
@@ -112,7 +127,7 @@ def joint_vectors(
 
 
 def joint_axes(ends: tuple[BodyFrame, BodyFrame], joint: Joint | None) -> tuple[Triple, Triple]:
-    """Axes of a joint, of norm one, in the principal frames of its two bodies."""
+    """Axes (3,) [-] of a joint, of norm one, in the principal frames of its two bodies."""
     first, second = ends
     if joint is not None and joint.axes is not None:
         axis_i, axis_j = (
@@ -154,19 +169,19 @@ def _frame_of(axis: Triple, across: Triple) -> dict[str, Triple]:
 
 
 def to_vector(values: Triple, size: High = 0) -> Vector:
-    """Vector rounded to doubles, see :func:`kousoku.model.numbers.precise.rounded`."""
+    """Vector (3,) rounded to doubles, see :func:`kousoku.model.numbers.precise.rounded`."""
     x, y, z = precise.rounded(values, size)
     return x, y, z
 
 
 def not_negative(moments: Vector) -> Vector:
-    """Principal moments in which rounding left none below zero."""
+    """Principal moments (3,), in their unit, in which rounding left none below zero."""
     x, y, z = (x if isinstance(x, Varying) else max(0.0, x) for x in moments)
     return x, y, z
 
 
 def to_quaternion(p: Quadruple) -> Quaternion:
-    """Euler parameters of norm one, rounded to doubles."""
+    """Euler parameters p/|p| (4,) [-] of norm one, rounded to doubles."""
     size = precise.length(p)
     w, x, y, z = precise.rounded([component / size for component in p])
     return w, x, y, z

@@ -25,7 +25,7 @@ class PreciseMeasure:
         The package, see :class:`kousoku.model.mechanics.multibody.RelativeCoordinate`.
     ends : (BodyFrame, BodyFrame)
         Bodies i and j.
-    vectors : tuple of (str, (3,))
+    vectors : tuple of (str, (3,)) [-]
         Axes by the names of the package's inputs, of norm one, in the principal frames.
     points : ((3,), (3,)) [unit of the scene], optional
         Points in the frames of the bodies.
@@ -40,14 +40,17 @@ class PreciseMeasure:
     is_turned: bool = False
 
     def constants(self, unit: High) -> tuple[tuple[str, tuple[float, ...]], ...]:
-        """Fixed inputs of the package, rounded; the unit of the scene is in metres."""
+        """Fixed inputs of the package, rounded: axes (3,) [-], points (3,) [m], principal frames.
+
+        ``unit`` [m] is the unit of the scene.
+        """
         constants = [(name, precise.rounded(vector)) for name, vector in self.vectors]
         for letter, end, point in zip("ij", self.ends, self.points or (), strict=False):
             constants.append((f"s_{letter}_b", end.point(point, unit)))
         return tuple(constants)
 
     def value(self) -> High:
-        """Value at the positions as they are written, in rad or the unit of the scene."""
+        """Value, a scalar, at the positions as written, in rad or the unit of the scene."""
         i, j = self.ends
         fixed = {
             name: (i if name.endswith("i_b") else j).to_ground(vector)
@@ -58,6 +61,16 @@ class PreciseMeasure:
 
 
 def place_measure(frame: BodyFrame, point: Triple, along: Triple) -> PreciseMeasure:
-    """Place of a point of a body, from the origin of frame O along a direction of it."""
+    """Coordinate of a point of a body along a direction of frame O: n2, lecture 8.2, (8.12).
+
+    Parameters
+    ----------
+    frame : BodyFrame
+        The body.
+    point : (3,) [unit of the scene]
+        In the body frame.
+    along : (3,)
+        The direction in frame O, of any length but zero.
+    """
     vectors = (("a_i_b", precise.unit(along)),)
     return PreciseMeasure("n2", (GROUND_FRAME, frame), vectors, (ZERO, point))

@@ -1,4 +1,4 @@
-"""The system that a spatial scene is turned into: numbered bodies, instances of kinds, forces.
+"""System of bodies that a spatial scene becomes: numbered bodies, instances of kinds, forces.
 
 Everything is in SI units. The frame of a body has its origin at the centre of mass and principal
 axes, so that the mass matrix is constant and diagonal; the user's own frame is kept beside it.
@@ -36,7 +36,7 @@ class MovingBody:
         Whether it has a position only.
     r : (3,) [m]
         Centre of mass at the start, frame O.
-    p : (4,)
+    p : (4,) [-]
         Euler parameters of the principal frame at the start, of norm one, scalar first.
     v : (3,) [m/s]
         Velocity of the centre of mass at the start, frame O.
@@ -44,7 +44,7 @@ class MovingBody:
         Angular velocity at the start, principal frame.
     origin_b : (3,) [m]
         Origin of the user's body frame, in the principal frame.
-    axes_b : (4,)
+    axes_b : (4,) [-]
         Euler parameters that take components in the user's body frame to the principal frame.
     spins_in_o : bool
         Whether the scene gives the angular velocity in frame O, so that assembly keeps it there
@@ -245,7 +245,7 @@ class Carried:
         Whether it has a position only.
     origin_b : (3,) [m]
         Origin of the user's body frame, in the principal frame of the carrier.
-    axes_b : (4,)
+    axes_b : (4,) [-]
         Euler parameters that take components in the user's body frame to that principal frame.
     """
 
@@ -264,7 +264,7 @@ class WrittenStart:
     ----------
     position : (3,) [unit of the scene], or (0,)
         Of the origin of the user's body frame, frame O; empty where assembly holds positions.
-    orientation : (4,)
+    orientation : (4,) [-]
         Euler parameters of that frame.
     velocity : (3,) [unit of the scene per s]
         Of that origin, frame O.

@@ -23,7 +23,7 @@ WIDE.prec, NARROW.prec = 2 * BITS, BITS
 
 
 def square_root(value: Fraction) -> Fraction:
-    """Square root, exact where it is rational."""
+    """Square root, exact where it is rational, else to :data:`BITS` bits."""
     root = Fraction(isqrt(value.numerator), isqrt(value.denominator))
     if root * root == value:
         return root
@@ -34,13 +34,13 @@ def square_root(value: Fraction) -> Fraction:
 
 
 def unit_vector(x: Fraction, y: Fraction) -> tuple[Fraction, Fraction]:
-    """Unit vector (x, y), divided by its length, which must not be zero."""
+    """Unit vector (x, y)/|(x, y)| (2,) [-]; the length must not be zero."""
     length = square_root(x * x + y * y)
     return x / length, y / length
 
 
 def heading(x: Fraction | int, y: Fraction | int) -> Fraction:
-    """Angle of the vector (x, y) in radians, in (−π, π]."""
+    """Angle of the vector (x, y) from the axis x, in (−π, π] [rad]."""
     above, right = (
         WIDE.mpf(value.numerator) / value.denominator for value in (Fraction(y), Fraction(x))
     )

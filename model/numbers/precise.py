@@ -59,12 +59,12 @@ def double(value: High) -> float:
 
 
 def sqrt(value: High) -> High:
-    """Root √value."""
+    """Square root √value."""
     return applied(Op.SQRT, value) if isinstance(value, Traced) else HIGH.sqrt(value)
 
 
 def atan2(y: High, x: High) -> High:
-    """Angle of (x, y) [rad]."""
+    """Angle of the vector (x, y) from the axis x, in (−π, π] [rad]."""
     is_traced = isinstance(y, Traced) or isinstance(x, Traced)
     return applied(Op.ATAN2, y, x) if is_traced else HIGH.atan2(y, x)
 
@@ -77,7 +77,7 @@ def cleaned(value: High, size: High) -> High:
 
 
 def total(values: Sequence[High]) -> High:
-    """Sum, which is rounded once where no number is traced."""
+    """Sum Σ values, a scalar in their unit, rounded once where no number is traced."""
     if any(isinstance(value, Traced) for value in values):
         return sum(values, ZERO[0])
     found: High = CONTEXT.fsum(values)
@@ -85,55 +85,55 @@ def total(values: Sequence[High]) -> High:
 
 
 def triple(values: Iterable[float]) -> Triple:
-    """Three doubles as numbers of 50 digits."""
+    """Vector (3,) of 50 digits, of three doubles."""
     x, y, z = values
     return number(x), number(y), number(z)
 
 
 def quadruple(values: Iterable[float]) -> Quadruple:
-    """Four doubles as numbers of 50 digits: Euler parameters."""
+    """Euler parameters (4,) [-] of 50 digits, scalar first, of four doubles."""
     w, x, y, z = values
     return number(w), number(x), number(y), number(z)
 
 
 def add(a: Triple, b: Triple) -> Triple:
-    """Sum a + b."""
+    """Sum a + b (3,) of vectors (3,) in one frame, of one unit."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 def subtract(a: Triple, b: Triple) -> Triple:
-    """Difference a − b."""
+    """Difference a − b (3,) of vectors (3,) in one frame, of one unit."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 def scale(factor: High, a: Triple) -> Triple:
-    """Multiple factor · a."""
+    """Multiple factor · a (3,) of a vector a (3,), in its frame."""
     return factor * a[0], factor * a[1], factor * a[2]
 
 
 def dot(a: Triple, b: Triple) -> High:
-    """Scalar product a · b."""
+    """Scalar product a·b of vectors (3,) in one frame, in the product of their units."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Triple, b: Triple) -> Triple:
-    """Vector product a × b."""
+    """Vector product a × b (3,) of vectors (3,) in one frame, in the product of their units."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def length(a: Sequence[High]) -> High:
-    """Norm |a| of a vector or of a quaternion."""
+    """Norm |a| of a vector (3,), in its unit, or of Euler parameters (4,) [-]."""
     return sqrt(sum(x * x for x in a))
 
 
 def unit(a: Triple) -> Triple:
-    """Unit vector a / |a|; a is not zero."""
+    """Unit vector a/|a| (3,) [-] of a vector a (3,) that is not zero, in its frame."""
     size = length(a)
     return a[0] / size, a[1] / size, a[2] / size
 
 
 def across(axis: Triple) -> Triple:
-    """Unit vector that is perpendicular to a unit vector.
+    """Unit vector (3,) [-] that is perpendicular to a unit vector (3,) [-], in its frame.
 
     It lies near the coordinate axis that is furthest from ``axis``, the first of equals, and on it
     where it can: zeros of the axis stay zeros.
@@ -144,12 +144,28 @@ def across(axis: Triple) -> Triple:
 
 
 def without(a: Triple, axis: Triple) -> Triple:
-    """Part of a that is perpendicular to a unit vector."""
+    """Part a − (a·axis) axis (3,) of a vector a (3,), perpendicular to the axis (3,) [-].
+
+    The axis has norm one. Both are in one frame; the result has the unit of a.
+    """
     return subtract(a, scale(dot(a, axis), axis))
 
 
 def rotate(p: Quadruple, a: Triple) -> Triple:
-    """Vector A(p) a / (p·p), rotated by the quaternion p of any norm."""
+    """Vector A(p) a / (p·p) = a + 2 e × (e₀ a + e × a) / (p·p), p = (e₀, e): lecture 7.1, (4.3).
+
+    Parameters
+    ----------
+    p : (4,) [-]
+        Euler parameters of a rotated frame, scalar first, of any norm but zero.
+    a : (3,)
+        Components of a vector in the rotated frame, in any unit.
+
+    Returns
+    -------
+    (3,)
+        Components of the vector in the reference frame, frame O for a body; in the unit of a.
+    """
     scalar, e = p[0], (p[1], p[2], p[3])
     if not any(e):
         return a
@@ -159,26 +175,53 @@ def rotate(p: Quadruple, a: Triple) -> Triple:
 
 
 def rotate_back(p: Quadruple, a: Triple) -> Triple:
-    """Vector A(p)ᵀ a / (p·p), rotated back."""
+    """Vector A(p)ᵀ a / (p·p), the inverse of :func:`rotate`: lecture 7.1, (4.3).
+
+    Parameters
+    ----------
+    p : (4,) [-]
+        Euler parameters of a rotated frame, scalar first, of any norm but zero.
+    a : (3,)
+        Components of a vector in the reference frame, frame O for a body; in any unit.
+
+    Returns
+    -------
+    (3,)
+        Components of the vector in the rotated frame, in the unit of a.
+    """
     return rotate(conjugate(p), a)
 
 
 def conjugate(p: Quadruple) -> Quadruple:
-    """Conjugate quaternion, which rotates back."""
+    """Conjugate (e₀, −e) (4,) [-] of p = (e₀, e), of the inverse rotation: A(e₀, −e) = A(p)ᵀ."""
     return p[0], -p[1], -p[2], -p[3]
 
 
 def compose(p: Quadruple, q: Quadruple) -> Quadruple:
-    """Quaternion product p ∘ q: A(p ∘ q) = A(p) A(q)."""
+    """Quaternion product p ∘ q (4,) [-], A(p ∘ q) = A(p) A(q): the rotation q, then p.
+
+    It is (p₀ q₀ − e·f, p₀ f + q₀ e + e × f), with the vector parts e of p and f of q.
+
+    Parameters
+    ----------
+    p, q : (4,) [-]
+        Euler parameters, scalar first, of any norm; q is relative to the frame that p rotates.
+    """
     e, f = (p[1], p[2], p[3]), (q[1], q[2], q[3])
     vector = add(add(scale(p[0], f), scale(q[0], e)), cross(e, f))
     return (p[0] * q[0] - dot(e, f), *vector)
 
 
 def quaternion_of(matrix: Square) -> Quadruple:
-    """Euler parameters of a rotation matrix, of any norm.
+    """Euler parameters (4,) [-] of a rotation matrix, scalar first, of any norm but zero.
 
-    Of the four candidates the one that divides by the largest is taken.
+    They solve lecture 7.1, (4.3), for p: candidate k is 4 pₖ p, with p of norm one, and the one
+    with the largest |pₖ| is taken.
+
+    Parameters
+    ----------
+    matrix : (3, 3) [-]
+        A by rows: components in the rotated frame to the reference frame.
     """
     (a, b, c), (d, e, f), (g, h, i) = matrix
     candidates = (
@@ -197,10 +240,11 @@ def rounded(values: Sequence[High], size: High = 0, noise: High = NOISE) -> tupl
 
     Parameters
     ----------
-    values : sequence
-        Components of a vector or a quaternion.
+    values : (n,) sequence
+        Components of a vector, or Euler parameters.
     size : number
-        The largest of the numbers that they came from; their own largest when that is more.
+        The largest of the numbers that they came from, in their unit; their own largest when that
+        is more.
     noise : number
         The part of it below which a component is a rounded zero.
     """

@@ -158,7 +158,7 @@ def neg(a: Expression) -> Expression:
 
 
 def power(a: Expression, b: Expression) -> Expression:
-    """Power of a with the exponent b."""
+    """Power aᵇ."""
     if b == ZERO:
         return ONE
     if b == ONE:

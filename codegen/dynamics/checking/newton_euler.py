@@ -1,4 +1,4 @@
-"""The equations of a scene from its definitions, for comparison with the results of a solver.
+"""Equations of a scene from its definitions, for comparison with the results of a solver.
 
 Each body of the scene is for itself: m v̇ = F and I′ ω̇′ = N′ − ω̃′ I′ ω′, with forces, joints,
 drivers and coordinates as the scene gives them, each by its geometric definition. Nothing is
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class BodyState:
-    """Where a body is, and how it moves: ṗ = ½ p ∘ (0, ω′), lecture 7.1, (5.16).
+    """Position and velocity of a body: ṗ = ½ p ∘ (0, ω′), lecture 7.1, (5.16).
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def rotated_back(p: Sequence[Any], a: Sequence[Any]) -> tuple[Any, Any, Any]:
 
 
 class Course:
-    """A body on its way: r(t) and p(t) to second order, ṗ = ½ p ∘ (0, ω′).
+    """Motion of a body: r(t) and p(t) to second order, ṗ = ½ p ∘ (0, ω′), lecture 7.1, (5.16).
 
     Parameters
     ----------
@@ -104,7 +104,15 @@ class Course:
 
     @classmethod
     def of(cls, pose: BodyState, rates: Sequence[Real], second: Sequence[Real]) -> Course:
-        """Course of a body with v, ω′ and v̇, ω̇′; ṗ = ½ p ∘ (0, ω′)."""
+        """Course of a body with v, ω′ and v̇, ω̇′; p̈ = ½ (ṗ ∘ (0, ω′) + p ∘ (0, ω̇′)).
+
+        Parameters
+        ----------
+        pose : BodyState
+            Where it is; its velocities are not looked at.
+        rates, second : (6,) [m/s, rad/s], [m/s², rad/s²]
+            v and v̇ in frame O, ω′ and ω̇′ in the principal frame.
+        """
         r = [Jet(x, rates[k], second[k]) for k, x in enumerate(pose.r)]
         omega, alpha = (0, *rates[3:]), (0, *second[3:])
         first = [x / 2 for x in quaternion_product(pose.p, omega)]
@@ -116,16 +124,16 @@ class Course:
         )
 
     def with_rates(self, rates: Sequence[Real]) -> Course:
-        """Course from the same place with other rates, which do not change."""
+        """Course from the same place with other constant v [m/s] and ω′ [rad/s], (6,)."""
         here = BodyState([x.x for x in self.r], [x.x for x in self.p], (), ())
         return Course.of(here, rates, [0] * 6)
 
     def vector(self, a: Sequence[Real]) -> JetVector:
-        """Body-fixed vector A a′ (3,) in frame O."""
+        """Vector A a′ (3,) in frame O, of a′ (3,) in the principal frame, in its unit."""
         return rotated(self.p, [Jet(x) for x in a])
 
     def point(self, s: Sequence[Real]) -> JetVector:
-        """Place r + A s′ (3,) [m] of a body-fixed point in frame O."""
+        """Place r + A s′ (3,) [m] in frame O, of a point s′ (3,) [m] in the principal frame."""
         x, y, z = (a + b for a, b in zip(self.r, self.vector(s), strict=True))
         return x, y, z
 
@@ -205,7 +213,7 @@ class BodyEquations:
         return [self.digits.number(x) for x in values]
 
     def own(self, body: int) -> range:
-        """Columns of a body."""
+        """Columns of a body: δr [m] in frame O, δθ′ [rad] in the principal frame, if it turns."""
         return range(self.starts[body], self.starts[body + 1])
 
     def inertia(self) -> list[Real]:
@@ -233,7 +241,7 @@ class BodyEquations:
         rates: Sequence[Real],
         second: Sequence[Real],
     ) -> dict[int, Course]:
-        """Courses of some bodies, of the ground too."""
+        """Courses of some bodies, of the ground too, given v (n,) and v̇ (n,) of all."""
         moving = [k for k in bodies if k != GROUND_INDEX]
         found = {k: self.course(k, poses[k], rates, second) for k in moving}
         return {GROUND_INDEX: self._ground, **found}

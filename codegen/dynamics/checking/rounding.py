@@ -1,4 +1,4 @@
-"""How far rounding can move results of a program: the unit that errors of solvers are told in.
+"""Unit of error of solvers: how far rounding can move the results of a program.
 
 The unit of a result y is u Σ |z ∂y/∂z| with u = 2⁻⁵³, over all numbers z that the program is given
 or computes. To first order, no rounding of these numbers moves y by more. Near places where rows
@@ -63,7 +63,7 @@ def run_and_keep(workspace: ProgramInterpreter, segments: Sequence[str]) -> list
 def units(
     workspace: ProgramInterpreter, steps: Sequence[ExecutedTask], slots: Sequence[int]
 ) -> list[float]:
-    """Units of error of some slots.
+    """Units of error u Σ |z ∂y/∂z| of some slots y, u = 2⁻⁵³, each in the unit of its slot.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ ELONGATION = LAW_NAMES[:2]
 
 
 def column_of(trace: Trace, *nodes: int) -> Matrix:
-    """Column of nodes."""
+    """Column (n, 1) of n nodes."""
     return Matrix.of(trace.graph, nodes)
 
 
@@ -30,7 +30,7 @@ def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tu
     trace : Trace
         Where it goes.
     p : (4,) nodes [-]
-        Euler parameters of the body.
+        Euler parameters of the principal frame, of norm one.
     point : (3,) Matrix [m]
         Where it acts, from the centre of mass, in the principal frame.
     force : (3,) Matrix [N]
@@ -39,7 +39,8 @@ def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tu
     Returns
     -------
     tuple of int
-        Force (3,) [N] in frame O; torque (3,) [N m] about the centre of mass, in the body frame.
+        Force (3,) [N] in frame O; torque (3,) [N m] about the centre of mass, in the principal
+        frame.
     """
     rest = (trace.graph.const(0),) * 6
     inputs = {"p": p, "s_b": (*point.flat, *rest), "f": (*force.flat, *rest)}

@@ -1,4 +1,4 @@
-"""The coordinates of bodies in a plane and in space, and the masses to move in them."""
+"""Coordinates of bodies in a plane and in space, and the masses to move in them."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _thickened(body: MovingBody) -> MovingBody:
 
 
 def coordinate_counts(system: System, *, is_planar: bool) -> tuple[int, int]:
-    """Sizes of q and v."""
+    """Counts n of q (n,) [m, -] and m of v (m,) [m/s, rad/s]."""
     shapes = [shape(body, is_planar=is_planar) for body in system.bodies]
     return sum(len(kept) for kept, _ in shapes), sum(len(columns) for _, columns in shapes)
 

@@ -1,4 +1,4 @@
-"""A length of a scene: corrections are compared to it, and torques are weighed by it."""
+"""Characteristic length of a scene: corrections are compared to it, torques weighed by it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The order in which joints are eliminated, and the fill-in that follows from it."""
+"""Order in which joints are eliminated, and the fill-in that follows from it."""
 
 from __future__ import annotations
 

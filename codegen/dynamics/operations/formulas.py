@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Scaled:
-    """A constant times a formula. Blocks: the constant, then value and unit of each name.
+    """Product f(x/unit) · c of a constant c and a formula f. Blocks: c, then x, unit of each name.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class Scaled:
     title: str = "formula"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Product, in the shape of the constant."""
+        """Product, in the shape, unit and frame of the constant."""
         constant, *rest = blocks
         factor = formula_node(trace, self.formula, self.names, rest)
         mul = trace.graph.mul
@@ -73,24 +73,24 @@ def formula_node(trace: Trace, formula: str, names: tuple[str, ...], blocks: lis
 
 @dataclass(frozen=True, slots=True)
 class ScaledColumn:
-    """A column times a number. Blocks: both."""
+    """Product a x of a column a (n, 1) and a number x (1, 1). Blocks: a, x."""
 
     title: str = "product"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Product."""
+        """Product (n, 1), in the frame of a and the product of their units."""
         column, number = blocks
         return (column @ number,)
 
 
 @dataclass(frozen=True, slots=True)
 class Relative:
-    """A number beyond another, in a unit. Blocks: both, the unit."""
+    """Difference (a − b)/unit of two numbers (1, 1). Blocks: a, b, the unit, all in one unit."""
 
     title: str = "difference in a unit"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Quotient."""
+        """Difference (1, 1) [-]: a number of units."""
         (a,), (b,), (unit,) = (block.flat for block in blocks)
         node = trace.graph.div(trace.graph.sub(a, b), unit)
         return (Matrix.of(trace.graph, [node]),)

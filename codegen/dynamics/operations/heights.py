@@ -1,4 +1,4 @@
-"""How far ends of forces and joints are from a coordinate plane, and coordinates at the start."""
+"""Heights of ends of forces and joints over a coordinate plane, and coordinates at the start."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FLAT = 1e-12
 
 
 def is_level(heights: Sequence[float], sizes: Sequence[Sequence[float]]) -> bool:
-    """Whether heights are zero but for rounding of numbers of some sizes."""
+    """Whether heights (n,) [m] are zero but for rounding of numbers of some sizes [m]."""
     largest = max(1.0, *(abs(x) for values in sizes for x in values))
     return max(map(abs, heights)) <= FLAT * largest
 

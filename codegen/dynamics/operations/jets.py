@@ -53,11 +53,11 @@ class Jet:
         return self * other.through(1 / other.x, -1 / other.x**2, 2 / other.x**3)
 
     def times(self, factor: Real) -> Jet:
-        """Product with a constant number."""
+        """Product c x with a constant c, of derivatives c ẋ and c ẍ."""
         return Jet(factor * self.x, factor * self.d, factor * self.dd)
 
     def through(self, g: Real, first: Real, second: Real) -> Jet:
-        """Jet of g(x), from the value and the derivatives of g there."""
+        """Jet of g(x), of derivatives g′ ẋ and g″ ẋ² + g′ ẍ, from g, g′ and g″ at x."""
         return Jet(g, first * self.d, second * self.d**2 + first * self.dd)
 
 
@@ -75,13 +75,13 @@ def cross(a: Sequence[Any], b: Sequence[Any]) -> tuple[Any, Any, Any]:
 
 
 def sqrt(a: Jet, digits: FormulaArithmetic[Any]) -> Jet:
-    """Square root of a."""
+    """Square root √a, in the root of the unit of a."""
     root = digits.sqrt(a.x)
     return a.through(root, 1 / (2 * root), -1 / (4 * root * a.x))
 
 
 def atan2(y: Jet, x: Jet, digits: FormulaArithmetic[Any]) -> Jet:
-    """Angle of (x, y)."""
+    """Angle θ of the vector (x, y) from the axis x [rad], θ̇ = (x ẏ − y ẋ)/(x² + y²) [rad/s]."""
     square = x * x + y * y
     rate = (Jet(x.x, x.d) * Jet(y.d, y.dd) - Jet(y.x, y.d) * Jet(x.d, x.dd)) / square
     return Jet(digits.atan2(y.x, x.x), rate.x, rate.d)

@@ -1,4 +1,4 @@
-"""The ends of a joint: where its point is, and on which bodies its force and torque are given."""
+"""Ends of a joint: its point, and the bodies on which its force and torque are given."""
 
 from __future__ import annotations
 

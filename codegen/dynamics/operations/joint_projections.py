@@ -50,9 +50,9 @@ class GroundJointBlocks(NamedTuple, Generic[Block]):
     Parameters
     ----------
     point, point_b : (3,) [m]
-        The point of the joint in frame O, and in the body.
+        The point of the joint: place in frame O, and s′ in the principal frame of the body.
     p, r : (4,) [-] and (3,) [m]
-        The position of the body.
+        Euler parameters and centre of mass of the body, frame O.
     across : (3, n) [-]
         Vectors across the axis in frame O, by columns.
     beside : (4, n) [-]
@@ -75,9 +75,10 @@ class GroundJointBlocks(NamedTuple, Generic[Block]):
 
 @dataclass(frozen=True, slots=True)
 class ProjectPosition:
-    """Position on the joint: r = r_joint − A s′ + a x.
+    """Position on the joint: r = r_joint − A s′ + a x, lecture 7.1, (4.3).
 
-    Blocks: r (3,) [m], p (4,), δr [m], δθ′ [rad]; those of :class:`GroundJointBlocks`; then the
+    Blocks: r (3,) [m] in frame O, p (4,) [-], δr (3,) [m] in frame O, δθ′ (3,) [rad] in the
+    principal frame, of p ∘ (1, ½ δθ′), (5.16); those of :class:`GroundJointBlocks`; then the
     driven turn [rad] and displacement x [m].
 
     Parameters
@@ -201,8 +202,9 @@ class ProjectVelocity:
 class BiasAcceleration:
     """η: the acceleration that is there with u̇ = 0, v̇ = R u̇ + η.
 
-    Blocks: ω′ (3,) [rad/s], the arm (3, turns) [m] in frame O, A (3, 3), a′, a in frame O, the
-    point s′ (3,) [m] of the joint in the body; then the second derivatives that drive turn and
+    Blocks: ω′ (3,) [rad/s] in the principal frame, the arm (3, turns) [m] in frame O, A (3, 3) [-],
+    axes a′ in the principal frame and a in frame O by columns [-], the point s′ (3,) [m] of the
+    joint in the principal frame; then the second derivatives that drive turn and
     displacement. About a point it is A (ω′ × (s′ × ω′)), about an axis a × arm u².
 
     Parameters
@@ -303,7 +305,8 @@ class DriverPower:
 class JointWrench:
     """Wrench of the joint and its drivers on the body, of M v̇ + Σ C_qᵀλ = f + it.
 
-    Blocks: the diagonal of M (1, c) [kg, kg m²], v̇ (c,), M⁻¹f, what all other joints do, −Σ C_qᵀλ.
+    Blocks: the diagonal of M (1, c) [kg, kg m²], v̇ (c,) and M⁻¹f (c,) [m/s², rad/s²], what all
+    other joints do, −Σ C_qᵀλ (c,): [N] in frame O, [N m] in the principal frame.
     """
 
     title: str = "force of a joint with the ground"
@@ -316,9 +319,9 @@ class JointWrench:
 
 @dataclass(frozen=True, slots=True)
 class DriverWrench:
-    """Share of a driver in that, Jᵀ (Rᵀ w). Blocks: it, the column of R, J of the coordinate.
+    """Share Jᵀ (Rᵀ w) of a driver in that wrench w. Blocks: w, a column of R, J of the coordinate.
 
-    w (c,) is [N] in frame O, [N m] in the principal frame.
+    w (c,) is [N] in frame O, [N m] in the principal frame, as is the share.
 
     Parameters
     ----------

@@ -106,7 +106,7 @@ def orientation_of(trace: Trace, p: Matrix) -> Matrix:
 
 
 def share(trace: Trace, p: Matrix, orientation: Matrix) -> None:
-    """Let A be read where a kind computes it from p."""
+    """Let A (3, 3) [-] be read where a kind computes it from p (4, 1) [-]."""
     trace.is_known(orientation_of(trace, p).flat, orientation.flat)
 
 
@@ -115,7 +115,8 @@ def inputs_of_body(
 ) -> dict[str, Matrix]:
     """Inputs r and p of kernels for body ``i`` or ``j``, and of its motion v and ω′, by name.
 
-    A is read where a kind computes it from p, unless it has no entries.
+    r (3,) [m], v (3,) [m/s] and A (3, 3) [-] are of frame O, p (4,) [-] and ω′ (3,) [rad/s] of the
+    principal frame. A is read where a kind computes it from p, unless it has no entries.
     """
     if orientation.flat:
         share(trace, p, orientation)
@@ -130,7 +131,7 @@ def euler_rates(trace: Trace, p: Matrix, omega: Matrix) -> Matrix:
 
 
 def normalised(w: Matrix) -> Matrix:
-    """Euler parameters w/|w| (4, 1) [-]."""
+    """Euler parameters w/|w| (4, 1) [-] of norm one."""
     graph = w.graph
     norm = graph.sqrt(graph.sum(graph.mul(x, x) for x in w.flat))
     return w @ Matrix.of(graph, [graph.div(graph.const(1), norm)])

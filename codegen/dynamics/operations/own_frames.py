@@ -6,8 +6,9 @@ rotation R from it to the principal frame it is
 
     r̂ = r + A s′,  Â = A R,  v̂ = v + A (ω′ × s′),  ω̂′ = Rᵀ ω′,
 
-and of a row (f, n) of its Jacobian at r̂ and Â the row here is (f, R n + s′ × Aᵀ f). The
-accelerations of r̂ hold A (ω′ × (ω′ × s′)) beside what the new Jacobian multiplies, so
+by Ȧ = A ω̃′, lecture 7.1, (5.16). By (7.19) a row (f, n) of its Jacobian at r̂ and Â is here
+(f, R n + s′ × Aᵀ f). The accelerations of r̂ hold A (ω′ × (ω′ × s′)) beside what the new Jacobian
+multiplies, so
 
     γ = γ̂ − Σ f · A (ω′ × (ω′ × s′)),
 

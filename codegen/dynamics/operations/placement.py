@@ -22,7 +22,9 @@ NOISE = CONTEXT.mpf(2) ** -51
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """Where the principal frame of a body is in the frame of its carrier: s = at + A(turn) s′.
+    """Placement of the principal frame of a body in that of its carrier: s = at + A(turn) s′.
+
+    A is that of lecture 7.1, (4.3), divided by the square of the norm of turn.
 
     Parameters
     ----------
@@ -30,7 +32,7 @@ class Placement:
         The body that carries it, or the ground.
     at : (3,) [m]
         Its centre of mass.
-    turn : (4,)
+    turn : (4,) [-]
         Euler parameters, of any length, that take its components to those of the carrier.
     """
 
@@ -39,17 +41,17 @@ class Placement:
     turn: Quadruple = IDENTITY
 
     def point(self, s: Sequence[float]) -> Vector:
-        """Point of the body (3,) [m] in the frame of the carrier, at + A s′."""
+        """Point at + A s′ (3,) [m] in the frame of the carrier, of s′ in that of the body."""
         own = precise.triple(s)
         size = precise.length(self.at) + precise.length(own)
         return rounded_vector(precise.add(self.at, precise.rotate(self.turn, own)), size)
 
     def vector(self, a: Sequence[float]) -> Vector:
-        """Components A a′ (3,) in the frame of the carrier of a vector of the body."""
+        """Vector A a′ (3,) in the frame of the carrier, of a′ in that of the body, in its unit."""
         return rounded_vector(precise.rotate(self.turn, precise.triple(a)))
 
     def frame(self, axes: Sequence[float]) -> Quaternion:
-        """Euler parameters turn ∘ p (4,), from a frame of the body to that of the carrier."""
+        """Euler parameters turn ∘ p (4,) [-], from a frame of the body to that of the carrier."""
         return rounded_turn(precise.compose(self.turn, precise.quadruple(axes)))
 
 

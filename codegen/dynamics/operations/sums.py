@@ -23,7 +23,7 @@ class VectorSum:
     title: str = "sum"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Sum."""
+        """Sum (n,), of their frame and unit."""
         total, *rest = blocks
         for block in rest:
             total += block

@@ -46,21 +46,22 @@ MOVED = 0.05
 
 @dataclass(frozen=True, slots=True)
 class BranchPosition:
-    """Where the bodies of a part are, and the ranks there.
+    """Positions of the bodies of a part, and the ranks there.
 
     Parameters
     ----------
-    r, p : (bodies + 1, 3) and (bodies + 1, 4)
-        Positions, the ground last; r in lengths of the scene.
-    near : (coordinates,)
+    r, p : (bodies + 1, 3) and (bodies + 1, 4) [-]
+        Centres of mass in frame O, in lengths of the scene, and Euler parameters of the principal
+        frames, the ground last.
+    near : (coordinates,) [rad]
         Angles that count turns.
-    c : (rows,)
-        What is left of the rows of joints, scaled.
+    c : (rows,) [-]
+        Residuals C of the rows of joints, scaled.
     factors : LQFactors
-        Of the rows of joints.
+        Of C_q of the rows of joints, scaled.
     clear : int
         How many of the rows are independent beyond doubt.
-    pivots : (rows,)
+    pivots : (rows,) [-]
         Of all of them that are not dependent to rounding.
     """
 
@@ -95,7 +96,7 @@ class Scales:
 
 
 def places_of(bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
-    """Positions r, p of bodies where they are, those of the ground last."""
+    """Positions r (n + 1, 3) [m], frame O, and p (n + 1, 4) [-] of n bodies, the ground last."""
     r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)])
     p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
     return r, p
@@ -154,7 +155,7 @@ class Branch:
             here = there
 
     def start(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
-        """Rows and C_q, scaled, where the bodies are."""
+        """Residuals C (rows,) [-] and C_q (rows, columns) [-], scaled, where the bodies are."""
         return self._at(*self._start(bodies))
 
     def _start(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array, Array]:
@@ -163,6 +164,8 @@ class Branch:
 
     def rates(self, factors: LQFactors, matrix: Array, rows: Sequence[int]) -> Array:
         """Rates at which rows are missed, per unit of the motion that makes them miss most.
+
+        Of a row a of C_q the motion is x = (I − QᵀQ) aᵀ, at right angles to the rows that it keeps.
 
         Parameters
         ----------
@@ -222,7 +225,7 @@ class Branch:
         return self._ranks(scaled, chosen)[0]
 
     def left_over(self, position: BranchPosition, left: Sequence[int]) -> Array:
-        """Residuals of some rows of joints, by their places, beyond all others."""
+        """Norms |(I − QᵀQ) aᵀ| (n,) [-] of rows a of C_q, scaled, beyond Q of all other rows."""
         _, matrix = self._at(position.r, position.p, position.near)
         others = factorise(np.delete(matrix, list(left), axis=0))
         return np.array([float((others.null_part(matrix[k]) ** 2).sum()) ** 0.5 for k in left])
@@ -232,11 +235,11 @@ class Branch:
         return bool(self._residuals.in_metres[self._rows[place]])
 
     def missed(self, position: BranchPosition) -> Array:
-        """Residuals of the rows of joints, in lengths of the scene and radians."""
+        """Residuals C (rows,) of the rows of joints, in lengths of the scene and radians."""
         return self.in_units(position.c, range(len(self._rows)))
 
     def in_units(self, scaled: Array, places: Sequence[int]) -> Array:
-        """Values of some rows of joints, scaled, in lengths of the scene and radians."""
+        """Values (n,) of some rows of joints, given scaled, in lengths of the scene and radians."""
         found: Array = scaled * self._missed_by[list(places)]
         return found
 

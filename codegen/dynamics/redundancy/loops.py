@@ -1,4 +1,4 @@
-"""The parts of a system whose joints close loops; trees that hang on them are left out.
+"""Parts of a system whose joints close loops; trees that hang on them are left out.
 
 Two joints are in one part when some loop passes both, the ground being a body that loops may pass.
 Constraints between bodies do not notice how all of these move together. So parts that share one

@@ -1,4 +1,4 @@
-"""Which joints of a scene that moves in a plane are held out of the plane more than once.
+"""Joints of a scene that moves in a plane, held out of the plane more than once.
 
 The rows that hold bodies in the plane are not solved for. Where some of them depend on each other,
 as in every loop of revolute joints, the forces out of the plane are not unique.

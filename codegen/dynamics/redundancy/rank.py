@@ -1,4 +1,4 @@
-"""Ranks of matrices, which rows depend on which, and which of them can be left out.
+"""Ranks of matrices, dependences of their rows, and rows that can be left out.
 
 Everything here is sums and products of doubles in an order that is ours: no library that may add
 up in another order decides which rows a solver keeps. Of rows that are equally good up to rounding
@@ -29,7 +29,7 @@ EQUAL = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class LQFactors:
-    """A = L Q for the rows that were taken, and the others as combinations of them.
+    """Factors A = L Q of the rows that were taken, and the others as combinations of them.
 
     Parameters
     ----------
@@ -56,12 +56,12 @@ class LQFactors:
 
     @property
     def pivots(self) -> Array:
-        """Rest of each row when it was taken."""
+        """Diagonal of L (rank,): the norm of what was left of each row when it was taken."""
         found: Array = np.diagonal(self.lower)
         return found
 
     def least_change(self, wanted: Array) -> Array:
-        """Minimum-norm x that changes the rows that were taken as wanted of all rows."""
+        """Minimum-norm x = Qᵀ L⁻¹ b (columns,) with A x = b, the rows taken of wanted (rows,)."""
         right = wanted[list(self.taken)].copy()
         for k in range(self.rank):
             right[k] /= self.lower[k, k]
@@ -69,13 +69,13 @@ class LQFactors:
         return _combined(self.basis.T, right)
 
     def null_part(self, x: Array) -> Array:
-        """Part of x that changes no row."""
+        """Part (I − QᵀQ) x (columns,) of x that changes no row."""
         for _ in range(2):
             x = x - _combined(self.basis.T, _combined(self.basis, x))
         return x
 
     def combinations(self) -> Array:
-        """B with left rows = B · taken rows."""
+        """Matrix B (rows − rank, rank) with left rows = B · taken rows."""
         combined = self.others.copy()
         for k in reversed(range(self.rank)):
             combined[:, k] /= self.lower[k, k]
@@ -83,7 +83,7 @@ class LQFactors:
         return combined
 
     def dependences(self) -> Array:
-        """Orthonormal basis, row by row, of the y with yᵀA = 0."""
+        """Orthonormal basis (rows − rank, rows), row by row, of the y with yᵀA = 0."""
         count = len(self.left)
         rows = np.zeros((count, self.rank + count))
         rows[:, list(self.taken)] = -self.combinations()
@@ -92,7 +92,9 @@ class LQFactors:
 
 
 def factorise(matrix: Array, least: float | None = None, most: int | None = None) -> LQFactors:
-    """Take the largest row again and again and remove it from all others (Gram and Schmidt).
+    """LQ factors of a matrix by the modified method of Gram and Schmidt, with pivoting of rows.
+
+    The largest row is taken again and again, and removed from all others.
 
     Parameters
     ----------
@@ -177,7 +179,7 @@ def _without(basis: Array, row: int) -> Array:
 
 
 def damped_change(matrix: Array, wanted: Array, damping: float) -> Array:
-    """Aᵀ (A Aᵀ + damping)⁻¹ wanted."""
+    """Damped minimum-norm change Aᵀ (A Aᵀ + damping I)⁻¹ b (columns,) of b = wanted (rows,)."""
     rows = len(matrix)
     square = np.zeros((rows, rows))
     for column in matrix.T:

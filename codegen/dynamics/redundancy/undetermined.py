@@ -1,4 +1,4 @@
-"""Which components of force and torque of joints the motion does not determine.
+"""Components of force and torque of joints that the motion does not determine.
 
 Rows that depend on each other have multipliers that cancel each other on all bodies, and can be
 added to any others. What such multipliers do at a joint is what is not known of it; a component of

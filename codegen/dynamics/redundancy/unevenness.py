@@ -1,4 +1,4 @@
-"""Where a light body hangs between heavy ones, so that C_q M⁻¹ C_qᵀ cancels."""
+"""Light bodies that hang between heavy ones, so that C_q M⁻¹ C_qᵀ cancels."""
 
 from __future__ import annotations
 
