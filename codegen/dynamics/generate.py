@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.analyse import analyse, require_driven
 from kousoku.codegen.dynamics.assembled import assemble_scene
 from kousoku.codegen.dynamics.assembly.changes import changes_of_assembly
+from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.checking.reference import solver_references
 from kousoku.codegen.dynamics.choose import choice_of
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
@@ -33,8 +34,11 @@ from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
 from kousoku.codegen.dynamics.redundancy.varying_rank import notes_of_rank
 from kousoku.codegen.dynamics.simplification.written_start import written_start
+from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.files.manifest import REFERENCE_FILE
 from kousoku.model.lowering.about import About
+from kousoku.model.numbers import precise
+from kousoku.model.records.dotted_keys import join
 from kousoku.runtime.integrate.assembled_start import notes_of
 from kousoku.runtime.messages import listed, scene_key
 
@@ -42,10 +46,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.mechanics.multibody import RelativeCoordinate, System
     from kousoku.model.records.scene import Scene
 
 
+#: Distances of no more than this many units of the scene are rounding of assembly.
+NO_LENGTH = 1e-12
 #: What every solver has for the ledger of its runs.
 LEDGER = ("checks", "energies")
 
@@ -137,10 +143,33 @@ def compose_scene(scene: Scene, wanted: Sequence[str]) -> Composed:
         *notes_of(changes, start.given.unit, scene.unit),
         *notes_of_freedom(analysed.system, analysed.freedom),
         *_of_reactions(program),
+        *_of_lengths(start.placed),
         *notes_of_rank(program, analysed.system),
     )
     about = replace(About.of(scene, notes), moved=tuple([one.body, *one.sizes] for one in changes))
     return Composed(program, analysed.system, analysed.freedom.degrees, about, start.system)
+
+
+def _of_lengths(system: System) -> Iterator[str]:
+    """Notes on forces along a distance that is zero at the start, where it has no direction."""
+    pose = Pose.of(system.bodies)
+    for force in system.forces:
+        if force.coordinate >= 0 and system.coordinates[force.coordinate].kind == "length":
+            ends: PointSpring | RelativeCoordinate = system.coordinates[force.coordinate]
+        elif isinstance(force, PointSpring) and not force.is_smooth:
+            ends = force
+        else:
+            continue
+        constants = dict(ends.constants)
+        first, last = (
+            precise.add(pose.r[body], precise.rotate(pose.p[body], precise.triple(constants[name])))
+            for body, name in ((ends.i, "s_i_b"), (ends.j, "s_j_b"))
+        )
+        if precise.length(precise.subtract(first, last)) <= NO_LENGTH * system.unit:
+            yield (
+                f"{join('forces', force.name)}: its ends are in one place at the start, where it"
+                " has no direction and does nothing, until something parts them"
+            )
 
 
 def _of_reactions(program: Program) -> Iterator[str]:
