@@ -13,8 +13,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-#: Characters of a value, and names, that a message shows.
-LONGEST, SHOWN = 60, 6
+#: Characters of a value, and names, that a message shows at most.
+MOST_CHARACTERS_SHOWN, MOST_NAMES_SHOWN = 60, 6
+#: Parts of a scene that a line about a run names at most.
+MOST_PARTS_SHOWN = 3
 
 
 class MissingError(KeyError):
@@ -93,7 +95,7 @@ def not_generated(what: str, output: str) -> str:
     return f'no {what}: generated without "{output}"; load(..., outputs=[..., "{output}"])'
 
 
-def listed(names: Sequence[str], most: int = SHOWN) -> str:
+def listed(names: Sequence[str], most: int = MOST_NAMES_SHOWN) -> str:
     """Names as a line tells them, not more than so many."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(names[:most]) + more
@@ -105,7 +107,8 @@ def shown(value: object) -> str:
         text = " ".join(repr(value).split())
     except ValueError:  # a whole number of thousands of digits
         text = "a number of very many digits"
-    return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
+    most = MOST_CHARACTERS_SHOWN
+    return text if len(text) <= most else f"{text[:most]}…"
 
 
 def shortly(number: float, digits: int = 1) -> str:

@@ -43,7 +43,7 @@ def _assemble_block(newton: Newton, number: int) -> float:
     block = newton.blocks[number]
     given, size = _approach(newton, number)
     try:
-        _, residual = newton.solve_block(number)
+        _, residual = newton.iterate(number)
     except StopError as stop:
         if stop.status != AnalysisStatus.DEAD_CENTRE:
             raise

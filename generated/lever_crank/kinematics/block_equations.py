@@ -1,4 +1,7 @@
-"""The equations of the blocks: residuals, Jacobians, and the motion that they determine."""
+"""Equations of the blocks: residuals, Jacobians, and the motion that they determine.
+
+Numbers in parentheses are equations of M. Yamada and S. Tatsumi (1981).
+"""
 
 from __future__ import annotations
 
@@ -41,9 +44,10 @@ class LinkageCoordinates(NamedTuple):
     Parameters
     ----------
     alpha : (inputs,) array
-        Of the inputs.
+        Of the inputs, in their units: the unit of the mechanism or rad.
     x : (unknowns,) array
-        Of the unknowns.
+        Of the unknowns: x and y of nodes in frame O, in the unit of the mechanism, and angles of
+        links from +x [rad].
     """
 
     alpha: Array
@@ -82,6 +86,9 @@ class Equations:
         self, position: LinkageCoordinates, alpha_dot: Array, alpha_ddot: Array
     ) -> tuple[Array, Array]:
         """Derivatives of x along given ones of the inputs, with the factors at hand.
+
+        D ẋ = ν and D ẍ = γ, block after block. All are derivatives by the same variable: by time,
+        or by the part of a division.
 
         Returns
         -------
@@ -127,30 +134,30 @@ class BlockEquations:
         self._factors = LU(np.eye(n), self.scale)
 
     def residuals(self) -> Array:
-        """Residuals, (n,), as lengths."""
+        """Residuals ε (n,), in the unit of the mechanism."""
         self._position()
         return self._epsilon.copy()
 
     def jacobian(self) -> Array:
-        """Jacobian, (n, n)."""
+        """Jacobian D = ∂ε/∂x (n, n): the unit of the mechanism per unit of each unknown."""
         self._position()
         return self._jacobian.copy()
 
     def evaluate(self) -> tuple[Array, float]:
-        """Residuals, (n,), and the smallest pivot; the factors of the Jacobian are kept."""
+        """Residuals ε (n,) and the smallest pivot; the LU factors of the Jacobian are kept."""
         self._factors = LU(self.jacobian(), self.scale)
         return self._epsilon.copy(), self._factors.pivot
 
     def solve(self, right: Array) -> Array:
-        """Solution with the factors that :meth:`evaluate` kept, (n,)."""
+        """Solution D⁻¹ right (n,), with the factors that :meth:`evaluate` kept."""
         return self._factors.solve(right)
 
     def velocity_side(self) -> Array:
-        """Right-hand side of the velocities, (22) and (24), (n,)."""
+        """Right-hand side ν (n,) of the velocities, D ẋ = ν, (22) and (24)."""
         self._velocity()
         return self._nu.copy()
 
     def acceleration_side(self) -> Array:
-        """Right-hand side of the accelerations, (23) and (25), (n,)."""
+        """Right-hand side γ (n,) of the accelerations, D ẍ = γ, (23) and (25)."""
         self._acceleration()
         return self._gamma.copy()

@@ -34,9 +34,9 @@ class CubicTube(NamedTuple):
     Parameters
     ----------
     first, second, third : (places,) array
-        Of inputs and, after them, unknowns.
+        Of inputs and, after them, unknowns, in their units.
     radius : (places,) array
-        How far from there they are at most; found block after block.
+        How far from there they are at most, in their units; found block after block.
     """
 
     first: Array
@@ -69,7 +69,10 @@ class Certifier:
         self._angle = _slopes([curve.angle for curve in curves], places)
 
     def condition(self, block: BlockEquations) -> float:
-        """Largest motion of unknowns by residuals of 1, as lengths, with factors at hand."""
+        """Largest motion of an unknown by residuals of 1 [-], as lengths, with factors at hand.
+
+        That is maxᵢ Σⱼ |scaleᵢ (D⁻¹)ᵢⱼ|, the norm ‖·‖∞ of D⁻¹ with unknowns as lengths.
+        """
         return float(np.max(self._inverse(block).sum(axis=1)))
 
     def _inverse(self, block: BlockEquations) -> Array:
@@ -87,7 +90,7 @@ class Certifier:
         way : CubicTube
             The step; the radii of what is known are there, those of the block get theirs.
         residual : float
-            What is left of the equations at both ends.
+            What is left of the equations at both ends, in the unit of the mechanism.
         """
         n, scale = len(self._scale), self._scale
         distance, slope = self._distances(way)

@@ -1,4 +1,7 @@
-"""Continuation: from one position to the next, by predictor and corrector."""
+"""Continuation: from one position to the next, by predictor and corrector.
+
+Numbers in parentheses are equations of M. Yamada and S. Tatsumi (1981).
+"""
 
 from __future__ import annotations
 
@@ -58,12 +61,12 @@ class Continuation:
         self.input_scale = np.array([given.scale for given in mechanism.inputs])
 
     def motion_at(self, division: int) -> tuple[Array, Array]:
-        """Differentiate in time, and along the way for the next prediction.
+        """Differentiate in time, and along the way for the next prediction: (22) to (25).
 
         Returns
         -------
         x_dot, x_ddot : (unknowns,) array
-            Time derivatives of the unknowns.
+            Time derivatives of the unknowns, in their units per s and per s².
         """
         _, delta = self.run.inputs_of(division)
         rate, rate_dot, none = self.rate, np.asarray(self.run.rate_dot), np.zeros_like(delta)
@@ -80,8 +83,8 @@ class Continuation:
     def advance(self, row: int, residual: float) -> Convergence:
         """Go to a division, or to the time of a row in steps of at most a division.
 
-        Predict by (26), correct, and halve the step where that fails, or where no certificate
-        tells that it stays on its branch.
+        Predict x + h x′ + ½ h² x″, (26), correct, and halve the step h where that fails, or where
+        no certificate tells that it stays on its branch.
 
         Parameters
         ----------
@@ -182,13 +185,13 @@ class Continuation:
 
     @property
     def condition(self) -> float:
-        """The most that residuals move unknowns, as lengths, with the factors at hand."""
+        """The most that residuals of 1 move an unknown [-], as lengths, with factors at hand."""
         pairs = zip(self._certifiers, self.newton.blocks, strict=True)
         return max(one.condition(block) for one, block in pairs)
 
     @property
     def counted_inputs(self) -> Array:
-        """The inputs of the position, counting on over the turns, (inputs,)."""
+        """Inputs (inputs,) of the position, in their units, counting on over the turns."""
         is_timed = self.run.times is not None
         return self.position.alpha + (0.0 if is_timed else self.run.whole_turns(self.division))
 

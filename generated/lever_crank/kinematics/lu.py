@@ -1,4 +1,4 @@
-"""LU factorisation with row exchanges."""
+"""LU factorisation P A = L U with row exchanges."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class LU:
         self.pivot = side * weakest
 
     def solve(self, right: Array) -> Array:
-        """Solution for a right-hand side, (n,)."""
+        """Solution A⁻¹ right (n,) or (n, m), of right-hand sides in columns."""
         b = right[self.order]
         n = len(b)
         for i in range(1, n):

@@ -1,4 +1,4 @@
-"""A linkage that moves: what a caller asks for is checked, and what went wrong is told.
+"""Linkage that moves: the options of a caller are checked, and failures are told.
 
 Told with kousoku's errors; where that is not installed with ``ValueError`` and ``StoppedError``.
 """

@@ -1,4 +1,7 @@
-"""Newton's method: full, block after block, and with the Jacobian of a reference position."""
+"""Newton's method: full, block after block, and with the Jacobian of a reference position.
+
+Numbers in parentheses are equations of M. Yamada and S. Tatsumi (1981).
+"""
 
 from __future__ import annotations
 
@@ -31,7 +34,7 @@ class Convergence(NamedTuple):
 
 
 def largest(values: Array) -> float:
-    """Largest magnitude."""
+    """Largest magnitude max |xᵢ|, in the unit of the values."""
     return float(np.max(np.abs(values)))
 
 
@@ -68,7 +71,7 @@ class Newton:
         self.orientation = [0.0 for _ in self.blocks]
         self.at = 0
 
-    def solve_block(self, number: int) -> Convergence:
+    def iterate(self, number: int) -> Convergence:
         """Improve the unknowns of one block, where it is looked at, by full Newton.
 
         Raises
@@ -98,12 +101,20 @@ class Newton:
         raise StopError(AnalysisStatus.DEAD_CENTRE)
 
     def full(self, alpha: Array, trial: Array) -> Convergence:
-        """Improve all unknowns in ``trial`` by full Newton."""
+        """Improve all unknowns in ``trial`` by full Newton, x − D(x)⁻¹ ε(x), block after block.
+
+        Parameters
+        ----------
+        alpha : (inputs,) array
+            The inputs, in their units.
+        trial : (unknowns,) array
+            Approximate unknowns, which are overwritten.
+        """
         iterations, residual = 0, 0.0
         self.equations.place(LinkageCoordinates(alpha, trial))
         for number in range(len(self.blocks)):
             self.at = number
-            found = self.solve_block(number)
+            found = self.iterate(number)
             iterations = max(iterations, found.iterations)
             residual = max(residual, found.residual)
         trial[:] = self.equations.region("x")
@@ -112,7 +123,17 @@ class Newton:
     def modified(self, alpha: Array, trial: Array, reference: LinkageCoordinates) -> Convergence:
         """Improve all unknowns in ``trial`` by the iteration of the paper, (27) and (28).
 
-        A modified Newton method: the Jacobian stays that of the reference position.
+        A modified Newton method, x − D(x_ref)⁻¹ ε(x): the Jacobian stays that of the reference
+        position, which ``trial`` was predicted from.
+
+        Parameters
+        ----------
+        alpha : (inputs,) array
+            The inputs, in their units.
+        trial : (unknowns,) array
+            Predicted unknowns, which are overwritten.
+        reference : LinkageCoordinates
+            The position of the Jacobian.
         """
         self.equations.place(reference)
         for block in self.blocks:

@@ -161,12 +161,14 @@ class RunRequest:
     def inputs_of(self, division: int) -> tuple[Array, Array]:
         """Inputs of a division, each turn from the same numbers, and one division.
 
+        With N turns over n divisions α = origin + 2π frac(N k / n), else origin + span · k / n.
+
         Returns
         -------
         alpha : (inputs,) array
             The inputs, in their units.
         delta : (inputs,) array
-            How far one division goes.
+            How far one division goes, in their units.
         """
         n = self.divisions
         alpha, delta = np.zeros(len(self.turns)), np.zeros(len(self.turns))
@@ -181,25 +183,25 @@ class RunRequest:
         return alpha, delta
 
     def laws_at(self, time: float) -> tuple[Array, Array]:
-        """Inputs by their laws in time, and their rates, (inputs,) each."""
+        """Inputs origin + rate t + ½ rate_dot t² (inputs,), in their units, and rates [1/s]."""
         rate, rate_dot = np.asarray(self.rate), np.asarray(self.rate_dot)
         alpha = np.asarray(self.origin) + (rate + 0.5 * rate_dot * time) * time
         return alpha, rate + rate_dot * time
 
     def end_of(self, now: float, time: float) -> float:
-        """End of a step to a time, at the latest where an input turns back."""
+        """End [s] of a step to a time, at the latest where rate + rate_dot t of an input is 0."""
         turns = -np.asarray(self.rate) / np.asarray(self.rate_dot)  # not finite: never
         return float(np.min(turns[(now < turns) & (turns < time)], initial=time))
 
     def whole_turns(self, division: int) -> Array:
-        """Whole turns by which the inputs, counted on, exceed those of a division, (inputs,)."""
+        """Whole turns (inputs,) [rad] by which counted inputs exceed those of a division."""
         n = self.divisions
         parts = [math.fmod(turns * division, n) for turns in self.turns]
         pairs = zip(self.turns, parts, strict=True)
         return np.array([math.tau * round((turns * division - p) / n) for turns, p in pairs])
 
     def counted_inputs(self, division: int) -> list[float]:
-        """Inputs of a division, counting on over the turns."""
+        """Inputs of a division, in their units, counting on over the turns."""
         part, counted = division / self.divisions, []
         for i, turns in enumerate(self.turns):
             whole = math.tau * (turns * division / self.divisions)
@@ -274,7 +276,7 @@ class Rows:
     position, velocity, acceleration : (rows, nodes, 2) array
         Of the nodes, in frame O, in the unit of the mechanism and seconds.
     angle, angle_dot, angle_ddot : (rows, links) array
-        Of the links, from +x, in radians and seconds, where they are wanted.
+        Of the links, from +x [rad, rad/s, rad/s²], where they are wanted.
     iterations : (rows,) array of int
         Corrections in the step that led to the row.
     residual : (rows,) array

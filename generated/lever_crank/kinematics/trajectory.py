@@ -154,7 +154,7 @@ class Trajectory(Result):
 
     @property
     def time(self) -> Array:
-        """The times [s]."""
+        """The times (rows,) [s]."""
         if self.times is None:
             raise missing(
                 f"{self.name}: no time: its inputs do not change evenly and together; rows are"
@@ -172,13 +172,13 @@ class Trajectory(Result):
 
     @property
     def alpha(self) -> Array:
-        """The input, (rows,), or with several inputs all of them, (rows, inputs)."""
+        """The input (rows,), in its unit, or with several inputs all of them (rows, inputs)."""
         columns = tuple(self.inputs.values())
         return columns[0] if len(columns) == 1 else np.stack(columns, axis=-1)
 
     @property
     def residual_max(self) -> float:
-        """The largest residual of all rows."""
+        """The largest residual of all rows, in the unit of the scene."""
         return float(np.max(self.residual, initial=0.0))
 
     def __getitem__(self, name: str) -> Array:
@@ -226,7 +226,7 @@ class Trajectory(Result):
 
     @property
     def turn_gaps(self) -> dict[str, float]:
-        """How far nodes are from where they were before a turn, of those that are not back."""
+        """Distances, in the unit of the scene, of nodes that are not back from a turn before."""
         n = self.divisions
         if self.is_in_time or len(self) <= n:
             return {}

@@ -196,7 +196,7 @@ class AnimationOptions(TypedDict, total=False):
     parameters: Mapping[str, float | str] | None
 
 
-class Animation(Protocol):
+class AnimationPage(Protocol):
     """An animation, ``kousoku.view.Animation``: a page that shows a motion."""
 
     @property
@@ -498,7 +498,7 @@ class Result:
 
     def animate(
         self, path: str | os.PathLike[str] | None = None, **options: Unpack[AnimationOptions]
-    ) -> Animation:
+    ) -> AnimationPage:
         """Show the motion on a page of its own; options as of ``kousoku.view.animate``.
 
         Raises
@@ -519,7 +519,7 @@ class Result:
             )
         shown: AnimationOptions = {"parameters": dict(self.parameters), **options}
         view = import_module("kousoku.view")
-        animation: Animation = view.animate(self, self.mechanism.scene, path, **shown)
+        animation: AnimationPage = view.animate(self, self.mechanism.scene, path, **shown)
         return animation
 
     def _late(self, module: str, extra: str) -> Any:
