@@ -25,7 +25,7 @@ from kousoku.model.errors import CacheError, CompilerError, NoCompilerError
 from kousoku.model.files.cache import cache_folder
 from kousoku.runtime.lock import locked
 from kousoku.runtime.notice import say_once
-from kousoku.runtime.toolchain import EXTENSION, output, run
+from kousoku.runtime.toolchain import EXTENSION, LARGE, output, run
 
 if TYPE_CHECKING:
     import subprocess
@@ -208,9 +208,10 @@ def _sweep(shelf: Path) -> None:
 
 
 def _compile(source: Source, toolchain: Toolchain, work: Path, library: Path) -> None:
-    sources = [name for name, _ in source.files if name.endswith(".c") and "/" not in name]
+    sources = {name: text for name, text in source.files if name.endswith(".c") and "/" not in name}
     target = str(library.relative_to(work))
-    command = toolchain.compile_command(sources, target, source.flags)
+    is_large = max(map(len, sources.values())) > LARGE
+    command = toolchain.compile_command([*sources], target, source.flags, is_large=is_large)
     process = run(command, cwd=str(work))
     if process.returncode == 0 and library.exists():
         return

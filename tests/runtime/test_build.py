@@ -19,7 +19,7 @@ import pytest
 
 from kousoku.model.errors import CacheError, CompilerError, NoCompilerError
 from kousoku.runtime.build import ABANDONED, Source, build
-from kousoku.runtime.toolchain import EXTENSION, Toolchain, find_toolchain, probe
+from kousoku.runtime.toolchain import EXTENSION, LARGE, Toolchain, find_toolchain, probe
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -41,6 +41,25 @@ def test_a_library_lies_beside_its_digest(cache: Path, compiler: Toolchain) -> N
     digest = hashlib.sha256(built.path.read_bytes()).hexdigest()
     listed = (entry / "SHA256").read_text(encoding="ascii")
     assert listed == f"{digest}  {built.path.name}\n"  # as sha256sum --check reads it
+
+
+@pytest.mark.usefixtures("cache")
+@pytest.mark.parametrize("more", [0, 1])
+def test_what_is_large_is_compiled_with_fewer_passes(
+    compiler: Toolchain, monkeypatch: pytest.MonkeyPatch, more: int
+) -> None:
+    name, text = SOURCE.files[0]
+    large = Source("seven", ((name, text.ljust(LARGE + more)),))
+    asked: list[bool] = []
+
+    def noted(self: Toolchain, *given: object, is_large: bool) -> tuple[str, ...]:
+        asked.append(is_large)
+        return command(self, *given, is_large=is_large)
+
+    command: Callable[..., tuple[str, ...]] = Toolchain.compile_command
+    monkeypatch.setattr(Toolchain, "compile_command", noted)
+    assert CDLL(str(build(large, compiler).path)).seven() == 7
+    assert asked == [more == 1]
 
 
 @pytest.mark.usefixtures("cache")

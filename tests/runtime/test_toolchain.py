@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from kousoku.model.errors import CompilerError, NoCompilerError
-from kousoku.runtime.toolchain import FLAGS, Toolchain, find_toolchain
+from kousoku.runtime.toolchain import FLAGS, LARGE_FLAGS, Toolchain, find_toolchain
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -164,3 +164,17 @@ def test_messages_of_the_compiler_are_in_english(
     monkeypatch.setenv("KOUSOKU_CC", wrapper('echo "LC_ALL is $LC_ALL"; exit 1'))
     with pytest.raises(CompilerError, match=r"LC_ALL is C\n"):
         find_toolchain()
+
+
+@pytest.mark.usefixtures("compiler")
+def test_large_sources_are_compiled_with_vector_loops_and_little_else(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("KOUSOKU_CFLAGS", "-O3 -DMINE")
+    toolchain = find_toolchain()
+    small = toolchain.compile_command(["a.c"], "a.so")
+    large = toolchain.compile_command(["a.c"], "a.so", is_large=True)
+
+    place = small.index("-O3")
+    assert large == (*small[:place], *LARGE_FLAGS, *small[place + 1 :])
+    assert large.index("-O3") > large.index("-O1")  # that of the user comes last
