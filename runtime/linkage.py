@@ -125,7 +125,7 @@ class LinkageSolver(Linkage):
     def in_time(
         self, *, progress: Callable[[float, float], object] | None = None, **options: Any
     ) -> Trajectory:
-        """Motion in time, see :meth:`simulate`; it is done at once and tells no progress."""
+        """Motion in time, see :meth:`Linkage.simulate`; it is done at once and tells no progress."""
         for name in options:
             if name in ALL_OPTIONS and name != "method":
                 raise SolveError(
