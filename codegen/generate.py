@@ -19,7 +19,7 @@ from kousoku.codegen.kernel_json import GRAPH_FILE, dump
 from kousoku.model.files.cache import write_atomically
 from kousoku.model.files.compressed import content, stored
 from kousoku.model.files.jsontext import to_text
-from kousoku.model.files.manifest import PLAIN, REFERENCE_FILE, Manifest
+from kousoku.model.files.manifest import MANIFEST_FILE, PLAIN, REFERENCE_FILE, Manifest
 from kousoku.model.operations.kernel import Package
 from kousoku.symbolic.kinds import KINDS, packages_of
 
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
     SourceTree = dict[str, str]
 
-MANIFEST_FILE = "manifest.json"
 #: A digest in a line: hexadecimal digits, and no decimal number.
 DIGEST = re.compile(r"\b(?=[0-9e]*[a-df])[0-9a-f]{16,}\b")
 #: How much of a line that differs is shown.
