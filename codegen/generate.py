@@ -1,4 +1,18 @@
-"""The pipeline of a kind, from its derivation or its name to the folder that is written."""
+"""From a kind, or a derivation of one's own, to the folder of its kernels, stage after stage.
+
+``derive``: name → Derivation
+    SymPy derives it, where neither the committed folder nor the cache has what was derived.
+``require_proved``: Derivation
+    One of one's own is proved; tests prove the kinds that are shipped.
+``frozen_package``: Derivation → Package
+    ``freeze``, then ``optimise``: kernels of its matrix level.
+``references``: Package, Derivation → text
+    Points with values in 50 digits, of its component level.
+``emit``: Package, texts → {file: text}
+    The folder.
+``write_tree``: {file: text} → names of files that changed
+    Written; ``check_tree`` says instead where a folder differs.
+"""
 
 from __future__ import annotations
 
