@@ -302,7 +302,7 @@ def test_the_list_of_the_integrator_names_all_that_is_in_c_and_in_python() -> No
 def is_there(name: str, path: Path) -> bool:
     """Whether a file knows a name, or there is a module or a part of one that is called so."""
     tree = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-    if name.split(".")[0] in {getattr(node, "name", getattr(node, "id", None)) for node in tree}:
+    if name.partition(".")[0] in {getattr(x, "name", getattr(x, "id", None)) for x in tree}:
         return True
     package = ".".join(("kousoku", *path.relative_to(ROOT).parent.parts))
     above = ("", "kousoku.runtime.")  # libraries name each other as in a generated folder
