@@ -45,6 +45,7 @@ SOURCES = (
     "model/operations/arithmetic.py",
     "model/numbers/digits.py",
     "model/numbers/dual.py",
+    "model/numbers/real.py",
     "model/operations/differentials.py",
     "model/operations/graph.py",
     "model/operations/interpret.py",

@@ -13,7 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from kousoku.codegen.context import package_context
 from kousoku.codegen.context_lines import c_call, python_lines
 from kousoku.codegen.known_errors import known_errors
-from kousoku.model.files.manifest import ABI, KernelManifest, Manifest
+from kousoku.model.files.manifest import ABI, MANIFEST_FILE, KernelManifest, Manifest
 from kousoku.model.version import __version__
 
 if TYPE_CHECKING:
@@ -181,7 +181,7 @@ def promise(package: Package, inputs: Inputs) -> Manifest:
 def with_manifest(files: Mapping[str, str], promised: Manifest) -> dict[str, str]:
     """Folder with its manifest, which lists all other files, at the end."""
     listed = tuple((name, sha256(text)) for name, text in files.items())
-    return {**files, "manifest.json": replace(promised, files=listed).to_json()}
+    return {**files, MANIFEST_FILE: replace(promised, files=listed).to_json()}
 
 
 def _kernel_manifest(package: Package, kernel: Kernel) -> KernelManifest:

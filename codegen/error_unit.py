@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.numbers.digits import CONTEXT
+from kousoku.model.numbers.real import SMALLEST_SUBNORMAL
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
     from kousoku.model.numbers.dual import Dual
 
-SMALLEST_SUBNORMAL = 5e-324
 #: u, the rounding of a double.
 ROUNDING = CONTEXT.mpf(2) ** -53
 #: A derivative below this, at numbers of order one, is a zero that 50 digits left over.

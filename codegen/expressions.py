@@ -5,8 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.model.errors import FreezeError
+from kousoku.model.numbers.real import SMALLEST_SUBNORMAL
 from kousoku.model.operations.expression import bits_of, evaluated
 from kousoku.model.operations.graph import Op
 

@@ -24,10 +24,10 @@ from sympy.matrices.expressions import (
 from sympy.matrices.expressions.matexpr import MatrixElement
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
-from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.codegen.matrix_chain import Association, Cells, flip
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model.errors import FreezeError
+from kousoku.model.numbers.real import SMALLEST_SUBNORMAL
 from kousoku.model.operations.graph import Graph, Op
 from kousoku.model.operations.kernel import Kernel
 from kousoku.symbolic.matrices import (

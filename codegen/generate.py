@@ -1,4 +1,18 @@
-"""The pipeline of a kind, from its derivation or its name to the folder that is written."""
+"""From a kind, or a derivation of one's own, to the folder of its kernels, stage after stage.
+
+``derive``: name → Derivation
+    SymPy derives it, where neither the committed folder nor the cache has what was derived.
+``require_proved``: Derivation
+    One of one's own is proved; tests prove the kinds that are shipped.
+``frozen_package``: Derivation → Package
+    ``freeze``, then ``optimise``: kernels of its matrix level.
+``references``: Package, Derivation → text
+    Points with values in 50 digits, of its component level.
+``emit``: Package, texts → {file: text}
+    The folder.
+``write_tree``: {file: text} → names of files that changed
+    Written; ``check_tree`` says instead where a folder differs.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +33,7 @@ from kousoku.codegen.kernel_json import GRAPH_FILE, dump
 from kousoku.model.files.cache import write_atomically
 from kousoku.model.files.compressed import content, stored
 from kousoku.model.files.jsontext import to_text
-from kousoku.model.files.manifest import PLAIN, REFERENCE_FILE, Manifest
+from kousoku.model.files.manifest import MANIFEST_FILE, PLAIN, REFERENCE_FILE, Manifest
 from kousoku.model.operations.kernel import Package
 from kousoku.symbolic.kinds import KINDS, packages_of
 
@@ -32,7 +46,6 @@ if TYPE_CHECKING:
 
     SourceTree = dict[str, str]
 
-MANIFEST_FILE = "manifest.json"
 #: A digest in a line: hexadecimal digits, and no decimal number.
 DIGEST = re.compile(r"\b(?=[0-9e]*[a-df])[0-9a-f]{16,}\b")
 #: How much of a line that differs is shown.

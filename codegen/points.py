@@ -10,8 +10,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.model.numbers.digits import CONTEXT
+from kousoku.model.numbers.real import SMALLEST_SUBNORMAL
 from kousoku.model.operations.graph import Op
 
 if TYPE_CHECKING:

@@ -191,12 +191,12 @@ def _section(name: str, entries: Sequence[CatalogItem]) -> Section:
 def _kinds() -> list[CatalogItem]:
     """Kinds, with the inputs of their kernels."""
     from kousoku.generated import kinds
-    from kousoku.model.files.manifest import Manifest
+    from kousoku.model.files.manifest import MANIFEST_FILE, Manifest
     from kousoku.symbolic import KINDS
 
     found = []
     for name, kind in KINDS.items():
-        path = files(kinds.__name__) / name / "manifest.json"
+        path = files(kinds.__name__) / name / MANIFEST_FILE
         manifest = Manifest.from_json(path.read_text(encoding="utf-8"))
         quantities = [q for kernel in manifest.kernels for q in kernel.inputs]
         keys = {q.name: f"{q.meaning}, {q.shape} [{q.unit}]" for q in quantities}

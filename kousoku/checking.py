@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, overload
+from typing import TYPE_CHECKING, overload
 
 from kousoku.loading import GivenScene, cached_solver_folder, naming
 from kousoku.mechanism import Mechanism
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from kousoku.model.reading.builder import SceneBuilder
     from kousoku.model.records.scene import Scene
     from kousoku.own_kinds import Kind
+    from kousoku.runtime.choice import Target
     from kousoku.runtime.library import Library
     from kousoku.runtime.report import Report
     from kousoku.stages import KernelExplanation
@@ -87,7 +88,7 @@ def explain(
 def verify(
     what: Mechanism | Derivation | Library | str | Path | Mapping[str, Any] | Scene | SceneBuilder,
     *,
-    target: Literal["auto", "c", "numpy"] = "auto",
+    target: Target = "auto",
     kinds: Sequence[Kind] | None = None,
 ) -> Report:
     """Recompute the 50-digit reference values of emitted code on this machine.
@@ -113,8 +114,8 @@ def verify(
     LoadError
         There is no generated folder.
     """
+    from kousoku.model.files.manifest import MANIFEST_FILE
     from kousoku.runtime.library import Library
-    from kousoku.runtime.sources import MANIFEST
     from kousoku.runtime.verify import verify as verified
     from kousoku.symbolic.derivation import Derivation
 
@@ -135,10 +136,10 @@ def verify(
     if not isinstance(what, str | Path) or "\n" in str(what) or str(what).endswith(".toml"):
         with cached_solver_folder(GivenScene.of(what, own_kinds(kinds)), references=True) as folder:
             return verified(folder, target=target)
-    if not (folder_of(what) / MANIFEST).is_file():
+    if not (folder_of(what) / MANIFEST_FILE).is_file():
         raise LoadError(
-            f"{shown(str(what))} is no generated folder, which has a {MANIFEST}; wanted one, the"
-            " name of a kind, or a scene file, *.toml"
+            f"{shown(str(what))} is no generated folder, which has a {MANIFEST_FILE}; wanted one,"
+            " the name of a kind, or a scene file, *.toml"
         )
     return verified(what, target=target)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from kousoku.runtime import Library
+    from kousoku.runtime.choice import Target
     from kousoku.symbolic.derivation import Derivation
     from kousoku.symbolic.vectors import Body, Number, Vector
 
@@ -115,7 +116,7 @@ def kernels(
     derivation: Derivation | str | PathLike[str],
     folder: str | PathLike[str] | None = None,
     *,
-    target: Literal["auto", "c", "numpy"] = "auto",
+    target: Target = "auto",
 ) -> Library:
     """Kernels of a derivation: proved, frozen, emitted with references, and loaded.
 
@@ -143,10 +144,10 @@ def kernels(
     FreezeError
         An expression cannot be emitted.
     """
-    from kousoku.codegen.generate import MANIFEST_FILE, generate, package_of, write_tree
+    from kousoku.codegen.generate import generate, package_of, write_tree
     from kousoku.model.errors import DerivationError
     from kousoku.model.files.cache import cache_folder
-    from kousoku.model.files.manifest import Manifest
+    from kousoku.model.files.manifest import MANIFEST_FILE, Manifest
     from kousoku.runtime import load
 
     if isinstance(derivation, PathLike):

@@ -23,11 +23,11 @@ from kousoku.model.errors import (
     TargetError,
 )
 from kousoku.model.files.cache import cache_folder, shrink, size_limit, touch, write_atomically
+from kousoku.model.files.manifest import MANIFEST_FILE
 from kousoku.own_kinds import own_kinds
 from kousoku.progress import told
 from kousoku.runtime.messages import shown
 from kousoku.runtime.solver import load_solver
-from kousoku.runtime.sources import MANIFEST
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -319,7 +319,7 @@ def _look(key: str, options: str) -> Path | None:
         shelf = cache_folder() / "scenes" / key
         if not key or cache_key((shelf / SCENE_FILE).read_bytes(), options) != key:
             return None
-        folder = next((path.parent for path in shelf.glob(f"*/{MANIFEST}")), None)
+        folder = next((path.parent for path in shelf.glob(f"*/{MANIFEST_FILE}")), None)
     except OSError:
         return None
     touch(shelf)

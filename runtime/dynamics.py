@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
+from kousoku.model.files.manifest import MOTION_FILE
 from kousoku.runtime.design import DesignPlaces, with_parameters
 from kousoku.runtime.integrate.assembled_start import Moved
 from kousoku.runtime.integrate.motion import Layout
@@ -24,7 +25,7 @@ from kousoku.runtime.momenta import ConservedPlaces
 from kousoku.runtime.options import ALL_OPTIONS, options_of, with_values
 from kousoku.runtime.run import Run
 from kousoku.runtime.saved import SavedRun, checked_run
-from kousoku.runtime.sources import MOTION_FILE, Sources
+from kousoku.runtime.sources import Sources
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -13,6 +13,7 @@ import numpy as np
 
 from kousoku.runtime.integrate.body_tables import body_tables
 from kousoku.runtime.report import Row
+from kousoku.runtime.solver_verify import NAMES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -73,7 +74,7 @@ def _rows_at(solver: DynamicsSolver, number: int, point: Mapping[str, Any]) -> I
         yield Row(
             kernel=KERNEL,
             output=name,
-            way={"c": "C", "numpy": "NumPy"}[solver.target.name],
+            way=NAMES[solver.target.name],
             worst=float(np.inf if np.isnan(units) else units),
             element=(element,),
             point=number,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
+from kousoku.model.files.manifest import LINKAGE_LIBRARY
 from kousoku.runtime.dynamics_targets import exported, numpy_module, on_this_machine, open_either
 from kousoku.runtime.kinematics.moving import Linkage
 from kousoku.runtime.kinematics.rows import RUN, empty_rows
@@ -16,7 +17,7 @@ from kousoku.runtime.kinematics.solve import KinematicSolver
 from kousoku.runtime.kinematics.trajectory import Trajectory
 from kousoku.runtime.notice import say_once
 from kousoku.runtime.options import ALL_OPTIONS
-from kousoku.runtime.sources import LINKAGE_LIBRARY, Sources
+from kousoku.runtime.sources import Sources
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -125,7 +126,7 @@ class LinkageSolver(Linkage):
     def in_time(
         self, *, progress: Callable[[float, float], object] | None = None, **options: Any
     ) -> Trajectory:
-        """Motion in time, see :meth:`simulate`; it is done at once and tells no progress."""
+        """Motion in time, see :meth:`Linkage.simulate`; done at once, it tells no progress."""
         for name in options:
             if name in ALL_OPTIONS and name != "method":
                 raise SolveError(

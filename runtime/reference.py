@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import VerifyError
-from kousoku.model.files.manifest import REFERENCE_FILE
+from kousoku.model.files.manifest import MANIFEST_FILE, REFERENCE_FILE
 from kousoku.runtime.report import LIMIT, Row
 
 if TYPE_CHECKING:
@@ -136,9 +136,7 @@ def read_references(
     """
     path = folder / REFERENCE_FILE
     if REFERENCE_FILE not in files:
-        raise VerifyError(
-            f"{folder / 'manifest.json'} lists no {REFERENCE_FILE}: nothing to verify"
-        )
+        raise VerifyError(f"{folder / MANIFEST_FILE} lists no {REFERENCE_FILE}: nothing to verify")
     try:
         data = json.loads(files[REFERENCE_FILE])
         if data["format"] != FORMAT:

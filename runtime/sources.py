@@ -13,17 +13,17 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.model.errors import CacheError, LoadError, printable
 from kousoku.model.files.compressed import content, stored
-from kousoku.model.files.manifest import PLAIN, Manifest
+from kousoku.model.files.manifest import (
+    LINKAGE_LIBRARY,
+    MANIFEST_FILE,
+    MOTION_FILE,
+    PLAIN,
+    Manifest,
+)
 from kousoku.runtime.messages import shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-MANIFEST = "manifest.json"
-#: What a scene's folder tells about its bodies, or nodes.
-MOTION_FILE = "motion.json"
-#: The analysis that goes along with a linkage of nodes, and with nothing else.
-LINKAGE_LIBRARY = "kinematics"
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +113,7 @@ class Sources:
             if not self._lie_in(folder):
                 for name, data in self.files.items():
                     write_atomically(folder / name, stored(name, data.decode()))
-                write_atomically(folder / MANIFEST, text.encode())
+                write_atomically(folder / MANIFEST_FILE, text.encode())
         except OSError as error:
             raise CacheError(
                 f"{self.manifest.package}: {self.folder} no longer has its files, and the cache"
@@ -156,7 +156,7 @@ def read_manifest(folder: Path) -> Manifest:
         There is none, it cannot be read, or it was edited: its digest, which the sources name too,
         is over what it says.
     """
-    path = folder / MANIFEST
+    path = folder / MANIFEST_FILE
     try:
         text = path.read_bytes().decode()
         manifest = Manifest.from_json(text)
@@ -189,7 +189,7 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
     for name, digest in manifest.files:
         if PLAIN.fullmatch(name) is None:
             raise LoadError(
-                f"{folder / MANIFEST} lists {shown(name)}, which is not a plain file name"
+                f"{folder / MANIFEST_FILE} lists {shown(name)}, which is not a plain file name"
             )
         try:
             files[name] = content(name, (folder / name).read_bytes())

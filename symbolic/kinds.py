@@ -35,7 +35,7 @@ class Kind:
     aliases: tuple[str, ...] = ()
 
 
-#: All kinds by name. A new kind is one module and one line here.
+#: All kinds by name. What a new one wants beside a line here, CONTRIBUTING says: Add a kind.
 KINDS: dict[str, Kind] = {
     "rotation": Kind("rotation by Euler parameters", "rotation", ("rotation",)),
     "n1": Kind("two vectors perpendicular", "pairs", ("n1",), ("dot-1", "perpendicular", "perp-1")),

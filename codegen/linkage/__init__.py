@@ -11,6 +11,6 @@
 ``data``       names and tables: ``motion.json``
 ``exact``      what segments must give, element by element
 ``solution``   the motion in 50 digits
-``reference``  reference values, for ``verify``
+``reference``  reference values, for ``kousoku verify``
 ``explain``    what is solved
 """

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.context_lines import ascii_of, plain
 from kousoku.codegen.dynamics.emission.context import enumerators, segment_text
-from kousoku.codegen.dynamics.emission.emit import MOTION_FILE, solver_folder
+from kousoku.codegen.dynamics.emission.emit import solver_folder
 from kousoku.codegen.dynamics.emission.numpy_context import (
     python_kernels,
     python_segment,
@@ -17,6 +17,7 @@ from kousoku.codegen.emit import MESSAGES, along
 from kousoku.codegen.linkage.data import linkage_data
 from kousoku.codegen.linkage.layout import REGIONS
 from kousoku.model.files.jsontext import to_text
+from kousoku.model.files.manifest import LINKAGE_LIBRARY, MOTION_FILE
 from kousoku.runtime.kinematics.rows import RUN
 
 if TYPE_CHECKING:
@@ -31,8 +32,6 @@ TEMPLATES = {
     "solver.py": "linkage/solver.py.jinja",
     "__init__.py": "linkage/__init__.py.jinja",
 }
-#: The analysis that all scenes share: a folder of the runtime that goes along.
-LIBRARY = "kinematics"
 #: What runs segments in Python, what results are made of, and what checks options.
 SHARED = tuple(f"integrate/{name}.py" for name in ("__init__", "result", "run_arguments", "tasks"))
 
@@ -76,7 +75,7 @@ def emit_linkage(
         "kernels": list(python_kernels(program)),
         "segments": [python_segment(program, one) for one in program.segments],
     }
-    data, analysis = linkage_data(program, layout), along(LIBRARY, *SHARED, MESSAGES)
+    data, analysis = linkage_data(program, layout), along(LINKAGE_LIBRARY, *SHARED, MESSAGES)
     return solver_folder(
         scene.name,
         title,

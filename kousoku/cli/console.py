@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from kousoku.model.errors import DerivationError, LoadError
+from kousoku.model.files.manifest import MANIFEST_FILE
 from kousoku.model.text import table
 from kousoku.symbolic import KINDS, packages_of
 
@@ -49,8 +50,8 @@ def checkout() -> Path | None:
 
 def generated_packages() -> list[Path]:
     """Folders of all generated packages: the kinds, then the scenes."""
-    kinds = sorted(path.parent for path in generated_folder().glob("kinds/*/manifest.json"))
-    scenes = sorted(path.parent for path in generated_folder().glob("*/manifest.json"))
+    kinds = sorted(path.parent for path in generated_folder().glob(f"kinds/*/{MANIFEST_FILE}"))
+    scenes = sorted(path.parent for path in generated_folder().glob(f"*/{MANIFEST_FILE}"))
     return kinds + scenes
 
 
@@ -68,13 +69,13 @@ def find_packages(name: str = "") -> list[Path]:
     if name in known:
         return [known[name]]
     folder = Path(name)
-    if (folder / "manifest.json").is_file():
+    if (folder / MANIFEST_FILE).is_file():
         return [folder]
     if folder.is_dir():
-        inside = sorted(path.parent for path in folder.rglob("manifest.json"))
+        inside = sorted(path.parent for path in folder.rglob(MANIFEST_FILE))
         if inside:
             return inside
-        raise LoadError(f"{name}: holds no manifest.json; kousoku did not generate it")
+        raise LoadError(f"{name}: holds no {MANIFEST_FILE}; kousoku did not generate it")
     try:
         packages = packages_of(name)
         return [known[kind] for kind, entry in KINDS.items() if packages[0] in entry.packages]

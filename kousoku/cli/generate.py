@@ -20,6 +20,7 @@ from kousoku.cli.console import (
 )
 from kousoku.cli.moving import KindsOption
 from kousoku.model.errors import EmitError, KousokuError
+from kousoku.model.files.manifest import MANIFEST_FILE, Manifest
 from kousoku.model.text import counted
 
 SourceTree = dict[str, str]
@@ -125,9 +126,7 @@ def generate(
 
 def _is_own(folder: Path) -> bool:
     """Whether a folder is there for one package: it is new, or a package already."""
-    from kousoku.runtime.sources import MANIFEST
-
-    return not folder.exists() or (folder / MANIFEST).is_file()
+    return not folder.exists() or (folder / MANIFEST_FILE).is_file()
 
 
 def _require_place(out: Path, package: str, target: Emitted) -> None:
@@ -138,15 +137,13 @@ def _require_place(out: Path, package: str, target: Emitted) -> None:
     EmitError
         The message says why.
     """
-    from kousoku.model.files.manifest import Manifest
     from kousoku.model.validation.names import scene_name_problem
-    from kousoku.runtime.sources import MANIFEST
 
     name = out.resolve().name
     if target is not Emitted.C and (problem := scene_name_problem(name)):
         raise EmitError(f"--out {out}: Python could not import the package: {problem}")
     try:
-        known = Manifest.from_json((out / MANIFEST).read_text(encoding="utf-8")).package
+        known = Manifest.from_json((out / MANIFEST_FILE).read_text(encoding="utf-8")).package
     except (OSError, ValueError, KeyError, TypeError, KousokuError):
         return  # it is new, or damaged and written again
     if known != package:
@@ -224,8 +221,8 @@ def _leftovers() -> list[str]:
 
     scenes = {path.stem for path in committed_scenes()}
     kinds = set(package_names())
-    found = sorted(generated_folder().glob("*/manifest.json"))
-    found_kinds = sorted(generated_folder().glob("kinds/*/manifest.json"))
+    found = sorted(generated_folder().glob(f"*/{MANIFEST_FILE}"))
+    found_kinds = sorted(generated_folder().glob(f"kinds/*/{MANIFEST_FILE}"))
     left = [path.parent for path in found if path.parent.name not in scenes]
     left += [path.parent for path in found_kinds if path.parent.name not in kinds]
     return [f"{folder} is not generated any more" for folder in left]

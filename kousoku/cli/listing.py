@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from kousoku.cli.console import AsJson, generated_packages, print_json, print_table
-from kousoku.model.files.manifest import Manifest
+from kousoku.model.files.manifest import MANIFEST_FILE, Manifest
 from kousoku.symbolic import KINDS
 
 
@@ -50,7 +50,7 @@ def _list_section(section: str, name: str | None, *, as_json: bool) -> None:
 
 
 def _row(folder: Path) -> dict[str, Any]:
-    manifest = Manifest.from_json((folder / "manifest.json").read_text(encoding="utf-8"))
+    manifest = Manifest.from_json((folder / MANIFEST_FILE).read_text(encoding="utf-8"))
     kinds = [(name, kind) for name, kind in KINDS.items() if manifest.package == name]
     is_kind = folder.parent.name == "kinds" and bool(kinds)
     return {

@@ -33,7 +33,7 @@ MOST_FACTORS = 200
 
 @dataclass(frozen=True, slots=True)
 class SignedPower:
-    """SignedPower bᵖ |b|ˢ of a base b.
+    """Power bᵖ |b|ˢ of a base b.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class SignedPower:
 
     @classmethod
     def of(cls, power_: int, size: Fraction) -> SignedPower:
-        """SignedPower that is a single factor."""
+        """Power that is a single factor."""
         exponent = power_ + size
         return cls(power_, size, exponent > 0, exponent < 0, bool(size))
 
@@ -80,7 +80,7 @@ class SignedPower:
         )
 
     def raised(self, exponent: Fraction) -> SignedPower:
-        """SignedPower of it: with an exponent that is no whole number it has to be a size."""
+        """Power of it: with an exponent that is no whole number it has to be a size."""
         is_whole = exponent.denominator == 1
         power_ = int(self.power * exponent) if is_whole else 0
         size = self.exponent * exponent - power_
@@ -206,7 +206,7 @@ def _powers_of_sum(part: Expression) -> Powers | None:
 
 
 def _raised(powers: Powers | None, exponent: Fraction) -> Powers | None:
-    """SignedPower of a product; None where its factors must not come apart."""
+    """Power of a product; None where its factors must not come apart."""
     is_whole = exponent.denominator == 1
     if powers is None or not all(is_whole or _is_positive(*pair) for pair in powers.items()):
         return None

@@ -11,6 +11,7 @@ from kousoku.model.expressions.derivative import derivative
 from kousoku.model.expressions.exponentials import without_overflow
 from kousoku.model.expressions.formulas import TIME
 from kousoku.model.expressions.polynomials import is_never_zero, root_of_even_power, square_part
+from kousoku.model.numbers.real import SMALLEST_SUBNORMAL
 from kousoku.model.operations.expression import (
     ONE,
     Expression,
@@ -261,14 +262,14 @@ def _range(part: Expression, args: Sequence[tuple[float, float]]) -> tuple[float
         case Op.SIN | Op.COS:
             return -1.0, 1.0
         case Op.EXP:
-            return (0.0 if least > 0.0 else 5e-324), inf
+            return (0.0 if least > 0.0 else SMALLEST_SUBNORMAL), inf
         case Op.ABS | Op.SQRT:
             return 0.0, inf
         case Op.MUL if all(isfinite(end) for one in args for end in one):
             ends = [a * b for a in args[0] for b in args[1]]
             return min(ends), max(ends)
         case Op.MUL if part.args[0] == part.args[1] or min(least, args[1][0]) >= 0.0:
-            return (5e-324 if min(least, args[1][0]) > 0.0 else 0.0), inf
+            return (SMALLEST_SUBNORMAL if min(least, args[1][0]) > 0.0 else 0.0), inf
         case Op.POW if (exponent := part.args[1].value) is not None:
             is_even = exponent % 2 == 0 or exponent.denominator > 1
             return (0.0, inf) if is_even else (-inf, inf)

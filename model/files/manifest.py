@@ -18,8 +18,13 @@ FORMAT = 2
 ABI = 4
 #: A file of a package: in its folder, or in one folder of that, such as ``integrate/memory.h``.
 PLAIN = re.compile(r"(?=.{1,200}\Z)(?:[A-Za-z_]\w*/)?[A-Za-z_][\w-]*(?:\.\w+)+", re.ASCII)
-#: File of the reference values, compressed as :mod:`kousoku.model.files.compressed` does.
+#: Files of a folder: the manifest; the reference values, compressed as
+#: :mod:`kousoku.model.files.compressed` does; of a scene what it tells about bodies, or nodes.
+MANIFEST_FILE = "manifest.json"
 REFERENCE_FILE = "reference.json.gz"
+MOTION_FILE = "motion.json"
+#: The analysis that goes along with a linkage of nodes, and with nothing else.
+LINKAGE_LIBRARY = "kinematics"
 
 
 @dataclass(frozen=True, slots=True)

@@ -200,8 +200,9 @@ class ForceElement:
         Numbers, by names that its class knows. ``s_i_b`` and ``s_j_b`` [m] are points of bodies i
         and j in the principal frames, frame O for the ground; three numbers are a vector.
     law : str
-        Tension, or what acts against a coordinate, as a formula of :data:`LAW_NAMES` and
-        parameters, in the unit of the scene; empty where linear.
+        Tension, or what acts against a coordinate, as a formula of
+        :data:`~kousoku.model.expressions.formulas.LAW_NAMES` and parameters, in the unit of the
+        scene; empty where linear.
     formulas : tuple of (str, str)
         Constants that are multiplied by a formula: name, and text. Of a spring it depends on
         parameters only, of a force or torque also on time ``t``, coordinates, and their rates with

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     #: Of all rooms but ``runtime``, whose integrator goes along without this file.
     Array: TypeAlias = npt.NDArray[np.float64]
 
+#: The smallest double above zero, 2⁻¹⁰⁷⁴.
+SMALLEST_SUBNORMAL = 5e-324
+
 
 class Real(Protocol):
     """A real number that is added, multiplied and compared: a double, or one of more digits."""

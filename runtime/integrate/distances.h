@@ -12,9 +12,10 @@
  * places are known to */
 #define TURNING 0.0625
 #define TOLD_TURNING 1e-2
-/* rates of squares are told by their difference over this part of a step */
+/* rates of squares are told by their difference over this part of a step, 2^-20 */
 #define DIFFERENCE 9.5367431640625e-7
-/* how often that is doubled to the middle of a step */
+/* the node in the middle of a step: each lies twice as far from its start as the one before it, the
+ * first at that difference */
 #define DOUBLED 20
 /* a force turns within so many times the time in which a distance gets larger by as much as it is
  */

@@ -30,9 +30,10 @@ if TYPE_CHECKING:
 #: places are known to.
 TURNING = 0.0625
 TOLD_TURNING = 1e-2
-#: Rates of squares are told by their difference over this part of a step.
+#: Rates of squares are told by their difference over this part of a step, 2⁻²⁰.
 DIFFERENCE = 9.5367431640625e-7
-#: How often that is doubled to the middle of a step.
+#: The node in the middle of a step: each lies twice as far from its start as the one before it, the
+#: first at that difference.
 DOUBLED = 20
 #: Parts of a step where squares are asked for: at its ends, in its middle, and beside these.
 NODES = (0.0, DIFFERENCE, 0.5, 0.5 + DIFFERENCE, 1.0 - DIFFERENCE, 1.0)

@@ -18,7 +18,6 @@ from unittest.mock import patch
 import numpy as np
 
 from kousoku.codegen.emit import emit
-from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.codegen.freeze import freeze
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.generate import package_of, write_tree
@@ -35,6 +34,7 @@ from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.codegen.states import coincident_points, motion_points
 from kousoku.model.errors import NoCompilerError
 from kousoku.model.numbers.digits import CONTEXT
+from kousoku.model.numbers.real import SMALLEST_SUBNORMAL
 from kousoku.runtime import load
 from kousoku.runtime.evaluate import different_bits, evaluate, ways
 from kousoku.runtime.reference import reference_of

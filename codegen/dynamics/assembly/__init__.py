@@ -1,5 +1,6 @@
 """Positions and velocities that fit, near those that a scene gives.
 
-``assemble``, ``nearest``, ``rough``, ``pose``, ``residuals``, ``jacobian``, ``driver_laws``,
-``turns``, ``least``, ``block_factors``, ``fixed_points``, ``violations``.
+``assemble``, ``newton_mp``, ``newton_double``, ``near_origin``, ``pose``, ``residuals``,
+``jacobian``, ``changes``, ``driver_laws``, ``unwrap``, ``minimum_norm``, ``block_factors``,
+``fixed_points``, ``violations``, ``excess``.
 """

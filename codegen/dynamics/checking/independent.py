@@ -37,8 +37,9 @@ if TYPE_CHECKING:
 
 #: How far states are from the start: as a part of the length of the scene or a radian, in seconds,
 #: and how fast, as a part of the length or a radian in a second. Those that come first are tried
-#: first, and so many that move are wanted.
+#: first.
 TRIALS = ((2.0**-5, 0.3), (2.0**-6, 0.04), (2.0**-8, 2.0**-8), (2.0**-12, 2.0**-12), (0.0, 0.0))
+#: States that move and are wanted beside the start.
 STATES = 1
 #: Singular values that are zero, and the least that a state may have, as parts of the largest.
 ZERO, WEAK = 1e-10, 1e-4

@@ -3,9 +3,10 @@
 Each body of the scene is for itself: m v̇ = F and I′ ω̇′ = N′ − ω̃′ I′ ω′, with forces, joints,
 drivers and coordinates as the scene gives them, each by its geometric definition. Nothing is
 merged, put into a plane, put onto a joint or left out, and no kernel, operation or composition has
-a part in it: what these do wrong shows. A residual C along a motion, :mod:`.jets`, tells Ċ and C̈,
-and by Ċ = C_q v − ν and C̈ = C_q v̇ − γ all that is needed of it. Of a kind of one's own C is what
-its kernel computes, there is no other definition; its Jacobian, ν and γ have no part in it.
+a part in it: what these do wrong shows. A residual C along a motion,
+:mod:`~kousoku.codegen.dynamics.operations.jets`, tells Ċ and C̈, and by Ċ = C_q v − ν and
+C̈ = C_q v̇ − γ all that is needed of it. Of a kind of one's own C is what its kernel computes, there
+is no other definition; its Jacobian, ν and γ have no part in it.
 """
 
 from __future__ import annotations

@@ -68,7 +68,8 @@ class Scale:
     Parameters
     ----------
     points : mapping of str to (3,) tuple [m]
-        The point of each joint that has one, as :func:`points_of` returns them.
+        The point of each joint that has one, as
+        :func:`~kousoku.codegen.dynamics.operations.joint_ends.points_of` returns them.
     length : float [m]
         ℓ.
     shared : Shared

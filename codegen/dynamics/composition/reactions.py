@@ -90,7 +90,7 @@ def record_reactions(
     ground: Callable[[], Mapping[tuple[str, int], SlotMatrix]] = dict,
     in_loops: bool = False,
 ) -> None:
-    """Record force and torque of each joint on the bodies that :func:`ends_of` gives.
+    """Record force and torque of each joint on the bodies that :func:`loaded_bodies` gives.
 
     They are −C_qᵀλ (c,): force [N] in frame O, torque [N m] about the centre of mass in the
     principal frame.

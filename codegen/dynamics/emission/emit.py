@@ -19,6 +19,7 @@ from kousoku.codegen.emit import (
     with_manifest,
 )
 from kousoku.model.files.jsontext import to_text
+from kousoku.model.files.manifest import MOTION_FILE
 from kousoku.model.operations.kernel import Package
 from kousoku.model.version import __version__
 from kousoku.runtime.integrate.methods import METHODS
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from kousoku.model.lowering.about import About
     from kousoku.model.mechanics.multibody import System
 
-MOTION_FILE = "motion.json"
 TEMPLATES = {
     "solver.c": "dynamics/solver.c.jinja",
     "solver.h": "dynamics/solver.h.jinja",

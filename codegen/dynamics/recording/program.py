@@ -358,7 +358,8 @@ SEGMENTS = {
     "check": "v, v_dot, t -> C_left_out, C_dot, C_ddot",
 }
 
-#: What a run calls where the pivot monitor finds that much or all was lost; no evaluation does.
+#: What a run calls and no evaluation does: where the pivot monitor finds that much or all was
+#: lost, where it begins, and for events and kinks.
 ON_DEMAND = {
     "refinement": "v, v_dot, t -> dv, the correction of v_dot, more_lam, more_power",
     "wrench": "all_lam -> wrenches, reactions",

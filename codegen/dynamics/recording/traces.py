@@ -7,9 +7,9 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.matrix import Matrix
-from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.codegen.passes.rebuild import copy_node, substitute
 from kousoku.model.files.quantity import Quantity
+from kousoku.model.numbers.real import SMALLEST_SUBNORMAL
 from kousoku.model.operations.graph import Graph, Op, OperationNode
 from kousoku.model.operations.kernel import Kernel
 

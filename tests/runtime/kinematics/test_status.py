@@ -1,4 +1,4 @@
-"""Statuses and tolerances: the same in C and in Python."""
+"""Statuses and numbers: the same in C and in Python."""
 
 from __future__ import annotations
 
@@ -8,22 +8,30 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import kousoku.runtime
-from kousoku.runtime.kinematics import status
+from kousoku.runtime.kinematics import certificate, status
 from kousoku.runtime.kinematics.status import MESSAGES, AnalysisStatus
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 HEADER = Path(kousoku.runtime.__path__[0]) / "kinematics" / "status.h"
-TOLERANCES = ("SETTLED", "ROUNDING", "SINGULAR", "SMALLEST_STEP")
 
 
-def test_tolerances_of_the_header_are_those_of_the_module() -> None:
-    text = HEADER.read_text(encoding="utf-8")
-    for name in TOLERANCES:
-        (value,) = re.findall(rf"^#define {name} (\S+)$", text, re.MULTILINE)
-        number = float.fromhex(value) if value.startswith("0x") else float(value)
-        assert number == getattr(status, name), name
+def number_of(text: str) -> float:
+    """Number of a macro: decimal, hexadecimal, or a quotient in parentheses."""
+    if text.startswith("0x"):
+        return float.fromhex(text)
+    above, _, below = text.strip("()").partition(" / ")
+    return float(above) / float(below or 1)
+
+
+def test_numbers_of_the_headers_are_those_of_the_modules() -> None:
+    modules = (status, certificate)
+    texts = [Path(one.__file__).with_suffix(".h").read_text(encoding="utf-8") for one in modules]
+    macros = dict(re.findall(r"^#define (\w+) (.+)$", "\n".join(texts), re.MULTILINE))
+    named = {name: value for one in modules for name, value in vars(one).items()}
+    numbers = {name: value for name, value in named.items() if type(value) in {int, float}}
+    assert {name: number_of(value) for name, value in macros.items()} == numbers
 
 
 def test_statuses_of_the_header_are_those_of_the_module() -> None:
