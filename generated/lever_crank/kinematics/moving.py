@@ -34,6 +34,9 @@ ADVICE = {
     AnalysisStatus.NOT_FINITE: "check lengths, positions and inputs",
     AnalysisStatus.TOO_FAR: "begin nearer to the scene, or ask for more rows between",
 }
+#: Links that are violated by no more than this part of the size of the linkage are met: they are
+#: not what keeps it from being assembled.
+VIOLATED = 1e-9
 #: Divisions that are counted without rounding.
 MOST_ROWS = 2**53
 
@@ -207,7 +210,7 @@ class Linkage:
         place = dict(zip(mechanism.nodes, position, strict=True))
         for name, first, second, length in mechanism.links:
             gap = float(np.hypot(*(place[second] - place[first]))) - length
-            if name in links and abs(gap) > 1e-9 * mechanism.length:
+            if name in links and abs(gap) > VIOLATED * mechanism.length:
                 parts.append(
                     f"{name} would have to be {abs(gap):.6g} {mechanism.unit}"
                     f" {'longer' if gap > 0 else 'shorter'} to reach from {first} to {second}"

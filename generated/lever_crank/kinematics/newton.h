@@ -43,6 +43,7 @@ static int newton(const Run *run, size_t number, Workspace *w, Convergence *conv
         if (is_settled && is_stalled) {
             return LIMIT_TOO_SMALL;
         }
+        /* corrections may grow while it is far from a solution, but no more after three */
         if (k > 2 && step >= 2.0 * last) {
             return DEAD_CENTRE;
         }
@@ -115,6 +116,7 @@ static int modified_newton(Run *run, Workspace *w, const double *alpha, Converge
         if (step >= last && last <= ROUNDING * LENGTH) {
             return LIMIT_TOO_SMALL;
         }
+        /* as above, corrections grow no more after three */
         if (k >= run->max_iterations || (k > 2 && step >= 2.0 * last)) {
             return DEAD_CENTRE;
         }

@@ -94,6 +94,7 @@ class Newton:
                 return Convergence(k, residual)
             if is_settled and is_stalled:
                 raise StopError(AnalysisStatus.LIMIT_TOO_SMALL)
+            # Corrections may grow while it is far from a solution, but no more after three.
             if k > 2 and step >= 2 * last:
                 raise StopError(AnalysisStatus.DEAD_CENTRE)
             block.x -= correction
@@ -153,6 +154,7 @@ class Newton:
             step = largest(correction * self.scale)
             if step >= last and last <= ROUNDING * self.length:
                 raise StopError(AnalysisStatus.LIMIT_TOO_SMALL)
+            # As above, corrections grow no more after three.
             if k >= self.run.max_iterations or (k > 2 and step >= 2 * last):
                 raise StopError(AnalysisStatus.DEAD_CENTRE)
             trial -= correction

@@ -33,7 +33,7 @@ class KinematicSolver:
     Parameters
     ----------
     kernels, tasks
-        As of :func:`kinematics.equations.segments_of`; none where a compiled library computes.
+        As of :func:`segments_of`; none where a compiled library computes.
     """
 
     #: What computes.

@@ -18,11 +18,12 @@
 /* second derivatives may be so much further from those of a cubic polynomial as it is from a
  * parabola */
 #define DOUBT 2.0
-/* how much bounds may exceed what samples tell; what always may be left, by the size of a part */
+/* how much bounds may exceed what samples tell */
 #define EXPLAINED 2.0
 /* how much the variation of a part may, as its bounds tell, of what samples show: a hill between
  * them goes up and down, and has twice of it */
 #define SHOWN 1.5
+/* what always may be left, by the size of a part */
 #define NOTHING 1e-12
 /* a part that changes by less than this part of it in an interval needs no samples */
 #define STEADY 0.5

@@ -41,11 +41,12 @@ MOST_LOOKS = 512
 #: Second derivatives may be so much further from those of a cubic polynomial as it is from a
 #: parabola.
 DOUBT = 2.0
-#: How much bounds may exceed what samples tell; what always may be left, by the size of a part.
+#: How much bounds may exceed what samples tell.
 EXPLAINED = 2.0
 #: How much the variation of a part may, as its bounds tell, of what samples show: a hill between
 #: them goes up and down, and has twice of it.
 SHOWN = 1.5
+#: What always may be left, by the size of a part.
 NOTHING = 1e-12
 #: A part that changes by less than this part of it in an interval needs no samples.
 STEADY = 0.5
