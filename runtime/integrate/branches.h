@@ -86,7 +86,7 @@ static int follow_branch(
     size_t n = 4;
     forget_trials(work);
     begin_way(h, s->y, s->f, y, f, x, work->way);
-    for (size_t look = 0; look != MOST_APPROACHES; ++look) {
+    for (size_t approach = 0; approach != MOST_APPROACHES; ++approach) {
         for (size_t side = 0; side < 2; ++side) {
             const double there = part + (side ? beside : -beside), t = s->time + there * h;
             off[side] = bend_way(&n, x, work->way, t, there, &roots[side], work, s);

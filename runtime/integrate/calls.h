@@ -116,7 +116,7 @@ static int advance(
     if (status == GOOD) status = step(m, settings, asked, target, s, work);
     if (status == GOOD && asked < s->time) {
         prepare_dense(m, work, s);
-        if (has_led_works(m)) add_led_rows(s, work);
+        if (has_driven_works(m)) add_driven_rows(s, work);
     }
     return status;
 }

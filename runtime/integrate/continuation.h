@@ -165,12 +165,12 @@ static int stay_closed_along(State *s, Work *work)
         const double x = 0.6180339887498949 * (double)(k + 1);
         u[k] = (x - floor(x) - 0.5) * (is_length[k] ? LENGTH : 1.0);
     }
-    for (int look = 0; look < MOST_CLOSURE_CHECKS; ++look) {
+    for (int attempt = 0; attempt < MOST_CLOSURE_CHECKS; ++attempt) {
         const double ratio = pivot_ratio(work, s);
         const int is_regular = ratio >= NEAR_SINGULAR * usual;
         usual = larger(usual, ratio);
         check(w);
-        if (is_regular && !are_closed(w + W_C, look ? CLEARLY : 1.0)) return 0;
+        if (is_regular && !are_closed(w + W_C, attempt ? CLEARLY : 1.0)) return 0;
         take_normal_part(1.0, y + NQ, work, u);
         const double size = size_of(u);
         if (ratio < WEAK_PIVOT_RATIO || !(size > SMALLEST_DIRECTION)) return 1;

@@ -14,6 +14,16 @@
 #define MOST_GROWTH 2.0
 #define LONGEST_WAY 0.6
 #define FINEST_WAY 1e-6
+/* a step is this much shorter than one that is just smooth enough, or that just sums works to the
+ * tolerance, and no more than twice as long as the one before it. Where nothing tells how short it
+ * must be it is halved */
+#define NEXT_STEP_SAFETY 0.9
+#define MOST_NEXT_FACTOR 2.0
+#define HALVED 0.5
+/* the powers of the length of a step with which errors of works go, by Lobatto's rule of five nodes
+ * and by Simpson's */
+#define LOBATTO_ORDER 9.0
+#define SIMPSON_ORDER 5.0
 /* how far behind a position where rows are nearly dependent a step is tried, in its length; where
  * branches do not meet there, positions in between may have ratios this much smaller */
 #define FURTHEST_TRIAL 8.0
@@ -112,7 +122,7 @@ static int is_explained(double h, Position start, Position half, Position last)
 }
 
 /* what tells branches, negative where all rows are solved for: that is another number */
-static double told_ratio(const Work *work, const State *s)
+static double signed_ratio(const Work *work, const State *s)
 {
     const double ratio = branch_ratio(work, s);
     return HAS_ROW_SWITCH && work->all.is_on != 0.0 ? -ratio : ratio;
@@ -165,7 +175,7 @@ static int reach(double end, const Part *ways, size_t n, double weak, State *s, 
         *rough = larger(roughness(way, first, before, to, work, s), *rough);
         if (!(*rough <= 1.0)) return 0;
         if (part->x < 1.0 && pivot_ratio(work, s) < weak * s->largest_pivot_ratio) return 0;
-        const double there = told_ratio(work, s);
+        const double there = signed_ratio(work, s);
         if (!is_leap && may_leap(way, ratio, there, to, s)) return 0;
         gone = part->x;
         before = to;
@@ -251,15 +261,15 @@ static double unbalanced(const Settings *settings, double h, const State *s, Wor
  * steps anyway: where periodic powers are the same at both ends and in the middle, they are not at
  * its nodes. What Simpson's rule has left since the last trial goes to the ledger. */
 static double sum_works(const Settings *settings, double end, double weak, int has_nodes, State *s,
-    Work *work, int *is_told)
+    Work *work, int *is_estimated)
 {
     const double h = end - s->time, *rate = s->f, *half = position_at(0, work).f;
     const double *f = position_at(1, work).f, *one = position_at(2, work).f;
     const double *other = position_at(3, work).f;
-    double *y = position_at(1, work).y, error = 0.0, most = 0.0, missed = 0.0, told = 0.0;
-    *is_told = 1;
+    double *y = position_at(1, work).y, error = 0.0, most = 0.0, missed = 0.0, estimated = 0.0;
+    *is_estimated = 1;
     if (WORKS == 0) return 0.0;
-    *is_told = 0;
+    *is_estimated = 0;
     const double least = least_size_of_works(h, s, work);
     for (size_t k = NQ - WORKS; k != NQ; ++k) {
         const double size = least + larger(fabs(s->y[k]), fabs(y[k]));
@@ -275,7 +285,7 @@ static double sum_works(const Settings *settings, double end, double weak, int h
         ratio_at(y, work, s);
         if (!has_nodes) return error;
     }
-    *is_told = 1;
+    *is_estimated = 1;
     for (size_t k = NQ - WORKS; k != NQ; ++k) {
         const double size = least + larger(fabs(s->y[k]), fabs(y[k]));
         const double ends = 0.5 * (rate[k] + f[k]), inner = 0.5 * (one[k] + other[k]);
@@ -283,12 +293,14 @@ static double sum_works(const Settings *settings, double end, double weak, int h
         const double coarse = h * (ends - half[k]) / 3.0;
         const double square = more * more + coarse * coarse;
         if (square > 0.0)
-            told = larger(EVEN_ERROR_PART * fabs(more) * (more * more / square) / size, told);
+            estimated = larger(
+                EVEN_ERROR_PART * fabs(more) * (more * more / square) / size, estimated);
         const double slope = 0.5 * (f[k] - rate[k]);
         const double odd = 0.5 * (other[k] - one[k]) - ODD_PLACE * slope;
         const double squares = odd * odd + slope * slope * ODD_PART;
         if (squares > 0.0)
-            told = larger(ODD_ERROR_PART * h * fabs(odd) * (odd * odd / squares) / size, told);
+            estimated = larger(
+                ODD_ERROR_PART * h * fabs(odd) * (odd * odd / squares) / size, estimated);
         most = larger(fabs(more), most);
         missed = larger(fabs(more) / size, missed);
         y[k] += more;
@@ -298,28 +310,29 @@ static double sum_works(const Settings *settings, double end, double weak, int h
         s->work_error += most / h * smaller(s->untold, RULE_TRIAL_STEPS * h);
         s->untold = 0.0;
     }
-    return larger(told / settings->tolerance, ERROR_DECAY * s->error);
+    return larger(estimated / settings->tolerance, ERROR_DECAY * s->error);
 }
 
 /* what is known of the works of a step: their error, in units of the tolerance, and at its end the
- * energy that no work explains, and that which has moved [J]; whether more positions told it */
+ * energy that no work explains, and that which has moved [J]; whether more positions estimated
+ * it */
 typedef struct {
     double error, balance, moved;
-    int is_told;
+    int is_estimated;
 } WorkEstimate;
 
 /* sums the works of a step better unless it leaps, and tells what its energy says of them */
-static void tell_works(const Settings *settings, double end, double weak, size_t n, State *s,
-    Work *work, WorkEstimate *told)
+static void estimate_works(const Settings *settings, double end, double weak, size_t n, State *s,
+    Work *work, WorkEstimate *works)
 {
     const double *y = position_at(1, work).y;
-    look_at_misses(settings, work);
-    if (n > 1) told->error = sum_works(settings, end, weak, n == 4, s, work, &told->is_told);
+    check_misses(settings, work);
+    if (n > 1) works->error = sum_works(settings, end, weak, n == 4, s, work, &works->is_estimated);
     else if (WORKS > 0) energy(work->w);
     if (WORKS == 0) return;
-    told->error = larger(unbalanced(settings, end - s->time, s, work), told->error);
-    told->moved = energy_moved(work->w, y, s);
-    told->balance = energy_balance(work->w, y, s);
+    works->error = larger(unbalanced(settings, end - s->time, s, work), works->error);
+    works->moved = energy_moved(work->w, y, s);
+    works->balance = energy_balance(work->w, y, s);
 }
 
 /* keeps a position, at or behind the time that is asked for */
@@ -353,36 +366,39 @@ static void note_ratios(double ratio, double end, int is_deep, State *s, const W
         s->largest_pivot_ratio = ratio / WEAK_PIVOT_RATIO * (is_deep ? DEEP_RATIO_PART : 1.0);
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, ratio);
     note_largest_pivot(work, s);
-    s->position_ratio = told_ratio(work, s);
+    s->position_ratio = signed_ratio(work, s);
     s->usual_ratio = larger(s->usual_ratio, s->position_ratio);
 }
 
-/* where a position to an end must be, so that forces between are told, and events; one that leaps
- * over a place stays where it is */
+/* where a position to an end must be, so that forces between are resolved, and events; one that
+ * leaps over a place stays where it is */
 static double watched_end(
-    const Settings *settings, double end, double part, Look *look, State *s, Work *work)
+    const Settings *settings, double end, double part, Search *search, State *s, Work *work)
 {
     const Position last = position_at(1, work);
-    look_into(settings, methods, 0, end - s->time, last.y, s->f, last.f, look, s, work);
-    const double seen = seen_end(end, look, s, work);
+    begin_search(settings, methods, 0, end - s->time, last.y, s->f, last.f, search, s, work);
+    const double seen = crossing_end(end, search, s, work);
     const int is_cut = seen < end && part <= 1.0;
-    const double told = N_NARROW > 0 ? told_end(is_cut ? seen : end, look, s, work) : end;
-    if (look->pole) return cut_at(end_before_pole(look, s), look);
+    const double resolved = N_NARROW > 0 ? resolved_end(is_cut ? seen : end, search, s, work) : end;
+    if (search->pole) return cut_at(end_before_pole(search, s), search);
     if (part > 1.0) {
-        look->is_untold = look->is_untold || told < end;
+        search->is_unresolved = search->is_unresolved || resolved < end;
         return end;
     }
-    return seen <= told && seen < end ? cut_at(seen, look) : smaller(told, seen);
+    return seen <= resolved && seen < end ? cut_at(seen, search) : smaller(resolved, seen);
 }
 
 /* how much longer than a step the next one is, or that which is tried in its place */
-static double following(double error, double rough, int is_good, int is_told)
+static double following(double error, double rough, int is_good, int is_estimated)
 {
-    const double by_shape = rough > 0.0 ? 0.9 / sqrt(rough) : 2.0;
-    if (!is_good) return 1.0 < rough && rough < HUGE_VAL ? larger(0.2, by_shape) : 0.5;
-    if (!isfinite(error)) return 0.5;
-    const double by_work = error > 0.0 ? 0.9 * pow(error, is_told ? -1.0 / 9.0 : -1.0 / 5.0) : 2.0;
-    return larger(0.2, smaller(2.0, smaller(by_shape, by_work)));
+    const double by_shape = rough > 0.0 ? NEXT_STEP_SAFETY / sqrt(rough) : MOST_NEXT_FACTOR;
+    if (!is_good)
+        return 1.0 < rough && rough < HUGE_VAL ? larger(LEAST_STEP_FACTOR, by_shape) : HALVED;
+    if (!isfinite(error)) return HALVED;
+    const double order = is_estimated ? LOBATTO_ORDER : SIMPSON_ORDER;
+    const double by_work = error > 0.0 ? NEXT_STEP_SAFETY * pow(error, -1.0 / order)
+                                       : MOST_NEXT_FACTOR;
+    return larger(LEAST_STEP_FACTOR, smaller(MOST_NEXT_FACTOR, smaller(by_shape, by_work)));
 }
 
 /* the next position of a motion that drivers determine, at most at the time that is asked for.
@@ -395,10 +411,10 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
     int is_deep = 0;
     double longest = settings->largest_step;
     const int tells_works = HAS_ENERGIES || settings->checks; /* in rows, or the ledger */
-    Look look = { .cut = s->time, .is_kept = 1 };
+    Search search = { .cut = s->time, .is_kept = 1 };
     if (s->step_size > 0.0) longest = smaller(s->step_size, longest);
     for (;;) {
-        const int is_last = s->time + 1.0000001 * longest >= asked;
+        const int is_last = s->time + STRETCH_TO_END * longest >= asked;
         const double whole = is_last ? asked - s->time : longest;
         const double end = is_last && part == 1.0 ? asked : s->time + part * whole;
         if (!(end - s->time > SMALLEST * larger(fabs(s->time), fabs(asked)))) return STEP_TOO_SMALL;
@@ -408,17 +424,17 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         const double weak = WEAK_PIVOT_RATIO * (is_deep ? DEEP_RATIO_PART : 1.0);
         const int good = reach(end, ways, n, weak, s, work, &drift, &rough);
         const double ratio = pivot_ratio(work, s);
-        WorkEstimate told = { 0.0, 0.0, 0.0, 0 };
-        if (good && tells_works) tell_works(settings, end, weak, n, s, work, &told);
-        const double error = part > 1.0 ? 0.0 : told.error; /* leaps sum no works well */
-        const double factor = following(error, rough, good, told.is_told);
+        WorkEstimate works = { 0.0, 0.0, 0.0, 0 };
+        if (good && tells_works) estimate_works(settings, end, weak, n, s, work, &works);
+        const double error = part > 1.0 ? 0.0 : works.error; /* leaps sum no works well */
+        const double factor = following(error, rough, good, works.is_estimated);
         const int is_avoided = part < FURTHEST_TRIAL && !is_deep &&
                                ratio < WEAK_PIVOT_RATIO * s->largest_pivot_ratio;
         const int is_fit = good && error <= 1.0 && !is_avoided;
         const int branch = is_fit ? branch_at(end, s, work) : STAYS;
         /* onto another branch, or over what one can go through, as works want */
         const int is_leap = part > 1.0 &&
-                            (branch == LEAPS || (branch == STAYS && told.error > 1.0));
+                            (branch == LEAPS || (branch == STAYS && works.error > 1.0));
         if (is_avoided) {
             s->avoided += 1;
             part = part == 0.5 ? 1.25 : part <= 1.0 ? part - 0.25 : 1.25 * part;
@@ -431,27 +447,27 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
             is_deep = is_deep || is_leap;
             continue;
         }
-        if (N_SEEN > 0) {
-            const double seen = watched_end(settings, end, part, &look, s, work);
-            const int why = why_stopped(seen, &look, s);
+        if (N_FUNCTIONS > 0) {
+            const double seen = watched_end(settings, end, part, &search, s, work);
+            const int why = why_stopped(seen, &search, s);
             if (why != GOOD) return why;
             if (seen < end) {
-                if (seen == look.cut) asked = seen;
+                if (seen == search.cut) asked = seen;
                 longest = larger(seen, s->time + FINEST * whole) - s->time;
                 part = 1.0;
                 continue;
             }
-            note_crossings(end, &look, s, work);
-            if (look.is_untold) note_unresolved(s->time, s);
+            note_crossings(end, &search, s, work);
+            if (search.is_unresolved) note_unresolved(s->time, s);
         }
         note_branch(end, branch, s);
         note_ratios(ratio, end, is_deep, s, work);
         s->drift = larger(s->drift, drift);
-        note_moved(settings, told.moved, s);
-        s->untold += told.is_told ? 0.0 : end - s->time;
+        note_moved(settings, works.moved, s);
+        s->untold += works.is_estimated ? 0.0 : end - s->time;
         s->step_size = larger(is_last ? s->step_size : 0.0, factor * whole);
-        s->error = told.is_told ? error : 0.0;
-        s->balance = told.balance;
+        s->error = works.is_estimated ? error : 0.0;
+        s->balance = works.balance;
         accept_position(settings, end, asked, work, s);
         return GOOD;
     }

@@ -12,14 +12,15 @@ from .branches import LEAPS, STAYS, follow_branch, note_branch
 from .crossing import (
     FINEST,
     SMALLEST,
-    Look,
+    STRETCH_TO_END,
+    Search,
+    begin_search,
+    crossing_end,
     cut_at,
     end_before_pole,
-    look_into,
     note_crossings,
     note_unresolved,
-    seen_end,
-    told_end,
+    resolved_end,
     why_stopped,
 )
 from .dense_output import hermite_cubic
@@ -34,9 +35,10 @@ from .pivot_monitor import (
     pivot_ratio,
 )
 from .projection import project, ratio_at
-from .row_switch import forget_trials, look_at_misses, note_misses
+from .row_switch import check_misses, forget_trials, note_misses
 from .settings import Status
 from .stepper import (
+    LEAST_STEP_FACTOR,
     LEVEL_RATIO_PART,
     energy_balance,
     energy_moved,
@@ -68,6 +70,16 @@ SMALLEST_JUMP = 1e-6
 MOST_GROWTH = 2.0
 LONGEST_WAY = 0.6
 FINEST_WAY = 1e-6
+#: A step is this much shorter than one that is just smooth enough, or that just sums works to the
+#: tolerance, and no more than twice as long as the one before it. Where nothing tells how short it
+#: must be it is halved.
+NEXT_STEP_SAFETY = 0.9
+MOST_NEXT_FACTOR = 2.0
+HALVED = 0.5
+#: The powers of the length of a step with which errors of works go, by Lobatto's rule of five nodes
+#: and by Simpson's.
+LOBATTO_ORDER = 9.0
+SIMPSON_ORDER = 5.0
 #: How far behind a position where rows are nearly dependent a step is tried, in its length; where
 #: branches do not meet there, positions in between may have ratios this much smaller.
 FURTHEST_TRIAL = 8.0
@@ -113,14 +125,14 @@ class WorkEstimate(NamedTuple):
     ----------
     error : float
         Of them, in units of the tolerance.
-    is_told : bool
-        Whether more positions than ends and middle told it.
+    is_estimated : bool
+        Whether more positions than ends and middle estimated it.
     balance, moved : float [J]
         At its end the energy that no work explains, and that which has moved.
     """
 
     error: float = 0.0
-    is_told: bool = False
+    is_estimated: bool = False
     balance: float = 0.0
     moved: float = 0.0
 
@@ -183,7 +195,7 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
     return miss <= larger(SMALLEST_JUMP, UNEXPLAINED_MOTION_PART * 2.0 * h * fastest)
 
 
-def told_ratio(work: Work, state: State) -> float:
+def signed_ratio(work: Work, state: State) -> float:
     """Ratio that tells branches, negative where all rows are solved for: another number."""
     ratio = branch_ratio(work, state)
     return -ratio if work.all is not None and work.all.is_on else ratio
@@ -250,7 +262,7 @@ def reach(
             return -1.0, rough
         if x < 1.0 and pivot_ratio(work, state) < weak * state.largest_pivot_ratio:
             return -1.0, rough
-        there = told_ratio(work, state)
+        there = signed_ratio(work, state)
         if not is_leap and may_leap(way, ratio, there, to, state, work):
             return -1.0, rough
         gone, before, ratio, drift = x, to, there, larger(first, drift)
@@ -302,7 +314,7 @@ def least_size_of_works(h: float, state: State, work: Work) -> float:
 
 
 def moving_energy(h: float, state: State, work: Work) -> float:
-    """Energy that errors of works are compared with, where that at its end is in the workspace."""
+    """Energy [J] that errors of works are compared with; that at the end is in the workspace."""
     end = position_at(1, work).y
     moved = larger(state.moved, energy_moved(end, work, state))
     return energy_of_works(h, end, moved, state, work) + float(work.w.energies[0])
@@ -342,8 +354,8 @@ def sum_works(
     -------
     error : float
         In units of the tolerance.
-    is_told : bool
-        Whether two more positions told it.
+    is_estimated : bool
+        Whether two more positions estimated it.
     """
     scene, h = work.scene, end - state.time
     if scene.works == 0:
@@ -381,11 +393,11 @@ def sum_works(
     odd_left = ODD_ERROR_PART * h * np.abs(odd) * (odd * odd / np.where(square > 0.0, square, 1.0))
     position_at(1, work).y[done] += more
     state.simpson = larger(float(np.max(np.abs(more) / sizes)) / s.tolerance, state.simpson)
-    told = larger(float(np.max(even_left / sizes)), float(np.max(odd_left / sizes)))
-    return larger(told / s.tolerance, ERROR_DECAY * state.error), True
+    estimated = larger(float(np.max(even_left / sizes)), float(np.max(odd_left / sizes)))
+    return larger(estimated / s.tolerance, ERROR_DECAY * state.error), True
 
 
-def tell_works(
+def estimate_works(
     s: Settings,
     end: float,
     weak: float,
@@ -395,17 +407,17 @@ def tell_works(
 ) -> WorkEstimate:
     """Sum the works of a step better unless it leaps, and tell what its energy says of them."""
     scene, last = work.scene, position_at(1, work)
-    error, is_told = 0.0, False
-    look_at_misses(s, work)
+    error, is_estimated = 0.0, False
+    check_misses(s, work)
     if parts is not LEAP:
-        error, is_told = sum_works(s, end, weak, state, work, has_nodes=parts is NODES)
+        error, is_estimated = sum_works(s, end, weak, state, work, has_nodes=parts is NODES)
     elif scene.works > 0:
         work.w.run("energy")
     if scene.works == 0:
-        return WorkEstimate(error, is_told)
+        return WorkEstimate(error, is_estimated)
     error = larger(unbalanced(s, end - state.time, state, work), error)
     moved = energy_moved(last.y, work, state)
-    return WorkEstimate(error, is_told, energy_balance(last.y, work, state), moved)
+    return WorkEstimate(error, is_estimated, energy_balance(last.y, work, state), moved)
 
 
 def accept_position(s: Settings, end: float, asked: float, state: State, work: Work) -> None:
@@ -434,37 +446,41 @@ def note_ratios(ratio: float, end: float, state: State, work: Work, *, is_deep: 
         state.largest_pivot_ratio = ratio / WEAK_PIVOT_RATIO * (DEEP_RATIO_PART if is_deep else 1.0)
     state.largest_pivot_ratio = larger(state.largest_pivot_ratio, ratio)
     note_largest_pivot(work, state)
-    state.position_ratio = told_ratio(work, state)
+    state.position_ratio = signed_ratio(work, state)
     state.usual_ratio = larger(state.usual_ratio, state.position_ratio)
 
 
-def watched_end(s: Settings, end: float, part: float, look: Look) -> float:
-    """Time at which a position to an end must be, so that forces between are told, and events.
+def watched_end(s: Settings, end: float, part: float, search: Search) -> float:
+    """Time [s] at which a position to an end must be, to resolve forces between, and events.
 
     One that leaps over a place stays where it is.
     """
-    last = position_at(1, look.work)
-    look_into(s, METHODS[0], end - look.state.time, last.y, last.f, look, has_stages=False)
-    seen = seen_end(end, look)
+    last = position_at(1, search.work)
+    begin_search(s, METHODS[0], end - search.state.time, last.y, last.f, search, has_stages=False)
+    seen = crossing_end(end, search)
     is_cut = seen < end and part <= 1.0
-    told = told_end(seen if is_cut else end, look) if look.work.scene.has_narrow else end
-    if look.pole:
-        return cut_at(end_before_pole(look), look)
+    resolved = (
+        resolved_end(seen if is_cut else end, search) if search.work.scene.has_narrow else end
+    )
+    if search.pole:
+        return cut_at(end_before_pole(search), search)
     if part > 1.0:
-        look.is_untold = look.is_untold or told < end
+        search.is_unresolved = search.is_unresolved or resolved < end
         return end
-    return cut_at(seen, look) if seen <= told and seen < end else smaller(told, seen)
+    return cut_at(seen, search) if seen <= resolved and seen < end else smaller(resolved, seen)
 
 
-def following(error: float, rough: float, *, is_good: bool, is_told: bool) -> float:
+def following(error: float, rough: float, *, is_good: bool, is_estimated: bool) -> float:
     """Factor from a step's length to the next one's, or to that which is tried in its place."""
-    by_shape = 0.9 / math.sqrt(rough) if rough > 0.0 else 2.0
+    by_shape = NEXT_STEP_SAFETY / math.sqrt(rough) if rough > 0.0 else MOST_NEXT_FACTOR
     if not is_good:
-        return larger(0.2, by_shape) if 1.0 < rough < math.inf else 0.5
+        return larger(LEAST_STEP_FACTOR, by_shape) if 1.0 < rough < math.inf else HALVED
     if not math.isfinite(error):
-        return 0.5
-    by_work = 0.9 * error ** (-1.0 / (9.0 if is_told else 5.0)) if error > 0.0 else 2.0
-    return larger(0.2, smaller(2.0, smaller(by_shape, by_work)))
+        return HALVED
+    by_work, order = MOST_NEXT_FACTOR, LOBATTO_ORDER if is_estimated else SIMPSON_ORDER
+    if error > 0.0:
+        by_work = NEXT_STEP_SAFETY * error ** (-1.0 / order)
+    return larger(LEAST_STEP_FACTOR, smaller(MOST_NEXT_FACTOR, smaller(by_shape, by_work)))
 
 
 def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
@@ -474,11 +490,11 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     elsewhere: before that position as long as possible, then behind it, also behind the time that
     is asked for.
     """
-    part, is_deep, look = 1.0, False, Look(state, work, state.time)
+    part, is_deep, search = 1.0, False, Search(state, work, state.time)
     longest = smaller(state.step_size, s.largest_step) if state.step_size > 0.0 else s.largest_step
     tells_works = "energies" in work.scene.parts or bool(s.checks)  # in rows, or the ledger
     while True:
-        is_last = state.time + 1.0000001 * longest >= asked
+        is_last = state.time + STRETCH_TO_END * longest >= asked
         whole = asked - state.time if is_last else longest
         end = asked if is_last and part == 1.0 else state.time + part * whole
         if not end - state.time > SMALLEST * larger(abs(state.time), abs(asked)):
@@ -489,9 +505,9 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         drift, rough = reach(end, parts, weak, state, work)
         is_good, ratio = drift >= 0.0, pivot_ratio(work, state)
         tells = is_good and tells_works
-        told = tell_works(s, end, weak, state, work, parts) if tells else WorkEstimate()
-        error = told.error if part <= 1.0 else 0.0  # leaps sum no works well
-        factor = following(error, rough, is_good=is_good, is_told=told.is_told)
+        works = estimate_works(s, end, weak, state, work, parts) if tells else WorkEstimate()
+        error = works.error if part <= 1.0 else 0.0  # leaps sum no works well
+        factor = following(error, rough, is_good=is_good, is_estimated=works.is_estimated)
         is_avoided = (
             part < FURTHEST_TRIAL
             and not is_deep
@@ -500,7 +516,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         is_fit = is_good and error <= 1.0 and not is_avoided
         branch = branch_at(end, state, work) if is_fit else STAYS
         # onto another branch, or over what one can go through, as works want
-        is_leap = part > 1.0 and (branch == LEAPS or (branch == STAYS and told.error > 1.0))
+        is_leap = part > 1.0 and (branch == LEAPS or (branch == STAYS and works.error > 1.0))
         if is_avoided:
             state.avoided += 1
             part = 1.25 if part == 0.5 else part - 0.25 if part <= 1.0 else 1.25 * part
@@ -509,25 +525,25 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             longest = (1.0 if is_leap else factor if part <= 1.0 else 0.5) * whole
             part, is_deep = 1.0, is_deep or is_leap
         else:
-            seen = watched_end(s, end, part, look) if work.scene.sees else end
-            why = why_stopped(seen, look)
+            seen = watched_end(s, end, part, search) if work.scene.has_functions else end
+            why = why_stopped(seen, search)
             if why != Status.GOOD:
                 return why
             if not seen < end:
                 break
-            asked = seen if seen == look.cut else asked
+            asked = seen if seen == search.cut else asked
             longest, part = larger(seen, state.time + FINEST * whole) - state.time, 1.0
-    if work.scene.sees:
-        note_crossings(end, look)
-        if look.is_untold:
+    if work.scene.has_functions:
+        note_crossings(end, search)
+        if search.is_unresolved:
             note_unresolved(state.time, state)
     note_branch(end, branch, state)
     note_ratios(ratio, end, state, work, is_deep=is_deep)
     state.drift = larger(state.drift, drift)
-    note_moved(s, told.moved, state)
-    state.untold += 0.0 if told.is_told else end - state.time
+    note_moved(s, works.moved, state)
+    state.untold += 0.0 if works.is_estimated else end - state.time
     state.step_size = larger(state.step_size if is_last else 0.0, factor * whole)
-    state.error = error if told.is_told else 0.0
-    state.balance = told.balance
+    state.error = error if works.is_estimated else 0.0
+    state.balance = works.balance
     accept_position(s, end, asked, state, work)
     return Status.GOOD

@@ -79,7 +79,7 @@ def branch_ratio(work: Work, state: State) -> float:
 
 
 def blur_of(work: Work, state: State) -> float:
-    """Error that rounding may leave of a position, in lengths and radians."""
+    """Error that rounding may leave of a position, in lengths of the scene and radians."""
     ratio = larger(pivot_ratio(work, state), branch_ratio(work, state))
     return BRANCH_ROUNDING / math.sqrt(larger(ratio, BRANCH_ROUNDING))
 

@@ -107,8 +107,8 @@ static void note_lost_digits(Work *work, State *s)
     if (lost > 1.0) begin_refining(s->f, work, s);
 }
 
-/* looks at accelerations in the workspace, where some digits were lost before */
-static void look_at_digits(double *f, Work *work, State *s)
+/* checks accelerations in the workspace, where some digits were lost before */
+static void check_digits(double *f, Work *work, State *s)
 {
     if (!HAS_REFINEMENT || s->is_refined != LOOKED_AT) return;
     if (HAS_ROW_SWITCH && work->all.is_on != 0.0) return;

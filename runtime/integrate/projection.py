@@ -108,8 +108,8 @@ def note_lost_digits(work: Work, state: State) -> None:
         begin_refining(state.f, work, state)
 
 
-def look_at_digits(f: Array, work: Work, state: State) -> None:
-    """Look at accelerations in the workspace, where some digits were lost before."""
+def check_digits(f: Array, work: Work, state: State) -> None:
+    """Check accelerations in the workspace, where some digits were lost before."""
     if not work.scene.has_refinement or state.is_refined != LOOKED_AT:
         return
     if work.all is not None and work.all.is_on:
@@ -239,7 +239,7 @@ def project(
 
 
 def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
-    """Take a part of what is normal to the constraints from a displacement, or a change of v.
+    """Take a part of what is normal to the constraints from u (nv,), a displacement or change of v.
 
     It is normal at the geometry in the workspace; without all of it u is in the tangent space.
     Where drivers lead it is added to v as large as v is, so that it is not lost in the rounding of
@@ -255,7 +255,7 @@ def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
 
 
 def displacement_of(scene: SceneTables, q: Array, dq: Array, u: Array) -> None:
-    """Write the displacements that belong to a small change of q."""
+    """Write the displacements u (nv,) [m, rad] that belong to a small change dq (nq,) of q."""
     u[scene.shifts[:, 1]] = dq[scene.shifts[:, 0]]
     for place, turn, count in scene.turns.tolist():
         p, d = q[place : place + count].tolist(), dq[place : place + count].tolist()

@@ -34,7 +34,7 @@ ALL_OF_THEM = -1.0
 
 
 def inverse_masses(work: Work) -> Array:
-    """Diagonal of M⁻¹ with the parameters of the run."""
+    """Diagonal (nv,) of M⁻¹ [1/kg, 1/(kg m²)] with the parameters of the run."""
     fixed, at = work.scene.inverse_masses, work.scene.mass_places
     return np.where(at < 0, fixed, work.w.design[at]) if len(at) else fixed
 
@@ -229,8 +229,8 @@ def are_all_rows_better(ratio: float, all_rows: RowMemory, work: Work, state: St
     return found
 
 
-def look_at_misses(s: Settings, work: Work) -> None:
-    """Look at what rows that are left out miss at the position in the workspace."""
+def check_misses(s: Settings, work: Work) -> None:
+    """Check what rows that are left out miss at the position in the workspace."""
     if s.checks and len(work.missed) > 0:
         work.w.run("check")
         work.missed[:] = np.abs(work.w.all_C[work.scene.nc :])

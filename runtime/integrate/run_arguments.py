@@ -141,7 +141,7 @@ def _memory() -> float:
 
 
 def times_of(scene: str, end: object, times: object, samples: object, size: int = 0) -> Array:
-    """Times of a motion: those that are given, or samples from 0 to an end.
+    """Times (n,) [s] of a motion: those that are given, or samples from 0 to an end.
 
     Raises
     ------

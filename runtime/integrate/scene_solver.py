@@ -10,7 +10,7 @@ import numpy as np
 from .arithmetic import larger, smaller
 from .continuation import continue_parameters, is_possible, stay_closed
 from .crossing import first_without_value
-from .dense_output import add_led_rows, has_led_works, prepare_dense
+from .dense_output import add_driven_rows, has_driven_works, prepare_dense
 from .methods import METHODS
 from .pivot_monitor import branch_ratio, note_largest_pivot, pivot_ratio
 from .projection import note_lost_digits, project
@@ -276,8 +276,8 @@ class SceneSolver:
             status = step(m, settings, asked, target, s, work)
         if status == Status.GOOD and asked < s.time:
             prepare_dense(m, work, s)
-            if has_led_works(m, self.scene):
-                add_led_rows(s, work)
+            if has_driven_works(m, self.scene):
+                add_driven_rows(s, work)
         return status
 
     def evaluate(

@@ -34,10 +34,10 @@
 /* pivot ratios go with the square of the distance from a place where branches meet; a stage from
  * this part of the step on tells how */
 #define INNER_STAGE_PART 0.25
-/* steps are looked at where they sink to this part of the larger ratio at the ends, or a stage has
- * this part of the smaller one; and where ratios are smaller than this and the step is longer than
- * this part of the way to such a place */
-#define SUNK_RATIO_PART 0.1
+/* steps are checked for branches where they fall to this part of the larger ratio at the ends, or a
+ * stage has this part of the smaller one; and where ratios are smaller than this and the step is
+ * longer than this part of the way to such a place */
+#define FALLEN_RATIO_PART 0.1
 #define DIPPED_RATIO_PART 0.75
 #define SMALL_RATIO_PART 1e-3
 #define FAR_WAY_PART 0.5
@@ -54,13 +54,31 @@
 #define LEVEL_RATIO_PART 0.999
 /* where the line through two roots leads to less than this part of the next one, the root may have
  * changed its sign in between */
-#define TURNED_ROOT_PART 0.2
+#define SIGN_CHANGE_PART 0.2
 /* a step after one that tells how long it may be is this part of that */
 #define LIMITED_STEP_PART 0.98
 /* a step is not made shorter than this to find its branch */
 #define SHORTEST_BRANCH_WAY 1e-4
-/* a step is this much shorter than what would meet the tolerance */
+/* step-size control, see docs/dynamics.md: h times the safety factor, error^(-0.8 / k) and the
+ * error of the step before^(0.2 / k), with the order k. That is the PI controller of Gustafsson,
+ * ACM Trans. Math. Softw. 17 (1991), with k_P = 0.2 / k and k_I + k_P = 0.8 / k: the earlier error
+ * damps steps that swing about a bound of stability. A step is this much shorter than what would
+ * meet the tolerance */
 #define SAFETY 0.8
+#define ERROR_EXPONENT 0.8
+#define EARLIER_ERROR_EXPONENT 0.2
+/* the error before counts as no less: else one that is zero by chance makes the next step short */
+#define LEAST_EARLIER_ERROR 1e-4
+/* by how much a step is longer or shorter than the one before it: estimates are local, and tell
+ * nothing further on; not longer after one that was rejected. See Hairer, Norsett, Wanner, Solving
+ * Ordinary Differential Equations I, II.4 */
+#define MOST_STEP_FACTOR 10.0
+#define LEAST_STEP_FACTOR 0.2
+/* the error of a trial that tells none, as it cannot be kept: the next is as short as may be */
+#define REFUSED_ERROR 1e3
+/* two estimates of DOP853, e of order 5 and e_2 of order 3, together go with h^8 as its error does,
+ * e^2 / sqrt(e^2 + 0.01 e_2^2): the same book, II.10 */
+#define WORSE_ESTIMATE_PART 0.01
 /* what velocities are compared with, beside themselves: the largest so far, but no more than moves
  * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves, in
  * the longest step so far: in a short one rates of what does move are no larger */
@@ -69,12 +87,15 @@
  * much as the verdict allows */
 #define MOST_MOVED 100.0
 /* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
- * the whole time */
+ * the whole time; and how much longer it may be than the Euler step that tells how derivatives
+ * change, the same book, II.4 */
 #define FIRST_STEP_MOTION 0.01
 #define FIRST_STEP_SPAN_PART 1e-6
+#define MOST_FIRST_FACTOR 100.0
 
-/* whether stages tell where roots of what tells branches change their sign */
-enum { TURNS_TOLD = HAS_REFINEMENT && !IS_DRIVEN };
+/* whether roots of what tells branches are tracked from stage to stage, to tell where they change
+ * sign */
+enum { TRACKS_ROOTS = HAS_REFINEMENT && !IS_DRIVEN };
 
 /* a step of length h that is tried */
 typedef struct {
@@ -85,7 +106,7 @@ typedef struct {
     double inner_ratio, inner;      /* that of one inside, and at which part of the step it is */
     double dip_ratio, dip;          /* the same of the smallest inside */
     /* parts of the step in order, one before it among them, and roots of what tells branches */
-    double parts[ROOM(TURNS_TOLD * (STAGES + 2))], roots[ROOM(TURNS_TOLD * (STAGES + 2))];
+    double parts[ROOM(TRACKS_ROOTS * (STAGES + 2))], roots[ROOM(TRACKS_ROOTS * (STAGES + 2))];
     size_t count;
     double last_ratio;           /* that of the end */
     double end_ratio, top_ratio; /* what tells branches there, and the largest of all stages */
@@ -110,7 +131,7 @@ typedef struct {
     int shorter, thrown; /* how often for narrow parts, and for stages that pass a switch by */
     int polished;        /* how often an event was found again */
     int status;          /* GOOD, or why there is no step */
-    Look look;           /* what is seen in the last one */
+    Search search;       /* for what crosses in the last one */
 } Attempts;
 
 /* whether a trial meets the tolerance */
@@ -244,7 +265,7 @@ static double local_error(const Method *m, const Trial *trial, int is_locked, co
     const double e = estimate(m, m->error, trial, s, work, tolerance);
     if (!m->error_2 || e * e == 0.0) return e;
     const double e2 = estimate(m, m->error_2, trial, s, work, tolerance);
-    const double best = e * e / sqrt(e * e + 0.01 * e2 * e2);
+    const double best = e * e / sqrt(e * e + WORSE_ESTIMATE_PART * e2 * e2);
     return is_locked ? larger(best, LOCKED_ERROR_PART * e2) : best;
 }
 
@@ -289,8 +310,8 @@ static void note_root(double part, double root, Trial *trial)
     trial->roots[n] = root;
 }
 
-/* looks at the pivot ratios of a stage at a part of a step */
-static void look_at_ratios(double part, Trial *trial, const Work *work, const State *s)
+/* notes the pivot ratios of a stage at a part of a step */
+static void note_stage_ratios(double part, Trial *trial, const Work *work, const State *s)
 {
     trial->last_ratio = last_ratio(work, s);
     trial->least_ratio = smaller(trial->least_ratio, trial->last_ratio);
@@ -298,7 +319,7 @@ static void look_at_ratios(double part, Trial *trial, const Work *work, const St
     trial->end_ratio = IS_DRIVEN ? branch_ratio(work, s) : trial->last_ratio;
     if (!HAS_REFINEMENT) return;
     trial->top_ratio = larger(trial->top_ratio, trial->end_ratio);
-    if (TURNS_TOLD) note_root(part, sqrt(trial->end_ratio), trial);
+    if (TRACKS_ROOTS) note_root(part, sqrt(trial->end_ratio), trial);
     if (trial->inner == 0.0 && part >= INNER_STAGE_PART) {
         trial->inner_ratio = trial->end_ratio;
         trial->inner = part;
@@ -313,15 +334,15 @@ static void look_at_ratios(double part, Trial *trial, const Work *work, const St
 static int make_stages(const Method *m, double tolerance, Trial *trial, Work *work, State *s)
 {
     int good = 1;
-    if (TURNS_TOLD) note_root(0.0, sqrt(s->position_ratio), trial);
-    if (TURNS_TOLD && s->stage_before > 0.0)
+    if (TRACKS_ROOTS) note_root(0.0, sqrt(s->position_ratio), trial);
+    if (TRACKS_ROOTS && s->stage_before > 0.0)
         note_root(-s->stage_before / trial->h, s->root_before, trial);
     for (size_t n = 1; good && n <= m->stages; ++n) {
         const int is_inner = n < m->stages;
         good = stage(m, n, trial->h, is_inner ? STAGE_RESIDUAL * tolerance : 0.0, work->y,
             is_inner ? NULL : work->low, work, s, &trial->drift);
-        if (good && !is_inner) look_at_digits(work->k[n], work, s);
-        look_at_ratios(m->c[n], trial, work, s);
+        if (good && !is_inner) check_digits(work->k[n], work, s);
+        note_stage_ratios(m->c[n], trial, work, s);
     }
     return good;
 }
@@ -355,15 +376,15 @@ static int is_thrown_off(const Method *m, const Trial *trial, const Work *work)
 static double least_of_parabola(const Trial *trial, const State *s)
 {
     const double first = s->position_ratio, last = trial->end_ratio, x = trial->inner;
-    const double bend = ((trial->inner_ratio - first) / x - (last - first)) / (x - 1.0);
-    const double slope = last - first - bend;
-    const int is_inside = slope < 0.0 && 0.0 < 2.0 * bend + slope;
-    const double least = is_inside ? first - slope * slope / (4.0 * bend) : last;
+    const double quadratic = ((trial->inner_ratio - first) / x - (last - first)) / (x - 1.0);
+    const double slope = last - first - quadratic;
+    const int is_inside = slope < 0.0 && 0.0 < 2.0 * quadratic + slope;
+    const double least = is_inside ? first - slope * slope / (4.0 * quadratic) : last;
     return smaller(least, smaller(trial->dip_ratio, last));
 }
 
-/* whether it sinks to a part of those at the ends */
-static int sinks(double part, const Trial *trial, const State *s)
+/* whether the least ratio of a step falls to a part of those at the ends */
+static int falls_to(double part, const Trial *trial, const State *s)
 {
     const double ends = larger(s->position_ratio, trial->end_ratio);
     return least_of_parabola(trial, s) < part * smaller(ends, usual_ratio(s));
@@ -387,7 +408,7 @@ static double dipping_part(double first, double last, const Trial *trial)
 /* at which part of a step roots of what tells branches seem to change their sign, and how steeply:
  * they go with the distance from a place where branches meet, so that lines through two of them
  * tell the next; the slope is 0 where none changes its sign */
-static double turning_place(const Trial *trial, double *slope)
+static double sign_change(const Trial *trial, double *slope)
 {
     const double *x = trial->parts, *r = trial->roots;
     double part = 0.0, least = HUGE_VAL;
@@ -399,7 +420,7 @@ static double turning_place(const Trial *trial, double *slope)
         if (k > 0) ahead = r[k] + width * (r[k] - r[k - 1]) / (x[k] - x[k - 1]);
         if (k + 2 < trial->count)
             back = r[k + 1] - width * (r[k + 2] - r[k + 1]) / (x[k + 2] - x[k + 1]);
-        if (!(ahead < TURNED_ROOT_PART * r[k + 1]) && !(back < TURNED_ROOT_PART * r[k])) continue;
+        if (!(ahead < SIGN_CHANGE_PART * r[k + 1]) && !(back < SIGN_CHANGE_PART * r[k])) continue;
         part = x[k] + width * meeting_part(r[k], r[k + 1]);
         *slope = both / width;
         least = both;
@@ -435,11 +456,11 @@ static int branch_of(const Attempts *tried, Trial *trial, Work *work, State *s)
     const double first = s->position_ratio, last = trial->end_ratio, most = usual_ratio(s);
     if (!is_short(longest_way(tried, trial, s), trial, s, work)) return LEAPS;
     const int is_dip = trial->dip_ratio < DIPPED_RATIO_PART * smaller(first, last);
-    double slope = 0.0, part = TURNS_TOLD ? turning_place(trial, &slope) : 0.0;
-    const int is_sinking = is_dip || slope > 0.0 || sinks(SUNK_RATIO_PART, trial, s);
-    if (!is_sinking && !(smaller(first, last) < SMALL_RATIO_PART * most)) return STAYS;
+    double slope = 0.0, part = TRACKS_ROOTS ? sign_change(trial, &slope) : 0.0;
+    const int is_falling = is_dip || slope > 0.0 || falls_to(FALLEN_RATIO_PART, trial, s);
+    if (!is_falling && !(smaller(first, last) < SMALL_RATIO_PART * most)) return STAYS;
     const double far = FAR_WAY_PART * sqrt(larger(first, last) / most);
-    if (!is_sinking && !(way_of(trial->h, s->y, work->y) > far)) return STAYS;
+    if (!is_falling && !(way_of(trial->h, s->y, work->y) > far)) return STAYS;
     if (!tried->is_fixed && !is_short(LONGEST_NEAR_BRANCHES, trial, s, work)) return LEAPS;
     const double before = sqrt(first), after = sqrt(last), *f = work->k[tried->m->stages];
     if (!(slope > 0.0)) {
@@ -453,15 +474,18 @@ static int branch_of(const Attempts *tried, Trial *trial, Work *work, State *s)
 static void accept(const Attempts *tried, const Trial *trial, Work *work, State *s)
 {
     const double h = trial->h, error = trial->error, exponent = 1.0 / (double)tried->m->order;
-    const double before = larger(s->error, 1e-4);
-    double factor = 10.0;
-    if (error != 0.0) factor = SAFETY * pow(error, -0.8 * exponent) * pow(before, 0.2 * exponent);
-    double next = h * smaller(tried->is_rejected ? 1.0 : 10.0, larger(0.2, factor));
+    const double before = larger(s->error, LEAST_EARLIER_ERROR);
+    const double most = tried->is_rejected ? 1.0 : MOST_STEP_FACTOR;
+    double factor = MOST_STEP_FACTOR;
+    if (error != 0.0)
+        factor = SAFETY * pow(error, -ERROR_EXPONENT * exponent) *
+                 pow(before, EARLIER_ERROR_EXPONENT * exponent);
+    double next = h * smaller(most, larger(LEAST_STEP_FACTOR, factor));
     const double way = longest_way(tried, trial, s); /* what is longer is made in vain */
     if (IS_DRIVEN && way < HUGE_VAL)
         next = smaller(next, LIMITED_STEP_PART * way / size_of(work->y + NQ));
     if (!trial->is_last || next < s->step_size) s->step_size = next;
-    s->error = larger(error, 1e-4);
+    s->error = larger(error, LEAST_EARLIER_ERROR);
     s->drift = larger(s->drift, trial->drift);
     note_moved(tried->settings, trial->moved, s);
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, trial->last_ratio);
@@ -470,7 +494,7 @@ static void accept(const Attempts *tried, const Trial *trial, Work *work, State 
     s->time = trial->end;
     s->steps += 1;
     note_branch(s->time, trial->branch, s);
-    if (TURNS_TOLD) {
+    if (TRACKS_ROOTS) {
         s->stage_before = h * (1.0 - trial->parts[trial->count - 2]);
         s->root_before = trial->roots[trial->count - 2];
     }
@@ -492,7 +516,7 @@ static Trial next_trial(Attempts *tried, const State *s)
     trial.dip_ratio = HUGE_VAL;
     trial.h = smaller(s->step_size, tried->settings->largest_step);
     if (tried->is_fixed && tried->avoided == 0) trial.h = tried->settings->fixed_step;
-    trial.is_last = !tried->is_beyond && s->time + 1.0000001 * trial.h >= tried->end;
+    trial.is_last = !tried->is_beyond && s->time + STRETCH_TO_END * trial.h >= tried->end;
     if (trial.is_last) trial.h = tried->end - s->time;
     trial.end = trial.is_last ? tried->end : s->time + trial.h;
     if (!(trial.h > SMALLEST * larger(fabs(s->time), fabs(tried->end)))) {
@@ -545,10 +569,11 @@ static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s
         trial->moved = energy_moved(work->w, work->y, s);
     }
     if (tried->is_fixed) {
-        trial->is_vague = N_SEEN > 0 && !(local_error(m, trial, 0, s, work, LEAST_PART) <= 1.0);
+        trial->is_vague = N_FUNCTIONS > 0 &&
+                          !(local_error(m, trial, 0, s, work, LEAST_PART) <= 1.0);
     } else {
         const int is_locked = trial->is_last && s->time == s->switched &&
-                              (tried->end == s->limit || tried->end == tried->look.cut);
+                              (tried->end == s->limit || tried->end == tried->search.cut);
         trial->error = local_error(m, trial, is_locked, s, work, settings->tolerance);
         if (tells_drift(trial, s)) {
             const double most = MOST_DRIFT * larger(settings->tolerance, LEAST_DRIFT);
@@ -558,7 +583,7 @@ static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s
     if (is_kept(trial)) {
         note_largest_pivot(work, s);
         coordinate(work->w);
-        look_at_misses(settings, work);
+        check_misses(settings, work);
     }
 }
 
@@ -591,13 +616,13 @@ static int is_clear(Attempts *tried, Trial *trial, State *s)
 static int is_tried(Attempts *tried, Trial *trial, Work *work, State *s)
 {
     /* rows that are asked for make stages, too, and no step shorter */
-    const int is_looked = N_SWITCHING > 0 && !tried->is_fixed;
+    const int is_searched = N_SWITCHING > 0 && !tried->is_fixed;
     if (!is_made(tried, trial, work, s)) return 0;
     if (trial->is_good) find_error(tried, trial, work, s);
     trial->is_whole = trial->is_good;
     if (trial->is_good && is_kept(trial) && (N_SWITCHING > 0 || tried->asked < trial->end)) {
         trial->is_whole = make_dense_stages(tried->m, trial, work, s) &&
-                          !(is_looked && is_thrown_off(tried->m, trial, work));
+                          !(is_searched && is_thrown_off(tried->m, trial, work));
     }
     if (!is_clear(tried, trial, s)) return 0;
     if (tried->is_fixed && !trial->is_whole) {
@@ -609,80 +634,82 @@ static int is_tried(Attempts *tried, Trial *trial, Work *work, State *s)
         if (trial->branch == LEAPS && !tried->is_fixed)
             trial->is_whole = !(way_of(trial->h, s->y, work->y) > SHORTEST_BRANCH_WAY);
     }
-    if (!trial->is_whole) trial->error = 1e3;
+    if (!trial->is_whole) trial->error = REFUSED_ERROR;
     return 1;
 }
 
 /* where a trial must end by what crosses in it. Poles of forces and distances are looked for once
  * more where its polynomial has not all of its stages */
-static double seen_in(Attempts *tried, Trial *trial, Work *work, State *s)
+static double crossing_in(Attempts *tried, Trial *trial, Work *work, State *s)
 {
     const Method *m = tried->m;
-    Look *look = &tried->look;
+    Search *search = &tried->search;
     const double *f = work->k[m->stages];
     int has_stages = N_SWITCHING > 0 && is_kept(trial);
     /* one that leads beyond its end stays as it is */
 #ifdef HAS_DISTANCE
-    const int turns = !tried->is_beyond && may_turn(s->time, trial->h, work->y, f, s, work);
-    if (!turns && N_SEEN == 0) return trial->end;
-    if (turns && is_kept(trial) && !has_stages) has_stages = make_dense_stages(m, trial, work, s);
+    const int reverses = !tried->is_beyond && may_reverse(s->time, trial->h, work->y, f, s, work);
+    if (!reverses && N_FUNCTIONS == 0) return trial->end;
+    if (reverses && is_kept(trial) && !has_stages)
+        has_stages = make_dense_stages(m, trial, work, s);
 #endif
-    look_into(tried->settings, m, has_stages, trial->h, work->y, s->f, f, look, s, work);
-    look->least_part = is_kept(trial) && !trial->is_vague ? 0.0 : LEAST_PART;
-    look->is_kept = is_kept(trial);
+    begin_search(tried->settings, m, has_stages, trial->h, work->y, s->f, f, search, s, work);
+    search->least_part = is_kept(trial) && !trial->is_vague ? 0.0 : LEAST_PART;
+    search->is_kept = is_kept(trial);
 #ifdef HAS_BREAKS
-    const int leaps = is_leap(trial->end, look);
+    const int is_leading = leads_over(trial->end, search);
 #endif
 #ifdef HAS_DISTANCE
-    const double turned = turns ? turned_end(trial->end, look, s, work) : HUGE_VAL;
+    const double reversal = reverses ? reversal_end(trial->end, search, s, work) : HUGE_VAL;
 #endif
-    const int is_bare = tried->is_beyond || N_SEEN == 0;
-    double seen = is_bare ? trial->end : seen_end(trial->end, look, s, work);
-    if (look->pole && !has_stages && make_dense_stages(m, trial, work, s)) {
-        look_into(tried->settings, m, 1, trial->h, work->y, s->f, f, look, s, work);
-        seen = seen_end(trial->end, look, s, work);
+    const int is_bare = tried->is_beyond || N_FUNCTIONS == 0;
+    double seen = is_bare ? trial->end : crossing_end(trial->end, search, s, work);
+    if (search->pole && !has_stages && make_dense_stages(m, trial, work, s)) {
+        begin_search(tried->settings, m, 1, trial->h, work->y, s->f, f, search, s, work);
+        seen = crossing_end(trial->end, search, s, work);
     }
-    if (look->pole) return end_before_pole(look, s);
-    if (look->lost) return seen;
+    if (search->pole) return end_before_pole(search, s);
+    if (search->undefined) return seen;
     double broken = seen;
 #ifdef HAS_BREAKS
-    if (!is_bare) broken = break_end(trial->end, seen, leaps, look, s, work);
+    if (!is_bare) broken = break_end(trial->end, seen, is_leading, search, s, work);
 #endif
 #ifdef HAS_DISTANCE
-    if (turned < broken) return turned_in(turned, seen, look);
+    if (reversal < broken) return cut_for_place(reversal, seen, search);
 #endif
 #ifdef HAS_BREAKS
-    if (broken < seen) return broken_in(broken, look);
+    if (broken < seen) return broken_in(broken, search);
 #endif
     return broken;
 }
 
 /* where a trial must end so that samples tell up to a time how narrow parts vary; noted where it
  * cannot be shorter for that */
-static double told_in(double told, Attempts *tried, const Trial *trial, Work *work, State *s)
+static double resolved_in(double until, Attempts *tried, const Trial *trial, Work *work, State *s)
 {
-    Look *look = &tried->look;
+    Search *search = &tried->search;
     if (N_NARROW == 0 || !is_kept(trial)) return trial->end;
-    if (look->is_over && told <= look->turning) return trial->end;
+    if (search->is_over && until <= search->place_cut) return trial->end;
     if (tried->shorter++ < MOST_SHORTER) {
-        const double there = told_end(told, look, s, work);
-        return there < told ? there : trial->end;
+        const double there = resolved_end(until, search, s, work);
+        return there < until ? there : trial->end;
     }
-    look->is_untold = look->is_untold || (!are_narrow_told(s->time, told, look, s, work) &&
-                                             !is_at_pole(1, s->time, told, look, s, work));
+    search->is_unresolved = search->is_unresolved ||
+                            (!are_narrow_resolved(s->time, until, search, s, work) &&
+                                !is_at_pole(1, s->time, until, search, s, work));
     return trial->end;
 }
 
 /* where a trial must end so that its polynomial meets up to a time what its stages do; noted where
  * it cannot be shorter for that. At a cut rounding decides */
-static double met_in(double told, Attempts *tried, const Trial *trial, Work *work, State *s)
+static double met_in(double until, Attempts *tried, const Trial *trial, Work *work, State *s)
 {
-    Look *look = &tried->look;
+    Search *search = &tried->search;
     if (N_SWITCHING == 0 || !is_kept(trial)) return trial->end;
-    if (tried->is_beyond || trial->end == look->cut) return trial->end;
-    const double beyond = stage_beyond(told, look, s, work);
-    if (beyond < told && tried->thrown++ < MOST_SHORTER) return beyond;
-    if (beyond < told) look->is_untold = 1;
+    if (tried->is_beyond || trial->end == search->cut) return trial->end;
+    const double beyond = stage_beyond(until, search, s, work);
+    if (beyond < until && tried->thrown++ < MOST_SHORTER) return beyond;
+    if (beyond < until) search->is_unresolved = 1;
     return trial->end;
 }
 
@@ -690,12 +717,12 @@ static double met_in(double told, Attempts *tried, const Trial *trial, Work *wor
  * is there */
 static int is_at_event(Attempts *tried, const Trial *trial, Work *work, State *s)
 {
-    Look *look = &tried->look;
-    if (EVENTS == 0 || !is_kept(trial) || trial->end != look->cut) return 1;
+    Search *search = &tried->search;
+    if (EVENTS == 0 || !is_kept(trial) || trial->end != search->cut) return 1;
     if (!(tried->polished++ < MOST_POLISHED)) return 1;
-    const double there = smaller(polished_cut(look, s, work), tried->limit);
+    const double there = smaller(polished_cut(search, s, work), tried->limit);
     if (!(fabs(there - trial->end) > 4.0 * SMALLEST * fabs(trial->end))) return 1;
-    tried->end = look->cut = there;
+    tried->end = search->cut = there;
     s->step_size = larger(s->step_size, there - s->time);
     return 0;
 }
@@ -703,7 +730,7 @@ static int is_at_event(Attempts *tried, const Trial *trial, Work *work, State *s
 /* how long a step is that meets the tolerance, where a trial does not, or tells its branch */
 static double length_by_error(const Method *m, const Trial *trial)
 {
-    double factor = 0.2;
+    double factor = LEAST_STEP_FACTOR;
     if (trial->longest > 0.0) return trial->longest;
     if (isfinite(trial->error)) {
         factor = larger(factor, SAFETY * pow(trial->error, -1.0 / (double)m->order));
@@ -716,30 +743,30 @@ static double length_by_error(const Method *m, const Trial *trial)
 static void end_at(double to, Attempts *tried, const Trial *trial, State *s)
 {
     const double way = to - s->time;
-    tried->is_guessed = tried->is_guessed || to != tried->look.turning;
+    tried->is_guessed = tried->is_guessed || to != tried->search.place_cut;
     if (tried->is_fixed) {
         tried->end = to;
         tried->is_beyond = 0;
     }
     s->rejected += 1;
     const double size = is_kept(trial) ? s->step_size : length_by_error(tried->m, trial);
-    s->step_size = to == tried->look.cut ? larger(size, way) : way;
+    s->step_size = to == tried->search.cut ? larger(size, way) : way;
 }
 
 /* whether a trial ends where it may by what is seen in it: else it is to end there */
 static int ends_well(Attempts *tried, Trial *trial, Work *work, State *s)
 {
-    Look *look = &tried->look;
-    if (N_LOOKED == 0 || !trial->is_whole || !(is_kept(trial) || !tried->is_guessed)) return 1;
-    const double seen = seen_in(tried, trial, work, s);
-    tried->status = why_stopped(seen, look, s);
+    Search *search = &tried->search;
+    if (N_SEARCHED == 0 || !trial->is_whole || !(is_kept(trial) || !tried->is_guessed)) return 1;
+    const double seen = crossing_in(tried, trial, work, s);
+    tried->status = why_stopped(seen, search, s);
     if (tried->status != GOOD) return 0;
-    const double told = smaller(seen, trial->end); /* what follows a cut is seen later */
-    const double narrow = told_in(told, tried, trial, work, s);
-    double to = smaller(narrow, met_in(told, tried, trial, work, s));
-    if (seen <= to && seen < trial->end) to = tried->end = cut_at(seen, look);
+    const double until = smaller(seen, trial->end); /* what follows a cut is seen later */
+    const double narrow = resolved_in(until, tried, trial, work, s);
+    double to = smaller(narrow, met_in(until, tried, trial, work, s));
+    if (seen <= to && seen < trial->end) to = tried->end = cut_at(seen, search);
     else if (!is_at_event(tried, trial, work, s)) return 0;
-    if (!(to < trial->end && (is_kept(trial) || to == look->cut))) return 1;
+    if (!(to < trial->end && (is_kept(trial) || to == search->cut))) return 1;
     end_at(to, tried, trial, s);
     return 0;
 }
@@ -747,13 +774,13 @@ static int ends_well(Attempts *tried, Trial *trial, Work *work, State *s)
 /* keeps a trial, and notes what was seen in it */
 static void keep(const Attempts *tried, const Trial *trial, Work *work, State *s)
 {
-    const Look *look = &tried->look;
+    const Search *search = &tried->search;
     const double before = s->step_size;
     accept(tried, trial, work, s);
-    if (N_LOOKED == 0) return;
-    if (N_SEEN > 0) note_crossings(trial->end, look, s, work);
-    if (look->is_untold) note_unresolved(s->time_before, s);
-    if (s->time == look->cut) {
+    if (N_SEARCHED == 0) return;
+    if (N_FUNCTIONS > 0) note_crossings(trial->end, search, s, work);
+    if (search->is_unresolved) note_unresolved(s->time_before, s);
+    if (s->time == search->cut) {
         s->step_size = larger(s->step_size, before);
         s->switched = s->time;
     }
@@ -768,9 +795,9 @@ static int step(
     Attempts tried = { .m = m, .settings = settings, .asked = asked, .end = end, .limit = end };
     tried.is_fixed = settings->fixed_step > 0.0;
     tried.best = -1.0;
-    tried.look.cut = s->time;
-    tried.look.turning = HUGE_VAL;
-    tried.look.has_error = N_SWITCHING > 0 && !tried.is_fixed;
+    tried.search.cut = s->time;
+    tried.search.place_cut = HUGE_VAL;
+    tried.search.has_error = N_SWITCHING > 0 && !tried.is_fixed;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
         Trial trial = next_trial(&tried, s);
@@ -807,6 +834,6 @@ static int first_step(const Method *m, const Settings *settings, double end, Sta
     double by_order = span;
     if (rate > 0.0)
         by_order = pow(FIRST_STEP_MOTION * settings->tolerance, 1.0 / (double)m->order) / rate;
-    s->step_size = smaller(smaller(100.0 * h, by_order), span);
+    s->step_size = smaller(smaller(MOST_FIRST_FACTOR * h, by_order), span);
     return GOOD;
 }

@@ -12,18 +12,19 @@ from .arithmetic import larger, mean_square, rounding_of_sum, smaller
 from .branches import LEAPS, STAYS, follow_branch, note_branch
 from .crossing import (
     SMALLEST,
-    Look,
-    are_narrow_told,
+    STRETCH_TO_END,
+    Search,
+    are_narrow_resolved,
+    begin_search,
+    crossing_end,
     cut_at,
     end_before_pole,
     is_at_pole,
-    look_into,
     note_crossings,
     note_unresolved,
     polished_cut,
-    seen_end,
+    resolved_end,
     stage_beyond,
-    told_end,
     why_stopped,
 )
 from .dense_output import combine
@@ -36,14 +37,14 @@ from .pivot_monitor import (
     usual_ratio,
 )
 from .projection import (
+    check_digits,
     displacement_of,
     last_ratio,
-    look_at_digits,
     project,
     ratio_at,
     take_normal_part,
 )
-from .row_switch import forget_trials, look_at_misses, note_misses
+from .row_switch import check_misses, forget_trials, note_misses
 from .settings import NOTHING_MOVES, Status
 
 if TYPE_CHECKING:
@@ -88,10 +89,10 @@ LOCKED_ERROR_PART = 4e-3
 #: Pivot ratios go with the square of the distance from a place where branches meet; a stage from
 #: this part of the step on tells how.
 INNER_STAGE_PART = 0.25
-#: Steps are looked at where they sink to this part of the larger ratio at the ends, or a stage has
-#: this part of the smaller one; and where ratios are smaller than this and the step is longer than
-#: this part of the way to such a place.
-SUNK_RATIO_PART = 0.1
+#: Steps are checked for branches where they fall to this part of the larger ratio at the ends, or a
+#: stage has this part of the smaller one; and where ratios are smaller than this and the step is
+#: longer than this part of the way to such a place.
+FALLEN_RATIO_PART = 0.1
 DIPPED_RATIO_PART = 0.75
 SMALL_RATIO_PART = 1e-3
 FAR_WAY_PART = 0.5
@@ -108,13 +109,31 @@ LONGEST_OF_MANY_STAGES = 1.5
 LEVEL_RATIO_PART = 0.999
 #: Where the line through two roots leads to less than this part of the next one, the root may have
 #: changed its sign in between.
-TURNED_ROOT_PART = 0.2
+SIGN_CHANGE_PART = 0.2
 #: A step after one that tells how long it may be is this part of that.
 LIMITED_STEP_PART = 0.98
 #: A step is not made shorter than this to find its branch.
 SHORTEST_BRANCH_WAY = 1e-4
-#: A step is this much shorter than what would meet the tolerance.
+#: Step-size control, see docs/dynamics.md: h times the safety factor, error^(-0.8 / k) and the
+#: error of the step before^(0.2 / k), with the order k. That is the PI controller of Gustafsson,
+#: ACM Trans. Math. Softw. 17 (1991), with k_P = 0.2 / k and k_I + k_P = 0.8 / k: the earlier error
+#: damps steps that swing about a bound of stability. A step is this much shorter than what would
+#: meet the tolerance.
 SAFETY = 0.8
+ERROR_EXPONENT = 0.8
+EARLIER_ERROR_EXPONENT = 0.2
+#: The error before counts as no less: else one that is zero by chance makes the next step short.
+LEAST_EARLIER_ERROR = 1e-4
+#: By how much a step is longer or shorter than the one before it: estimates are local, and tell
+#: nothing further on; not longer after one that was rejected. See Hairer, Nørsett, Wanner, Solving
+#: Ordinary Differential Equations I, II.4.
+MOST_STEP_FACTOR = 10.0
+LEAST_STEP_FACTOR = 0.2
+#: The error of a trial that tells none, as it cannot be kept: the next is as short as may be.
+REFUSED_ERROR = 1e3
+#: Two estimates of DOP853, e of order 5 and e_2 of order 3, together go with h^8 as its error does,
+#: e^2 / sqrt(e^2 + 0.01 e_2^2): the same book, II.10.
+WORSE_ESTIMATE_PART = 0.01
 #: What velocities are compared with, beside themselves: the largest so far, but no more than moves
 #: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves,
 #: in the longest step so far: in a short one rates of what does move are no larger.
@@ -123,9 +142,11 @@ USUAL_STEP_MOTION = 0.05
 #: much as the verdict allows.
 MOST_MOVED = 100.0
 #: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
-#: moves yet, in the whole time.
+#: moves yet, in the whole time; and how much longer it may be than the Euler step that tells how
+#: derivatives change, the same book, II.4.
 FIRST_STEP_MOTION = 0.01
 FIRST_STEP_SPAN_PART = 1e-6
+MOST_FIRST_FACTOR = 100.0
 
 
 @dataclass(slots=True)
@@ -195,8 +216,8 @@ class Attempts:
     ----------
     m, s : RungeKuttaMethod, Settings
         How it is made.
-    look : Look
-        What is seen in the last one.
+    search : Search
+        For what crosses in the last one.
     asked, end, limit : float [s]
         Next time to be written; where the step ends at most, and may.
     is_fixed, has_switches : bool
@@ -216,7 +237,7 @@ class Attempts:
 
     m: RungeKuttaMethod
     s: Settings
-    look: Look
+    search: Search
     asked: float
     end: float
     limit: float
@@ -240,7 +261,7 @@ def is_kept(trial: Trial) -> bool:
 
 
 def add_to_start(start: Array, y: Array, low: Array | None) -> None:
-    """Add y to what it starts from: a small sum, so that y is rounded once.
+    """Add y (ny,) to what it starts from: a small sum, so that y is rounded once.
 
     What that leaves over goes to low if it is not None.
     """
@@ -280,12 +301,12 @@ def note_extent(end: Array, work: Work, state: State) -> None:
 
 
 def usual_energy(rate: float, scene: SceneTables) -> float:
-    """Energy of all bodies where they move at such a rate."""
+    """Energy [J] of all bodies where they move at such a rate [1/s]."""
     return scene.mass * (scene.length * rate) * (scene.length * rate) / 2.0
 
 
 def energy_of_works(h: float, end: Array, moved: float, state: State, work: Work) -> float:
-    """Energy that errors of works are compared with, where so much has moved in a step of length h.
+    """Energy [J] that errors of works are compared with, where so much [J] has moved in h [s].
 
     It is that of all bodies at the usual rate, and may be far less where they move at all: where
     one of them is fast heavy ones may stand.
@@ -296,7 +317,7 @@ def energy_of_works(h: float, end: Array, moved: float, state: State, work: Work
 
 
 def energy_balance(q: Array, work: Work, state: State) -> float:
-    """Change of energy since the start that no work explains; works are in q."""
+    """Change of energy [J] since the start that no work explains; works are in q (nq,)."""
     balance = work.w.energies[0] + work.w.energies[1] - state.energy
     for done in q[work.scene.nq - work.scene.works : work.scene.nq]:
         balance -= done
@@ -304,7 +325,7 @@ def energy_balance(q: Array, work: Work, state: State) -> float:
 
 
 def energy_moved(q: Array, work: Work, state: State) -> float:
-    """Kinetic energy, change of potential energy since the start, and all works.
+    """Kinetic energy, change of potential energy since the start, and all works [J].
 
     Works are in q. That of every step counts, whatever rows are written.
     """
@@ -378,7 +399,7 @@ def local_error(
     if len(m.errors) == 1 or e * e == 0.0:
         return e
     e2 = estimate(m, m.errors[1], trial, state, work, tolerance)
-    best = e * e / math.sqrt(e * e + 0.01 * e2 * e2)
+    best = e * e / math.sqrt(e * e + WORSE_ESTIMATE_PART * e2 * e2)
     return larger(best, LOCKED_ERROR_PART * e2) if is_locked else best
 
 
@@ -429,8 +450,8 @@ def note_root(part: float, root: float, trial: Trial) -> None:
     trial.roots.insert(n, root)
 
 
-def look_at_ratios(part: float, trial: Trial, work: Work, state: State) -> None:
-    """Look at the pivot ratios of a stage at a part of a step."""
+def note_stage_ratios(part: float, trial: Trial, work: Work, state: State) -> None:
+    """Note the pivot ratios of a stage at a part of a step."""
     trial.last_ratio = last_ratio(work, state)
     trial.least_ratio = smaller(trial.least_ratio, trial.last_ratio)
     trial.most_ratio = larger(trial.most_ratio, trial.last_ratio)
@@ -460,8 +481,8 @@ def make_stages(
         enough = STAGE_RESIDUAL * tolerance if low is None else 0.0
         trial.drift = stage(m, n, trial.h, enough, work.y, low, work, state)
         if trial.drift >= 0.0 and low is not None:
-            look_at_digits(work.k[n], work, state)
-        look_at_ratios(m.c[n], trial, work, state)
+            check_digits(work.k[n], work, state)
+        note_stage_ratios(m.c[n], trial, work, state)
         if trial.drift < 0.0:
             return
 
@@ -495,15 +516,15 @@ def is_thrown_off(m: RungeKuttaMethod, trial: Trial, work: Work) -> bool:
 def least_of_parabola(trial: Trial, state: State) -> float:
     """Least of a parabola through pivot ratios of a step, and of those of its stages."""
     first, last, x = state.position_ratio, trial.end_ratio, trial.inner
-    bend = ((trial.inner_ratio - first) / x - (last - first)) / (x - 1.0)
-    slope = last - first - bend
-    is_inside = slope < 0.0 < 2.0 * bend + slope
-    least = first - slope * slope / (4.0 * bend) if is_inside else last
+    quadratic = ((trial.inner_ratio - first) / x - (last - first)) / (x - 1.0)
+    slope = last - first - quadratic
+    is_inside = slope < 0.0 < 2.0 * quadratic + slope
+    least = first - slope * slope / (4.0 * quadratic) if is_inside else last
     return smaller(least, smaller(trial.dip_ratio, last))
 
 
-def sinks(part: float, trial: Trial, state: State, work: Work) -> bool:
-    """Whether the least ratio of a step sinks to a part of those at its ends."""
+def falls_to(part: float, trial: Trial, state: State, work: Work) -> bool:
+    """Whether the least ratio of a step falls to a part of those at its ends."""
     ends = larger(state.position_ratio, trial.end_ratio)
     return least_of_parabola(trial, state) < part * smaller(ends, usual_ratio(work, state))
 
@@ -524,7 +545,7 @@ def dipping_part(first: float, last: float, trial: Trial) -> float:
     return x * first / (first + dip)
 
 
-def turning_place(trial: Trial) -> tuple[float, float]:
+def sign_change(trial: Trial) -> tuple[float, float]:
     """Part of a step at which roots seem to change their sign, and how steeply they do.
 
     They go with the distance from a place where branches meet, so that lines through two of them
@@ -541,13 +562,13 @@ def turning_place(trial: Trial) -> tuple[float, float]:
             ahead = r[k] + width * (r[k] - r[k - 1]) / (x[k] - x[k - 1])
         if k + 2 < len(x):
             back = r[k + 1] - width * (r[k + 2] - r[k + 1]) / (x[k + 2] - x[k + 1])
-        if ahead < TURNED_ROOT_PART * r[k + 1] or back < TURNED_ROOT_PART * r[k]:
+        if ahead < SIGN_CHANGE_PART * r[k + 1] or back < SIGN_CHANGE_PART * r[k]:
             part, slope, least = x[k] + width * meeting_part(r[k], r[k + 1]), both / width, both
     return part, slope
 
 
 def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Longest way of a step on which ratios tell of other branches; infinite without a limit."""
+    """Longest way of a step on which ratios tell of branches, in lengths and rad, or infinite."""
     is_loose = work.scene.is_driven or tried.s.tolerance > LOOSE_TOLERANCE
     if not work.scene.has_refinement or not is_loose or tried.is_fixed:
         return math.inf
@@ -576,12 +597,12 @@ def branch_of(tried: Attempts, trial: Trial, work: Work, state: State) -> int:
     if not is_short(longest_way(tried, trial, work, state), trial, state, work):
         return LEAPS
     is_dip = trial.dip_ratio < DIPPED_RATIO_PART * smaller(first, last)
-    part, slope = turning_place(trial)
-    is_sinking = is_dip or slope > 0.0 or sinks(SUNK_RATIO_PART, trial, state, work)
-    if not is_sinking and not smaller(first, last) < SMALL_RATIO_PART * most:
+    part, slope = sign_change(trial)
+    is_falling = is_dip or slope > 0.0 or falls_to(FALLEN_RATIO_PART, trial, state, work)
+    if not is_falling and not smaller(first, last) < SMALL_RATIO_PART * most:
         return STAYS
-    far = 0.0 if is_sinking else FAR_WAY_PART * math.sqrt(larger(first, last) / most)
-    if not is_sinking and not work.w.way_of(trial.h, state.y, work.y) > far:
+    far = 0.0 if is_falling else FAR_WAY_PART * math.sqrt(larger(first, last) / most)
+    if not is_falling and not work.w.way_of(trial.h, state.y, work.y) > far:
         return STAYS
     if not tried.is_fixed and not is_short(LONGEST_NEAR_BRANCHES, trial, state, work):
         return LEAPS
@@ -594,17 +615,19 @@ def branch_of(tried: Attempts, trial: Trial, work: Work, state: State) -> int:
 
 def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     """Keep a step, and say how long the next one is: a proportional and integral controller."""
-    h, error, exponent, factor = trial.h, trial.error, 1.0 / tried.m.order, 10.0
+    h, error, exponent, factor = trial.h, trial.error, 1.0 / tried.m.order, MOST_STEP_FACTOR
     if error != 0.0:
-        before = larger(state.error, 1e-4)
-        factor = SAFETY * error ** (-0.8 * exponent) * before ** (0.2 * exponent)
-    following = h * smaller(1.0 if tried.is_rejected else 10.0, larger(0.2, factor))
+        before = larger(state.error, LEAST_EARLIER_ERROR)
+        factor = SAFETY * error ** (-ERROR_EXPONENT * exponent)
+        factor *= before ** (EARLIER_ERROR_EXPONENT * exponent)
+    most = 1.0 if tried.is_rejected else MOST_STEP_FACTOR
+    following = h * smaller(most, larger(LEAST_STEP_FACTOR, factor))
     way, speed = longest_way(tried, trial, work, state), work.w.size_of(work.y[work.scene.nq :])
     if work.scene.is_driven and way < math.inf and speed > 0.0:  # what is longer is made in vain
         following = smaller(following, LIMITED_STEP_PART * way / speed)
     if not trial.is_last or following < state.step_size:
         state.step_size = following
-    state.error = larger(error, 1e-4)
+    state.error = larger(error, LEAST_EARLIER_ERROR)
     state.drift = larger(state.drift, trial.drift)
     note_moved(tried.s, trial.moved, state)
     state.largest_pivot_ratio = larger(state.largest_pivot_ratio, trial.last_ratio)
@@ -631,7 +654,7 @@ def next_trial(tried: Attempts, state: State) -> Trial:
     h = smaller(state.step_size, tried.s.largest_step)
     if tried.is_fixed and tried.avoided == 0:
         h = tried.s.fixed_step
-    is_last = not tried.is_beyond and state.time + 1.0000001 * h >= tried.end
+    is_last = not tried.is_beyond and state.time + STRETCH_TO_END * h >= tried.end
     if is_last:
         h = tried.end - state.time
     if not h > SMALLEST * larger(abs(state.time), abs(tried.end)):
@@ -677,11 +700,11 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         work.w.run("energy")
         trial.moved = energy_moved(work.y, work, state)
     if tried.is_fixed:
-        is_seen = work.scene.sees
+        is_seen = work.scene.has_functions
         trial.is_vague = is_seen and not local_error(m, trial, state, work, LEAST_PART) <= 1.0
     else:
         is_locked = trial.is_last and state.time == state.switched
-        is_locked = is_locked and tried.end in {state.limit, tried.look.cut}
+        is_locked = is_locked and tried.end in {state.limit, tried.search.cut}
         trial.error = local_error(m, trial, state, work, s.tolerance, is_locked=is_locked)
         if tells_drift(trial, state, work):
             most = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
@@ -689,7 +712,7 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     if is_kept(trial):
         note_largest_pivot(work, state)
         work.w.run("coordinate")
-        look_at_misses(s, work)
+        check_misses(s, work)
 
 
 def is_clear(tried: Attempts, trial: Trial, state: State) -> bool:
@@ -724,9 +747,9 @@ def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     is_wanted = tried.has_switches or tried.asked < trial.end
     if trial.is_good and is_kept(trial) and is_wanted:
         # rows that are asked for make stages, too, and no step shorter
-        is_looked = tried.has_switches and not tried.is_fixed
+        is_searched = tried.has_switches and not tried.is_fixed
         trial.is_whole = make_dense_stages(tried.m, trial, work, state) and not (
-            is_looked and is_thrown_off(tried.m, trial, work)
+            is_searched and is_thrown_off(tried.m, trial, work)
         )
     if not is_clear(tried, trial, state):
         return False
@@ -738,103 +761,103 @@ def is_tried(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
         if trial.branch == LEAPS and not tried.is_fixed:
             trial.is_whole = not work.w.way_of(trial.h, state.y, work.y) > SHORTEST_BRANCH_WAY
     if not trial.is_whole:
-        trial.error = 1e3
+        trial.error = REFUSED_ERROR
     return True
 
 
-def seen_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Time at which a trial must end by what crosses in it; poles and distances want all stages."""
-    m, s, look = tried.m, tried.s, tried.look
+def crossing_in(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
+    """Time [s] at which a trial must end by what crosses; poles and distances want all stages."""
+    m, s, search = tried.m, tried.s, tried.search
     has_stages = tried.has_switches and is_kept(trial)
     # one that leads beyond its end stays as it is
-    turned, turns, n_breaks = math.inf, False, work.scene.n_breaks
+    reversal, reverses, n_breaks = math.inf, False, work.scene.n_breaks
     if work.scene.n_distances > 0 and not tried.is_beyond:
-        from .cuts import turned_in  # other scenes do not have these
-        from .distances import may_turn, turned_end
+        from .cuts import cut_for_place  # other scenes do not have these
+        from .distances import may_reverse, reversal_end
 
-        turns = may_turn(trial.h, work.y, work.k[m.stages], look)
-        if not turns and not work.scene.sees:
+        reverses = may_reverse(trial.h, work.y, work.k[m.stages], search)
+        if not reverses and not work.scene.has_functions:
             return trial.end
-        if turns and is_kept(trial) and not has_stages:
+        if reverses and is_kept(trial) and not has_stages:
             has_stages = make_dense_stages(m, trial, work, state)
-    look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
-    look.least_part = 0.0 if is_kept(trial) and not trial.is_vague else LEAST_PART
-    look.is_kept = is_kept(trial)
+    begin_search(s, m, trial.h, work.y, work.k[m.stages], search, has_stages=has_stages)
+    search.least_part = 0.0 if is_kept(trial) and not trial.is_vague else LEAST_PART
+    search.is_kept = is_kept(trial)
     if n_breaks > 0:
         from .breaks import break_end, broken_in
-        from .cuts import is_leap
+        from .cuts import leads_over
 
-        leaps = is_leap(trial.end, look)
-    if turns:
-        turned = turned_end(trial.end, look)
-    is_bare = tried.is_beyond or not work.scene.sees
-    seen = trial.end if is_bare else seen_end(trial.end, look)
-    if look.pole and not has_stages and make_dense_stages(m, trial, work, state):
-        look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
-        seen = seen_end(trial.end, look)
-    if look.pole:
-        return end_before_pole(look)
-    if look.lost:
+        is_leading = leads_over(trial.end, search)
+    if reverses:
+        reversal = reversal_end(trial.end, search)
+    is_bare = tried.is_beyond or not work.scene.has_functions
+    seen = trial.end if is_bare else crossing_end(trial.end, search)
+    if search.pole and not has_stages and make_dense_stages(m, trial, work, state):
+        begin_search(s, m, trial.h, work.y, work.k[m.stages], search, has_stages=True)
+        seen = crossing_end(trial.end, search)
+    if search.pole:
+        return end_before_pole(search)
+    if search.undefined:
         return seen
     broken = seen
     if n_breaks > 0 and not is_bare:
-        broken = break_end(trial.end, seen, look, leaps=leaps)
-    if turned < broken:
-        broken = turned_in(turned, seen, look)
+        broken = break_end(trial.end, seen, search, is_leading=is_leading)
+    if reversal < broken:
+        broken = cut_for_place(reversal, seen, search)
     elif broken < seen:
-        broken = broken_in(broken, look)
+        broken = broken_in(broken, search)
     return broken
 
 
-def told_in(told: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Time at which a trial must end so that samples tell up to a time how narrow parts vary."""
-    look = tried.look
+def resolved_in(until: float, tried: Attempts, trial: Trial, work: Work, state: State) -> float:
+    """Time [s] at which a trial must end so that samples up to a time resolve narrow parts."""
+    search = tried.search
     if not work.scene.has_narrow or not is_kept(trial):
         return trial.end
-    if look.is_over and told <= look.turning:
+    if search.is_over and until <= search.place_cut:
         return trial.end
     if tried.shorter < MOST_SHORTER:
         tried.shorter += 1
-        there = told_end(told, look)
-        return there if there < told else trial.end
-    is_told = are_narrow_told(state.time, told, look)
-    is_told = is_told or is_at_pole(state.time, told, look, in_between=True)
-    look.is_untold = look.is_untold or not is_told
+        there = resolved_end(until, search)
+        return there if there < until else trial.end
+    is_resolved = are_narrow_resolved(state.time, until, search)
+    is_resolved = is_resolved or is_at_pole(state.time, until, search, in_between=True)
+    search.is_unresolved = search.is_unresolved or not is_resolved
     return trial.end
 
 
-def met_in(told: float, tried: Attempts, trial: Trial) -> float:
-    """Time at which a trial must end so that its polynomial meets what its stages do."""
-    look, is_cut = tried.look, trial.end == tried.look.cut  # at a cut rounding decides
+def met_in(until: float, tried: Attempts, trial: Trial) -> float:
+    """Time [s] at which a trial must end so that its polynomial meets what its stages do."""
+    search, is_cut = tried.search, trial.end == tried.search.cut  # at a cut rounding decides
     if not tried.has_switches or not is_kept(trial) or tried.is_beyond or is_cut:
         return trial.end
-    beyond = stage_beyond(told, look)
-    if beyond < told and tried.thrown < MOST_SHORTER:
+    beyond = stage_beyond(until, search)
+    if beyond < until and tried.thrown < MOST_SHORTER:
         tried.thrown += 1
         return beyond
-    look.is_untold = look.is_untold or beyond < told
+    search.is_unresolved = search.is_unresolved or beyond < until
     return trial.end
 
 
 def is_at_event(tried: Attempts, trial: Trial, state: State) -> bool:
     """Whether a trial that was cut for an event ends there: else the cut is there."""
-    look, end = tried.look, trial.end
-    if len(state.counts) == 0 or not is_kept(trial) or end != look.cut:
+    search, end = tried.search, trial.end
+    if len(state.counts) == 0 or not is_kept(trial) or end != search.cut:
         return True
     if tried.polished >= MOST_POLISHED:
         return True
     tried.polished += 1
-    there = smaller(polished_cut(look), tried.limit)
+    there = smaller(polished_cut(search), tried.limit)
     if not abs(there - end) > 4.0 * SMALLEST * abs(end):
         return True
-    tried.end = look.cut = there
+    tried.end = search.cut = there
     state.step_size = larger(state.step_size, there - state.time)
     return False
 
 
 def length_by_error(m: RungeKuttaMethod, trial: Trial) -> float:
-    """Length of a step that meets the tolerance, where a trial does not, or its branch."""
-    factor = 0.2
+    """Length [s] of a step that meets the tolerance, where a trial does not, or its branch."""
+    factor = LEAST_STEP_FACTOR
     if trial.longest > 0.0:
         return trial.longest
     if math.isfinite(trial.error):
@@ -845,31 +868,35 @@ def length_by_error(m: RungeKuttaMethod, trial: Trial) -> float:
 def end_at(to: float, tried: Attempts, trial: Trial, state: State) -> None:
     """Have a step end at a time when it is tried again; one that is cut can be longer still."""
     way = to - state.time
-    tried.is_guessed = tried.is_guessed or to != tried.look.turning
+    tried.is_guessed = tried.is_guessed or to != tried.search.place_cut
     if tried.is_fixed:
         tried.end, tried.is_beyond = to, False
     state.rejected += 1
     size = state.step_size if is_kept(trial) else length_by_error(tried.m, trial)
-    state.step_size = larger(size, way) if to == tried.look.cut else way
+    state.step_size = larger(size, way) if to == tried.search.cut else way
 
 
 def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     """Whether a trial ends where it may by what is seen in it: else it is to end there."""
-    look = tried.look
-    if not work.scene.looks or not trial.is_whole or not (is_kept(trial) or not tried.is_guessed):
+    search = tried.search
+    if (
+        not work.scene.is_searched
+        or not trial.is_whole
+        or not (is_kept(trial) or not tried.is_guessed)
+    ):
         return True
-    seen = seen_in(tried, trial, work, state)
-    tried.status = why_stopped(seen, look)
+    seen = crossing_in(tried, trial, work, state)
+    tried.status = why_stopped(seen, search)
     if tried.status != Status.GOOD:
         return False
-    told = smaller(seen, trial.end)  # what follows a cut is seen later
-    narrow = told_in(told, tried, trial, work, state)
-    to = smaller(narrow, met_in(told, tried, trial))
+    until = smaller(seen, trial.end)  # what follows a cut is seen later
+    narrow = resolved_in(until, tried, trial, work, state)
+    to = smaller(narrow, met_in(until, tried, trial))
     if seen <= to and seen < trial.end:
-        to = tried.end = cut_at(seen, look)
+        to = tried.end = cut_at(seen, search)
     elif not is_at_event(tried, trial, state):
         return False
-    if not (to < trial.end and (is_kept(trial) or to == look.cut)):
+    if not (to < trial.end and (is_kept(trial) or to == search.cut)):
         return True
     end_at(to, tried, trial, state)
     return False
@@ -877,15 +904,15 @@ def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
 
 def keep(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     """Keep a trial, and note what was seen in it."""
-    look, before = tried.look, state.step_size
+    search, before = tried.search, state.step_size
     accept(tried, trial, work, state)
-    if not work.scene.looks:
+    if not work.scene.is_searched:
         return
-    if work.scene.sees:
-        note_crossings(trial.end, look)
-    if look.is_untold:
+    if work.scene.has_functions:
+        note_crossings(trial.end, search)
+    if search.is_unresolved:
         note_unresolved(state.time_before, state)
-    if state.time == look.cut:
+    if state.time == search.cut:
         state.step_size = larger(state.step_size, before)
         state.switched = state.time
 
@@ -900,8 +927,8 @@ def step(
     the stages that its polynomial wants.
     """
     is_fixed, has_switches = s.fixed_step > 0.0, len(state.sides) > work.scene.n_poles
-    look = Look(state, work, state.time, has_error=has_switches and not is_fixed)
-    tried = Attempts(m, s, look, asked, end, end, is_fixed, has_switches)
+    search = Search(state, work, state.time, has_error=has_switches and not is_fixed)
+    tried = Attempts(m, s, search, asked, end, end, is_fixed, has_switches)
     work.k[0] = state.f
     while True:
         trial = next_trial(tried, state)
@@ -932,5 +959,5 @@ def first_step(m: RungeKuttaMethod, s: Settings, end: float, state: State, work:
         return Status.STEP_TOO_SMALL
     rate = larger(rate, (size_of((f - state.f)[nq:]) / h) ** (1.0 / 3.0))
     by_order = (FIRST_STEP_MOTION * s.tolerance) ** (1.0 / m.order) / rate if rate > 0.0 else span
-    state.step_size = smaller(smaller(100.0 * h, by_order), span)
+    state.step_size = smaller(smaller(MOST_FIRST_FACTOR * h, by_order), span)
     return Status.GOOD

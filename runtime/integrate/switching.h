@@ -236,7 +236,7 @@ static int is_put_behind(double span, State *s, Work *work)
  * moves there, and no times are told apart that are nearer to it. How far both sides are from each
  * other, times what accelerates bodies on these, is as much, as of 1/sqrt|t - 5|, or tells that it
  * is far too much. Where no force can be infinite that is no more than rounding */
-static void note_impulse(double before, double pull, State *s, Work *work)
+static void note_impulse(double before, double acceleration, State *s, Work *work)
 {
     const double exact[ROOM(N_READ)] = { 0.0 }, times[2] = { before, s->time };
     TimeNode nodes[2];
@@ -244,13 +244,13 @@ static void note_impulse(double before, double pull, State *s, Work *work)
     if (N_POLES == 0) return;
     for (size_t n = 0; n != 2; ++n) {
         read_of(times[n], s->y, work, nodes[n].read);
-        see_at(exact, times[n], work->w, &nodes[n]);
+        evaluate_node(exact, times[n], work->w, &nodes[n]);
     }
     for (size_t k = N_SWITCHING; k != N_CROSSINGS; ++k) {
         if (side_at(&nodes[0], k) != side_at(&nodes[1], k)) is_there = 1;
     }
     if (!is_there) return;
-    const double both = pull + size_of(s->f + NQ);
+    const double both = acceleration + size_of(s->f + NQ);
     s->impulse += (s->time - before) * both;
     s->impulse_time = s->time;
 }
@@ -276,10 +276,10 @@ static int meet_switches(double end, State *s, Work *work)
             memcpy(s->y_before, s->y, NY * sizeof *s->y);
             memset(s->dense, 0, sizeof s->dense);
             s->time_before = s->time;
-            const double pull = size_of(s->f + NQ);
+            const double acceleration = size_of(s->f + NQ);
             s->time = s->switched = smaller(s->behind, end);
             if (!is_put_behind(span, s, work)) return NOT_PROJECTED;
-            note_impulse(s->time_before, pull, s, work);
+            note_impulse(s->time_before, acceleration, s, work);
         } else {
             find_switch(end, s, work);
             if (s->limit - s->time <= SMALLEST * larger(fabs(s->time), fabs(end))) {

@@ -126,7 +126,8 @@ def test_a_changed_constant_is_named(folder: Path) -> None:
 @pytest.mark.usefixtures("compiler")
 def test_another_step_in_one_target_is_named(folder: Path) -> None:
     file = "integrate/stepper.h"
-    spoil(folder, file, lambda text: text.replace("0.2 * exponent", "0.3 * exponent"))
+    before, after = (f"#define EARLIER_ERROR_EXPONENT {number}" for number in ("0.2", "0.3"))
+    spoil(folder, file, lambda text: text.replace(before, after))
     (problem,) = [x for x in verify(folder).problems if "dop853" in x]
     assert "C and NumPy differ after 2 steps" in problem
 

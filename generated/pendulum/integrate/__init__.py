@@ -6,7 +6,7 @@ and works, then v and omega of all bodies.
 
 The same in C, ``*.h``, and in NumPy, ``*.py``, file by file with the same functions and the same
 bits: ``arithmetic``, ``pivot_monitor``, ``row_switch``, ``projection``, ``dense_output``,
-``branches``, ``switching``, ``breaks``, ``crossing``, ``cuts``, ``distances``, ``stepper``,
+``crossing``, ``cuts``, ``distances``, ``breaks``, ``branches``, ``stepper``, ``switching``,
 ``kinematics``, ``rows``, ``continuation``, ``rank``, ``trust``. It goes along with each generated
 solver, and needs NumPy only.
 """

@@ -194,7 +194,7 @@ def solver_state(
 
 
 def taken(places: Sequence[float], q: Array) -> Array:
-    """Elements of q at places; numbers stand for themselves."""
+    """Elements of q (nq,) at places (n,); numbers stand for themselves."""
     return np.array([q[k] if isinstance(k, int) else k for k in places])
 
 

@@ -44,7 +44,7 @@ LEAPS, STAYS, MEETS = 0, 1, 2
 
 
 def follow_way(x: list[float], c: list[Array], part: float) -> Array:
-    """Coordinates at a part of a step by Newton's polynomial through those at parts x."""
+    """Coordinates (nq,) at a part of a step by Newton's polynomial through those at parts x."""
     q = c[-1]
     for node, coefficient in zip(x[-2::-1], c[-2::-1], strict=True):
         q = q * (part - node) + coefficient
@@ -54,7 +54,7 @@ def follow_way(x: list[float], c: list[Array], part: float) -> Array:
 def begin_way(
     h: float, y_before: Array, f_before: Array, y: Array, f: Array, nq: int
 ) -> tuple[list[float], list[Array]]:
-    """Cubic polynomial through both ends of a step of length h, from f_before to f."""
+    """Cubic polynomial through both ends of a step of length h [s], from f_before to f (ny,)."""
     step, first = y[:nq] - y_before[:nq], h * f_before[:nq]
     bend = step - first
     return [0.0, 0.0, 1.0, 1.0], [y_before[:nq].copy(), first, bend, h * f[:nq] - step - bend]

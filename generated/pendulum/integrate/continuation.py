@@ -158,12 +158,12 @@ def stay_closed_along(state: State, work: Work) -> bool:
     x = 0.6180339887498949 * np.arange(1.0, scene.nv + 1.0)
     u = (x - np.floor(x) - 0.5) * scene.lengths  # no special direction
     usual = 0.0
-    for look in range(MOST_CLOSURE_CHECKS):
+    for attempt in range(MOST_CLOSURE_CHECKS):
         ratio = pivot_ratio(work, state)
         is_regular = ratio >= NEAR_SINGULAR * usual
         usual = larger(usual, ratio)
         w.run("check")
-        if is_regular and not are_closed(w.all_C, CLEARLY if look else 1.0, scene):
+        if is_regular and not are_closed(w.all_C, CLEARLY if attempt else 1.0, scene):
             return False
         take_normal_part(1.0, y[scene.nq :], work, u)
         size = w.size_of(u)

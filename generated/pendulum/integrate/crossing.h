@@ -1,20 +1,24 @@
 /* Crossing: steps end where events are and where formulas of the state have a kink or a jump.
  *
- * A step that was tried is looked at before it is kept. Its polynomial tells at some times what
- * formulas read: coordinates, lengths of springs, their rates. That bounds them between these
- * times, and they bound the functions and their rates, as of switching functions of time. What is
- * nearer to zero than the error of a step may be counts as zero: a function crosses when it is
- * beyond on the other side. Then the step is made again, to end there. Parts of formulas that vary
+ * This is event location: a step that was tried is searched before it is kept. Its polynomial, the
+ * dense output, tells at some times what formulas read: coordinates, lengths of springs, their
+ * rates. That bounds them between these times, and they bound the functions and their rates, as of
+ * switching functions of time. What is nearer to zero than the error of a step may be counts as
+ * zero: a function crosses when it is beyond on the other side. Where bounds tell that one crosses
+ * once its time is bisected. Then the step is made again, to end there. Parts of formulas that vary
  * with the state beyond polynomials are bounded likewise: where samples do not tell how, the step
  * is made shorter. */
 
 /* the smallest step, relative to the time */
 #define SMALLEST 1e-15
+/* a step, or an interval of one, that comes within 1e-7 of its length to the last time ends there:
+ * no sliver is left */
+#define STRETCH_TO_END 1.0000001
 /* how many smallest steps a cut is behind the start at least */
 #define ONWARD 8.0
-/* in how many parts a step is looked at, and how often at most */
+/* in how many parts a step is searched, and how many nodes there are at most */
 #define CELLS 4
-#define MOST_LOOKS 512
+#define MOST_NODES 512
 /* second derivatives may be so much further from those of a cubic polynomial as it is from a
  * parabola */
 #define DOUBT 2.0
@@ -62,15 +66,15 @@
 
 enum {
     N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
-    N_TOLD = N_CROSSINGS + N_NARROW,
-    N_SEEN = N_TOLD + N_INFINITE,
-    N_LOOKED = N_SEEN + N_DISTANCES,
+    N_BOUNDED = N_CROSSINGS + N_NARROW,
+    N_FUNCTIONS = N_BOUNDED + N_INFINITE,
+    N_SEARCHED = N_FUNCTIONS + N_DISTANCES,
     N_READ = 2 * N_MEASURES,
     /* one behind the other */
-    W_SEEN = N_SWITCHING > N_BREAKS ? W_CROSSINGS
-    : N_BREAKS > 0                  ? W_BREAKS
-    : N_POLES > 0                   ? W_POLES
-                                    : W_NARROW
+    W_FUNCTIONS = N_SWITCHING > N_BREAKS ? W_CROSSINGS
+    : N_BREAKS > 0                       ? W_BREAKS
+    : N_POLES > 0                        ? W_POLES
+                                         : W_NARROW
 };
 
 /* notes a step from a time on over which bounds do not tell how formulas vary */
@@ -80,28 +84,57 @@ static void note_unresolved(double time, State *s)
     s->unresolved_time = time;
 }
 
-/* what is seen at a time of a step: what formulas read, and between what each function is */
+/* a node of the search, at a time of a step */
 typedef struct {
-    double time, read[ROOM(N_READ)], least[ROOM(N_SEEN)], most[ROOM(N_SEEN)];
+    double time;                                              /* when [s] */
+    double read[ROOM(N_READ)];                                /* what formulas read, and its rate */
+    double least[ROOM(N_FUNCTIONS)], most[ROOM(N_FUNCTIONS)]; /* bounds of each function */
 } TimeNode;
 
-/* a step that is looked at, whose polynomial is in the state: what values are known to, in the
- * motion and in its polynomial, which functions cross, where it was cut, and at which part of it at
- * least, whether samples leave open how narrow parts vary somewhere in it, whether it has an error,
- * whether it is kept if nothing cuts it, the event without a value right behind its start, counted
- * from 1, the function that is zero in it where a force is infinite, counted likewise, when that
- * is, by what rates change in it, in the mean, by how much more at its end, and at most, and what
- * they are known to: to no more than they have been; how often it was cut for distances and
- * jumps, where last, the place that did so, and whether it only leads over that; until when
- * functions first cross in it at which a force jumps, infinite where they do not */
+/* the search for crossings in a step, whose polynomial is in the state */
 typedef struct {
+    /* where the step was cut [s] */
+    double cut;
+    /* how it was made: its method, start and length [s] */
     const Method *m;
-    double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
-    double pole_time, bend[ROOM(N_MEASURES)], lean[ROOM(N_MEASURES)], pull[ROOM(N_MEASURES)];
-    double known[ROOM(N_MEASURES)], turning, place, breaks[ROOM(N_BREAKS)];
-    int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_short[ROOM(N_SEEN)];
-    int is_untold, has_error, is_kept, lost, pole, turned, is_over;
-} Look;
+    double start, h;
+    /* at which part of it at least it may be cut */
+    double least_part;
+    /* what crosses within this time crosses together [s] */
+    double slack;
+    /* what values are known to, in the motion and in its polynomial: the noise and rounding of each
+     * number that is read and of its rate */
+    double noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
+    /* second derivatives of what is read: in the mean, by how much more at the end, at most */
+    double second_mean[ROOM(N_MEASURES)];
+    double second_rise[ROOM(N_MEASURES)];
+    double second_bound[ROOM(N_MEASURES)];
+    /* what rates are known to, for their change: to no more than they have been */
+    double rate_noise[ROOM(N_MEASURES)];
+    /* which functions cross, and crossed where it was cut */
+    int crosses[ROOM(N_FUNCTIONS)], was_crossing[ROOM(N_FUNCTIONS)];
+    /* of which events it starts short of zero, where an earlier step ended for them */
+    int is_short[ROOM(N_FUNCTIONS)];
+    /* whether samples leave open how narrow parts vary somewhere in it */
+    int is_unresolved;
+    /* whether an error tells how much of it is missed */
+    int has_error;
+    /* whether it is kept if nothing cuts it */
+    int is_kept;
+    /* the event without a value right behind its start, counted from 1, 0 where all have one */
+    int undefined;
+    /* the function that is zero in it where a force is infinite, from 1, 0: none; when [s] */
+    int pole;
+    double pole_time;
+    /* how often it was cut for distances and jumps, where last, and for which place [s] */
+    int place_cuts;
+    double place_cut, place;
+    /* whether it only leads over that */
+    int is_over;
+    /* until when functions first cross in it at which a force jumps, infinite where none does [s]
+     * */
+    double breaks[ROOM(N_BREAKS)];
+} Search;
 
 /* whether what is a at the start of h and b at its end is positive between: no less than lines from
  * both ends as steep as it falls and rises at most */
@@ -119,14 +152,14 @@ static void read_of(double time, const double *y, Work *work, double *read)
 }
 
 /* what formulas read at a time */
-static void read_at(double time, const Look *look, const State *s, Work *work, double *read)
+static void read_at(double time, const Search *search, const State *s, Work *work, double *read)
 {
-    interpolate(look->m, (time - look->start) / look->h, s, work->scratch);
+    interpolate(search->m, (time - search->start) / search->h, s, work->scratch);
     read_of(time, work->scratch, work, read);
 }
 
-/* what is seen at a time where formulas read what the node has, known to a noise */
-static void see_at(const double *noise, double time, double *w, TimeNode *node)
+/* the bounds of a node at a time where formulas read what it has, known to a noise */
+static void evaluate_node(const double *noise, double time, double *w, TimeNode *node)
 {
     double *ranges = w + W_RANGES;
     node->time = ranges[0] = ranges[1] = time;
@@ -139,18 +172,18 @@ static void see_at(const double *noise, double time, double *w, TimeNode *node)
         own[4] = own[5] = 0.0;
     }
     crossing(w);
-    for (size_t k = 0; k != N_SEEN; ++k) {
-        node->least[k] = w[W_SEEN + 4 * k];
-        node->most[k] = w[W_SEEN + 4 * k + 1];
+    for (size_t k = 0; k != N_FUNCTIONS; ++k) {
+        node->least[k] = w[W_FUNCTIONS + 4 * k];
+        node->most[k] = w[W_FUNCTIONS + 4 * k + 1];
     }
 }
 
-/* what is seen at a time, where values are known to a noise */
-static void look_closely(
-    const double *noise, double time, const Look *look, const State *s, Work *work, TimeNode *node)
+/* the node at a time, where values are known to a given noise */
+static void node_with_noise(const double *noise, double time, const Search *search, const State *s,
+    Work *work, TimeNode *node)
 {
-    read_at(time, look, s, work, node->read);
-    see_at(noise, time, work->w, node);
+    read_at(time, search, s, work, node->read);
+    evaluate_node(noise, time, work->w, node);
 }
 
 /* on which side of zero a function is, 0 where that is not known */
@@ -159,64 +192,67 @@ static int side_at(const TimeNode *node, size_t k)
     return (node->least[k] > 0.0) - (node->most[k] < 0.0);
 }
 
-/* how fast a rate changes at a time of a step, but for what rounding makes of it */
-static double change_at(size_t k, double time, const Look *look)
+/* the size of a second derivative at a time of a step, but for what rounding makes of it */
+static double second_at(size_t k, double time, const Search *search)
 {
-    const double part = (time - look->start) / look->h, h = look->h;
-    const double change = fabs(look->bend[k] + (2.0 * part - 1.0) * look->lean[k]);
-    return change - 2.0 * look->rounding[2 * k + 1] / h;
+    const double part = (time - search->start) / search->h, h = search->h;
+    const double change = fabs(
+        search->second_mean[k] + (2.0 * part - 1.0) * search->second_rise[k]);
+    return change - 2.0 * search->rounding[2 * k + 1] / h;
 }
 
-/* whether what is as fast, and is pulled at most so much, gets further than what it is known to */
-static int passes_by(double speed, double pull, double noise, const Look *look, const State *s)
+/* whether what is as fast, and accelerates at most so much, gets further than what it is known
+ * to */
+static int passes_by(
+    double speed, double acceleration, double noise, const Search *search, const State *s)
 {
     const double far = PASSING * noise;
-    return speed * larger(s->stride, look->h) > far && speed * speed > far * pull;
+    return speed * larger(s->stride, search->h) > far && speed * speed > far * acceleration;
 }
 
 /* what values that formulas read at a time are known to: what passes by there to rounding */
 static void noise_at(
-    double time, const double *read, const Look *look, const State *s, double *noise)
+    double time, const double *read, const Search *search, const State *s, double *noise)
 {
-    memcpy(noise, look->noise, sizeof look->noise);
+    memcpy(noise, search->noise, sizeof search->noise);
     for (size_t k = 0; k != N_MEASURES; ++k) {
-        const double speed = fabs(read[2 * k + 1]), change = change_at(k, time, look);
-        const double jolt = 2.0 * fabs(look->lean[k]) / look->h;
-        if (passes_by(speed, look->pull[k], noise[2 * k], look, s))
-            noise[2 * k] = look->rounding[2 * k];
-        if (passes_by(change, jolt, look->known[k], look, s))
-            noise[2 * k + 1] = look->rounding[2 * k + 1];
+        const double speed = fabs(read[2 * k + 1]), change = second_at(k, time, search);
+        const double third = 2.0 * fabs(search->second_rise[k]) / search->h;
+        if (passes_by(speed, search->second_bound[k], noise[2 * k], search, s))
+            noise[2 * k] = search->rounding[2 * k];
+        if (passes_by(change, third, search->rate_noise[k], search, s))
+            noise[2 * k + 1] = search->rounding[2 * k + 1];
     }
 }
 
-/* what is seen at a time of the motion: of what passes by there its polynomial tells where it is,
+/* the node at a time of the motion: of what passes by there its polynomial tells where it is,
  * however far off that may be, and of a rate that does what it is, so that nothing that is narrower
  * is passed over. Where a force may be infinite places are known to the noise */
-static void look_at(double time, const Look *look, const State *s, Work *work, TimeNode *node)
+static void node_at(double time, const Search *search, const State *s, Work *work, TimeNode *node)
 {
     double noise[ROOM(N_READ)];
-    read_at(time, look, s, work, node->read);
-    if (N_POLES > 0) see_at(look->noise, time, work->w, node);
+    read_at(time, search, s, work, node->read);
+    if (N_POLES > 0) evaluate_node(search->noise, time, work->w, node);
     for (size_t k = N_SWITCHING; k != N_CROSSINGS; ++k) {
         if (side_at(node, k) == 0) return;
     }
-    noise_at(time, node->read, look, s, noise);
-    see_at(noise, time, work->w, node);
+    noise_at(time, node->read, search, s, noise);
+    evaluate_node(noise, time, work->w, node);
 }
 
 /* when a stage of the polynomial alone is beyond a switch that this one does not meet until seen,
  * as in a contact that all stages of the step passed by: what acts there has thrown it off, and it
  * tells nothing; seen, if none is */
-static double stage_beyond(double seen, const Look *look, const State *s, Work *work)
+static double stage_beyond(double seen, const Search *search, const State *s, Work *work)
 {
-    const Method *m = look->m;
+    const Method *m = search->m;
     TimeNode node;
     for (size_t n = m->stages + 1; n < m->all; ++n) {
-        const double time = look->start + m->c[n] * look->h;
+        const double time = search->start + m->c[n] * search->h;
         if (!(time < seen)) continue;
-        combine(n, m->a + n * (n - 1) / 2, s->y, look->h, work->k, work->scratch);
+        combine(n, m->a + n * (n - 1) / 2, s->y, search->h, work->k, work->scratch);
         read_of(time, work->scratch, work, node.read);
-        see_at(look->noise, time, work->w, &node);
+        evaluate_node(search->noise, time, work->w, &node);
         for (size_t k = 0; k != N_SWITCHING; ++k) {
             if (s->sides[k] != 0.0 && side_at(&node, k) == -(int)s->sides[k]) return time;
         }
@@ -227,7 +263,7 @@ static double stage_beyond(double seen, const Look *look, const State *s, Work *
 /* by how much a second derivative at the end of h is above its mean, as that of a cubic polynomial
  * that value and rate at both ends tell. What reads a coordinate are numbers as large as its size,
  * however small it is */
-static double bend_of(double size, const double *a, const double *b, double h)
+static double second_rise_of(double size, const double *a, const double *b, double h)
 {
     const double rounding = 6.0 * SMALLEST * (size + fabs(a[0]) + fabs(b[0])) / h;
     const double off = 3.0 * (a[1] + b[1]) - 6.0 * (b[0] - a[0]) / h;
@@ -235,35 +271,35 @@ static double bend_of(double size, const double *a, const double *b, double h)
 }
 
 /* makes the polynomial of a step from the state to y, whose rates at both ends are given */
-static void look_into(const Settings *settings, const Method *m, int has_stages, double h,
-    const double *y, const double *f_before, const double *f, Look *look, State *s, Work *work)
+static void begin_search(const Settings *settings, const Method *m, int has_stages, double h,
+    const double *y, const double *f_before, const double *f, Search *search, State *s, Work *work)
 {
     double first[ROOM(N_READ)], last[ROOM(N_READ)];
-    look->m = m;
-    look->start = s->time;
-    look->h = h;
-    look->slack = settings->tolerance * h;
-    look->is_untold = 0;
-    for (size_t k = 0; k != N_BREAKS; ++k) look->breaks[k] = HUGE_VAL;
+    search->m = m;
+    search->start = s->time;
+    search->h = h;
+    search->slack = settings->tolerance * h;
+    search->is_unresolved = 0;
+    for (size_t k = 0; k != N_BREAKS; ++k) search->breaks[k] = HUGE_VAL;
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memset(s->dense, 0, sizeof s->dense);
     hermite_cubic(h, y, f_before, f, s);
     if (has_stages) add_dense_rows(m, h, s, work);
-    read_at(s->time, look, s, work, first);
-    read_at(s->time + h, look, s, work, last);
+    read_at(s->time, search, s, work, first);
+    read_at(s->time + h, search, s, work, last);
     for (size_t k = 0; k != N_MEASURES; ++k) {
         const double size = measure_sizes[k], *a = first + 2 * k, *b = last + 2 * k;
         const double most = larger(fabs(a[0]), fabs(b[0]));
-        look->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
+        search->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
         const double speed = larger(fabs(a[1]), fabs(b[1])), longest = larger(s->stride, h);
         const double fast = speed + SLOW * size / longest;
-        look->noise[2 * k + 1] = settings->tolerance * fast;
-        look->known[k] = smaller(look->noise[2 * k + 1], speed + size * s->fastest);
-        look->bend[k] = (b[1] - a[1]) / h;
-        look->lean[k] = bend_of(size, a, b, h);
-        look->pull[k] = fabs(look->bend[k]) + fabs(look->lean[k]);
-        look->rounding[2 * k] = SMALLEST * (size + most);
-        look->rounding[2 * k + 1] = SMALLEST * fast;
+        search->noise[2 * k + 1] = settings->tolerance * fast;
+        search->rate_noise[k] = smaller(search->noise[2 * k + 1], speed + size * s->fastest);
+        search->second_mean[k] = (b[1] - a[1]) / h;
+        search->second_rise[k] = second_rise_of(size, a, b, h);
+        search->second_bound[k] = fabs(search->second_mean[k]) + fabs(search->second_rise[k]);
+        search->rounding[2 * k] = SMALLEST * (size + most);
+        search->rounding[2 * k + 1] = SMALLEST * fast;
     }
 }
 
@@ -274,13 +310,13 @@ static void reach_between(
     range[0] = smaller(a, b);
     range[1] = larger(a, b);
     if (!(slowest < 0.0 && fastest > 0.0)) return;
-    const double all = fastest - slowest, bend = slowest * fastest * h;
-    range[0] = smaller(range[0], (fastest * a - slowest * b + bend) / all);
-    range[1] = larger(range[1], (fastest * b - slowest * a - bend) / all);
+    const double all = fastest - slowest, curve = slowest * fastest * h;
+    range[0] = smaller(range[0], (fastest * a - slowest * b + curve) / all);
+    range[1] = larger(range[1], (fastest * b - slowest * a - curve) / all);
 }
 
 /* bounds of the functions between two times, to the workspace */
-static void bound_seen(const TimeNode *a, const TimeNode *b, double *w)
+static void bound_functions(const TimeNode *a, const TimeNode *b, double *w)
 {
     const double h = b->time - a->time;
     double *ranges = w + W_RANGES;
@@ -290,9 +326,9 @@ static void bound_seen(const TimeNode *a, const TimeNode *b, double *w)
         const double *p = a->read + 2 * k, *q = b->read + 2 * k;
         double *own = ranges + 2 + 6 * k;
         const double mean = (q[1] - p[1]) / h;
-        const double bend = fabs(bend_of(measure_sizes[k], p, q, h));
-        own[4] = mean - DOUBT * bend;
-        own[5] = mean + DOUBT * bend;
+        const double rise = fabs(second_rise_of(measure_sizes[k], p, q, h));
+        own[4] = mean - DOUBT * rise;
+        own[5] = mean + DOUBT * rise;
         reach_between(p[1], q[1], own[4], own[5], h, own + 2);
         reach_between(p[0], q[0], own[2], own[3], h, own);
     }
@@ -312,39 +348,40 @@ static double half_width(const TimeNode *node, size_t k)
 /* whether an event that a step starts short of is no further from zero than the noise: it was noted
  * where an earlier step ended for it, and there is nothing to go back from */
 static int is_still_short(
-    size_t k, int side, double time, const Look *look, const State *s, Work *work)
+    size_t k, int side, double time, const Search *search, const State *s, Work *work)
 {
     TimeNode known;
-    if (!look->is_short[k]) return 0;
-    look_closely(look->noise, time, look, s, work, &known);
+    if (!search->is_short[k]) return 0;
+    node_with_noise(search->noise, time, search, s, work, &known);
     return side_at(&known, k) != -side;
 }
 
 /* what a function is known to at a node: an event that a step starts short of no more */
-static double band_at(size_t k, const TimeNode *node, const Look *look, const State *s, Work *work)
+static double band_at(
+    size_t k, const TimeNode *node, const Search *search, const State *s, Work *work)
 {
     TimeNode known;
-    if (!look->is_short[k]) return half_width(node, k);
-    look_closely(look->noise, node->time, look, s, work, &known);
+    if (!search->is_short[k]) return half_width(node, k);
+    node_with_noise(search->noise, node->time, search, s, work, &known);
     return half_width(&known, k);
 }
 
-/* whether a function that was on a side crosses between two nodes as often as their sides tell, and
- * not oftener; its bounds are in the workspace */
-static int is_told(size_t k, int side, const TimeNode *a, const TimeNode *b, const double *bounds,
-    const Look *look, const State *s, Work *work)
+/* root isolation: whether a function that was on a side crosses between two nodes as often as their
+ * sides tell, and not oftener; its bounds are in the workspace */
+static int is_isolated(size_t k, int side, const TimeNode *a, const TimeNode *b,
+    const double *bounds, const Search *search, const State *s, Work *work)
 {
     const double sign = side < 0 ? -1.0 : 1.0;
     const double least = side < 0 ? -bounds[1] : bounds[0];
     const double falls = side < 0 ? -bounds[3] : bounds[2];
     const double rises = side < 0 ? -bounds[2] : bounds[3];
-    const double band_a = band_at(k, a, look, s, work), band_b = band_at(k, b, look, s, work);
+    const double band_a = band_at(k, a, search, s, work), band_b = band_at(k, b, search, s, work);
     const double first = sign * middle(a, k), last = sign * middle(b, k);
     const double near_a = side == 0 || first < BANDS * band_a ? band_a : 0.0;
     const double near_b = side == 0 || last < BANDS * band_b ? band_b : 0.0;
     const double within = larger(near_a, near_b);
     const int is_beyond = side != 0 && side_at(b, k) == -side;
-    if (is_beyond && !is_still_short(k, side, b->time, look, s, work)) return rises <= 0.0;
+    if (is_beyond && !is_still_short(k, side, b->time, search, s, work)) return rises <= 0.0;
     if (least > -within || falls >= 0.0 || rises <= 0.0) return 1;
     if (side == 0) return bounds[1] < within;
     return stays_positive(first + within, last + within, falls, rises, b->time - a->time);
@@ -363,7 +400,7 @@ static int first_without_value(const State *s, Work *work)
     TimeNode node;
     if (EVENTS == 0) return 0;
     read_of(s->time, s->y, work, node.read);
-    see_at(exact, s->time, work->w, &node);
+    evaluate_node(exact, s->time, work->w, &node);
     for (size_t k = 0; k != EVENTS; ++k) {
         if (!(isfinite(node.least[k]) && isfinite(node.most[k]))) return (int)k + 1;
     }
@@ -372,39 +409,39 @@ static int first_without_value(const State *s, Work *work)
 
 /* whether a function has no value at a time, nor right behind it, where one has that is 0/0 there
  */
-static int lacks_value(size_t k, double time, const Look *look, const State *s, Work *work)
+static int is_undefined(size_t k, double time, const Search *search, const State *s, Work *work)
 {
     const double exact[ROOM(N_READ)] = { 0.0 };
-    const double onward = ROUNDINGS * SMALLEST * larger(fabs(time), look->h);
+    const double onward = ROUNDINGS * SMALLEST * larger(fabs(time), search->h);
     TimeNode node;
-    look_closely(exact, time, look, s, work, &node);
+    node_with_noise(exact, time, search, s, work, &node);
     if (has_value(&node, k)) return 0;
-    look_closely(exact, time + onward, look, s, work, &node);
+    node_with_noise(exact, time + onward, search, s, work, &node);
     return !has_value(&node, k);
 }
 
 /* the last time between two nodes at which all events have a value that have none at the second:
  * the first that has none behind it is noted. Infinite where there is none */
-static double valued_end(
-    const TimeNode *a, const TimeNode *b, Look *look, const State *s, Work *work)
+static double domain_end(
+    const TimeNode *a, const TimeNode *b, Search *search, const State *s, Work *work)
 {
     const double exact[ROOM(N_READ)] = { 0.0 };
     double end = HUGE_VAL;
     TimeNode node;
-    look->lost = 0;
+    search->undefined = 0;
     for (size_t k = 0; k != EVENTS; ++k) {
-        if (has_value(b, k) || !lacks_value(k, b->time, look, s, work)) continue;
+        if (has_value(b, k) || !is_undefined(k, b->time, search, s, work)) continue;
         double first = a->time, last = b->time;
         while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
             const double time = 0.5 * (first + last);
             if (!(first < time && time < last)) break;
-            look_closely(exact, time, look, s, work, &node);
+            node_with_noise(exact, time, search, s, work, &node);
             if (has_value(&node, k)) first = time;
             else last = time;
         }
         if (first < end) {
             end = first;
-            look->lost = (int)k + 1;
+            search->undefined = (int)k + 1;
         }
     }
     return end;
@@ -412,32 +449,32 @@ static double valued_end(
 
 /* what values are known to where a function is looked for: an event is where the polynomial is
  * zero, and a force is infinite there */
-static const double *noise_of(size_t k, const Look *look)
+static const double *noise_of(size_t k, const Search *search)
 {
-    return (int)k < EVENTS || (int)k >= N_SWITCHING ? look->rounding : look->noise;
+    return (int)k < EVENTS || (int)k >= N_SWITCHING ? search->rounding : search->noise;
 }
 
 /* the first time between two nodes at which a function that crosses does: those of events are zero
  * there, the others beyond it, so that what follows is all on the other side */
-static double time_of(
-    size_t k, const TimeNode *a, const TimeNode *b, const Look *look, const State *s, Work *work)
+static double time_of(size_t k, const TimeNode *a, const TimeNode *b, const Search *search,
+    const State *s, Work *work)
 {
     const int side = -side_at(b, k);
     double first = a->time, last = b->time, there[ROOM(N_READ)], noise[ROOM(N_READ)];
     TimeNode node;
-    memcpy(noise, noise_of(k, look), sizeof noise);
-    noise_at(last, b->read, look, s, there);
+    memcpy(noise, noise_of(k, search), sizeof noise);
+    noise_at(last, b->read, search, s, there);
     /* rates may be in a window that is narrower */
     for (size_t n = 0; n != N_MEASURES; ++n) {
         if ((int)k >= EVENTS && (int)k < N_SWITCHING) noise[2 * n + 1] = there[2 * n + 1];
     }
     /* by the polynomial it is beyond zero, by less than that */
-    look_closely(noise, last, look, s, work, &node);
-    if (side_at(&node, k) != -side) memcpy(noise, look->rounding, sizeof noise);
+    node_with_noise(noise, last, search, s, work, &node);
+    if (side_at(&node, k) != -side) memcpy(noise, search->rounding, sizeof noise);
     while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
         const double time = 0.5 * (first + last);
         if (!(first < time && time < last)) break;
-        look_closely(noise, time, look, s, work, &node);
+        node_with_noise(noise, time, search, s, work, &node);
         const int is_behind = (int)k < EVENTS ? side * middle(&node, k) <= 0.0
                                               : side_at(&node, k) == -side;
         if (is_behind) last = time;
@@ -449,22 +486,22 @@ static double time_of(
 /* the first of the functions that cross between two nodes; only those that do so there are left.
  * What is behind the end of the run does not count, however near it is */
 static double first_time(
-    const TimeNode *a, const TimeNode *b, Look *look, const State *s, Work *work)
+    const TimeNode *a, const TimeNode *b, Search *search, const State *s, Work *work)
 {
     double times[ROOM(N_CROSSINGS)], first = b->time;
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
-        if (!look->crosses[k]) continue;
-        times[k] = time_of(k, a, b, look, s, work);
+        if (!search->crosses[k]) continue;
+        times[k] = time_of(k, a, b, search, s, work);
         first = smaller(first, times[k]);
     }
-    double together = first + look->slack;
+    double together = first + search->slack;
     for (size_t k = 0; k != EVENTS; ++k) {
-        if (look->crosses[k] && events[k][1] == STOP && times[k] <= first + look->slack) {
+        if (search->crosses[k] && events[k][1] == STOP && times[k] <= first + search->slack) {
             together = first + 4.0 * SMALLEST * fabs(first);
         }
     }
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
-        look->crosses[k] = look->crosses[k] && times[k] <= together;
+        search->crosses[k] = search->crosses[k] && times[k] <= together;
     }
     return first;
 }
@@ -472,76 +509,77 @@ static double first_time(
 /* whether a step begins where a function that has crossed is on the side that it left: a step ends
  * there where errors let it. Formulas are then those of that side, and the errors of a method can
  * be blind to its first stage */
-static int is_short_of(size_t k, const TimeNode *a, const Look *look, const State *s, Work *work)
+static int is_short_of(
+    size_t k, const TimeNode *a, const Search *search, const State *s, Work *work)
 {
     TimeNode node;
-    if (a->time != look->start) return 0;
-    look_closely(look->rounding, a->time, look, s, work, &node);
+    if (a->time != search->start) return 0;
+    node_with_noise(search->rounding, a->time, search, s, work, &node);
     return side_at(&node, k) != (int)s->sides[k];
 }
 
 /* when the first function but for events is on a side that was near to zero so far: formulas at
  * zero, where jumps are, tell nothing of what follows; those that are near to it on that side
  * already do */
-static double first_left(
-    const TimeNode *a, const TimeNode *b, const Look *look, const State *s, Work *work)
+static double first_departure(
+    const TimeNode *a, const TimeNode *b, const Search *search, const State *s, Work *work)
 {
     double first = HUGE_VAL;
     for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
         const int now = side_at(b, k);
         if (now == 0 || now * middle(a, k) > 0.0) continue;
-        if (s->sides[k] != 0.0 && (s->sides[k] != now || !is_short_of(k, a, look, s, work))) {
+        if (s->sides[k] != 0.0 && (s->sides[k] != now || !is_short_of(k, a, search, s, work))) {
             continue;
         }
-        first = smaller(first, time_of(k, a, b, look, s, work));
+        first = smaller(first, time_of(k, a, b, search, s, work));
     }
     return first;
 }
 
-/* what is seen that far from a time where formulas read this, and go on evenly */
-static void see_beside(double way, double time, const double *read, const double *noise,
-    const Look *look, Work *work, TimeNode *node)
+/* the node that far from a time where formulas read this, and go on evenly */
+static void node_beside(double way, double time, const double *read, const double *noise,
+    const Search *search, Work *work, TimeNode *node)
 {
     for (size_t k = 0; k != N_MEASURES; ++k) {
         node->read[2 * k] = read[2 * k] + way * read[2 * k + 1];
-        node->read[2 * k + 1] = read[2 * k + 1] + way * look->bend[k];
+        node->read[2 * k + 1] = read[2 * k + 1] + way * search->second_mean[k];
     }
-    see_at(noise, time + way, work->w, node);
+    evaluate_node(noise, time + way, work->w, node);
 }
 
 /* how large parts of forces that may be infinite are that far from a time */
 static void sizes_beside(
-    double way, double time, const double *read, const Look *look, Work *work, double *sizes)
+    double way, double time, const double *read, const Search *search, Work *work, double *sizes)
 {
     const double exact[ROOM(N_READ)] = { 0.0 };
     TimeNode node;
-    see_beside(way, time, read, exact, look, work, &node);
-    for (size_t k = 0; k != N_INFINITE; ++k) sizes[k] = fabs(middle(&node, N_TOLD + k));
+    node_beside(way, time, read, exact, search, work, &node);
+    for (size_t k = 0; k != N_INFINITE; ++k) sizes[k] = fabs(middle(&node, N_BOUNDED + k));
 }
 
 /* whether a force is infinite where a function gets on a side of zero at a time, so that no motion
  * leads through: it grows as 1/x or faster on a side. What is 0/0 there, or jumps, does not
  * grow, and what grows less, as 1/sqrt(x), has a finite integral */
 static int is_infinite(
-    size_t k, int side, double time, const Look *look, const State *s, Work *work)
+    size_t k, int side, double time, const Search *search, const State *s, Work *work)
 {
     double near[ROOM(N_INFINITE)], there[ROOM(N_INFINITE)], away[ROOM(N_INFINITE)];
-    double read[ROOM(N_READ)], far = ROUNDINGS * SMALLEST * larger(fabs(time), look->h);
+    double read[ROOM(N_READ)], far = ROUNDINGS * SMALLEST * larger(fabs(time), search->h);
     int is_pole = 0;
     TimeNode a, b;
-    read_at(time, look, s, work, read);
+    read_at(time, search, s, work, read);
     for (;;) {
-        see_beside(-far, time, read, look->rounding, look, work, &a);
-        see_beside(far, time, read, look->rounding, look, work, &b);
+        node_beside(-far, time, read, search->rounding, search, work, &a);
+        node_beside(far, time, read, search->rounding, search, work, &b);
         if (side_at(&a, k) == -side && side_at(&b, k) == side) break;
         far *= FURTHER;
         if (!(far < s->stride)) return 1; /* rounding hides that */
     }
     for (int n = 0; n != 2; ++n) {
         const double way = n == 0 ? -far : far;
-        sizes_beside(FURTHER * FURTHER * way, time, read, look, work, near);
-        sizes_beside(FURTHER * FURTHER * FURTHER * way, time, read, look, work, there);
-        sizes_beside(FURTHER * FURTHER * FURTHER * FURTHER * way, time, read, look, work, away);
+        sizes_beside(FURTHER * FURTHER * way, time, read, search, work, near);
+        sizes_beside(FURTHER * FURTHER * FURTHER * way, time, read, search, work, there);
+        sizes_beside(FURTHER * FURTHER * FURTHER * FURTHER * way, time, read, search, work, away);
         for (size_t i = 0; i != N_INFINITE; ++i) {
             const double both = near[i] * away[i], square = there[i] * there[i];
             const int grows = near[i] > STEEP * there[i] && there[i] > STEEP * away[i] &&
@@ -554,43 +592,43 @@ static int is_infinite(
 
 /* finds the first pole of a force between two nodes, but behind nothing else that crosses there,
  * where functions pass zero at which forces may be infinite */
-static void find_pole(
-    const int *passes, const TimeNode *a, const TimeNode *b, Look *look, const State *s, Work *work)
+static void find_pole(const int *passes, const TimeNode *a, const TimeNode *b, Search *search,
+    const State *s, Work *work)
 {
-    int crossed[ROOM(N_SEEN)], any = 0;
+    int crossed[ROOM(N_FUNCTIONS)], any = 0;
     double first = HUGE_VAL;
-    memcpy(crossed, look->crosses, sizeof crossed);
+    memcpy(crossed, search->crosses, sizeof crossed);
     for (size_t k = 0; k != N_CROSSINGS; ++k) any = any || crossed[k];
-    if (any) first = first_time(a, b, look, s, work);
-    memcpy(look->crosses, crossed, sizeof crossed);
+    if (any) first = first_time(a, b, search, s, work);
+    memcpy(search->crosses, crossed, sizeof crossed);
     for (size_t k = 0; k != N_POLES; ++k) {
         const size_t own = N_SWITCHING + k;
         if (!passes[k]) continue;
         const int side = side_at(b, own);
-        const double time = side_at(a, own) == side ? a->time : time_of(own, a, b, look, s, work);
-        if (time <= first && is_infinite(own, side, time, look, s, work)) {
-            first = look->pole_time = time;
-            look->pole = (int)k + 1;
+        const double time = side_at(a, own) == side ? a->time : time_of(own, a, b, search, s, work);
+        if (time <= first && is_infinite(own, side, time, search, s, work)) {
+            first = search->pole_time = time;
+            search->pole = (int)k + 1;
         }
     }
 }
 
 /* where a step ends before a pole that is seen in it: at its start if that is near */
-static double end_before_pole(const Look *look, const State *s)
+static double end_before_pole(const Search *search, const State *s)
 {
-    const double way = look->pole_time - look->start;
-    return way > NO_WAY * s->stride ? look->start + CLOSER * way : look->start;
+    const double way = search->pole_time - search->start;
+    return way > NO_WAY * s->stride ? search->start + CLOSER * way : search->start;
 }
 
 /* why a run leads no further, where a step would end there; GOOD where it does */
-static int why_stopped(double seen, const Look *look, State *s)
+static int why_stopped(double seen, const Search *search, State *s)
 {
-    if (look->lost) {
-        s->event = look->lost;
+    if (search->undefined) {
+        s->event = search->undefined;
         return NO_VALUE;
     }
-    if (look->pole && !(seen > s->time)) {
-        s->pole = look->pole;
+    if (search->pole && !(seen > s->time)) {
+        s->pole = search->pole;
         return INFINITE;
     }
     return GOOD;
@@ -599,13 +637,13 @@ static int why_stopped(double seen, const Look *look, State *s)
 /* notes on which side functions are where a step starts: by the noise that was open. Rates are
  * known to rounding where they pass by, places to the noise. Events, which are looked for until
  * they are exact, and poles stay */
-static void note_left(const TimeNode *a, const Look *look, State *s, Work *work)
+static void note_sides(const TimeNode *a, const Search *search, State *s, Work *work)
 {
     double noise[ROOM(N_READ)];
     TimeNode node = *a;
-    noise_at(a->time, a->read, look, s, noise);
-    for (size_t k = 0; k != N_MEASURES; ++k) noise[2 * k] = look->noise[2 * k];
-    see_at(noise, a->time, work->w, &node);
+    noise_at(a->time, a->read, search, s, noise);
+    for (size_t k = 0; k != N_MEASURES; ++k) noise[2 * k] = search->noise[2 * k];
+    evaluate_node(noise, a->time, work->w, &node);
     for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
         const int now = side_at(&node, k);
         if (now == -(int)s->sides[k]) s->sides[k] = now;
@@ -614,102 +652,103 @@ static void note_left(const TimeNode *a, const Look *look, State *s, Work *work)
 
 /* whether a function that was on a side is beyond zero at a node */
 static int are_crossed(
-    size_t k, int side, const TimeNode *b, const Look *look, const State *s, Work *work)
+    size_t k, int side, const TimeNode *b, const Search *search, const State *s, Work *work)
 {
     if (side == 0 || side_at(b, k) != -side) return 0;
-    return !is_still_short(k, side, b->time, look, s, work);
+    return !is_still_short(k, side, b->time, search, s, work);
 }
 
 /* where a step to an end must end: where a function first crosses, or how far was looked */
-static double seen_end(double end, Look *look, State *s, Work *work)
+static double crossing_end(double end, Search *search, State *s, Work *work)
 {
-    const double tiny = SMALLEST * larger(fabs(look->start), fabs(end));
-    const double nearest = look->start + larger(ONWARD * tiny, look->least_part * look->h);
-    const double widest = look->h / CELLS;
-    const double soon = look->start + larger(ONWARD * tiny, look->slack);
+    const double tiny = SMALLEST * larger(fabs(search->start), fabs(end));
+    const double nearest = search->start + larger(ONWARD * tiny, search->least_part * search->h);
+    const double widest = search->h / CELLS;
+    const double soon = search->start + larger(ONWARD * tiny, search->slack);
     int passed[ROOM(N_POLES)] = { 0 }, passes[ROOM(N_POLES)] = { 0 };
     double width = widest, bounds[4 * ROOM(N_CROSSINGS)];
     TimeNode a, b;
-    look->pole = 0;
-    look_at(look->start, look, s, work, &a);
-    valued_end(&a, &a, look, s, work);
-    if (look->lost) return end;
-    note_left(&a, look, s, work);
+    search->pole = 0;
+    node_at(search->start, search, s, work, &a);
+    domain_end(&a, &a, search, s, work);
+    if (search->undefined) return end;
+    note_sides(&a, search, s, work);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         const int side = (int)s->sides[k];
-        look->is_short[k] = (int)k < EVENTS && side != 0 && side_at(&a, k) == -side;
+        search->is_short[k] = (int)k < EVENTS && side != 0 && side_at(&a, k) == -side;
     }
-    for (size_t n = 0; n != MOST_LOOKS && a.time < end; ++n) {
+    for (size_t n = 0; n != MOST_NODES && a.time < end; ++n) {
         int is_known = 1, any = 0, is_lost = 0, may_be_infinite = 0;
-        look_at(a.time + 1.0000001 * width < end ? a.time + width : end, look, s, work, &b);
+        node_at(a.time + STRETCH_TO_END * width < end ? a.time + width : end, search, s, work, &b);
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
             if (s->sides[k] == 0.0) s->sides[k] = side_at(&a, k);
             const int side = (int)s->sides[k];
-            look->crosses[k] = are_crossed(k, side, &b, look, s, work);
+            search->crosses[k] = are_crossed(k, side, &b, search, s, work);
             if (N_POLES > 0 && (int)k >= N_SWITCHING) {
                 const size_t pole = k - N_SWITCHING;
                 const int now = passed[pole] ? -side : side;
-                look->crosses[k] = 0;
+                search->crosses[k] = 0;
                 passes[pole] = now != 0 && side_at(&b, k) == -now;
                 may_be_infinite = may_be_infinite || passes[pole];
             }
-            any = any || look->crosses[k];
+            any = any || search->crosses[k];
         }
-        const double valued = valued_end(&a, &b, look, s, work);
-        if (look->lost) {
-            const double first = any ? first_time(&a, &b, look, s, work) : HUGE_VAL;
-            if (first <= valued + look->slack) {
-                look->lost = 0;
+        const double valued = domain_end(&a, &b, search, s, work);
+        if (search->undefined) {
+            const double first = any ? first_time(&a, &b, search, s, work) : HUGE_VAL;
+            if (first <= valued + search->slack) {
+                search->undefined = 0;
                 return smaller(larger(first, nearest), end);
             }
-            if (look->is_kept && valued <= soon) return end;
-            look->lost = 0;
+            if (search->is_kept && valued <= soon) return end;
+            search->undefined = 0;
             /* at the end, where it was cut for that, or by rounding */
-            is_lost = end - valued <= (end == look->cut ? SMALL * look->h : ONWARD * tiny);
+            is_lost = end - valued <= (end == search->cut ? SMALL * search->h : ONWARD * tiny);
             if (!is_lost) {
-                memset(look->crosses, 0, sizeof look->crosses);
+                memset(search->crosses, 0, sizeof search->crosses);
                 return smaller(larger(valued, nearest), end);
             }
         }
-        bound_seen(&a, &b, work->w);
-        memcpy(bounds, work->w + W_SEEN, 4 * N_CROSSINGS * sizeof *bounds);
+        bound_functions(&a, &b, work->w);
+        memcpy(bounds, work->w + W_FUNCTIONS, 4 * N_CROSSINGS * sizeof *bounds);
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
             int side = (int)s->sides[k];
             if (N_POLES > 0 && (int)k >= N_SWITCHING && passed[k - N_SWITCHING]) side = -side;
             if (is_lost && !has_value(&b, k)) continue; /* it ends where that has no value */
-            if (!is_told(k, side, &a, &b, bounds + 4 * k, look, s, work)) is_known = 0;
+            if (!is_isolated(k, side, &a, &b, bounds + 4 * k, search, s, work)) is_known = 0;
         }
-        const double left = larger(first_left(&a, &b, look, s, work), look->start + ONWARD * tiny);
-        if (left - look->start < SOON * (end - look->start)) {
-            memset(look->crosses, 0, sizeof look->crosses);
+        const double left = larger(
+            first_departure(&a, &b, search, s, work), search->start + ONWARD * tiny);
+        if (left - search->start < SOON * (end - search->start)) {
+            memset(search->crosses, 0, sizeof search->crosses);
             return left;
         }
         if (!is_known && b.time - a.time > tiny) {
             width = 0.5 * (b.time - a.time);
             continue;
         }
-        if (may_be_infinite && look->is_kept) {
-            find_pole(passes, &a, &b, look, s, work);
-            if (look->pole) return end;
+        if (may_be_infinite && search->is_kept) {
+            find_pole(passes, &a, &b, search, s, work);
+            if (search->pole) return end;
         }
         for (size_t k = 0; k != N_POLES; ++k) passed[k] = passed[k] != passes[k];
         if (any) {
             for (size_t k = 0; k != N_BREAKS; ++k)
-                if (look->crosses[N_SWITCHING - N_BREAKS + k]) look->breaks[k] = b.time;
-            return smaller(larger(first_time(&a, &b, look, s, work), nearest), end);
+                if (search->crosses[N_SWITCHING - N_BREAKS + k]) search->breaks[k] = b.time;
+            return smaller(larger(first_time(&a, &b, search, s, work), nearest), end);
         }
         a = b;
         width = smaller(2.0 * width, widest);
     }
-    look->is_untold = a.time < end && !(a.time > nearest);
+    search->is_unresolved = a.time < end && !(a.time > nearest);
     return a.time < end && a.time > nearest ? a.time : end;
 }
 
 /* cuts a step where it must end, and remembers what crosses there */
-static double cut_at(double end, Look *look)
+static double cut_at(double end, Search *search)
 {
-    memcpy(look->was_crossing, look->crosses, sizeof look->crosses);
-    look->cut = end;
+    memcpy(search->was_crossing, search->crosses, sizeof search->crosses);
+    search->cut = end;
     return end;
 }
 
@@ -717,17 +756,17 @@ static double cut_at(double end, Look *look)
  * polynomial or beyond it; 0 where values, as far as they are known, are not on the sides of zero,
  * and negative where it gets on the other one */
 static double gap_across(size_t k, int side, double time, double far, int is_beyond,
-    const Look *look, const State *s, Work *work)
+    const Search *search, const State *s, Work *work)
 {
     double read[ROOM(N_READ)];
     TimeNode a, b;
     if (is_beyond) {
-        read_at(time, look, s, work, read);
-        see_beside(-far, time, read, look->rounding, look, work, &a);
-        see_beside(far, time, read, look->rounding, look, work, &b);
+        read_at(time, search, s, work, read);
+        node_beside(-far, time, read, search->rounding, search, work, &a);
+        node_beside(far, time, read, search->rounding, search, work, &b);
     } else {
-        look_closely(look->rounding, time - far, look, s, work, &a);
-        look_closely(look->rounding, time + far, look, s, work, &b);
+        node_with_noise(search->rounding, time - far, search, s, work, &a);
+        node_with_noise(search->rounding, time + far, search, s, work, &b);
     }
     if (side_at(&a, k) != -side || side_at(&b, k) != side)
         return side_at(&a, k) == side && side_at(&b, k) == -side ? -1.0 : 0.0;
@@ -739,56 +778,57 @@ static double gap_across(size_t k, int side, double time, double far, int is_bey
  * rounding hides that it counts as zero. It may be beyond a short step, of whose end no more is
  * known, where its polynomial tells nothing. Where it gets on the other side rounding brought it
  * back over a jump that was passed */
-static int passes_zero(size_t k, int side, double end, const Look *look, const State *s, Work *work)
+static int passes_zero(
+    size_t k, int side, double end, const Search *search, const State *s, Work *work)
 {
-    double first = look->start, last = end;
+    double first = search->start, last = end;
     TimeNode node;
     if (!events[k][2]) return 1;
-    look_closely(look->rounding, end, look, s, work, &node);
-    if (side_at(&node, k) != side) last = end + SMALL * look->h;
+    node_with_noise(search->rounding, end, search, s, work, &node);
+    if (side_at(&node, k) != side) last = end + SMALL * search->h;
     while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
         const double time = 0.5 * (first + last);
         if (!(first < time && time < last)) break;
-        look_closely(look->rounding, time, look, s, work, &node);
+        node_with_noise(search->rounding, time, search, s, work, &node);
         if (side_at(&node, k) == side) last = time;
         else first = time;
     }
-    double far = ROUNDINGS * SMALLEST * larger(fabs(last), look->h);
-    for (; far < larger(look->h, s->stride) / FURTHER; far *= FURTHER) {
-        const int is_beyond = !(far < look->h / FURTHER);
-        const double gap = gap_across(k, side, last, far, is_beyond, look, s, work);
+    double far = ROUNDINGS * SMALLEST * larger(fabs(last), search->h);
+    for (; far < larger(search->h, s->stride) / FURTHER; far *= FURTHER) {
+        const int is_beyond = !(far < search->h / FURTHER);
+        const double gap = gap_across(k, side, last, far, is_beyond, search, s, work);
         if (gap == 0.0) continue;
         far *= FURTHER;
         return gap > 0.0 &&
-               gap_across(k, side, last, far, is_beyond, look, s, work) >= LARGER_THERE * gap;
+               gap_across(k, side, last, far, is_beyond, search, s, work) >= LARGER_THERE * gap;
     }
     return 1;
 }
 
 /* where an event is that a step was cut for, by the polynomial of the step that ends near it */
-static double polished_cut(const Look *look, const State *s, Work *work)
+static double polished_cut(const Search *search, const State *s, Work *work)
 {
-    const double most = SMALL * look->h;
+    const double most = SMALL * search->h;
     for (size_t k = 0; k != EVENTS; ++k) {
-        if (!look->was_crossing[k]) continue;
-        if (!passes_zero(k, -(int)s->sides[k], look->cut, look, s, work)) continue;
-        double before = look->cut - most, there = look->cut;
+        if (!search->was_crossing[k]) continue;
+        if (!passes_zero(k, -(int)s->sides[k], search->cut, search, s, work)) continue;
+        double before = search->cut - most, there = search->cut;
         TimeNode a, b;
-        const double *noise = noise_of(k, look);
-        look_closely(noise, before, look, s, work, &a);
-        look_closely(noise, there, look, s, work, &b);
+        const double *noise = noise_of(k, search);
+        node_with_noise(noise, before, search, s, work, &a);
+        node_with_noise(noise, there, search, s, work, &b);
         for (int n = 0; n != 4 && middle(&a, k) != middle(&b, k); ++n) {
             const double slope = (middle(&b, k) - middle(&a, k)) / (there - before);
             const double time = there - middle(&b, k) / slope;
-            if (!(fabs(time - look->cut) <= most) || time == there) break;
+            if (!(fabs(time - search->cut) <= most) || time == there) break;
             a = b;
             before = there;
             there = time;
-            look_closely(noise, there, look, s, work, &b);
+            node_with_noise(noise, there, search, s, work, &b);
         }
         return there;
     }
-    return look->cut;
+    return search->cut;
 }
 
 /* whether an event that passed zero is back there, where a jump of a force threw it back, as it
@@ -796,24 +836,24 @@ static double polished_cut(const Look *look, const State *s, Work *work)
  * is known to. On its way through a narrow window it goes on evenly: half as long ago as it passed
  * zero it was on the side that it leaves, before and soon it is on the other one. Where it was held
  * once that is not asked again */
-static int is_thrown_back(size_t k, double end, const Look *look, State *s, Work *work)
+static int is_thrown_back(size_t k, double end, const Search *search, State *s, Work *work)
 {
     const double way = end - s->crossed[k];
     double read[ROOM(N_READ)];
     TimeNode node;
     int is_there = N_MEASURES > 0 && way <= NO_WAY * s->stride;
-    read_at(end, look, s, work, read);
+    read_at(end, search, s, work, read);
     for (size_t n = 0; n != N_MEASURES; ++n) {
-        const double known = look->noise[2 * n];
+        const double known = search->noise[2 * n];
         if (!(fabs(read[2 * n + 1]) * way <= known)) is_there = 0;
-        if (!(fabs(look->bend[n]) * way <= known * s->fastest)) is_there = 0;
+        if (!(fabs(search->second_mean[n]) * way <= known * s->fastest)) is_there = 0;
     }
     if (!is_there) {
         s->held[k] = 0.0;
     } else if (s->held[k] == 0.0) {
         const double beside[3] = { -EARLIER * way, -HALF * way, HALF * way };
         for (int n = 0; n != 3; ++n) {
-            see_beside(beside[n], end, read, look->rounding, look, work, &node);
+            node_beside(beside[n], end, read, search->rounding, search, work, &node);
             const int side = n == 1 ? (int)s->sides[k] : -(int)s->sides[k];
             if (side_at(&node, k) != side) s->held[k] = 1.0;
         }
@@ -822,23 +862,23 @@ static int is_thrown_back(size_t k, double end, const Look *look, State *s, Work
 }
 
 /* notes what a step that is kept has crossed: one that was cut, also what is at zero there */
-static void note_crossings(double end, const Look *look, State *s, Work *work)
+static void note_crossings(double end, const Search *search, State *s, Work *work)
 {
     TimeNode last, known;
-    look_at(end, look, s, work, &last);
-    look_closely(look->noise, end, look, s, work, &known);
+    node_at(end, search, s, work, &last);
+    node_with_noise(search->noise, end, search, s, work, &known);
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         const int side = (int)s->sides[k], now = side_at(&last, k);
         const int is_near = now == 0 || side_at(&known, k) == 0;
-        const int is_there = is_near && end == look->cut && look->was_crossing[k];
-        const int is_back = now == -side && !is_still_short(k, side, end, look, s, work);
+        const int is_there = is_near && end == search->cut && search->was_crossing[k];
+        const int is_back = now == -side && !is_still_short(k, side, end, search, s, work);
         if (side == 0 || !(is_back || is_there)) continue;
-        const int is_same = (int)k < EVENTS && is_thrown_back(k, end, look, s, work);
+        const int is_same = (int)k < EVENTS && is_thrown_back(k, end, search, s, work);
         s->sides[k] = -side;
         if ((int)k >= EVENTS) continue;
         s->crossed[k] = end;
         if (is_same || (events[k][0] != 0 && events[k][0] != -side)) continue;
-        if (!passes_zero(k, -side, end, look, s, work)) continue;
+        if (!passes_zero(k, -side, end, search, s, work)) continue;
         s->counts[k] += 1.0;
         if (events[k][1] != COUNT) s->fired[k] = 1.0;
     }
@@ -847,21 +887,22 @@ static void note_crossings(double end, const Look *look, State *s, Work *work)
 /* whether samples between two times tell how parts vary: their rates change as little, or bounds
  * leave them nearly what they are, or, where formulas switch and an error tells of what they
  * change by, no more than samples show, as of a root at whose end no rate is bounded */
-static int are_narrow_told(double start, double end, const Look *look, const State *s, Work *work)
+static int are_narrow_resolved(
+    double start, double end, const Search *search, const State *s, Work *work)
 {
     double least[ROOM(N_NARROW)], most[ROOM(N_NARROW)], low[ROOM(N_NARROW)], high[ROOM(N_NARROW)];
     double change[ROOM(N_NARROW)], reach[ROOM(N_NARROW)], band[ROOM(N_NARROW)];
     const double h = (end - start) / CELLS;
     TimeNode a, b;
-    look_at(start, look, s, work, &a);
+    node_at(start, search, s, work, &a);
     for (size_t k = 0; k != N_NARROW; ++k) {
         least[k] = most[k] = low[k] = high[k] = middle(&a, N_CROSSINGS + k);
         band[k] = half_width(&a, N_CROSSINGS + k);
         change[k] = reach[k] = 0.0;
     }
     for (int cell = 1; cell <= CELLS; ++cell) {
-        look_at(start + cell * h, look, s, work, &b);
-        bound_seen(&a, &b, work->w);
+        node_at(start + cell * h, search, s, work, &b);
+        bound_functions(&a, &b, work->w);
         for (size_t k = 0; k != N_NARROW; ++k) {
             const double *bounds = work->w + W_NARROW + 4 * k;
             const double there = middle(&b, N_CROSSINGS + k);
@@ -878,7 +919,7 @@ static int are_narrow_told(double start, double end, const Look *look, const Sta
     for (size_t k = 0; k != N_NARROW; ++k) {
         const double range = most[k] - least[k], largest = larger(-least[k], most[k]);
         const double nothing = band[k] + NOTHING * larger(largest, 1.0);
-        const int is_shown = look->has_error && reach[k] <= SHOWN * range + nothing;
+        const int is_shown = search->has_error && reach[k] <= SHOWN * range + nothing;
         const int is_explained = is_shown || change[k] <= EXPLAINED * range + nothing;
         if (!is_explained && !(high[k] - low[k] <= STEADY * largest + nothing)) return 0;
     }
@@ -888,12 +929,12 @@ static int are_narrow_told(double start, double end, const Look *look, const Sta
 /* whether at both times a function is near to zero at which a force may be infinite, or in between:
  * no bound tells there how it varies, and of what is narrow the energy does */
 static int is_at_pole(
-    int in_between, double first, double last, const Look *look, const State *s, Work *work)
+    int in_between, double first, double last, const Search *search, const State *s, Work *work)
 {
     TimeNode a, b;
     if (N_POLES == 0) return 0;
-    look_closely(look->noise, first, look, s, work, &a);
-    look_closely(look->noise, last, look, s, work, &b);
+    node_with_noise(search->noise, first, search, s, work, &a);
+    node_with_noise(search->noise, last, search, s, work, &b);
     for (size_t k = N_SWITCHING; k != N_CROSSINGS; ++k) {
         const int before = side_at(&a, k), after = side_at(&b, k);
         if ((before == 0 && after == 0) || (in_between && before * after != 1)) return 1;
@@ -903,26 +944,27 @@ static int is_at_pole(
 
 /* where a step to an end must end so that samples tell how parts vary with the state; what they do
  * not tell in the finest intervals either is gone over, and noted */
-static double told_end(double end, Look *look, const State *s, Work *work)
+static double resolved_end(double end, Search *search, const State *s, Work *work)
 {
-    const double start = look->start, whole = end - start;
+    const double start = search->start, whole = end - start;
     double first = start, allowed = whole, width = whole;
     for (size_t n = 0; first < start + allowed; ++n) {
-        if (n == MOST_LOOKS) {
-            look->is_untold = look->is_untold || !is_at_pole(1, first, end, look, s, work);
+        if (n == MOST_NODES) {
+            search->is_unresolved = search->is_unresolved ||
+                                    !is_at_pole(1, first, end, search, s, work);
             break;
         }
         const double last = smaller(first + width, end);
-        const int is_there = is_at_pole(0, first, last, look, s, work);
-        const int good = !is_there && are_narrow_told(first, last, look, s, work);
-        if (!good && !is_there && width > FINEST * look->h) {
+        const int is_there = is_at_pole(0, first, last, search, s, work);
+        const int good = !is_there && are_narrow_resolved(first, last, search, s, work);
+        if (!good && !is_there && width > FINEST * search->h) {
             width = 0.5 * width;
             continue;
         }
         if (good) {
             allowed = smaller(allowed, larger(first - start, last - first));
-        } else if (!is_at_pole(1, first, last, look, s, work)) {
-            look->is_untold = 1;
+        } else if (!is_at_pole(1, first, last, search, s, work)) {
+            search->is_unresolved = 1;
         }
         first = last;
         width = 2.0 * width;

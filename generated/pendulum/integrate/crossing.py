@@ -1,10 +1,11 @@
 """Crossing: steps end where events are and where formulas of the state have a kink or a jump.
 
-A step that was tried is looked at before it is kept. Its polynomial tells at some times what
-formulas read: coordinates, lengths of springs, their rates. That bounds them between these times,
-and they bound the functions and their rates, as of switching functions of time. What is nearer to
-zero than the error of a step may be counts as zero: a function crosses when it is beyond on the
-other side. Then the step is made again, to end there. Parts of formulas that vary with the state
+This is event location: a step that was tried is searched before it is kept. Its polynomial, the
+dense output, tells at some times what formulas read: coordinates, lengths of springs, their rates.
+That bounds them between these times, and they bound the functions and their rates, as of switching
+functions of time. What is nearer to zero than the error of a step may be counts as zero: a function
+crosses when it is beyond on the other side. Where bounds tell that one crosses once its time is
+bisected. Then the step is made again, to end there. Parts of formulas that vary with the state
 beyond polynomials are bounded likewise: where samples do not tell how, the step is made shorter.
 """
 
@@ -33,11 +34,14 @@ if TYPE_CHECKING:
 
 #: The smallest step, relative to the time.
 SMALLEST = 1e-15
+#: A step, or an interval of one, that comes within 1e-7 of its length to the last time ends there:
+#: no sliver is left.
+STRETCH_TO_END = 1.0000001
 #: How many smallest steps a cut is behind the start at least.
 ONWARD = 8.0
-#: In how many parts a step is looked at, and how often at most.
+#: In how many parts a step is searched, and how many nodes there are at most.
 CELLS = 4
-MOST_LOOKS = 512
+MOST_NODES = 512
 #: Second derivatives may be so much further from those of a cubic polynomial as it is from a
 #: parabola.
 DOUBT = 2.0
@@ -85,12 +89,12 @@ PASSING = 16.0
 
 
 def largest(a: Array, b: Array) -> Array:
-    """Larger of each two numbers, the second if the first is a NaN."""
+    """Larger of each two numbers (n,), the second if the first is a NaN."""
     return np.where(a > b, a, b)
 
 
 def smallest(a: Array, b: Array) -> Array:
-    """Smaller of each two numbers, the second if the first is a NaN."""
+    """Smaller of each two numbers (n,), the second if the first is a NaN."""
     return np.where(a < b, a, b)
 
 
@@ -119,8 +123,8 @@ class TimeNode:
         When.
     read : (n, 2) array
         What formulas read, and its rate.
-    least, most : array
-        Between what each function is.
+    least, most : (functions,) array
+        Bounds of each function.
     """
 
     time: float
@@ -130,53 +134,50 @@ class TimeNode:
 
 
 @dataclass(slots=True)
-class Look:
-    """A step that is looked at, whose polynomial is in the state.
+class Search:
+    """Search for crossings in a step, whose polynomial is in the state.
 
     Parameters
     ----------
     state, work : State, Work
         Of the run.
     cut : float [s]
-        Where it was cut.
+        Where the step was cut.
     m, start, h : RungeKuttaMethod, float [s], float [s]
-        How it was made.
+        How it was made: its method, start and length.
     least_part : float
         At which part of it at least it may be cut.
     slack : float [s]
         What crosses within it crosses together.
     noise, rounding : (n, 2) array
-        What values are known to, in the motion and in its polynomial.
-    bend : (n,) array
-        By what rates change in it, in the mean.
-    lean : (n,) array
-        By how much more they do at its end than in the mean.
-    pull : (n,) array
-        By what they do at most.
-    known : (n,) array
-        What rates are known to: to no more than they have been.
+        What values are known to, in the motion and in its polynomial: of each number that is read
+        and of its rate.
+    second_mean, second_rise, second_bound : (n,) array
+        Second derivatives of what is read: in the mean, by how much more at the end, at most.
+    rate_noise : (n,) array
+        What rates are known to, for their change: to no more than they have been.
     crosses, was_crossing : array of bool
         Which functions cross, and crossed where it was cut.
     is_short : array of bool
         Of which events it starts short of zero, where an earlier step ended for them.
-    is_untold : bool
+    is_unresolved : bool
         Whether samples leave open how narrow parts vary somewhere in it.
     has_error : bool
         Whether an error tells how much of it is missed.
     is_kept : bool
         Whether it is kept if nothing cuts it.
-    lost : int
+    undefined : int
         The event without a value right behind its start, counted from 1, 0 where all have one.
     pole : int
-        The function that is zero in it where a force is infinite, counted from 1; 0: none.
+        The function that is zero in it where a force is infinite, counted from 1, 0: none.
     pole_time : float [s]
         When that is.
-    turned, turning, place : int, float [s], float [s]
+    place_cuts, place_cut, place : int, float [s], float [s]
         How often it was cut for distances and jumps, where last, and the place that did so.
     is_over : bool
         Whether it only leads over that.
     breaks : array [s]
-        Until when functions first cross in it at which a force jumps; infinite where they do not.
+        Until when functions first cross in it at which a force jumps; infinite where none does.
     """
 
     state: State
@@ -189,157 +190,164 @@ class Look:
     slack: float = 0.0
     noise: Array = field(init=False)
     rounding: Array = field(init=False)
-    bend: Array = field(init=False)
-    lean: Array = field(init=False)
-    pull: Array = field(init=False)
-    known: Array = field(init=False)
+    second_mean: Array = field(init=False)
+    second_rise: Array = field(init=False)
+    second_bound: Array = field(init=False)
+    rate_noise: Array = field(init=False)
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
     is_short: Flags = field(init=False)
-    is_untold: bool = False
+    is_unresolved: bool = False
     has_error: bool = False
     is_kept: bool = True
-    lost: int = 0
+    undefined: int = 0
     pole: int = 0
     pole_time: float = 0.0
-    turned: int = 0
-    turning: float = math.inf
+    place_cuts: int = 0
+    place_cut: float = math.inf
     place: float = math.inf
     is_over: bool = False
     breaks: Array = field(init=False)
 
 
 def side_at(node: TimeNode) -> Array:
-    """Side of zero of each function, 1 or -1, 0 where that is not known."""
+    """Side of zero of each function (functions,), 1 or -1, 0 where that is not known."""
     return np.where(node.least > 0.0, 1.0, np.where(node.most < 0.0, -1.0, 0.0))
 
 
 def middle(node: TimeNode) -> Array:
-    """Middle of each function's bounds."""
+    """Middle of each function's bounds (functions,)."""
     return np.multiply(0.5, node.least + node.most)
 
 
 def half_width(node: TimeNode) -> Array:
-    """Half of the distance between each function's bounds."""
+    """Half of the distance between each function's bounds (functions,)."""
     return np.multiply(0.5, node.most - node.least)
 
 
 def read_of(time: float, y: Array, w: Workspace) -> Array:
-    """Values that formulas read of y at a time."""
+    """Values and rates (n, 2) that formulas read of y (ny,) at a time [s]; rates per second."""
     w.place(time, y)
     w.run("measure")
     found: Array = w.measures.reshape(-1, 2).copy()
     return found
 
 
-def read_at(time: float, look: Look) -> Array:
-    """Values that formulas read at a time."""
-    interpolate(look.m, (time - look.start) / look.h, look.state, look.work.scratch)
-    return read_of(time, look.work.scratch, look.work.w)
+def read_at(time: float, search: Search) -> Array:
+    """Values and rates (n, 2) that formulas read at a time [s] of the step; rates per second."""
+    interpolate(search.m, (time - search.start) / search.h, search.state, search.work.scratch)
+    return read_of(time, search.work.scratch, search.work.w)
 
 
-def look_at(time: float, look: Look) -> TimeNode:
+def node_at(time: float, search: Search) -> TimeNode:
     """Node at a time of the motion.
 
     Of what passes by there its polynomial tells where it is, however far off that may be, and of a
     rate that does what it is, so that nothing that is narrower is passed over. Where a force may be
     infinite places are known to the noise.
     """
-    read, n, n_poles = read_at(time, look), len(look.state.sides), look.work.scene.n_poles
+    read, n, n_poles = read_at(time, search), len(search.state.sides), search.work.scene.n_poles
     if n_poles:
-        node = see_at(read, look.noise, time, look.work.w)
+        node = evaluate_node(read, search.noise, time, search.work.w)
         if not side_at(node)[n - n_poles : n].all():
             return node
-    return see_at(read, noise_at(time, read, look), time, look.work.w)
+    return evaluate_node(read, noise_at(time, read, search), time, search.work.w)
 
 
-def noise_at(time: float, read: Array, look: Look) -> Array:
-    """Noise of what formulas read at a time: of what passes by there only rounding."""
-    jolt = 2.0 * np.abs(look.lean) / look.h
-    pulls = np.column_stack((look.pull, jolt))
-    speeds = np.column_stack((np.abs(read[:, 1]), change_at(time, look)))
-    return np.where(passes_by(speeds, pulls, look), look.rounding, look.noise)
+def noise_at(time: float, read: Array, search: Search) -> Array:
+    """Noise (n, 2) of what formulas read at a time [s]: of what passes by there only rounding."""
+    third = 2.0 * np.abs(search.second_rise) / search.h
+    accelerations = np.column_stack((search.second_bound, third))
+    speeds = np.column_stack((np.abs(read[:, 1]), second_at(time, search)))
+    return np.where(passes_by(speeds, accelerations, search), search.rounding, search.noise)
 
 
-def passes_by(speeds: Array, pulls: Array, look: Look) -> Flags:
-    """Whether what is as fast, and is pulled at most so much, gets further than it is known to."""
-    far = PASSING * np.column_stack((look.noise[:, 0], look.known))
-    found: Flags = speeds * larger(look.state.stride, look.h) > far
-    return found & (speeds * speeds > far * pulls)
+def passes_by(speeds: Array, accelerations: Array, search: Search) -> Flags:
+    """Whether what is as fast, and accelerates at most so much, gets beyond what it is known to."""
+    far = PASSING * np.column_stack((search.noise[:, 0], search.rate_noise))
+    found: Flags = speeds * larger(search.state.stride, search.h) > far
+    return found & (speeds * speeds > far * accelerations)
 
 
-def change_at(time: float, look: Look) -> Array:
-    """How fast rates change at a time of a step, but for what rounding makes of it."""
-    part, h = (time - look.start) / look.h, look.h
-    change = np.abs(look.bend + (2.0 * part - 1.0) * look.lean)
-    known: Array = change - 2.0 * look.rounding[:, 1] / h
-    return known
+def second_at(time: float, search: Search) -> Array:
+    """Sizes (n,) of second derivatives at a time [s], but for what rounding makes of them."""
+    part, h = (time - search.start) / search.h, search.h
+    change = np.abs(search.second_mean + (2.0 * part - 1.0) * search.second_rise)
+    found: Array = change - 2.0 * search.rounding[:, 1] / h
+    return found
 
 
-def look_closely(noise: Array, time: float, look: Look) -> TimeNode:
-    """Node at a time, where values are known to a noise."""
-    return see_at(read_at(time, look), noise, time, look.work.w)
+def node_with_noise(noise: Array, time: float, search: Search) -> TimeNode:
+    """Node at a time, where values are known to a given noise."""
+    return evaluate_node(read_at(time, search), noise, time, search.work.w)
 
 
-def see_at(read: Array, noise: Array, time: float, w: Workspace) -> TimeNode:
+def evaluate_node(read: Array, noise: Array, time: float, w: Workspace) -> TimeNode:
     """Node at a time where formulas read this, known to a noise."""
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = time
     own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - noise, read + noise, 0.0
     w.run("crossing")
-    least, most = w.seen.reshape(-1, 4).T[:2].copy()
+    least, most = w.functions.reshape(-1, 4).T[:2].copy()
     return TimeNode(time, read, least, most)
 
 
-def stage_beyond(seen: float, look: Look) -> float:
+def stage_beyond(seen: float, search: Search) -> float:
     """Time of a stage of the polynomial alone that is beyond a switch that this one does not meet.
 
     So it is in a contact that all stages of the step passed by: what acts there has thrown the
     polynomial off, and it tells nothing. If none is, that is until when it was seen.
     """
-    m, state, work, n_poles = look.m, look.state, look.work, look.work.scene.n_poles
+    m, state, work, n_poles = search.m, search.state, search.work, search.work.scene.n_poles
     n = len(state.sides) - n_poles
     for k in range(m.stages + 1, m.all):
-        time = look.start + m.c[k] * look.h
+        time = search.start + m.c[k] * search.h
         if not time < seen:
             continue
-        combine(k, m.a[k], state.y, look.h, work.k, work.scratch)
-        node = see_at(read_of(time, work.scratch, work.w), look.noise, time, work.w)
+        combine(k, m.a[k], state.y, search.h, work.k, work.scratch)
+        node = evaluate_node(read_of(time, work.scratch, work.w), search.noise, time, work.w)
         sides = state.sides[:n]
         if np.any((sides != 0.0) & (side_at(node)[:n] == -sides)):
             return time
     return seen
 
 
-def look_into(
-    s: Settings, m: RungeKuttaMethod, h: float, y: Array, f: Array, look: Look, *, has_stages: bool
+def begin_search(
+    s: Settings,
+    m: RungeKuttaMethod,
+    h: float,
+    y: Array,
+    f: Array,
+    search: Search,
+    *,
+    has_stages: bool,
 ) -> None:
     """Make the polynomial of a step from the state to y, where the derivative is f."""
-    state, sizes = look.state, look.work.scene.measure_sizes
-    look.m, look.start, look.h, look.slack = m, state.time, h, s.tolerance * h
-    look.is_untold, look.breaks = False, np.full(look.work.scene.n_breaks, math.inf)
+    state, sizes = search.state, search.work.scene.measure_sizes
+    search.m, search.start, search.h, search.slack = m, state.time, h, s.tolerance * h
+    search.is_unresolved, search.breaks = False, np.full(search.work.scene.n_breaks, math.inf)
     state.y_before[:] = state.y
     state.dense[:] = 0.0
     hermite_cubic(h, y, state.f, f, state)
     if has_stages:
-        add_dense_rows(m, h, state, look.work)
-    first, last = read_at(state.time, look), read_at(state.time + h, look)
+        add_dense_rows(m, h, state, search.work)
+    first, last = read_at(state.time, search), read_at(state.time + h, search)
     most = largest(np.abs(first), np.abs(last))
-    look.bend = (last[:, 1] - first[:, 1]) / h
-    look.lean = bend_of(sizes, first, last, h)
-    look.pull = np.abs(look.bend) + np.abs(look.lean)
+    search.second_mean = (last[:, 1] - first[:, 1]) / h
+    search.second_rise = second_rise_of(sizes, first, last, h)
+    search.second_bound = np.abs(search.second_mean) + np.abs(search.second_rise)
     fast = most[:, 1] + SLOW * sizes / larger(state.stride, h)
-    look.noise = np.empty_like(most)
-    look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
-    look.noise[:, 1] = s.tolerance * fast
-    look.rounding = np.empty_like(most)
-    look.rounding[:, 0] = SMALLEST * (sizes + most[:, 0])
-    look.rounding[:, 1] = SMALLEST * fast
-    look.known = smallest(look.noise[:, 1], most[:, 1] + sizes * state.fastest)
+    search.noise = np.empty_like(most)
+    search.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
+    search.noise[:, 1] = s.tolerance * fast
+    search.rounding = np.empty_like(most)
+    search.rounding[:, 0] = SMALLEST * (sizes + most[:, 0])
+    search.rounding[:, 1] = SMALLEST * fast
+    search.rate_noise = smallest(search.noise[:, 1], most[:, 1] + sizes * state.fastest)
 
 
-def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
-    """By how much second derivatives at the end of h are above their mean, as those of cubics.
+def second_rise_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
+    """By how much second derivatives (n,) at the end of h [s] are above their mean, as of cubics.
 
     Values and rates at both ends tell. What reads a coordinate are numbers as large as its
     size, however small it is.
@@ -351,23 +359,26 @@ def bend_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
     return found
 
 
-def bound_seen(a: TimeNode, b: TimeNode, look: Look) -> Array:
-    """Least and most value, slowest and fastest rate of the functions between two nodes."""
-    w, h = look.work.w, b.time - a.time
+def bound_functions(a: TimeNode, b: TimeNode, search: Search) -> Array:
+    """Least and most value, slowest and fastest rate (4, functions) between two nodes."""
+    w, h = search.work.w, b.time - a.time
     (x, v), (y, u) = a.read.T, b.read.T
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = a.time, b.time
-    mean, bend = (u - v) / h, np.abs(bend_of(look.work.scene.measure_sizes, a.read, b.read, h))
-    own[:, 4], own[:, 5] = mean - DOUBT * bend, mean + DOUBT * bend
+    mean, rise = (
+        (u - v) / h,
+        np.abs(second_rise_of(search.work.scene.measure_sizes, a.read, b.read, h)),
+    )
+    own[:, 4], own[:, 5] = mean - DOUBT * rise, mean + DOUBT * rise
     reach_between(v, u, own[:, 4], own[:, 5], h, own[:, 2:4])
     reach_between(x, y, own[:, 2], own[:, 3], h, own[:, :2])
     w.run("crossing")
-    return w.seen.reshape(-1, 4).T
+    return w.functions.reshape(-1, 4).T
 
 
-def cut_at(end: float, look: Look) -> float:
-    """Cut a step where it must end, and remember what crosses there."""
-    look.was_crossing, look.cut = look.crosses, end
+def cut_at(end: float, search: Search) -> float:
+    """Cut a step where it must end [s], and remember what crosses there."""
+    search.was_crossing, search.cut = search.crosses, end
     return end
 
 
@@ -376,30 +387,30 @@ def reach_between(
 ) -> None:
     """Write least and most between values a and b at the ends of h, where a slope is bounded."""
     is_open = (slowest < 0.0) & (fastest > 0.0)
-    every, bend = fastest - slowest, slowest * fastest * h
+    every, curve = fastest - slowest, slowest * fastest * h
     least, most = smallest(a, b), largest(a, b)
-    down = smallest(least, (fastest * a - slowest * b + bend) / every)
-    up = largest(most, (fastest * b - slowest * a - bend) / every)
+    down = smallest(least, (fastest * a - slowest * b + curve) / every)
+    up = largest(most, (fastest * b - slowest * a - curve) / every)
     found[:, 0], found[:, 1] = np.where(is_open, down, least), np.where(is_open, up, most)
 
 
-def band_at(node: TimeNode, look: Look) -> Array:
-    """Band of functions at a node: of an event that it starts short of no more."""
+def band_at(node: TimeNode, search: Search) -> Array:
+    """Band (functions,) of functions at a node: of an event that it starts short of no more."""
     found = half_width(node)
-    if look.is_short.any():
-        known = half_width(look_closely(look.noise, node.time, look))
-        n = len(look.is_short)
-        found[:n] = np.where(look.is_short, known[:n], found[:n])
+    if search.is_short.any():
+        known = half_width(node_with_noise(search.noise, node.time, search))
+        n = len(search.is_short)
+        found[:n] = np.where(search.is_short, known[:n], found[:n])
     return found
 
 
-def is_told(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, look: Look) -> Flags:
-    """Whether functions cross between two nodes as often as their sides tell."""
+def is_isolated(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, search: Search) -> Flags:
+    """Whether functions cross between two nodes as often as their sides tell: root isolation."""
     n, is_down = len(sides), sides < 0.0
     low, high, slowest, fastest = bounds[:, :n]
     sign, least = np.where(is_down, -1.0, 1.0), np.where(is_down, -high, low)
     falls, rises = np.where(is_down, -fastest, slowest), np.where(is_down, -slowest, fastest)
-    band_a, band_b = band_at(a, look)[:n], band_at(b, look)[:n]
+    band_a, band_b = band_at(a, search)[:n], band_at(b, search)[:n]
     first, last = sign * middle(a)[:n], sign * middle(b)[:n]
     near_a = np.where((sides == 0.0) | (first < BANDS * band_a), band_a, 0.0)
     near_b = np.where((sides == 0.0) | (last < BANDS * band_b), band_b, 0.0)
@@ -408,9 +419,9 @@ def is_told(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, look: Look) -
     is_positive = stays_positive(first + within, last + within, falls, rises, b.time - a.time)
     stays = is_clear | np.where(sides == 0.0, high < within, is_positive)
     crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
-    crosses &= ~is_still_short(sides, b.time, look)
-    told: Flags = np.where(crosses, rises <= 0.0, stays)
-    return told
+    crosses &= ~is_still_short(sides, b.time, search)
+    found: Flags = np.where(crosses, rises <= 0.0, stays)
+    return found
 
 
 def has_value(node: TimeNode) -> Flags:
@@ -425,76 +436,76 @@ def first_without_value(state: State, work: Work) -> int:
     if count == 0:
         return 0
     read = read_of(state.time, state.y, w)
-    node = see_at(read, np.zeros_like(read), state.time, w)
+    node = evaluate_node(read, np.zeros_like(read), state.time, w)
     is_finite = (np.isfinite(node.least) & np.isfinite(node.most))[:count]
     return 0 if is_finite.all() else int(np.argmin(is_finite)) + 1
 
 
-def lacks_value(k: int, time: float, look: Look) -> bool:
+def is_undefined(k: int, time: float, search: Search) -> bool:
     """Whether a function has no value at a time, nor right behind it.
 
     One that is 0/0 there alone has one behind it.
     """
-    exact, onward = np.zeros_like(look.noise), ROUNDINGS * SMALLEST * larger(abs(time), look.h)
-    if has_value(look_closely(exact, time, look))[k]:
+    exact, onward = np.zeros_like(search.noise), ROUNDINGS * SMALLEST * larger(abs(time), search.h)
+    if has_value(node_with_noise(exact, time, search))[k]:
         return False
-    return not has_value(look_closely(exact, time + onward, look))[k]
+    return not has_value(node_with_noise(exact, time + onward, search))[k]
 
 
-def valued_end(a: TimeNode, b: TimeNode, look: Look) -> float:
-    """Last time between two nodes at which all events have a value.
+def domain_end(a: TimeNode, b: TimeNode, search: Search) -> float:
+    """Last time [s] between two nodes at which all events have a value.
 
     Those count that have none at the second node; the first that has none behind that time is
     noted. It is infinite where there is none.
     """
-    end, exact = math.inf, np.zeros_like(look.noise)
-    look.lost = 0
-    for k in np.flatnonzero(~has_value(b)[: len(look.work.scene.events)]).tolist():
-        if not lacks_value(k, b.time, look):
+    end, exact = math.inf, np.zeros_like(search.noise)
+    search.undefined = 0
+    for k in np.flatnonzero(~has_value(b)[: len(search.work.scene.events)]).tolist():
+        if not is_undefined(k, b.time, search):
             continue
         first, last = a.time, b.time
         while last - first > SMALLEST * larger(abs(first), abs(last)):
             time = 0.5 * (first + last)
             if not first < time < last:
                 break
-            if has_value(look_closely(exact, time, look))[k]:
+            if has_value(node_with_noise(exact, time, search))[k]:
                 first = time
             else:
                 last = time
         if first < end:
-            end, look.lost = first, 1 + k
+            end, search.undefined = first, 1 + k
     return end
 
 
-def noise_of(k: int, look: Look) -> Array:
+def noise_of(k: int, search: Search) -> Array:
     """Noise to which values are known where a function is looked for.
 
     An event is where the polynomial is zero, and a force is infinite there.
     """
-    scene = look.work.scene
-    is_exact = k < len(scene.events) or k >= len(look.state.sides) - scene.n_poles
-    return look.rounding if is_exact else look.noise
+    scene = search.work.scene
+    is_exact = k < len(scene.events) or k >= len(search.state.sides) - scene.n_poles
+    return search.rounding if is_exact else search.noise
 
 
-def time_of(k: int, a: TimeNode, b: TimeNode, look: Look) -> float:
-    """First time between two nodes at which a function that crosses does.
+def time_of(k: int, a: TimeNode, b: TimeNode, search: Search) -> float:
+    """First time [s] between two nodes at which a function that crosses does.
 
     Those of events are zero there, the others beyond it, so that what follows is all on the other
     side.
     """
     side, first, last = -float(side_at(b)[k]), a.time, b.time
-    is_event, noise = k < len(look.work.scene.events), noise_of(k, look).copy()
-    is_pole = k >= len(look.state.sides) - look.work.scene.n_poles
+    is_event, noise = k < len(search.work.scene.events), noise_of(k, search).copy()
+    is_pole = k >= len(search.state.sides) - search.work.scene.n_poles
     if not (is_event or is_pole):  # rates may be in a window that is narrower
-        noise[:, 1] = noise_at(last, b.read, look)[:, 1]
+        noise[:, 1] = noise_at(last, b.read, search)[:, 1]
     # by the polynomial it is beyond zero, by less than that
-    if side_at(look_closely(noise, last, look))[k] != -side:
-        noise = look.rounding
+    if side_at(node_with_noise(noise, last, search))[k] != -side:
+        noise = search.rounding
     while last - first > SMALLEST * larger(abs(first), abs(last)):
         time = 0.5 * (first + last)
         if not first < time < last:
             break
-        node = look_closely(noise, time, look)
+        node = node_with_noise(noise, time, search)
         if side * middle(node)[k] <= 0.0 if is_event else side_at(node)[k] == -side:
             last = time
         else:
@@ -502,193 +513,195 @@ def time_of(k: int, a: TimeNode, b: TimeNode, look: Look) -> float:
     return last
 
 
-def first_time(a: TimeNode, b: TimeNode, look: Look) -> float:
-    """Time at which the first function crosses; only those that do so there are left.
+def first_time(a: TimeNode, b: TimeNode, search: Search) -> float:
+    """Time [s] at which the first function crosses; only those that do so there are left.
 
     What is behind the end of the run does not count, however near it is.
     """
-    events = look.work.scene.events
-    times = {int(k): time_of(int(k), a, b, look) for k in np.flatnonzero(look.crosses)}
+    events = search.work.scene.events
+    times = {int(k): time_of(int(k), a, b, search) for k in np.flatnonzero(search.crosses)}
     first = min(times.values())
-    together = first + look.slack
+    together = first + search.slack
     for k, time in times.items():
-        if k < len(events) and ACTIONS[events[k, 1]] == "stop" and time <= first + look.slack:
+        if k < len(events) and ACTIONS[events[k, 1]] == "stop" and time <= first + search.slack:
             together = first + 4.0 * SMALLEST * abs(first)
     for k, time in times.items():
-        look.crosses[k] = time <= together
+        search.crosses[k] = time <= together
     return first
 
 
-def is_short_of(k: int, a: TimeNode, look: Look) -> bool:
+def is_short_of(k: int, a: TimeNode, search: Search) -> bool:
     """Whether a step begins where a function that has crossed is on the side that it left.
 
     A step ends there where errors let it. Formulas are then those of that side, and the errors of a
     method can be blind to its first stage.
     """
-    if a.time != look.start:
+    if a.time != search.start:
         return False
-    return bool(side_at(look_closely(look.rounding, a.time, look))[k] != look.state.sides[k])
+    return bool(
+        side_at(node_with_noise(search.rounding, a.time, search))[k] != search.state.sides[k]
+    )
 
 
-def first_left(a: TimeNode, b: TimeNode, look: Look) -> float:
-    """First time at which a function but for events is on a side that was near to zero so far.
+def first_departure(a: TimeNode, b: TimeNode, search: Search) -> float:
+    """First time [s] at which a function but for events is on a side that was near to zero.
 
     Formulas at zero, where jumps are, tell nothing of what follows; those that are near to it on
     that side already do.
     """
-    first, sides, now, before = math.inf, look.state.sides, side_at(b), middle(a)
-    for k in range(len(look.work.scene.events), len(sides) - look.work.scene.n_poles):
+    first, sides, now, before = math.inf, search.state.sides, side_at(b), middle(a)
+    for k in range(len(search.work.scene.events), len(sides) - search.work.scene.n_poles):
         if now[k] == 0.0 or now[k] * before[k] > 0.0:
             continue
-        if sides[k] == 0.0 or (sides[k] == now[k] and is_short_of(k, a, look)):
-            first = smaller(first, time_of(k, a, b, look))
+        if sides[k] == 0.0 or (sides[k] == now[k] and is_short_of(k, a, search)):
+            first = smaller(first, time_of(k, a, b, search))
     return first
 
 
-def note_left(a: TimeNode, look: Look) -> None:
+def note_sides(a: TimeNode, search: Search) -> None:
     """Note on which side functions are where a step starts: by the noise that was open.
 
     Rates are known to rounding where they pass by, places to the noise. Events, which are looked
     for until they are exact, and poles stay.
     """
-    noise, sides = look.noise.copy(), look.state.sides
-    noise[:, 1] = noise_at(a.time, a.read, look)[:, 1]
-    events, n = len(look.work.scene.events), len(sides) - look.work.scene.n_poles
-    now = side_at(see_at(a.read, noise, a.time, look.work.w))[events:n]
+    noise, sides = search.noise.copy(), search.state.sides
+    noise[:, 1] = noise_at(a.time, a.read, search)[:, 1]
+    events, n = len(search.work.scene.events), len(sides) - search.work.scene.n_poles
+    now = side_at(evaluate_node(a.read, noise, a.time, search.work.w))[events:n]
     sides[events:n] = np.where(now == -sides[events:n], now, sides[events:n])
 
 
-def is_still_short(sides: Array, time: float, look: Look) -> Flags:
+def is_still_short(sides: Array, time: float, search: Search) -> Flags:
     """Whether events that a step starts short of are no further from zero than the noise.
 
     They were noted where that step ended for them: there is nothing to go back from.
     """
-    if not look.is_short.any():
-        return look.is_short
-    known = side_at(look_closely(look.noise, time, look))[: len(sides)]
-    found: Flags = look.is_short & (known != -sides)
+    if not search.is_short.any():
+        return search.is_short
+    known = side_at(node_with_noise(search.noise, time, search))[: len(sides)]
+    found: Flags = search.is_short & (known != -sides)
     return found
 
 
-def are_crossed(sides: Array, b: TimeNode, look: Look) -> Flags:
+def are_crossed(sides: Array, b: TimeNode, search: Search) -> Flags:
     """Whether functions that were on sides are beyond zero at a node."""
     crosses: Flags = (sides != 0.0) & (side_at(b)[: len(sides)] == -sides)
-    return crosses & ~is_still_short(sides, b.time, look)
+    return crosses & ~is_still_short(sides, b.time, search)
 
 
-def seen_end(end: float, look: Look) -> float:
-    """Time at which a step to an end must end: where a function first crosses, or what was seen."""
-    sides = look.state.sides
-    n, start = len(sides), look.start
-    is_pole = np.arange(n) >= n - look.work.scene.n_poles
+def crossing_end(end: float, search: Search) -> float:
+    """Time [s] at which a step to an end must end: of the first crossing, or what was searched."""
+    sides = search.state.sides
+    n, start = len(sides), search.start
+    is_pole = np.arange(n) >= n - search.work.scene.n_poles
     passed = np.zeros(n, dtype=bool)
-    look.pole = 0
+    search.pole = 0
     tiny = SMALLEST * larger(abs(start), abs(end))
-    nearest = start + larger(ONWARD * tiny, look.least_part * look.h)
-    soon = start + larger(ONWARD * tiny, look.slack)
-    widest = look.h / CELLS
-    width, a = widest, look_at(start, look)
-    valued_end(a, a, look)
-    if look.lost:
+    nearest = start + larger(ONWARD * tiny, search.least_part * search.h)
+    soon = start + larger(ONWARD * tiny, search.slack)
+    widest = search.h / CELLS
+    width, a = widest, node_at(start, search)
+    domain_end(a, a, search)
+    if search.undefined:
         return end
-    note_left(a, look)
-    look.is_short = (np.arange(n) < len(look.work.scene.events)) & (sides != 0.0)
-    look.is_short &= side_at(a)[:n] == -sides
-    for _ in range(MOST_LOOKS):
+    note_sides(a, search)
+    search.is_short = (np.arange(n) < len(search.work.scene.events)) & (sides != 0.0)
+    search.is_short &= side_at(a)[:n] == -sides
+    for _ in range(MOST_NODES):
         if not a.time < end:
             break
-        b = look_at(a.time + width if a.time + 1.0000001 * width < end else end, look)
+        b = node_at(a.time + width if a.time + STRETCH_TO_END * width < end else end, search)
         sides[:] = np.where(sides == 0.0, side_at(a)[:n], sides)
         now = np.where(passed, -sides, sides)
-        look.crosses = are_crossed(now, b, look)
-        passes = look.crosses & is_pole
-        look.crosses &= ~is_pole
-        valued, is_lost = valued_end(a, b, look), np.zeros(n, dtype=bool)
-        if look.lost:
-            first = first_time(a, b, look) if look.crosses.any() else math.inf
-            if first <= valued + look.slack:
-                look.lost = 0
+        search.crosses = are_crossed(now, b, search)
+        passes = search.crosses & is_pole
+        search.crosses &= ~is_pole
+        valued, is_lost = domain_end(a, b, search), np.zeros(n, dtype=bool)
+        if search.undefined:
+            first = first_time(a, b, search) if search.crosses.any() else math.inf
+            if first <= valued + search.slack:
+                search.undefined = 0
                 return smaller(larger(first, nearest), end)
-            if look.is_kept and valued <= soon:
+            if search.is_kept and valued <= soon:
                 return end
-            look.lost = 0
+            search.undefined = 0
             # at the end, where it was cut for that, or by rounding
-            if not end - valued <= (SMALL * look.h if end == look.cut else ONWARD * tiny):
-                look.crosses[:] = False
+            if not end - valued <= (SMALL * search.h if end == search.cut else ONWARD * tiny):
+                search.crosses[:] = False
                 return smaller(larger(valued, nearest), end)
             is_lost = ~has_value(b)[:n]  # it ends where that has no value
-        bounds = bound_seen(a, b, look)
-        is_known = bool((is_lost | is_told(now, a, b, bounds, look)).all())
-        left = larger(first_left(a, b, look), start + ONWARD * tiny)
+        bounds = bound_functions(a, b, search)
+        is_known = bool((is_lost | is_isolated(now, a, b, bounds, search)).all())
+        left = larger(first_departure(a, b, search), start + ONWARD * tiny)
         if left - start < SOON * (end - start):
-            look.crosses[:] = False
+            search.crosses[:] = False
             return left
         if not is_known and b.time - a.time > tiny:
             width = 0.5 * (b.time - a.time)
             continue
-        if passes.any() and look.is_kept:
-            find_pole(passes, a, b, look)
-            if look.pole:
+        if passes.any() and search.is_kept:
+            find_pole(passes, a, b, search)
+            if search.pole:
                 return end
         passed ^= passes
-        if look.crosses.any():
-            look.breaks = np.where(look.crosses[look.work.scene.breaks], b.time, math.inf)
-            return smaller(larger(first_time(a, b, look), nearest), end)
+        if search.crosses.any():
+            search.breaks = np.where(search.crosses[search.work.scene.breaks], b.time, math.inf)
+            return smaller(larger(first_time(a, b, search), nearest), end)
         a, width = b, smaller(2.0 * width, widest)
-    look.is_untold = a.time < end and not a.time > nearest
+    search.is_unresolved = a.time < end and not a.time > nearest
     return a.time if nearest < a.time < end else end
 
 
-def find_pole(passes: Flags, a: TimeNode, b: TimeNode, look: Look) -> None:
+def find_pole(passes: Flags, a: TimeNode, b: TimeNode, search: Search) -> None:
     """Find the first pole of a force between two nodes, but behind nothing else that crosses there.
 
     Functions pass zero there, where forces may be infinite.
     """
-    crossed, first = look.crosses.copy(), math.inf
+    crossed, first = search.crosses.copy(), math.inf
     if crossed.any():
-        first = first_time(a, b, look)
-        look.crosses = crossed
+        first = first_time(a, b, search)
+        search.crosses = crossed
     for k in np.flatnonzero(passes).tolist():
         side = side_at(b)[k]
-        time = a.time if side_at(a)[k] == side else time_of(k, a, b, look)
-        if time <= first and is_infinite(k, float(side), time, look):
-            first = look.pole_time = time
-            look.pole = 1 + k - len(passes) + look.work.scene.n_poles
+        time = a.time if side_at(a)[k] == side else time_of(k, a, b, search)
+        if time <= first and is_infinite(k, float(side), time, search):
+            first = search.pole_time = time
+            search.pole = 1 + k - len(passes) + search.work.scene.n_poles
 
 
-def see_beside(way: float, time: float, read: Array, noise: Array, look: Look) -> TimeNode:
+def node_beside(way: float, time: float, read: Array, noise: Array, search: Search) -> TimeNode:
     """Node that far from a time where formulas read this, and go on evenly."""
     there = read.copy()
     there[:, 0] += way * read[:, 1]
-    there[:, 1] += way * look.bend
-    return see_at(there, noise, time + way, look.work.w)
+    there[:, 1] += way * search.second_mean
+    return evaluate_node(there, noise, time + way, search.work.w)
 
 
-def sizes_beside(way: float, time: float, read: Array, look: Look) -> Array:
-    """Sizes of parts of forces that may be infinite, that far from a time."""
-    node = see_beside(way, time, read, np.zeros_like(read), look)
-    return np.abs(middle(node)[len(node.least) - len(look.work.w.infinite) // 4 :])
+def sizes_beside(way: float, time: float, read: Array, search: Search) -> Array:
+    """Sizes of parts of forces that may be infinite, that far [s] from a time [s]."""
+    node = node_beside(way, time, read, np.zeros_like(read), search)
+    return np.abs(middle(node)[len(node.least) - len(search.work.w.infinite) // 4 :])
 
 
-def is_infinite(k: int, side: float, time: float, look: Look) -> bool:
+def is_infinite(k: int, side: float, time: float, search: Search) -> bool:
     """Whether a force is infinite where a function gets on a side of zero at a time.
 
     So that no motion leads through: it grows as 1/x or faster on a side. What is 0/0 there, or
     jumps, does not grow, and what grows less, as 1/sqrt(x), has a finite integral.
     """
-    read, far = read_at(time, look), ROUNDINGS * SMALLEST * larger(abs(time), look.h)
+    read, far = read_at(time, search), ROUNDINGS * SMALLEST * larger(abs(time), search.h)
     while (
-        side_at(see_beside(-far, time, read, look.rounding, look))[k] != -side
-        or side_at(see_beside(far, time, read, look.rounding, look))[k] != side
+        side_at(node_beside(-far, time, read, search.rounding, search))[k] != -side
+        or side_at(node_beside(far, time, read, search.rounding, search))[k] != side
     ):
         far *= FURTHER
-        if not far < look.state.stride:
+        if not far < search.state.stride:
             return True  # rounding hides that
-    is_pole = np.zeros(len(look.work.w.infinite) // 4, dtype=bool)
+    is_pole = np.zeros(len(search.work.w.infinite) // 4, dtype=bool)
     for way in (-far, far):
-        near = sizes_beside(FURTHER * FURTHER * way, time, read, look)
-        there = sizes_beside(FURTHER * FURTHER * FURTHER * way, time, read, look)
-        away = sizes_beside(FURTHER * FURTHER * FURTHER * FURTHER * way, time, read, look)
+        near = sizes_beside(FURTHER * FURTHER * way, time, read, search)
+        there = sizes_beside(FURTHER * FURTHER * FURTHER * way, time, read, search)
+        away = sizes_beside(FURTHER * FURTHER * FURTHER * FURTHER * way, time, read, search)
         grows = (near > STEEP * there) & (there > STEEP * away)
         both, square = near * away, there * there
         grows &= (both <= EVENLY * square) & (square <= EVENLY * both)
@@ -696,26 +709,26 @@ def is_infinite(k: int, side: float, time: float, look: Look) -> bool:
     return bool(is_pole.any())
 
 
-def end_before_pole(look: Look) -> float:
-    """End of a step before a pole that is seen in it: its start if that is near."""
-    way = look.pole_time - look.start
-    return look.start + CLOSER * way if way > NO_WAY * look.state.stride else look.start
+def end_before_pole(search: Search) -> float:
+    """End [s] of a step before a pole that is found in it: its start if that is near."""
+    way = search.pole_time - search.start
+    return search.start + CLOSER * way if way > NO_WAY * search.state.stride else search.start
 
 
-def why_stopped(seen: float, look: Look) -> Status:
+def why_stopped(seen: float, search: Search) -> Status:
     """Reason why a run leads no further, where a step would end there; GOOD where it does."""
-    state = look.state
-    if look.lost:
-        state.event = float(look.lost)
+    state = search.state
+    if search.undefined:
+        state.event = float(search.undefined)
         return Status.NO_VALUE
-    if look.pole and not seen > state.time:
-        state.pole = float(look.pole)
+    if search.pole and not seen > state.time:
+        state.pole = float(search.pole)
         return Status.INFINITE
     return Status.GOOD
 
 
 def gap_across(
-    k: int, side: float, time: float, far: float, look: Look, *, is_beyond: bool
+    k: int, side: float, time: float, far: float, search: Search, *, is_beyond: bool
 ) -> float:
     """Difference of a function from one side of a time to the other, so far away.
 
@@ -723,18 +736,18 @@ def gap_across(
     on the sides of zero, and negative where it gets on the other one.
     """
     if is_beyond:
-        read = read_at(time, look)
-        a = see_beside(-far, time, read, look.rounding, look)
-        b = see_beside(far, time, read, look.rounding, look)
+        read = read_at(time, search)
+        a = node_beside(-far, time, read, search.rounding, search)
+        b = node_beside(far, time, read, search.rounding, search)
     else:
-        a = look_closely(look.rounding, time - far, look)
-        b = look_closely(look.rounding, time + far, look)
+        a = node_with_noise(search.rounding, time - far, search)
+        b = node_with_noise(search.rounding, time + far, search)
     if side_at(a)[k] != -side or side_at(b)[k] != side:
         return -1.0 if side_at(a)[k] == side and side_at(b)[k] == -side else 0.0
     return float(b.least[k] - a.most[k] if side > 0.0 else a.least[k] - b.most[k])
 
 
-def passes_zero(k: int, side: float, end: float, look: Look) -> bool:
+def passes_zero(k: int, side: float, end: float, search: Search) -> bool:
     """Whether an event that gets on a side of zero in a step to an end is zero there.
 
     Else it jumps, or goes through infinity: right beside the place it is as large as further away,
@@ -742,41 +755,41 @@ def passes_zero(k: int, side: float, end: float, look: Look) -> bool:
     whose end no more is known, where its polynomial tells nothing. Where it gets on the other side
     rounding brought it back over a jump that was passed.
     """
-    if look.work.scene.events[k, 2] == 0:
+    if search.work.scene.events[k, 2] == 0:
         return True
-    first, last = look.start, end
-    if side_at(look_closely(look.rounding, end, look))[k] != side:
-        last = end + SMALL * look.h
+    first, last = search.start, end
+    if side_at(node_with_noise(search.rounding, end, search))[k] != side:
+        last = end + SMALL * search.h
     while last - first > SMALLEST * larger(abs(first), abs(last)):
         time = 0.5 * (first + last)
         if not first < time < last:
             break
-        if side_at(look_closely(look.rounding, time, look))[k] == side:
+        if side_at(node_with_noise(search.rounding, time, search))[k] == side:
             last = time
         else:
             first = time
-    far = ROUNDINGS * SMALLEST * larger(abs(last), look.h)
-    while far < larger(look.h, look.state.stride) / FURTHER:
-        is_beyond = not far < look.h / FURTHER
-        gap = gap_across(k, side, last, far, look, is_beyond=is_beyond)
+    far = ROUNDINGS * SMALLEST * larger(abs(last), search.h)
+    while far < larger(search.h, search.state.stride) / FURTHER:
+        is_beyond = not far < search.h / FURTHER
+        gap = gap_across(k, side, last, far, search, is_beyond=is_beyond)
         if gap != 0.0:
-            further = gap_across(k, side, last, FURTHER * far, look, is_beyond=is_beyond)
+            further = gap_across(k, side, last, FURTHER * far, search, is_beyond=is_beyond)
             return gap > 0.0 and further >= LARGER_THERE * gap
         far *= FURTHER
     return True
 
 
-def polished_cut(look: Look) -> float:
-    """Time of an event that a step was cut for, by the step that ends near it."""
-    most, cut = SMALL * look.h, look.cut
-    sides = look.state.sides
-    every = np.flatnonzero(look.was_crossing[: len(look.work.scene.events)]).tolist()
-    found = next((k for k in every if passes_zero(k, -sides[k], cut, look)), None)
+def polished_cut(search: Search) -> float:
+    """Time [s] of an event that a step was cut for, by the step that ends near it."""
+    most, cut = SMALL * search.h, search.cut
+    sides = search.state.sides
+    every = np.flatnonzero(search.was_crossing[: len(search.work.scene.events)]).tolist()
+    found = next((k for k in every if passes_zero(k, -sides[k], cut, search)), None)
     if found is None:
         return cut
 
     def value(time: float) -> float:
-        return float(middle(look_closely(noise_of(found, look), time, look))[found])
+        return float(middle(node_with_noise(noise_of(found, search), time, search))[found])
 
     before, there = cut - most, cut
     a, b = value(before), value(there)
@@ -791,7 +804,7 @@ def polished_cut(look: Look) -> float:
     return there
 
 
-def is_thrown_back(k: int, end: float, look: Look) -> bool:
+def is_thrown_back(k: int, end: float, search: Search) -> bool:
     """Whether an event that passed zero is back there, where a jump of a force threw it back.
 
     So it is all the time while dry friction holds a body at rest. Nothing got further meanwhile
@@ -799,8 +812,8 @@ def is_thrown_back(k: int, end: float, look: Look) -> bool:
     it passed zero it was on the side that it leaves, before and soon it is on the other one. Where
     it was held once that is not asked again.
     """
-    state, way, read = look.state, end - look.state.crossed[k], read_at(end, look)
-    speeds, known = np.column_stack((read[:, 1], look.bend)), look.noise[:, 0]
+    state, way, read = search.state, end - search.state.crossed[k], read_at(end, search)
+    speeds, known = np.column_stack((read[:, 1], search.second_mean)), search.noise[:, 0]
     is_there = len(read) > 0 and way <= NO_WAY * state.stride
     if is_there:
         most = np.column_stack((known, known * state.fastest))
@@ -809,49 +822,49 @@ def is_thrown_back(k: int, end: float, look: Look) -> bool:
         state.held[k] = 0.0
     elif state.held[k] == 0.0:
         beside = (-EARLIER * way, -HALF * way, HALF * way)
-        nodes = (see_beside(part, end, read, look.rounding, look) for part in beside)
+        nodes = (node_beside(part, end, read, search.rounding, search) for part in beside)
         before, between, behind = (side_at(node)[k] * state.sides[k] for node in nodes)
         state.held[k] = float(not (before < 0.0 and between > 0.0 and behind < 0.0))
     return bool(state.held[k] > 0.0)
 
 
-def note_crossings(end: float, look: Look) -> None:
+def note_crossings(end: float, search: Search) -> None:
     """Note what a step that is kept has crossed: one that was cut, also what is zero there."""
-    state, events = look.state, look.work.scene.events
-    sides, now = state.sides.copy(), side_at(look_at(end, look))
-    is_near = (now == 0.0) | (side_at(look_closely(look.noise, end, look)) == 0.0)
-    is_back = (now[: len(sides)] == -sides) & ~is_still_short(sides, end, look)
+    state, events = search.state, search.work.scene.events
+    sides, now = state.sides.copy(), side_at(node_at(end, search))
+    is_near = (now == 0.0) | (side_at(node_with_noise(search.noise, end, search)) == 0.0)
+    is_back = (now[: len(sides)] == -sides) & ~is_still_short(sides, end, search)
     for k, side in enumerate(sides.tolist()):
-        is_there = is_near[k] and end == look.cut and look.was_crossing[k]
+        is_there = is_near[k] and end == search.cut and search.was_crossing[k]
         if side == 0.0 or not (is_back[k] or is_there):
             continue
-        is_same = k < len(events) and is_thrown_back(k, end, look)
+        is_same = k < len(events) and is_thrown_back(k, end, search)
         state.sides[k] = -side
         if k >= len(events):
             continue
         state.crossed[k] = end
-        if is_same or events[k, 0] not in {0, -side} or not passes_zero(k, -side, end, look):
+        if is_same or events[k, 0] not in {0, -side} or not passes_zero(k, -side, end, search):
             continue
         state.counts[k] += 1.0
         if ACTIONS[events[k, 1]] != "count":
             state.fired[k] = 1.0
 
 
-def are_narrow_told(start: float, end: float, look: Look) -> bool:
+def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
     """Whether samples between two times tell how parts vary.
 
     Their rates change as little, or bounds leave them nearly what they are, or, where formulas
     switch and an error tells of what they change by, no more than samples show, as of a root at
     whose end no rate is bounded.
     """
-    h, first = (end - start) / CELLS, len(look.state.sides)
-    n = slice(first, first + len(look.work.w.narrow) // 4)
-    a = look_at(start, look)
+    h, first = (end - start) / CELLS, len(search.state.sides)
+    n = slice(first, first + len(search.work.w.narrow) // 4)
+    a = node_at(start, search)
     least = most = low = high = middle(a)[n]
     band, change, reach = half_width(a)[n], np.zeros(len(least)), np.zeros(len(least))
     for cell in range(1, CELLS + 1):
-        b = look_at(start + cell * h, look)
-        below, above, slowest, fastest = bound_seen(a, b, look)[:, n]
+        b = node_at(start + cell * h, search)
+        below, above, slowest, fastest = bound_functions(a, b, search)[:, n]
         least, most = smallest(middle(b)[n], least), largest(middle(b)[n], most)
         low, high = smallest(below, low), largest(above, high)
         band, change = largest(half_width(b)[n], band), change + h * (fastest - slowest)
@@ -859,48 +872,53 @@ def are_narrow_told(start: float, end: float, look: Look) -> bool:
         a = b
     size = largest(-least, most)
     nothing = band + NOTHING * np.where(size > 1.0, size, 1.0)
-    is_shown = (reach <= SHOWN * (most - least) + nothing) & look.has_error
+    is_shown = (reach <= SHOWN * (most - least) + nothing) & search.has_error
     is_explained = is_shown | (change <= EXPLAINED * (most - least) + nothing)
     return bool(np.all(is_explained | (high - low <= STEADY * size + nothing)))
 
 
-def is_at_pole(first: float, last: float, look: Look, *, in_between: bool) -> bool:
+def is_at_pole(first: float, last: float, search: Search, *, in_between: bool) -> bool:
     """Whether at both times a function is near to zero, or in between, for a pole.
 
     A force may be infinite there: no bound tells how it varies, and of what is narrow the energy
     does.
     """
-    n, count = len(look.state.sides), look.work.scene.n_poles
+    n, count = len(search.state.sides), search.work.scene.n_poles
     if count == 0:
         return False
-    a, b = (side_at(look_closely(look.noise, time, look))[n - count : n] for time in (first, last))
+    a, b = (
+        side_at(node_with_noise(search.noise, time, search))[n - count : n]
+        for time in (first, last)
+    )
     is_there = (a == 0.0) & (b == 0.0)
     return bool((is_there | (in_between & (a * b != 1.0))).any())
 
 
-def told_end(end: float, look: Look) -> float:
-    """Time at which a step to an end must end so that samples tell how parts vary.
+def resolved_end(end: float, search: Search) -> float:
+    """Time [s] at which a step to an end must end so that samples tell how parts vary.
 
     What they do not tell in the finest intervals either is gone over, and noted.
     """
-    start = first = look.start
+    start = first = search.start
     whole = allowed = width = end - start
-    looks = 0
+    count = 0
     while first < start + allowed:
-        if looks == MOST_LOOKS:
-            look.is_untold = look.is_untold or not is_at_pole(first, end, look, in_between=True)
+        if count == MOST_NODES:
+            search.is_unresolved = search.is_unresolved or not is_at_pole(
+                first, end, search, in_between=True
+            )
             break
-        looks += 1
+        count += 1
         last = smaller(first + width, end)
-        is_there = is_at_pole(first, last, look, in_between=False)
-        is_good = not is_there and are_narrow_told(first, last, look)
-        if not (is_good or is_there) and width > FINEST * look.h:
+        is_there = is_at_pole(first, last, search, in_between=False)
+        is_good = not is_there and are_narrow_resolved(first, last, search)
+        if not (is_good or is_there) and width > FINEST * search.h:
             width = 0.5 * width
             continue
         if is_good:
             allowed = smaller(allowed, larger(first - start, last - first))
-        elif not is_at_pole(first, last, look, in_between=True):
-            look.is_untold = True
+        elif not is_at_pole(first, last, search, in_between=True):
+            search.is_unresolved = True
         first = last
         width = 2.0 * width
     return start + allowed if allowed < whole else end

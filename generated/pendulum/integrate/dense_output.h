@@ -36,7 +36,7 @@ static void add_dense_rows(const Method *m, double h, State *s, Work *work)
 /* where drivers determine the motion the powers at all stages are exact, and nothing but works has
  * an error: powers at all nodes of the method of order 5 tell them at every time to an order more
  * than they are known to at the end of a step; its polynomial has one less */
-static const double led_rows[3][7] = {
+static const double driven_rows[3][7] = {
     { -4.114583333333333, 16.045026881720432, -12.758310871518418, 4.166666666666667,
         -5.615585057821059, 0.0, 2.2767857142857144 },
     { 3.2291666666666665, -14.78494623655914, 12.578616352201259, 5.208333333333333,
@@ -45,22 +45,22 @@ static const double led_rows[3][7] = {
         -13.392857142857142 },
 };
 
-static int has_led_works(const Method *m) { return IS_DRIVEN && WORKS > 0 && m->order == 5; }
+static int has_driven_works(const Method *m) { return IS_DRIVEN && WORKS > 0 && m->order == 5; }
 
-static void add_led_rows(State *s, Work *work)
+static void add_driven_rows(State *s, Work *work)
 {
     const double h = s->time - s->time_before;
     for (size_t n = 0; n < 3; ++n) {
         for (size_t i = NQ - WORKS; i != NQ; ++i) s->dense[3 + n][i] = 0.0;
         for (size_t k = 0; k < 7; ++k) {
-            const double factor = h * led_rows[n][k];
+            const double factor = h * driven_rows[n][k];
             for (size_t i = NQ - WORKS; i != NQ; ++i) s->dense[3 + n][i] += factor * work->k[k][i];
         }
     }
 }
 
 /* what the last two of these rows add at the part x of the step */
-static void add_led_works(double x, const State *s, double *y)
+static void add_driven_works(double x, const State *s, double *y)
 {
     const double rest = 1.0 - x, factor = x * (x * rest) * (x * rest);
     for (size_t i = NQ - WORKS; i != NQ; ++i) {

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 #: Where drivers determine the motion the powers at all stages are exact, and nothing but works has
 #: an error: powers at all nodes of the method of order 5 tell them at every time to an order more
 #: than they are known to at the end of a step; its polynomial has one less.
-LED_ROWS = (
+DRIVEN_ROWS = (
     row_of("-395/96 23875/1488 -14200/1113 25/6 -295245/52576 0 255/112"),
     row_of("155/48 -1375/93 2000/159 125/24 -295245/26288 0 5"),
     row_of("125/32 -3125/124 10000/371 -625/16 2460375/52576 0 -375/28"),
@@ -27,7 +27,7 @@ LED_ROWS = (
 
 
 def combine(n: int, row: Sequence[float], low: Array | None, h: float, k: Array, y: Array) -> None:
-    """Set y = low + h sum of row[m] k[m], m < n, without low if it is None."""
+    """Set y (ny,) = low + h sum of row[m] k[m] (ny,), m < n, without low if it is None; h [s]."""
     y[:] = 0.0 if low is None else low
     for m in range(n):
         factor = h * row[m]
@@ -36,9 +36,9 @@ def combine(n: int, row: Sequence[float], low: Array | None, h: float, k: Array,
 
 
 def hermite_cubic(h: float, y: Array, f_before: Array, f: Array, state: State) -> None:
-    """Make the cubic polynomial that leads from the state before to y in a step of length h.
+    """Make the cubic polynomial that leads from the state before to y (ny,) in a step of h [s].
 
-    It meets the derivative f at both ends.
+    It meets the derivative f (ny,), per second, at both ends.
     """
     change = y - state.y_before
     state.dense[0] = change
@@ -52,22 +52,22 @@ def add_dense_rows(m: RungeKuttaMethod, h: float, state: State, work: Work) -> N
         combine(m.all, row, None, h, work.k, state.dense[3 + n])
 
 
-def has_led_works(m: RungeKuttaMethod, scene: SceneTables) -> bool:
+def has_driven_works(m: RungeKuttaMethod, scene: SceneTables) -> bool:
     """Whether works at times inside of a step are summed from powers at its stages."""
     return scene.is_driven and scene.works > 0 and m.order == 5
 
 
-def add_led_rows(state: State, work: Work) -> None:
+def add_driven_rows(state: State, work: Work) -> None:
     """Make what powers at stages add to works."""
     h = state.time - state.time_before
     done = slice(work.scene.nq - work.scene.works, work.scene.nq)
-    for n, row in enumerate(LED_ROWS):
+    for n, row in enumerate(DRIVEN_ROWS):
         state.dense[3 + n, done] = 0.0
         for k, x in enumerate(row):
             state.dense[3 + n, done] += h * x * work.k[k, done]
 
 
-def add_led_works(x: float, scene: SceneTables, state: State, y: Array) -> None:
+def add_driven_works(x: float, scene: SceneTables, state: State, y: Array) -> None:
     """Add what the last two of these rows do at the part x of the step."""
     done, rest = slice(scene.nq - scene.works, scene.nq), 1.0 - x
     factor = x * (x * rest) * (x * rest)
@@ -82,7 +82,7 @@ def prepare_dense(m: RungeKuttaMethod, work: Work, state: State) -> None:
 
 
 def interpolate(m: RungeKuttaMethod, x: float, state: State, y: Array) -> None:
-    """Set y to the interpolating polynomial at the part x of the step."""
+    """Set y (ny,) to the interpolating polynomial at the part x of the step, from 0 to 1."""
     y[:] = 0.0
     for n in reversed(range(3 + len(m.dense))):
         y += state.dense[n]
@@ -91,7 +91,7 @@ def interpolate(m: RungeKuttaMethod, x: float, state: State, y: Array) -> None:
 
 
 def differentiate(m: RungeKuttaMethod, x: float, h: float, state: State) -> Array:
-    """Derivative of the interpolating polynomial of a step of length h."""
+    """Derivative (ny,) of the interpolating polynomial at the part x of a step of length h [s]."""
     y, rate = np.zeros_like(state.y), np.zeros_like(state.y)
     for n in reversed(range(3 + len(m.dense))):
         factor = x if n % 2 == 0 else 1.0 - x

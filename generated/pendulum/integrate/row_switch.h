@@ -267,8 +267,8 @@ static int are_all_rows_better(double ratio, Work *work, const State *s)
     return found;
 }
 
-/* looks at what rows that are left out miss at the position in the workspace */
-static void look_at_misses(const Settings *settings, Work *work)
+/* checks what rows that are left out miss at the position in the workspace */
+static void check_misses(const Settings *settings, Work *work)
 {
     if (MISSED_ROWS == 0 || !settings->checks) return;
     check(work->w);

@@ -96,7 +96,7 @@ static int write_row(
         if (ACCELERATES || settings->checks) find_geometry(work, s);
     } else {
         interpolate(m, x, s, y);
-        if (has_led_works(m) && !is_driven) add_led_works(x, s, y);
+        if (has_driven_works(m) && !is_driven) add_driven_works(x, s, y);
         const double vague = (is_driven ? WEAK_PIVOT_RATIO : VAGUE_PIVOT_RATIO) *
                              s->largest_pivot_ratio;
         double drift = 0.0;

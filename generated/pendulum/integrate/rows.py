@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger
-from .dense_output import add_led_works, differentiate, has_led_works, interpolate
+from .dense_output import add_driven_works, differentiate, has_driven_works, interpolate
 from .methods import METHODS
 from .pivot_monitor import VAGUE_PIVOT_RATIO, WEAK_PIVOT_RATIO, pivot_ratio
 from .projection import accelerate, project, ratio_at
@@ -116,8 +116,8 @@ def write_row(
     else:
         x = (t - state.time_before) / h
         interpolate(m, x, state, y)
-        if has_led_works(m, scene) and s.method < len(METHODS):
-            add_led_works(x, scene, state, y)
+        if has_driven_works(m, scene) and s.method < len(METHODS):
+            add_driven_works(x, scene, state, y)
         vague = (
             VAGUE_PIVOT_RATIO if s.method < len(METHODS) else WEAK_PIVOT_RATIO
         ) * state.largest_pivot_ratio

@@ -216,14 +216,14 @@ class SceneTables:
         return "features" in self.regions
 
     @property
-    def sees(self) -> bool:
-        """Whether steps are looked at for events, and for formulas that switch or vary in them."""
+    def has_functions(self) -> bool:
+        """Whether steps are searched for events, and for formulas that switch or vary in them."""
         return "ranges" in self.regions
 
     @property
-    def looks(self) -> bool:
-        """Whether steps are looked at for these, or for distances that come down to zero."""
-        return self.sees or self.n_distances > 0
+    def is_searched(self) -> bool:
+        """Whether steps are searched for these, or for distances that come down to zero."""
+        return self.has_functions or self.n_distances > 0
 
     @property
     def n_breaks(self) -> int:
@@ -361,7 +361,7 @@ class Workspace:
         names = ("crossings", "breaks", "poles", "narrow", "infinite")
         base, size = scene.regions.get("ranges", (0, 0))
         base += size
-        self.seen = slots[base : base + sum(map(scene.size, names))]
+        self.functions = slots[base : base + sum(map(scene.size, names))]
 
     def run(self, segment: str) -> None:
         """Compute a segment; one that the scene lacks does nothing."""

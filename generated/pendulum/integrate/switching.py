@@ -20,10 +20,10 @@ from .crossing import (
     FURTHER,
     NOTHING,
     SMALLEST,
+    evaluate_node,
     largest,
     note_unresolved,
     read_of,
-    see_at,
     side_at,
     smallest,
     stays_positive,
@@ -71,7 +71,7 @@ def bounds_between(first: float, last: float, w: Workspace) -> tuple[Array, Arra
 
 
 def switches_at(time: float, w: Workspace) -> Array:
-    """Values of switching functions at a time."""
+    """Values (switches,) of switching functions at a time [s]."""
     switches, _ = bounds_between(time, time, w)
     there: Array = switches[0].copy()
     return there
@@ -245,7 +245,7 @@ def is_put_behind(span: float, state: State, work: Work) -> bool:
     return False
 
 
-def note_impulse(before: float, pull: float, state: State, work: Work) -> None:
+def note_impulse(before: float, acceleration: float, state: State, work: Work) -> None:
     """Note what a force that is infinite at a switch may do while bodies are put behind it.
 
     Nothing moves there, and no times are told apart that are nearer to it. How far both sides are
@@ -258,9 +258,11 @@ def note_impulse(before: float, pull: float, state: State, work: Work) -> None:
     there = []
     for time in (before, state.time):
         read = read_of(time, state.y, w)
-        there.append(side_at(see_at(read, np.zeros_like(read), time, w))[n - scene.n_poles : n])
+        there.append(
+            side_at(evaluate_node(read, np.zeros_like(read), time, w))[n - scene.n_poles : n]
+        )
     if (there[0] != there[1]).any():
-        both = pull + w.size_of(state.f[scene.nq :])
+        both = acceleration + w.size_of(state.f[scene.nq :])
         state.impulse += (state.time - before) * both
         state.impulse_time = state.time
 
@@ -285,11 +287,11 @@ def meet_switches(end: float, state: State, work: Work) -> Status:
             state.y_before[:] = state.y
             state.dense[:] = 0.0
             state.time_before = state.time
-            pull = work.w.size_of(state.f[work.scene.nq :])
+            acceleration = work.w.size_of(state.f[work.scene.nq :])
             state.time = state.switched = smaller(state.behind, end)
             if not is_put_behind(span, state, work):
                 return Status.NOT_PROJECTED
-            note_impulse(state.time_before, pull, state, work)
+            note_impulse(state.time_before, acceleration, state, work)
         else:
             find_switch(end, state, work)
             if state.limit - state.time <= SMALLEST * larger(abs(state.time), abs(end)):
@@ -298,7 +300,7 @@ def meet_switches(end: float, state: State, work: Work) -> Status:
 
 
 def even_end(h: float, end: float, state: State) -> float:
-    """End of a step of length h towards an end: half-way from a switch to the next.
+    """End [s] of a step of length h [s] towards an end: half-way from a switch to the next.
 
     Of equal steps none is nearly all of the way, where estimates of errors can be blind alike on
     each such way.
@@ -325,7 +327,7 @@ def is_resolved(first: float, last: float, w: Workspace) -> bool:
 
 
 def resolved_step(h: float, part: float, end: float, state: State, work: Work) -> float:
-    """Time at which a step of length h must end, at most at an end.
+    """Time [s] at which a step of length h [s] must end, at most at an end.
 
     No longer than a part of the intervals that are resolved, unless it ends before such a one. What
     keeps steps short for long, such as a quotient that is 0/0 somewhere, is gone over and counted,
@@ -338,7 +340,7 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
     state.longest = larger(FORGETTING * state.longest, smaller(whole, GROWTH * state.stride))
     last_step, width = start - state.time_before, whole / part
     is_tired = state.short_steps > MOST_SHORT and last_step < LONG * state.longest
-    is_untold = False
+    is_unresolved = False
     for _ in range(MOST_INTERVALS):
         last = first + width
         is_good = is_resolved(first, last, work.w)
@@ -352,8 +354,8 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
             break
         width = 2.0 * width
     else:
-        is_untold = True
-    if is_untold or (is_tired and allowed < whole):
+        is_unresolved = True
+    if is_unresolved or (is_tired and allowed < whole):
         note_unresolved(start, state)
     if is_tired:
         return end

@@ -11,45 +11,45 @@ import numpy as np
 import pytest
 
 from kousoku.runtime.integrate import crossing
-from kousoku.runtime.integrate.crossing import CELLS, TimeNode, are_narrow_told, first_left
+from kousoku.runtime.integrate.crossing import CELLS, TimeNode, are_narrow_resolved, first_departure
 
 
-def looked_at(
+def sampled(
     monkeypatch: pytest.MonkeyPatch, values: Any, slopes: Any, bounds: Any
 ) -> tuple[bool, list[tuple[float, float]]]:
-    """Look at one part from 1 s to 3 s; return whether it is told, and the pairs of samples."""
+    """Look at one part from 1 s to 3 s; return whether it is resolved, and the pairs of samples."""
     pairs: list[tuple[float, float]] = []
 
-    def look_at(time: float, _: Any) -> TimeNode:
+    def node_at(time: float, _: Any) -> TimeNode:
         value = np.array([values(time)])
         return TimeNode(time, np.zeros((0, 2)), value, value)
 
-    def bound_seen(a: TimeNode, b: TimeNode, _: Any) -> Any:
+    def bound_functions(a: TimeNode, b: TimeNode, _: Any) -> Any:
         pairs.append((a.time, b.time))
         return np.array([*bounds(a.time, b.time), *slopes(a.time, b.time)]).reshape(4, 1)
 
-    monkeypatch.setattr(crossing, "look_at", look_at)
-    monkeypatch.setattr(crossing, "bound_seen", bound_seen)
-    look: Any = SimpleNamespace(
+    monkeypatch.setattr(crossing, "node_at", node_at)
+    monkeypatch.setattr(crossing, "bound_functions", bound_functions)
+    search: Any = SimpleNamespace(
         state=SimpleNamespace(sides=np.zeros(0)),
         has_error=False,
         work=SimpleNamespace(w=SimpleNamespace(narrow=np.zeros(4))),
     )
-    return are_narrow_told(1.0, 3.0, look), pairs
+    return are_narrow_resolved(1.0, 3.0, search), pairs
 
 
 def test_samples_part_a_step_evenly_from_its_begin_to_its_end(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     still = (lambda _: 1.0, lambda *_: (0.0, 0.0), lambda *_: (1.0, 1.0))
-    is_told, pairs = looked_at(monkeypatch, *still)
+    is_resolved, pairs = sampled(monkeypatch, *still)
     ends = np.linspace(1.0, 3.0, CELLS + 1).tolist()
-    assert is_told
+    assert is_resolved
     assert pairs == [*pairwise(ends)]
 
 
 @pytest.mark.parametrize("cell", range(CELLS))
-def test_what_may_happen_between_any_two_samples_is_not_told(
+def test_what_may_happen_between_any_two_samples_is_not_resolved(
     monkeypatch: pytest.MonkeyPatch, cell: int
 ) -> None:
     """All samples are 1, but between two of them the bounds allow a hill of 3 and its slopes."""
@@ -64,28 +64,28 @@ def test_what_may_happen_between_any_two_samples_is_not_told(
     def slopes(a: float, b: float) -> tuple[float, float]:
         return (-10.0, 10.0) if is_open(a, b) else (0.0, 0.0)
 
-    is_told, _ = looked_at(monkeypatch, lambda _: 1.0, slopes, bounds)
-    assert not is_told
+    is_resolved, _ = sampled(monkeypatch, lambda _: 1.0, slopes, bounds)
+    assert not is_resolved
 
 
-def test_what_varies_as_samples_say_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_varies_as_samples_say_is_resolved(monkeypatch: pytest.MonkeyPatch) -> None:
     """Slopes are known to 1.6: over 2 s a part may vary by 3.2, and samples vary by 2."""
-    is_told, _ = looked_at(
+    is_resolved, _ = sampled(
         monkeypatch, lambda t: t - 1.0, lambda *_: (0.2, 1.8), lambda *_: (0.0, 4.0)
     )
-    assert is_told
-    is_told, _ = looked_at(
+    assert is_resolved
+    is_resolved, _ = sampled(
         monkeypatch, lambda t: t - 1.0, lambda *_: (-0.2, 2.2), lambda *_: (0.0, 4.0)
     )
-    assert not is_told
+    assert not is_resolved
 
 
-def test_a_part_whose_bounds_leave_it_nearly_what_it_is_is_told(
+def test_a_part_whose_bounds_leave_it_nearly_what_it_is_is_resolved(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     steep = (lambda _: 4.0, lambda *_: (-9.0, 9.0))
-    assert looked_at(monkeypatch, *steep, lambda *_: (3.0, 5.0))[0]
-    assert not looked_at(monkeypatch, *steep, lambda *_: (2.9, 5.1))[0]
+    assert sampled(monkeypatch, *steep, lambda *_: (3.0, 5.0))[0]
+    assert not sampled(monkeypatch, *steep, lambda *_: (2.9, 5.1))[0]
 
 
 @pytest.mark.parametrize(("before", "cut"), [(0.0, 2.5), (1e-9, 2.5), (-1e-9, math.inf)])
@@ -97,8 +97,8 @@ def test_what_is_near_zero_on_its_side_already_cuts_no_step(
     nothing = np.zeros((0, 2))
     near = TimeNode(2.0, nothing, np.array([before - 2e-9]), np.array([before + 2e-9]))
     left = TimeNode(3.0, nothing, np.array([-2e-2]), np.array([-1e-2]))
-    look: Any = SimpleNamespace(
+    search: Any = SimpleNamespace(
         state=SimpleNamespace(sides=np.zeros(1)),
         work=SimpleNamespace(scene=SimpleNamespace(events=(), n_poles=0)),
     )
-    assert first_left(near, left, look) == cut
+    assert first_departure(near, left, search) == cut

@@ -1,4 +1,4 @@
-"""Distances in a step: which sink, where they are least, and what of it cuts the step."""
+"""Distances in a step: which fall, where they are least, and what of it cuts the step."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ import numpy as np
 import pytest
 
 from kousoku.runtime.integrate import distances
-from kousoku.runtime.integrate.cuts import EARLY, MOST_TURNED, turned_in
+from kousoku.runtime.integrate.cuts import EARLY, MOST_PLACE_CUTS, cut_for_place
 from kousoku.runtime.integrate.distances import (
     AROUND,
+    BOUNDED_REVERSAL_PART,
     DIFFERENCE,
     DOUBLED,
     NODES,
-    TOLD_TURNING,
-    TURNING,
+    REVERSAL_PART,
     dip_between,
+    falls_in,
     nearest_time,
     no_way,
     node_of,
-    sinks_in,
-    turned_end,
+    reversal_end,
 )
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def beside(time: float, place: float, least: float = 0.0) -> float:
     return (time - place) ** 2 * (1.0 - 4.0 * least * least) + least * least
 
 
-def looked_at(
+def searched(
     monkeypatch: pytest.MonkeyPatch, square: Callable[[float], float], *, lengths: int = 1
 ) -> Any:
     """Step from 0 to 1 in which the square of a distance is that function of time."""
@@ -45,7 +45,7 @@ def looked_at(
     return SimpleNamespace(
         start=0.0,
         h=1.0,
-        turning=math.inf,
+        place_cut=math.inf,
         place=math.inf,
         is_over=False,
         is_kept=True,
@@ -71,11 +71,11 @@ def looked_at(
         (lambda time: 0.0, (False, False)),
     ],
 )
-def test_cubics_tell_in_which_half_a_distance_sinks(
+def test_cubics_tell_in_which_half_a_distance_falls(
     square: Callable[[float], float], halves: tuple[bool, bool]
 ) -> None:
     nodes = np.array([square(part) for part in NODES])
-    assert tuple(sinks_in(half, nodes) for half in range(2)) == halves
+    assert tuple(falls_in(half, nodes) for half in range(2)) == halves
 
 
 @pytest.mark.parametrize(
@@ -95,8 +95,8 @@ def test_the_dip_of_a_cubic(cubic: tuple[float, float, float, float], least: flo
 
 def test_the_least_is_found_however_small_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     for there in (1e-9, 0.123, 0.5, 0.987654321):
-        look = looked_at(monkeypatch, partial(beside, place=there))
-        assert nearest_time(0, 0.0, 1.0, look) == pytest.approx(there, rel=1e-14, abs=1e-16)
+        search = searched(monkeypatch, partial(beside, place=there))
+        assert nearest_time(0, 0.0, 1.0, search) == pytest.approx(there, rel=1e-14, abs=1e-16)
 
 
 def test_nodes_lie_closer_at_the_ends() -> None:
@@ -112,77 +112,77 @@ def test_early_places_lie_where_the_first_rates_lead(
     monkeypatch: pytest.MonkeyPatch, place: float
 ) -> None:
     """A polynomial that is thrown off by 1e9 m has some where nothing is."""
-    look = looked_at(monkeypatch, lambda time: 1e18 * (time - place) ** 2 * (1.0 - 0.5 * time))
+    search = searched(monkeypatch, lambda time: 1e18 * (time - place) ** 2 * (1.0 - 0.5 * time))
     monkeypatch.setattr(distances, "distances_of", lambda *_: np.array([1e18 * place**2]))
-    assert turned_end(1.0, look) <= place + no_way(look)
-    look.is_kept = False
-    assert math.isinf(turned_end(1.0, look)) == (place < EARLY)
+    assert reversal_end(1.0, search) <= place + no_way(search)
+    search.is_kept = False
+    assert math.isinf(reversal_end(1.0, search)) == (place < EARLY)
     monkeypatch.setattr(distances, "distances_of", lambda *_: np.array([0.0]))
-    assert turned_end(1.0, look) <= place + no_way(look)
+    assert reversal_end(1.0, search) <= place + no_way(search)
 
 
 @pytest.mark.parametrize("place", [1e-5, 1e-4, 0.01, 0.1, 0.3])
 def test_the_first_of_two_places_cuts_a_step(monkeypatch: pytest.MonkeyPatch, place: float) -> None:
-    look = looked_at(monkeypatch, lambda time: ((time - place) * (1.0 - place - time)) ** 2)
-    assert turned_end(1.0, look) == pytest.approx(place, rel=2e-3)
+    search = searched(monkeypatch, lambda time: ((time - place) * (1.0 - place - time)) ** 2)
+    assert reversal_end(1.0, search) == pytest.approx(place, rel=2e-3)
 
 
 def test_a_step_ends_before_the_place_then_right_behind_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    look = looked_at(monkeypatch, lambda time: (time - 0.4) ** 2)
-    assert turned_end(1.0, look) == pytest.approx(0.4 * (1.0 - 1e-3))
-    assert not look.is_over
-    look = looked_at(monkeypatch, lambda time: (time - 1e-9) ** 2)
-    assert turned_end(1.0, look) == pytest.approx(1e-9 + no_way(look), rel=1e-6)
-    assert look.is_over
+    search = searched(monkeypatch, lambda time: (time - 0.4) ** 2)
+    assert reversal_end(1.0, search) == pytest.approx(0.4 * (1.0 - 1e-3))
+    assert not search.is_over
+    search = searched(monkeypatch, lambda time: (time - 1e-9) ** 2)
+    assert reversal_end(1.0, search) == pytest.approx(1e-9 + no_way(search), rel=1e-6)
+    assert search.is_over
 
 
 def test_a_step_that_leads_over_the_place_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    look = looked_at(monkeypatch, lambda time: (time - 0.5) ** 2)
-    assert turned_end(1.0, look) < 1.0  # it may end there for another reason
-    look.turning = 1.0
-    assert turned_end(1.0, look) == math.inf
+    search = searched(monkeypatch, lambda time: (time - 0.5) ** 2)
+    assert reversal_end(1.0, search) < 1.0  # it may end there for another reason
+    search.place_cut = 1.0
+    assert reversal_end(1.0, search) == math.inf
 
 
 def test_a_step_that_was_to_end_before_the_place_and_leads_over_it_is_cut(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    look = looked_at(monkeypatch, lambda time: (time - 0.5) ** 2)
-    look.turning, look.place = 1.0, 1.001
-    assert turned_end(1.0, look) < 0.5 == pytest.approx(look.place)
+    search = searched(monkeypatch, lambda time: (time - 0.5) ** 2)
+    search.place_cut, search.place = 1.0, 1.001
+    assert reversal_end(1.0, search) < 0.5 == pytest.approx(search.place)
 
 
 def test_a_step_that_starts_behind_the_place_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    look = looked_at(monkeypatch, lambda time: (time + 1e-9) ** 2)
-    assert turned_end(1.0, look) == math.inf
+    search = searched(monkeypatch, lambda time: (time + 1e-9) ** 2)
+    assert reversal_end(1.0, search) == math.inf
 
 
-def test_what_passes_beside_the_place_turns_as_soon_as_it_is_near(
+def test_what_passes_beside_the_place_reverses_as_soon_as_it_is_near(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    look = looked_at(monkeypatch, lambda time: (time - 0.5) ** 2 + 1e-6)
-    assert turned_end(1.0, look) == pytest.approx(0.5 - AROUND * 1e-3, rel=1e-6)
+    search = searched(monkeypatch, lambda time: (time - 0.5) ** 2 + 1e-6)
+    assert reversal_end(1.0, search) == pytest.approx(0.5 - AROUND * 1e-3, rel=1e-6)
 
 
-@pytest.mark.parametrize(("lengths", "most"), [(1, TURNING), (0, TOLD_TURNING)])
+@pytest.mark.parametrize(("lengths", "most"), [(1, REVERSAL_PART), (0, BOUNDED_REVERSAL_PART)])
 def test_what_passes_far_beside_the_place_cuts_no_step(
     monkeypatch: pytest.MonkeyPatch, lengths: int, most: float
 ) -> None:
     for part, is_cut in ((0.9, True), (1.1, False)):
         square = partial(beside, place=0.5, least=0.5 * part * most)
-        look = looked_at(monkeypatch, square, lengths=lengths)
-        assert (turned_end(1.0, look) < 1.0) is is_cut
+        search = searched(monkeypatch, square, lengths=lengths)
+        assert (reversal_end(1.0, search) < 1.0) is is_cut
 
 
 def test_distances_that_are_negative_or_lost_cut_no_step(monkeypatch: pytest.MonkeyPatch) -> None:
     for square in (lambda _: math.nan, lambda time: -((time - 0.5) ** 2), lambda _: 0.0):
-        assert turned_end(1.0, looked_at(monkeypatch, square)) == math.inf
+        assert reversal_end(1.0, searched(monkeypatch, square)) == math.inf
 
 
-def test_a_step_that_is_cut_too_often_is_told() -> None:
+def test_a_step_that_is_cut_too_often_is_unresolved() -> None:
     state = SimpleNamespace(sides=np.zeros(2))
-    look: Any = SimpleNamespace(state=state, start=0.0, h=1.0, turned=0, is_untold=False)
-    for _ in range(MOST_TURNED):
-        assert turned_in(0.5, 1.0, look) == look.turning == 0.5
-        assert not look.is_untold
-    assert turned_in(0.5, 1.0, look) == 1.0
-    assert look.is_untold
+    search: Any = SimpleNamespace(state=state, start=0.0, h=1.0, place_cuts=0, is_unresolved=False)
+    for _ in range(MOST_PLACE_CUTS):
+        assert cut_for_place(0.5, 1.0, search) == search.place_cut == 0.5
+        assert not search.is_unresolved
+    assert cut_for_place(0.5, 1.0, search) == 1.0
+    assert search.is_unresolved

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from kousoku.runtime.integrate import kinematics
-from kousoku.runtime.integrate.crossing import Look
+from kousoku.runtime.integrate.crossing import Search
 from kousoku.runtime.integrate.kinematics import HALVES, driven_step, watched_end
 from kousoku.runtime.integrate.methods import METHODS
 from kousoku.runtime.integrate.pivot_monitor import WEAK_PIVOT_RATIO
@@ -21,7 +21,7 @@ ANY: Any = None
 
 @pytest.fixture
 def work() -> Any:
-    scene = SimpleNamespace(parts=(), sees=False, has_narrow=True, works=0)
+    scene = SimpleNamespace(parts=(), has_functions=False, has_narrow=True, works=0)
     return SimpleNamespace(scene=scene, k=np.zeros((8, 3)))
 
 
@@ -62,7 +62,7 @@ def step(
     tried = Tried(*(found.get(name, []) for name in ("drifts", "ratios", "rough")))
     for name in ("reach", "pivot_ratio", "accept_position"):
         monkeypatch.setattr(kinematics, name, getattr(tried, name))
-    monkeypatch.setattr(kinematics, "told_ratio", lambda *_: 1.0)
+    monkeypatch.setattr(kinematics, "signed_ratio", lambda *_: 1.0)
     for name in ("note_pivot_ratio", "note_largest_pivot"):
         monkeypatch.setattr(kinematics, name, lambda *_: None)
     settings: Any = SimpleNamespace(largest_step=1.0, checks=False, tolerance=1e-9)
@@ -154,7 +154,7 @@ def test_a_step_whose_works_miss_the_tolerance_is_shortened(
         (1.0, 3.0, 3.0, 3.0),
     ],
 )
-def test_a_step_is_looked_into_from_where_it_begins(
+def test_a_step_is_searched_from_where_it_begins(
     monkeypatch: pytest.MonkeyPatch,
     state: Any,
     work: Any,
@@ -163,16 +163,18 @@ def test_a_step_is_looked_into_from_where_it_begins(
     seen: float,
     wanted: float,
 ) -> None:
-    looked: list[Any] = []
-    monkeypatch.setattr(kinematics, "look_into", lambda *given, has_stages: looked.append(given))
-    look = Look(state, work, state.time)
+    begun: list[Any] = []
+    monkeypatch.setattr(kinematics, "begin_search", lambda *given, has_stages: begun.append(given))
+    search = Search(state, work, state.time)
     to = seen if part <= 1.0 else 3.0  # what follows a cut is seen later
     monkeypatch.setattr(
-        kinematics, "told_end", lambda *given: min(told, to) if given == (to, look) else 0
+        kinematics, "resolved_end", lambda *given: min(told, to) if given == (to, search) else 0
     )
-    monkeypatch.setattr(kinematics, "seen_end", lambda *given: seen if given == (3.0, look) else 0)
-    look.crosses = np.zeros(1, bool)
-    assert watched_end(ANY, 3.0, part, look) == wanted
-    ((settings, method, length, *_),) = looked
+    monkeypatch.setattr(
+        kinematics, "crossing_end", lambda *given: seen if given == (3.0, search) else 0
+    )
+    search.crosses = np.zeros(1, bool)
+    assert watched_end(ANY, 3.0, part, search) == wanted
+    ((settings, method, length, *_),) = begun
     assert (settings, method, length) == (ANY, METHODS[0], 1.0)
-    assert (look.cut == seen) == (part <= 1.0 and seen <= told and seen < 3.0)
+    assert (search.cut == seen) == (part <= 1.0 and seen <= told and seen < 3.0)
