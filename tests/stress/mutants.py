@@ -73,19 +73,19 @@ class Sort:
 
 
 SORTS = (
-    Sort("generated kinds", ("generated/kinds/*/*.*",), 70),
-    Sort("a generated linkage", ("generated/lever_crank/*.*",), 25),
+    Sort("generated kinds", ("generated/kinds/*/*.*",), 85),
+    Sort("a generated linkage", ("generated/lever_crank/*.*",), 30),
     Sort("a generated solver of bodies", ("generated/pendulum/*.*",), 30),
     Sort(
         "the library",
         ("runtime/integrate/*", "runtime/kinematics/*", "runtime/lanes.h"),
-        40,
+        20,
         ALL,
         "tests/runtime",
     ),
-    Sort("printers and passes", ("codegen/printers.py", "codegen/passes/*"), 8, ALL),
+    Sort("printers and passes", ("codegen/printers.py", "codegen/passes/*"), 10, ALL),
     Sort("templates", ("codegen/templates/**/*.jinja",), 10, ALL),
-    Sort("the composition", ("codegen/dynamics/**/*",), 10, ("pendulum", *SCENES)),
+    Sort("the composition", ("codegen/dynamics/**/*",), 8, ("pendulum", *SCENES)),
     Sort("formulas", ("symbolic/*",), 7, ("",)),
 )
 

@@ -61,6 +61,15 @@ ANSWERS = {
             "no row is solved for in this scene, and what moves it back is zero"
         ),
     },
+    "generated/pendulum/solver.py": {
+        "'0.0001' -> '(2 * 0.0001)' in 'closure_tolerance=": "no row of this scene is left out",
+    },
+    "runtime/messages.py": {
+        "'super().__init__(problem)' -> 'pass'": "what made the error has kept the text already",
+    },
+    "runtime/integrate/distances.h": {
+        "'1' -> '(2 * 1)' in 'if (falls_in(0, k, nodes) ||": "true as well",
+    },
     "runtime/integrate/lacking.h": {
         "'0' -> '1' in '#define N_NARROW 0'": (
             "narrow parts are looked for in each step, and there are none"
@@ -102,6 +111,9 @@ ANSWERS = {
         ),
     },
     "runtime/integrate/stepper.h": {
+        "'<' -> '<=' in 'if (tried->shorter++ < MOST_SHORTER)": (
+            "one attempt more before a step is given up"
+        ),
         "'*' -> '/' in 'if (!(trial.h > SMALLEST * larger(": (
             "another least length of steps, which are given up a little earlier or later"
         ),
