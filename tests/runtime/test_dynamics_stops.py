@@ -39,11 +39,11 @@ def four_bars(angle: float = ANGLE) -> Scene:
     return n_four_bar(2, turned=(math.cos(angle), math.sin(angle)))
 
 
-def crank_angle(angle: float, end: float) -> float:
+def crank_angle(end: float) -> float:
     """Angle of the cranks of a double parallelogram, by small steps of fourth order."""
     factor = 9.81 * (1.5 + 2) / (1 + 2)
     steps = 40_000
-    h, theta, rate = end / steps, angle, -1.0
+    h, theta, rate = end / steps, ANGLE, -1.0
     for _ in range(steps):
         a = -factor * math.cos(theta)
         b = -factor * math.cos(theta + h * rate / 2 + h * h * a / 8)
@@ -54,7 +54,7 @@ def crank_angle(angle: float, end: float) -> float:
 
 
 def test_error_falls_with_the_tolerance_where_stages_come_near_a_loss_of_rank(load: Load) -> None:
-    solver, theta = load(four_bars()), crank_angle(ANGLE, 10.0)
+    solver, theta = load(four_bars()), crank_angle(10.0)
     errors = []
     for tolerance in (1e-7, 1e-8, 1e-9, 1e-10, 1e-11):
         motion = solver.simulate(10.0, samples=11, tolerance=tolerance)

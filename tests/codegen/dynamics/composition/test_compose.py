@@ -22,11 +22,9 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import System
 
 
-def check_accelerations(
-    system: System, state: dict[str, Any], dense: Any, *, may_be_planar: bool = True
-) -> Program:
+def check_accelerations(system: System, state: dict[str, Any], dense: Any) -> Program:
     """Compare accelerations, multipliers and residuals with the dense ones."""
-    program = compose(all_rows(system, may_be_planar=may_be_planar), ["reactions"])
+    program = compose(all_rows(system), ["reactions"])
     workspace = ProgramInterpreter(program)
     put(workspace, state)
     workspace.run("geometry", "acceleration")

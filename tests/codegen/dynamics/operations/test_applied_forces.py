@@ -104,14 +104,14 @@ def loads_of(system: System, state: dict[str, Any]) -> Any:
     return loads[:-1]
 
 
-def own_law(i: int, j: int) -> ForceElement:
+def own_law(i: int) -> ForceElement:
     """Formula of the same spring in units of half a metre: it is homogeneous."""
     constants = (("s_i_b", S_I), ("s_j_b", S_J), ("unit", (0.5,)), ("free_length", (0.8,)))
-    return PointSpring("own", i, j, constants, law="70*x + 6*v")
+    return PointSpring("own", i, 0, constants, law="70*x + 6*v")
 
 
 ELEMENTS = {
-    "spring with a law of its own": (own_law(2, 0),),
+    "spring with a law of its own": (own_law(2),),
     "spring to the ground": (spring("s", GROUND_INDEX, 1),),
     "spring from the ground's side j": (spring("s", 1, GROUND_INDEX),),
     "spring between bodies": (spring("s", 2, 0),),
@@ -175,7 +175,7 @@ def test_energy_of_springs_and_forces_changes_as_their_work_says(
     "element",
     [
         spring("damped", GROUND_INDEX, 0),
-        own_law(GROUND_INDEX, 0),
+        own_law(GROUND_INDEX),
         force("force_b", 0),
         torque("torque", 0),
         torque("torque_b", 0),
