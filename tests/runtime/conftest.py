@@ -135,12 +135,10 @@ def write_tiny(
 
 
 @pytest.fixture
-def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def cache(empty_cache: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Empty cache folder; only the library of the package is built into it."""
-    folder = tmp_path / "cache"
     monkeypatch.setattr(plan, "plan_type", lambda _: None)
-    monkeypatch.setenv("KOUSOKU_CACHE", str(folder))
-    return folder
+    return empty_cache
 
 
 @pytest.fixture
