@@ -52,6 +52,12 @@ POINTS: dict[str, list[float]] = {
 }
 
 
+@pytest.fixture(name="load")
+def load_in_c(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Callable[..., Any]:
+    """Function that makes the compiled solver of a scene with outputs."""
+    return lambda scene, *outputs: load_dynamics(bodies_folder(scene, outputs), target="c")
+
+
 @pytest.fixture
 def solver_of(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Callable[..., Any]:
     """Function that makes a solver of a text."""

@@ -12,27 +12,19 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.reading.builder import SceneBuilder
 from kousoku.model.reading.families import chain, n_four_bar
 from kousoku.model.reading.read import scene_from_dict
-from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.run_stop import joints_at_stop
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from kousoku.model.records.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.toolchain import Toolchain
 
     Load = Callable[..., DynamicsSolver]
 
 #: A start from which a stage of a step falls near a position where the rank drops.
 ANGLE = 2 * math.pi / 10 + 0.1
-
-
-@pytest.fixture
-def load(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Load:
-    return lambda scene: load_dynamics(bodies_folder(scene), target="c")
 
 
 def four_bars(angle: float = ANGLE) -> Scene:
