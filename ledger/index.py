@@ -38,12 +38,6 @@ def index_of(entries: Sequence[Entry]) -> list[dict[str, str]]:
     ]
 
 
-def read_index() -> list[dict[str, str]]:
-    """Index that is part of the repository."""
-    index: list[dict[str, str]] = json.loads(PATH.read_text(encoding="utf-8"))
-    return index
-
-
 def print_index(index: Sequence[dict[str, str]]) -> str:
     """Index as its file holds it: one statement on each line."""
     lines = ",\n".join(f" {json.dumps(row, ensure_ascii=False)}" for row in index)

@@ -200,6 +200,13 @@ def derived() -> Callable[[str], Derivation]:
 
 
 @pytest.fixture
+def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Folder of a cache that nothing is in yet; it is made when it is first written to."""
+    monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+@pytest.fixture
 def interrupts() -> Iterator[None]:
     """Let SIGINT raise KeyboardInterrupt, also where the tests were started in the background."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -246,10 +246,10 @@ class Draft:
         """Whether a joint says along which direction its displacement counts."""
         return "zero" in joint or "second_displacement" not in leaves_of(joint["type"])
 
-    def hang(self, kind: str, *, name: str = "") -> str:
+    def hang(self, kind: str) -> str:
         """Add a body on the ground, and return its joint."""
         at = self.place()
-        body = name or self.body((at[0] + self.metre / 2, at[1], at[2] - self.metre / 4))
+        body = self.body((at[0] + self.metre / 2, at[1], at[2] - self.metre / 4))
         return self.join(kind, "ground", body, at, self.draw.choice(DIRECTIONS))
 
     def type_of(self, joint: str) -> str:

@@ -21,7 +21,6 @@ DIRECTIONS: tuple[Vector, ...] = (
 )
 TURNS = ((1, 0, 0, 0), (1, 0, 0, 1), (2, 1, 0, 0), (3, 1, 0, -1), (2, 1, -2, 1), (5, -3, 1, 2))
 """Euler parameters of any norm: the simplest first."""
-"""Directions and Euler parameters of any norm: the simplest first."""
 
 
 def dot(a: Vector, b: Vector) -> float:

@@ -121,9 +121,9 @@ def _own_joint(draft: Draft, kind: str, of: str = "") -> Tree:
     return {"joint": draft.hang(kind)} | ({"of": of} if of else {})
 
 
-def _own_coordinate(draft: Draft, kind: str) -> Tree:
-    near = {"near": 0.0} if kind == "revolute" else {}
-    return {"coordinate": draft.add("coordinates", {"joint": draft.hang(kind)} | near)}
+def _own_coordinate(draft: Draft) -> Tree:
+    angle = {"joint": draft.hang("revolute"), "near": 0.0}
+    return {"coordinate": draft.add("coordinates", angle)}
 
 
 def _distance(draft: Draft) -> Tree:
@@ -152,7 +152,7 @@ def _path(draft: Draft, *, is_point: bool) -> Tree:
 
 DRIVERS: dict[str, Callable[[Draft], Tree]] = {
     "angle": lambda draft: _own_joint(draft, "revolute") | {"value": draft.law(0)},
-    "coordinate": lambda draft: _own_coordinate(draft, "revolute") | {"value": draft.law(0)},
+    "coordinate": lambda draft: _own_coordinate(draft) | {"value": draft.law(0)},
     "displacement": lambda draft: (
         _own_joint(draft, "prismatic") | {"value": draft.law(0, draft.metre)}
     ),

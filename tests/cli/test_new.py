@@ -83,9 +83,8 @@ def test_a_new_scene_names_the_schema_beside_it(run: Run, tmp_path: Path) -> Non
 
 
 def test_all_problems_of_all_files_are_found_and_nothing_is_generated(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    run: Run, tmp_path: Path, empty_cache: Path
 ) -> None:
-    monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path / "cache"))
     wrong, open_ = tmp_path / "wrong.toml", tmp_path / "open.toml"
     wrong.write_text('name = "wrong"\nunit = "m"\n[bodies]\nb = { positoin = [0, 0, 0] }\n')
     hinge = '{ type = "pin", bodies = ["ground", "b"], at = [0, 0, 0], axis = [0, 0, 1] }'
@@ -105,7 +104,7 @@ def test_all_problems_of_all_files_are_found_and_nothing_is_generated(
     assert second["what"] == "1 body, 1 joint; 1 degree of freedom"
     assert not third["is_valid"]
     assert "for 1 degree of freedom" in third["problems"][0]["problem"]
-    assert not (tmp_path / "cache").exists()
+    assert not empty_cache.exists()
 
 
 def test_notes_are_told_and_do_not_count_as_problems(run: Run, tmp_path: Path) -> None:

@@ -28,10 +28,9 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
-def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path / "cache"))
+def cache(empty_cache: Path) -> Iterator[Path]:
     content_key.cache_clear()
-    yield tmp_path / "cache"
+    yield empty_cache
     content_key.cache_clear()
 
 

@@ -18,6 +18,7 @@ from kousoku.model.files.quantity import Quantity
 from kousoku.model.operations.graph import Graph
 from kousoku.model.operations.kernel import Kernel, Package
 from kousoku.runtime.importing import import_source
+from tests.programs import STRICT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
     Wanted = tuple[int, ...]
 
-STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror"]
 SIZES = (1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 24)
 LANES = (1, 2, 4, 8)
 

@@ -42,13 +42,7 @@ SCENES = Path(__file__).parents[2] / "scenes"
 EDITED = "it was edited after it was generated"
 
 
-@pytest.fixture
-def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path / "cache"))
-    return tmp_path / "cache"
-
-
-def test_a_kind_becomes_a_folder_whose_manifest_lists_it(cache: Path) -> None:
+def test_a_kind_becomes_a_folder_whose_manifest_lists_it(empty_cache: Path) -> None:
     tree = generate_kind("n1", COMMITTED)
     assert set(tree) == FILES
     assert list(tree)[-1] == "manifest.json"
@@ -64,12 +58,12 @@ def test_all_packages_of_all_kinds_have_names() -> None:
     assert {"rotation", "n1", "p1", "p2", "link", "mass_points", "rigid_body"} <= set(names)
 
 
-def test_an_unknown_kind_is_an_error(cache: Path) -> None:
+def test_an_unknown_kind_is_an_error(empty_cache: Path) -> None:
     with pytest.raises(DerivationError, match="unknown kind 'sponge'"):
         generate_kind("sponge")
 
 
-def test_a_warm_cache_starts_no_sympy(cache: Path) -> None:
+def test_a_warm_cache_starts_no_sympy(empty_cache: Path) -> None:
     generate_kind("n1")
     program = (
         "import sys; from kousoku.codegen.generate import generate_kind\n"
@@ -120,7 +114,7 @@ def test_what_an_older_version_wrote_is_a_difference_and_a_users_file_is_not(
 
 
 @pytest.fixture
-def written(cache: Path, tmp_path: Path) -> dict[str, str]:
+def written(empty_cache: Path, tmp_path: Path) -> dict[str, str]:
     """Package n1, which lies in the folder ``n1``."""
     tree = generate_kind("n1", COMMITTED)
     write_tree(tmp_path / "n1", tree)

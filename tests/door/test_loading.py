@@ -31,12 +31,6 @@ LOOP = SCENES / "loop_free.toml"
 PENDULUM = SCENES / "pendulum.toml"
 
 
-@pytest.fixture
-def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path / "cache"))
-    return tmp_path / "cache"
-
-
 def numpy_loaded(scene: Any, outputs: Any = None) -> ks.Mechanism:
     return ks.load(scene, target="numpy", outputs=outputs)
 

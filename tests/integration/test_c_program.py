@@ -12,6 +12,7 @@ import pytest
 
 from kousoku.generated import lever_crank
 from kousoku.model.reading.read import read_scene
+from tests.programs import STRICT, compiled, compiled_as_cpp, compiled_with_sanitizers
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "docs" / "examples" / "lever_crank.c"
-STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror")
 SCENES = ("piston_crank", "lever_crank", "five_bar", "watt_six_bar", "stephenson_six_bar")
 #: A slider and two loops; the others are compiled for a release.
 ALWAYS = ("piston_crank", "watt_six_bar")
@@ -37,14 +37,6 @@ def copy_sources(folder: Path, place: Path) -> None:
     for name in ("solver.c", "solver.h"):
         shutil.copy(folder / name, place)
     shutil.copytree(folder / "kinematics", place / "kinematics")
-
-
-def compiled(compiler: Toolchain, folder: Path, *flags: str) -> None:
-    """Run the compiler in a folder."""
-    run = subprocess.run(
-        (*compiler.command, *flags), cwd=folder, capture_output=True, text=True, check=False
-    )
-    assert run.returncode == 0, run.stderr
 
 
 def printed(program: Path) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -73,16 +65,9 @@ def test_example_compiles_with_the_plain_command_and_solves(
 
 
 def test_example_compiles_as_cpp_too(compiler: Toolchain, folder: Path, tmp_path: Path) -> None:
-    cpp = shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
-    if cpp is None:
-        pytest.skip("no C++ compiler")
     copy_sources(folder, tmp_path)
     shutil.copy(EXAMPLE, tmp_path / "main.cpp")
-    compiled(compiler, tmp_path, "-c", "solver.c", "-o", "solver.o")
-    flags = ("-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
-    subprocess.run(
-        [cpp, *flags, "main.cpp", "solver.o", "-lm", "-o", "program"], cwd=tmp_path, check=True
-    )
+    compiled_as_cpp(compiler, tmp_path)
     assert_is_the_lever_crank(printed(tmp_path / "program"))
 
 
@@ -91,15 +76,7 @@ def test_example_is_clean_under_sanitizers(
 ) -> None:
     copy_sources(folder, tmp_path)
     shutil.copy(EXAMPLE, tmp_path / "main.c")
-    sanitizers = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
-    run = subprocess.run(
-        (*compiler.command, *sanitizers, "main.c", "solver.c", "-lm", "-o", "program"),
-        cwd=tmp_path,
-        capture_output=True,
-        check=False,
-    )
-    if run.returncode != 0:
-        pytest.skip("the compiler has no sanitizers")
+    compiled_with_sanitizers(compiler, tmp_path)
     assert_is_the_lever_crank(printed(tmp_path / "program"))
 
 

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from kousoku.model.errors import KousokuError
+from tests.integration.test_inputs import SLIDER
+from tests.integration.test_stops import PARALLELOGRAM, four_bar
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,55 +41,19 @@ coupler = { at = "B", links = ["rod1", "tip"], angle = 2 }
 alpha = { link = "crank1", about = "O1", turns = 1, rate = 1.5, acceleration = 0.25 }
 beta = { link = "crank2", about = "O5", from = 1.5, turns = -2, rate = -0.5, acceleration = 2 }
 """
-RAM = """
-name = "ram"
-unit = "in"
-divisions = 40
-[nodes]
-O = { at = [2, -1], fixed = true }
-A = { at = [2.5, 1] }
-S = { at = [5.5, 3.5] }
-[links]
-crank = { nodes = ["O", "A"], length = 2 }
-rod = { nodes = ["A", "S"], length = 4 }
-[sliders]
-ram = { node = "S", through = [2, 0], direction = [3, 3] }
-[inputs]
-stroke = { slider = "ram", from = 4.5, to = 2.5, rate = -1, acceleration = 0.5 }
-"""
-
-
-def four_bar(l1: float, l2: float, l3: float, *at: str, more: str = "") -> str:
-    """Text of a four-bar on a frame of 100 cm."""
-    return f"""
-name = "four_bar"
-unit = "cm"
-[nodes]
-O1 = {{ at = [0, 0], fixed = true }}
-O2 = {{ at = {at[0]} }}
-O3 = {{ at = {at[1]} }}
-O4 = {{ at = [100, 0], fixed = true }}
-[links]
-l1 = {{ nodes = ["O1", "O2"], length = {l1} }}
-l2 = {{ nodes = ["O2", "O3"], length = {l2} }}
-l3 = {{ nodes = ["O3", "O4"], length = {l3} }}
-[inputs]
-alpha = {{ link = "l1", about = "O1", turns = 1{more} }}
-"""
-
 
 GOOD = {"piston_crank": "piston_crank", "six_bar": "stephenson_six_bar"} | {
     "two_inputs": TWO_INPUTS,
-    "ram": RAM,
-    "nearly_dead": four_bar(30, 70.01, 60, "[30, 0]", "[70, 58]"),
+    "ram": SLIDER,
+    "nearly_dead": four_bar((30, 70.01, 60, 100), o3="[70, 58]"),
 }
 STOPPED: dict[str, tuple[str, dict[str, Any]]] = {
-    "change_point": (four_bar(30, 100, 30, "[16, 25]", "[116, 25]", more=", from = 1"), {}),
-    "dead_centre": (four_bar(60, 60, 80, "[60, 0]", "[90, 60]"), {"divisions": 17}),
-    "dead_at_the_start": (four_bar(30, 100, 30, "[30, 0]", "[130, 0]"), {}),
-    "no_assembly": (four_bar(30, 10, 20, "[30, 0]", "[70, 10]"), {}),
-    "below_rounding": (four_bar(30, 60, 80, "[30, 0]", "[45, 58]"), {"limit": 1e-17}),
-    "no_divisions": (four_bar(30, 60, 80, "[30, 0]", "[45, 58]"), {"divisions": 0}),
+    "change_point": (PARALLELOGRAM, {}),
+    "dead_centre": (four_bar((60, 60, 80, 100), "[60, 0]", "[90, 60]"), {"divisions": 17}),
+    "dead_at_the_start": (four_bar((30, 100, 30, 100), o3="[130, 0]"), {}),
+    "no_assembly": (four_bar((30, 10, 20, 100), o3="[70, 10]"), {}),
+    "below_rounding": (four_bar(), {"limit": 1e-17}),
+    "no_divisions": (four_bar(), {"divisions": 0}),
 }
 
 

@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 from kousoku.model.reading.families import n_four_bar
+from kousoku.runtime.integrate.body_tables import indices
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from kousoku.model.numbers.real import Array
     from kousoku.model.records.scene import Scene
@@ -69,20 +70,15 @@ def started_at(solver: DynamicsSolver, angle: float) -> DynamicsSolver:
         k = int(body.name.partition("_")[2])
         is_crank = body.name.startswith("crank")
         centre = np.array([k, 0.0] if is_crank else [k + 0.5, 0.0])
-        places, rates = numbers(body.r[:2]), numbers(body.v[:2])
+        places, rates = indices(body.r[:2]), indices(body.v[:2])
         q[places] = centre + turn @ (q[places] - centre)
         v[rates] = turn @ v[rates]
         if is_crank:
-            cosine, sine = numbers((body.p[0], body.p[3]))
+            cosine, sine = indices((body.p[0], body.p[3]))
             before = q[cosine], q[sine]
             q[cosine] = half[0] * before[0] - half[1] * before[1]
             q[sine] = half[0] * before[1] + half[1] * before[0]
     return replace(solver, q=q, v=v)
-
-
-def numbers(places: Sequence[int | float]) -> list[int]:
-    """Indices of coordinates that move in the plane."""
-    return [place for place in places if isinstance(place, int)]
 
 
 def test_the_reference_is_the_closed_form() -> None:

@@ -23,14 +23,12 @@ def four_bar(
     o2: str = "[30, 0]",
     o3: str = "[45, 58]",
     given: str = "turns = 1",
-    more: str = "",
 ) -> str:
     """Text of a four-bar."""
     l1, l2, l3, l4 = lengths
     return f"""
 name = "four_bar"
 unit = "cm"
-{more}
 [nodes]
 O1 = {{ at = [0, 0], fixed = true }}
 O2 = {{ at = {o2} }}

@@ -17,7 +17,7 @@ import pytest
 
 from kousoku.ledger import entries, index, keys
 from kousoku.ledger.entry import DOCUMENTS, Document
-from kousoku.ledger.index import PATH, digest, index_of, print_index, read_index
+from kousoku.ledger.index import PATH, digest, index_of, normalised, print_index
 
 ROOT = Path(__file__).parents[2]
 SEEDS = Path(os.environ.get("KOUSOKU_SEEDS", ROOT.parent / "shared" / "seeds"))
@@ -29,7 +29,7 @@ documents = pytest.mark.parametrize("document", DOCUMENTS, ids=lambda document: 
 
 def test_every_indexed_statement_has_exactly_one_entry_that_prints_it() -> None:
     found = Counter((e.document.file, e.equation, digest(e.printed)) for e in entries())
-    for row in read_index():
+    for row in json.loads(PATH.read_text(encoding="utf-8")):
         assert found[row["document"], row["equation"], row["digest"]] == 1, row
 
 
@@ -41,7 +41,7 @@ def test_every_entry_is_in_the_index_and_the_index_is_in_its_order() -> None:
 def test_the_index_can_be_written_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(index, "PATH", tmp_path / "index.json")
     index.main()
-    assert index.read_index() == json.loads(PATH.read_text(encoding="utf-8"))
+    assert index.PATH.read_text(encoding="utf-8") == PATH.read_text(encoding="utf-8")
 
 
 def test_no_two_entries_share_a_key() -> None:
@@ -67,15 +67,11 @@ def text_of(document: Document) -> str:
     return path.read_text(encoding="utf-8")
 
 
-def one_line(text: str) -> str:
-    return " ".join(text.split())
-
-
 def displays(text: str) -> list[str]:
     """Displays of a document: between double dollars, or paragraphs without prose."""
     if "$$" in text:
-        return [one_line(shown) for shown in re.findall(r"\$\$(.*?)\$\$", text, re.DOTALL)]
-    paragraphs = (one_line(part) for part in re.split(r"\n\s*\n", text))
+        return [normalised(shown) for shown in re.findall(r"\$\$(.*?)\$\$", text, re.DOTALL)]
+    paragraphs = (normalised(part) for part in re.split(r"\n\s*\n", text))
     return [part for part in paragraphs if is_formula(part)]
 
 
@@ -89,7 +85,7 @@ def covered(text: str, document: Document) -> list[bool]:
     seen = [False] * len(text)
     for entry in entries():
         if entry.document == document:
-            printed = one_line(entry.printed)
+            printed = normalised(entry.printed)
             at = text.find(printed)
             while at >= 0:
                 seen[at : at + len(printed)] = [True] * len(printed)
@@ -106,15 +102,15 @@ LAYOUT = re.compile(
 
 @documents
 def test_every_printed_form_stands_in_its_document_letter_by_letter(document: Document) -> None:
-    text = one_line(text_of(document))
+    text = normalised(text_of(document))
     own = [entry for entry in entries() if entry.document == document]
-    assert not [e.equation for e in own if one_line(e.printed) not in text]
+    assert not [e.equation for e in own if normalised(e.printed) not in text]
 
 
 @documents
 def test_everything_that_a_document_displays_has_an_entry(document: Document) -> None:
     raw = text_of(document)
-    text = one_line(raw)
+    text = normalised(raw)
     seen, at, left_over = covered(text, document), 0, []
     for shown in displays(raw):
         at = text.index(shown, at)
@@ -140,7 +136,7 @@ def sentences(text: str) -> list[tuple[int, str]]:
 
 @documents
 def test_every_sentence_that_states_a_condition_has_an_entry(document: Document) -> None:
-    text = one_line(text_of(document))
+    text = normalised(text_of(document))
     seen = covered(text, document)
     found = [(at, said) for at, said in sentences(text) if CONDITION.search(said)]
     assert found
@@ -149,7 +145,7 @@ def test_every_sentence_that_states_a_condition_has_an_entry(document: Document)
 
 @documents
 def test_every_equality_inside_of_the_prose_has_an_entry(document: Document) -> None:
-    text = one_line(text_of(document))
+    text = normalised(text_of(document))
     seen = covered(text, document)
     for formula in re.finditer(r"(?<!\$)\$([^$]+)\$(?!\$)", text):
         sides = formula[1].split("=")

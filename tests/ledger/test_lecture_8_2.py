@@ -32,6 +32,7 @@ from kousoku.model.errors import LedgerError
 from kousoku.model.mechanics.parallel_rows import ROWS
 from kousoku.symbolic.bodies import COMPONENTS
 from kousoku.symbolic.matrices import neg
+from tests.ledger.changes import forms_near
 
 if TYPE_CHECKING:
     from kousoku.ledger.entry import Entry
@@ -63,17 +64,6 @@ CHANGES = (
 )
 
 
-def changed(form: str) -> list[str]:
-    """Formula with one mark changed, for each mark behind its first relation."""
-    start = min(form.index(relation) for relation in ("=", r"\equiv") if relation in form)
-    return [
-        form[:place] + new + form[place + len(old) :]
-        for old, new in CHANGES
-        for place in range(start, len(form))
-        if form.startswith(old, place)
-    ]
-
-
 def is_sound(formula: str, entry: Entry) -> bool:
     """Whether no two sides of a formula differ."""
     assert entry.vocabulary is not None
@@ -87,9 +77,11 @@ def is_sound(formula: str, entry: Entry) -> bool:
 
 @pytest.mark.parametrize("entry", READ, ids=lambda entry: entry.equation)
 def test_no_index_sign_tilde_transpose_or_prime_can_change(entry: Entry) -> None:
-    texts = changed(entry.true_form)
+    form = entry.true_form
+    start = min(form.index(relation) for relation in ("=", r"\equiv") if relation in form)
+    texts = forms_near(form, CHANGES, start)  # behind the first relation
     assert texts
-    assert is_sound(entry.true_form, entry)
+    assert is_sound(form, entry)
     assert [text for text in texts if is_sound(text, entry)] == []
 
 

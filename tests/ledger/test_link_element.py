@@ -11,6 +11,7 @@ from kousoku.ledger.documents import link_element
 from kousoku.ledger.proof import prove
 from kousoku.ledger.reading import read
 from kousoku.model.errors import LedgerError
+from tests.ledger.changes import forms_near, with_form
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -37,23 +38,11 @@ CHANGES = (
 )
 
 
-def changed(entry: Entry, text: str) -> Entry:
-    """Entry whose true form is another one."""
-    return replace(entry, corrected=text) if entry.corrected else replace(entry, printed=text)
-
-
 @pytest.mark.parametrize("entry", FORMULAS, ids=lambda entry: entry.equation)
 def test_no_sign_index_function_or_power_can_change(entry: Entry) -> None:
-    form = entry.true_form
-    forms = [
-        form[:place] + new + form[place + len(old) :]
-        for old, new in CHANGES
-        for place in range(len(form))
-        if form.startswith(old, place)
-    ]
-    for text in forms:
+    for text in forms_near(entry.true_form, CHANGES):
         with pytest.raises(LedgerError):
-            prove(changed(entry, text))
+            prove(with_form(entry, text))
 
 
 def test_the_printed_position_hides_the_turn_of_the_ends() -> None:

@@ -14,6 +14,7 @@ from kousoku.ledger.documents.link_mechanisms import LEVER_CRANK, PISTON_CRANK, 
 from kousoku.ledger.proof import prove
 from kousoku.ledger.reading import read
 from kousoku.model.errors import LedgerError
+from tests.ledger.changes import forms_near, with_form
 
 if TYPE_CHECKING:
     from kousoku.ledger.entry import Entry
@@ -41,27 +42,13 @@ CHANGES = (
 )
 
 
-def changed(entry: Entry, text: str) -> Entry:
-    """Entry whose true form is another one."""
-    return replace(entry, corrected=text) if entry.corrected else replace(entry, printed=text)
-
-
-def forms_near(form: str) -> list[str]:
-    return [
-        form[:place] + new + form[place + len(old) :]
-        for old, new in CHANGES
-        for place in range(len(form))
-        if form.startswith(old, place)
-    ]
-
-
 @pytest.mark.parametrize("entry", FORMULAS, ids=lambda entry: entry.equation)
 def test_no_part_prime_sign_or_factor_can_change(entry: Entry) -> None:
     plain = replace(entry, checks=())
     prove(plain)
-    for text in forms_near(entry.true_form):
+    for text in forms_near(entry.true_form, CHANGES):
         with pytest.raises(LedgerError):
-            prove(changed(plain, text))
+            prove(with_form(plain, text))
 
 
 def test_the_printed_forms_do_not_fit() -> None:

@@ -13,6 +13,7 @@ from kousoku.ledger.documents.lecture_7_1 import words
 from kousoku.ledger.entry import LECTURE_7_1, Check, Entry
 from kousoku.ledger.proof import different, equal, prove
 from kousoku.model.errors import LedgerError
+from tests.ledger.changes import forms_near, with_form
 
 ENTRIES = {e.equation: e for e in entries() if e.document == LECTURE_7_1}
 
@@ -55,25 +56,17 @@ def test_an_entry_that_claims_something_else_is_refused(
     "entry", [e for e in ENTRIES.values() if e.vocabulary], ids=lambda e: e.equation
 )
 def test_no_sign_tilde_transpose_or_prime_can_change(entry: Entry) -> None:
-    form = entry.true_form
-    changed = [
-        form[:place] + new + form[place + len(old) :]
-        for old, new in (
-            ("+", "-"),
-            (" -", "+"),
-            ("= -", "= "),
-            ("^T", ""),
-            (r"\tilde", r"\vec"),
-            ("'", ""),
-        )
-        for place in range(len(form))
-        if form.startswith(old, place)
-    ]
-    for text in changed:
+    changes = (
+        ("+", "-"),
+        (" -", "+"),
+        ("= -", "= "),
+        ("^T", ""),
+        (r"\tilde", r"\vec"),
+        ("'", ""),
+    )
+    for text in forms_near(entry.true_form, changes):
         with pytest.raises(LedgerError):
-            prove(
-                replace(entry, corrected=text) if entry.corrected else replace(entry, printed=text)
-            )
+            prove(with_form(entry, text))
 
 
 def test_a_check_that_is_false_is_named() -> None:

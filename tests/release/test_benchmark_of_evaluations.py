@@ -18,8 +18,8 @@ from benchmarks.segments import (
     share_of_factors,
 )
 from kousoku.model.reading.families import n_four_bar
-from kousoku.runtime.dynamics import DynamicsSolver
 from kousoku.runtime.toolchain import Toolchain
+from tests.door.test_own_kinds import solver_of
 
 END = 0.5
 
@@ -27,11 +27,6 @@ END = 0.5
 @pytest.fixture(scope="module")
 def bars() -> ks.Mechanism:
     return ks.load(n_four_bar(2), target="c")
-
-
-def solver_of(mechanism: ks.Mechanism) -> DynamicsSolver:
-    assert isinstance(mechanism.solver, DynamicsSolver)
-    return mechanism.solver
 
 
 def test_segments_are_run_as_often_as_the_ledger_says_and_bits_stay(

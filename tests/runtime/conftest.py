@@ -52,6 +52,12 @@ POINTS: dict[str, list[float]] = {
 }
 
 
+@pytest.fixture(name="load")
+def load_in_c(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Callable[..., Any]:
+    """Function that makes the compiled solver of a scene with outputs."""
+    return lambda scene, *outputs: load_dynamics(bodies_folder(scene, outputs), target="c")
+
+
 @pytest.fixture
 def solver_of(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Callable[..., Any]:
     """Function that makes a solver of a text."""
@@ -135,12 +141,10 @@ def write_tiny(
 
 
 @pytest.fixture
-def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def cache(empty_cache: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Empty cache folder; only the library of the package is built into it."""
-    folder = tmp_path / "cache"
     monkeypatch.setattr(plan, "plan_type", lambda _: None)
-    monkeypatch.setenv("KOUSOKU_CACHE", str(folder))
-    return folder
+    return empty_cache
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -24,12 +24,6 @@ if TYPE_CHECKING:
     Load = Callable[..., DynamicsSolver]
 
 TORQUE = '\n[forces]\nm = { type = "torque", body = "crank", torque = [0, 0, 40] }\n'
-
-
-@pytest.fixture
-def load(backend: str, bodies_folder: Callable[..., Path]) -> Load:
-    target = cast("Any", backend)
-    return lambda scene: load_dynamics(bodies_folder(scene, ()), target=target)
 
 
 def turned_by_a_torque(gap: float) -> Scene:

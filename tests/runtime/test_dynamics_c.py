@@ -15,6 +15,7 @@ from kousoku.model.reading.families import chain, n_four_bar
 from kousoku.model.reading.read import read_scene
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.settings import Doubt
+from tests.programs import STRICT, compiled, compiled_as_cpp, compiled_with_sanitizers
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "docs" / "examples" / "pendulum.c"
-STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror")
 ALL = ("accelerations", "reactions", "energies")
 MAKERS: dict[str, Callable[[], Any]] = {
     "pendulum": lambda: read_scene(ROOT / "scenes" / "pendulum.toml"),
@@ -35,14 +35,6 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "four_bars": lambda: n_four_bar(2),
     "chain": lambda: chain(10),
 }
-
-
-def compiled(compiler: Toolchain, folder: Path, *flags: str) -> None:
-    """Run the compiler in a folder."""
-    run = subprocess.run(
-        (*compiler.command, *flags), cwd=folder, capture_output=True, text=True, check=False
-    )
-    assert run.returncode == 0, run.stderr
 
 
 def copied(folder: Path, place: Path, main: str) -> None:
@@ -99,16 +91,9 @@ def test_example_ends_with_3_and_the_doubts_of_a_run_that_is_wrong(
 def test_example_compiles_as_cpp_too(
     compiler: Toolchain, bodies_folder: Folder, tmp_path: Path
 ) -> None:
-    cpp = shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
-    if cpp is None:
-        pytest.skip("no C++ compiler")
     folder = bodies_folder(MAKERS["pendulum"]())
     copied(folder, tmp_path, "main.cpp")
-    compiled(compiler, tmp_path, "-c", "solver.c", "-o", "solver.o")
-    flags = ("-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
-    subprocess.run(
-        [cpp, *flags, "main.cpp", "solver.o", "-lm", "-o", "program"], cwd=tmp_path, check=True
-    )
+    compiled_as_cpp(compiler, tmp_path)
     assert_moves_the_pendulum(tmp_path / "program", folder)
 
 
@@ -117,15 +102,7 @@ def test_example_is_clean_under_sanitizers(
 ) -> None:
     folder = bodies_folder(MAKERS["pendulum"]())
     copied(folder, tmp_path, "main.c")
-    sanitizers = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
-    run = subprocess.run(
-        (*compiler.command, *sanitizers, "main.c", "solver.c", "-lm", "-o", "program"),
-        cwd=tmp_path,
-        capture_output=True,
-        check=False,
-    )
-    if run.returncode != 0:
-        pytest.skip("the compiler has no sanitizers")
+    compiled_with_sanitizers(compiler, tmp_path)
     assert_moves_the_pendulum(tmp_path / "program", folder)
 
 

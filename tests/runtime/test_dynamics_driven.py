@@ -80,9 +80,8 @@ def four_bar(rocker: float = ROCKER, joint: str = "a", law: str = "rate*t") -> S
 
 
 @pytest.fixture
-def load(backend: str, bodies_folder: Callable[..., Path]) -> Load:
-    target: Any = backend
-    return lambda scene: load_dynamics(bodies_folder(scene, OUTPUTS), target=target)
+def load(load: Load) -> Load:
+    return lambda scene: load(scene, *OUTPUTS)
 
 
 def end_of(motion: Motion, body: str, length: float) -> Array:

@@ -12,11 +12,9 @@ from kousoku.model.angles import number_of
 from kousoku.model.errors import SolveError
 from kousoku.model.reading.families import chain, n_four_bar
 from kousoku.model.reading.read import scene_from_toml
-from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from kousoku.runtime.dynamics import DynamicsSolver
 
@@ -48,12 +46,6 @@ body = "bob"
 force = ["rate", "phase*t", 0]
 """
 TIMES = np.linspace(0.0, 2.0, 9)
-
-
-@pytest.fixture
-def load(backend: str, bodies_folder: Callable[..., Path]) -> Load:
-    target: Any = backend
-    return lambda scene: load_dynamics(bodies_folder(scene), target=target)
 
 
 @pytest.fixture

@@ -53,9 +53,8 @@ DAMAGE = (
 
 
 @pytest.fixture
-def load(backend: str, bodies_folder: Callable[..., Path]) -> Load:
-    target: Any = backend
-    return lambda scene: load_dynamics(bodies_folder(scene, ALL), target=target)
+def load(load: Load) -> Load:
+    return lambda scene: load(scene, *ALL)
 
 
 def table(run: Run) -> Any:

@@ -224,12 +224,6 @@ NOW = [0.0]
 POINT = '{ body = "bob", point = [0, 0, 300], along = [1, 0, 0] }'
 
 
-@pytest.fixture
-def load(backend: str, bodies_folder: Callable[..., Path]) -> Any:
-    target: Any = backend
-    return lambda scene, *outputs: load_dynamics(bodies_folder(scene, outputs), target=target)
-
-
 @pytest.mark.parametrize("name", SCENES)
 def test_a_run_begins_as_the_file_with_its_parameters(load: Any, name: str) -> None:
     text, given = SCENES[name]

@@ -173,9 +173,7 @@ def _once() -> Any:
     return MP.one
 
 
-def solution(
-    scene: Scene, states: Mapping[str, State], gravity: Any = None, factor: Factor = _once
-) -> Solution:
+def solution(scene: Scene, states: Mapping[str, State], factor: Factor = _once) -> Solution:
     """Accelerations and forces at a state, in 60 digits.
 
     Parameters
@@ -184,8 +182,6 @@ def solution(
         Whose numbers are taken as the doubles that they are.
     states : mapping of str to State
         Of each body.
-    gravity : mpf, optional
-        Instead of the scene's.
     factor : callable
         By what each number is multiplied as it is read: 1, or 1 ± u to see what rounding costs.
 
@@ -199,7 +195,7 @@ def solution(
     motions[GROUND] = _motion(State((0, 0), 0, (0, 0), 0), _once)
     n, m = 3 * len(names), 2 * len(scene.hinges)
     matrix, right = MP.zeros(n + m, n + m), MP.zeros(n + m, 1)
-    fall = MP.mpf(scene.gravity if gravity is None else gravity) * factor()
+    fall = MP.mpf(scene.gravity) * factor()
     centers = {}
     for k, (name, bar) in enumerate(scene.bars.items()):
         mass, moment = MP.mpf(bar.mass) * factor(), MP.mpf(bar.moment) * factor()

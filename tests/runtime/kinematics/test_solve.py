@@ -38,7 +38,7 @@ OPEN = bar(30.0, 20.0, 30.0, 100.0, phi=1.0, psi=2.0)
 methods = pytest.mark.parametrize("method", [0, 1], ids=["newton", "paper"])
 
 
-def assert_links_hold(four: Bar, rows: Rows, limit: float = 1e-11) -> None:
+def assert_links_hold(four: Bar, rows: Rows) -> None:
     """Check the lengths of all links and the first and second derivatives of these."""
     r, v, a = (m[: rows.done] for m in (rows.position, rows.velocity, rows.acceleration))
     frame = np.array([four["frame"], 0.0])
@@ -49,10 +49,10 @@ def assert_links_hold(four: Bar, rows: Rows, limit: float = 1e-11) -> None:
     )
     for length, arm, first, second in arms:
         unit = length * four["frame"]
-        np.testing.assert_allclose(np.hypot(*arm.T), length, rtol=limit)
-        np.testing.assert_allclose(np.sum(arm * first, axis=1), 0, atol=limit * unit)
+        np.testing.assert_allclose(np.hypot(*arm.T), length, rtol=1e-11)
+        np.testing.assert_allclose(np.sum(arm * first, axis=1), 0, atol=1e-11 * unit)
         curvature = np.sum(arm * second + first * first, axis=1)
-        np.testing.assert_allclose(curvature, 0, atol=10 * limit * unit)
+        np.testing.assert_allclose(curvature, 0, atol=1e-10 * unit)
 
 
 @methods

@@ -10,6 +10,7 @@ import pytest
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from tests.analysed import all_rows
+from tests.workspaces import put
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -21,12 +22,7 @@ def turned(mechanisms: SimpleNamespace, rng: np.random.Generator, name: str) -> 
     workspace = ProgramInterpreter(
         compose(all_rows(system, may_be_planar=False), ["reactions", "checks"])
     )
-    state = mechanisms.random_state(system, rng)
-    for field, rows in state.items():
-        for body, values in zip(workspace.program.bodies, rows, strict=True):
-            for place, value in zip(getattr(body, field), values, strict=True):
-                if place.slot >= 0:
-                    workspace.values[place.slot] = float(value)
+    put(workspace, mechanisms.random_state(system, rng))
     return workspace
 
 

@@ -13,6 +13,7 @@ from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.recording.program import levels, reads, writes
 from kousoku.model.errors import SceneError
 from tests.analysed import all_rows, without
+from tests.workspaces import by_body, put
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -21,43 +22,15 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import System
 
 
-def put(workspace: ProgramInterpreter, state: dict[str, Any]) -> None:
-    """Write a state to where the program wants it."""
-    for name in ("r", "p", "v", "omega_b"):
-        for body, values in zip(workspace.program.bodies, state[name], strict=True):
-            for place, value in zip(getattr(body, name), values, strict=True):
-                if place.slot >= 0:
-                    workspace.values[place.slot] = float(value)
-                else:
-                    assert place.value == pytest.approx(value)
-
-
-def get(workspace: ProgramInterpreter, region: str) -> Any:
-    """Elements of a region in the order of v, (n, 6), zeros where there is no coordinate."""
-    program = workspace.program
-    offset = program.region(region).base - program.region("v").base
-    return np.array(
-        [
-            [
-                workspace.values[place.slot + offset] if place.slot >= 0 else 0.0
-                for place in (*body.v, *body.omega_b)
-            ]
-            for body in program.bodies
-        ]
-    )
-
-
-def check_accelerations(
-    system: System, state: dict[str, Any], dense: Any, *, may_be_planar: bool = True
-) -> Program:
+def check_accelerations(system: System, state: dict[str, Any], dense: Any) -> Program:
     """Compare accelerations, multipliers and residuals with the dense ones."""
-    program = compose(all_rows(system, may_be_planar=may_be_planar), ["reactions"])
+    program = compose(all_rows(system), ["reactions"])
     workspace = ProgramInterpreter(program)
     put(workspace, state)
     workspace.run("geometry", "acceleration")
     wanted, lam, residuals = dense(system, state)
     scale = np.abs(wanted).max() + np.abs(lam).max()
-    np.testing.assert_allclose(get(workspace, "v_dot"), wanted, rtol=0, atol=1e-10 * scale)
+    np.testing.assert_allclose(by_body(workspace, "v_dot"), wanted, rtol=0, atol=1e-10 * scale)
     starts = np.cumsum(
         [0] + [{"po": 3, "p1": 2, "p2": 2}.get(x.kind[:2], 1) for x in system.constraints]
     )

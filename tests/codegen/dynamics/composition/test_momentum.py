@@ -16,6 +16,7 @@ from kousoku.model.elements.load import Load
 from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.mechanics.multibody import GROUND_INDEX, ForceElement, RelativeCoordinate, System
 from tests.analysed import all_rows
+from tests.workspaces import put
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -103,10 +104,7 @@ def test_momenta_are_those_of_vector_algebra(
 ) -> None:
     workspace = ProgramInterpreter(compose(all_rows(flying), ["energies", "checks"]))
     state = mechanisms.random_state(flying, rng)
-    for name in ("r", "p", "v", "omega_b"):
-        for body, values in zip(workspace.program.bodies, state[name], strict=True):
-            for place, value in zip(getattr(body, name), values, strict=True):
-                workspace.values[place.slot] = float(value)
+    put(workspace, state)
     workspace.run("geometry", "momentum")
     masses = np.array([one.mass for one in flying.bodies])
     centre, drift = (masses @ np.array(state[name]) / masses.sum() for name in ("r", "v"))

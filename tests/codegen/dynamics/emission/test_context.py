@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +15,7 @@ from kousoku.codegen.dynamics.recording.program import REGIONS
 from kousoku.codegen.generate import write_tree
 from kousoku.model.reading.read import read_scene, scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
+from tests.programs import STRICT, compiled
 
 if TYPE_CHECKING:
     from kousoku.runtime.toolchain import Toolchain
@@ -26,7 +26,6 @@ LACKING = ROOT / "runtime" / "integrate" / "lacking.h"
 #: Scenes that have most of what others lack.
 SCENES = ("bouncing_ball", "bricard", "engine", "pendulum")
 OUTPUTS = ("accelerations", "reactions", "energies")
-STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror")
 
 
 def text_of(count: int) -> dict[str, str]:
@@ -77,9 +76,7 @@ def test_a_solver_is_strict_c_and_says_nothing_of_what_its_scene_lacks(
     files = generate_dynamics(read_scene(ROOT / "scenes" / f"{name}.toml"), OUTPUTS)
     write_tree(tmp_path, files)
     flags = ("-std=c99", *STRICT, "-O0", "-c", "solver.c", "-o", "solver.o")
-    command = (*compiler.command, *flags)
-    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
+    compiled(compiler, tmp_path, *flags)
     text = files["solver.c"]
     parts = set(re.findall(r"#define (\w+) 1\n", text))
     assert parts <= set(re.findall(r"#ifndef (\w+)", LACKING.read_text(encoding="utf-8")))

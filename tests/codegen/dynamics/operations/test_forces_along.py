@@ -19,6 +19,7 @@ from kousoku.model.elements.load import Load
 from kousoku.model.mechanics.multibody import GROUND_INDEX, MovingBody, RelativeCoordinate, System
 from tests.analysed import all_rows
 from tests.codegen.dynamics.operations.test_coordinates import KINDS, X, Y, Z
+from tests.workspaces import by_body, put
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -62,25 +63,11 @@ def measured(
     return value, float(np.sum(slopes[:-1] * motion)), slopes[:-1]
 
 
-def put(workspace: ProgramInterpreter, system: System, state: dict[str, Any]) -> None:
-    for name in ("r", "p", "v", "omega_b"):
-        for body, values in zip(workspace.program.bodies, state[name], strict=True):
-            for place, value in zip(getattr(body, name), values, strict=True):
-                if place.slot >= 0:
-                    workspace.values[place.slot] = float(value)
+def put_all(workspace: ProgramInterpreter, system: System, state: dict[str, Any]) -> None:
+    """Write a state, the time and the parameters."""
+    put(workspace, state)
     workspace["t"] = [TIME]
     workspace["parameters"] = [value for _, value in system.parameters]
-
-
-def accelerations(workspace: ProgramInterpreter) -> Any:
-    program = workspace.program
-    offset = program.region("v_dot").base - program.region("v").base
-    return np.array(
-        [
-            [workspace.values[place.slot + offset] for place in (*body.v, *body.omega_b)]
-            for body in program.bodies
-        ]
-    )
 
 
 def power(workspace: ProgramInterpreter) -> float:
@@ -98,13 +85,13 @@ def compared(
         state = mechanisms.random_state(system, rng)
         value, rate, slopes = measured(mechanisms, system, state)
         tau, working = law(value, rate)
-        put(workspace, system, state)
+        put_all(workspace, system, state)
         workspace.run("geometry", "acceleration")
         wanted, _, _ = mechanisms.dense(system, state, slopes * tau)
         free, _, _ = mechanisms.dense(system, state)
         assert np.abs(wanted - free).max() > 0.1
         size = np.abs(wanted).max()
-        np.testing.assert_allclose(accelerations(workspace), wanted, rtol=0, atol=1e-11 * size)
+        np.testing.assert_allclose(by_body(workspace, "v_dot"), wanted, rtol=0, atol=1e-11 * size)
         if working is not None:
             assert power(workspace) == pytest.approx(working * rate, rel=1e-11)
 
@@ -182,11 +169,11 @@ def test_components_that_are_formulas_add_up_with_those_that_are_numbers(
     torque += math.sin(TIME) * u_dot * np.array([0.0, 0.6, 0.8])
     loads = np.zeros((3, 6))
     loads[2, 3:] = torque
-    put(workspace, system, state)
+    put_all(workspace, system, state)
     workspace.run("geometry", "acceleration")
     wanted, _, _ = mechanisms.dense(system, state, loads)
     size = np.abs(wanted).max()
-    np.testing.assert_allclose(accelerations(workspace), wanted, rtol=0, atol=1e-11 * size)
+    np.testing.assert_allclose(by_body(workspace, "v_dot"), wanted, rtol=0, atol=1e-11 * size)
     assert power(workspace) == pytest.approx(torque @ state["omega_b"][2], rel=1e-12)
 
 
@@ -200,7 +187,7 @@ def test_energy_of_a_spring_against_a_coordinate_is_half_k_times_its_square(
     state = mechanisms.random_state(system, rng)
     for one in (system, replace(system, forces=())):
         workspace = ProgramInterpreter(compose(all_rows(one), ["energies"]))
-        put(workspace, one, state)
+        put_all(workspace, one, state)
         workspace.run("energy")
         found.append(workspace["energies"][1])
     value, _, _ = measured(mechanisms, system, state)
@@ -306,13 +293,6 @@ def test_forces_along_coordinates_are_the_same_in_a_plane_and_in_space(
         moved = zip(workspace["v"], workspace["dv"], strict=True)
         workspace["v"] = [a + b for a, b in moved]
         workspace.run("acceleration")
-        offset = workspace.program.region("v_dot").base - workspace.program.region("v").base
-        found.append(
-            [
-                workspace.values[place.slot + offset] if place.slot >= 0 else 0.0
-                for body in workspace.program.bodies
-                for place in (*body.v, *body.omega_b)
-            ]
-        )
+        found.append(by_body(workspace, "v_dot"))
     assert np.abs(found[0]).max() > 1.0
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-10 * np.abs(found[1]).max())

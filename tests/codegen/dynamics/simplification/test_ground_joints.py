@@ -92,13 +92,12 @@ def run_at(program: Program, state: Any, *segments: str) -> ProgramInterpreter:
     return work
 
 
-def placed(program: Program, seed: int = 2, size: float = 0.05) -> ProgramInterpreter:
+def placed(program: Program) -> ProgramInterpreter:
     """Workspace with a state that meets all constraints, not far from the start."""
-    rng, work = np.random.default_rng(seed), ProgramInterpreter(program)
+    rng, work = np.random.default_rng(2), ProgramInterpreter(program)
     work["t"] = [TIME]
-    for name, scale in (("q", size), ("v", 1.0)):
-        bodies = 7 if name == "q" else 6
-        count = len(work[name]) // bodies * bodies
+    for name, scale, each in (("q", 0.05, 7), ("v", 1.0, 6)):
+        count = len(work[name]) // each * each
         moved = np.array(work[name][:count]) + scale * rng.normal(size=count)
         work[name] = [*moved, *work[name][count:]]
     work["dq"] = [0.0] * len(work["dq"])

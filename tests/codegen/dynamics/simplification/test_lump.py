@@ -32,12 +32,12 @@ MOVABLE = ("revolute", "spherical", "universal", "cylindrical")
 SEEDS = (1, 2, 6, 9, 12)
 
 
-def random_tree(seed: int, count: int = 6) -> Scene:
+def random_tree(seed: int) -> Scene:
     """Bodies on each other and on the ground, half of them by fixed joints."""
     rng = np.random.default_rng(seed)
     builder = SceneBuilder(f"tree_{seed}", unit="cm").gravity(30, -500, -800)
     names = ["ground"]
-    for k in range(count):
+    for k in range(6):
         before, name = names[int(rng.integers(max(0, k - 2), k + 1))], f"b{k}"
         at = rng.uniform(-30, 30, 3).round(3).tolist()
         turn = rng.normal(size=4).round(3).tolist()
