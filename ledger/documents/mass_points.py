@@ -25,7 +25,8 @@ from kousoku.model.errors import LedgerError
 from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.components import Flow, cross, dot, plus, subtract
-from kousoku.symbolic.mass import FORCE, I_A_B, MASS, OMEGA_B, R_AG_B, TORQUE_B, P
+from kousoku.symbolic.mass import FORCE, I_A_B, MASS, R_AG_B, TORQUE_B
+from kousoku.symbolic.mass_steps import OMEGA_B, P
 from kousoku.symbolic.matrices import OrientationMatrix, Skew, elements, mul, neg, symbol
 from kousoku.symbolic.sympy_types import Scalar, as_value
 
