@@ -121,3 +121,17 @@ def check_only_point(scene: Scene, body: str, point: Vector | None, key: str) ->
     """
     if scene.bodies[body].point and any(point or ()):
         raise SceneError(f"{body} is a point; wanted [0, 0, 0], its only point", key=key)
+
+
+def require_two(bodies: tuple[str, str], key: str) -> None:
+    """Refuse two bodies that are one.
+
+    Raises
+    ------
+    SceneError
+        With the dotted key of the bodies.
+    """
+    if bodies[0] == bodies[1]:
+        raise SceneError(
+            f"connects {bodies[0]} to itself; wanted two different bodies", key=f"{key}.bodies"
+        )
