@@ -343,24 +343,29 @@ class Branch:
         return None
 
     def _moved(self, r: Array, p: Array, step: Array) -> tuple[Array, Array]:
-        """Positions after displacements (δr, δθ′): p ∘ (1, δθ′/2), of norm one."""
+        """Positions after a step of the columns, scaled."""
         full = np.zeros(self._residuals.columns)
         full[self._columns] = step * self._steps_by
-        by_body = full.reshape(-1, COLUMNS)
-        r, p = r.copy(), p.copy()
-        r[:-1] += by_body[:, :3]
-        w, x, y, z = p[:-1].T
-        a, b, c = by_body[:, 3:].T / 2
-        product: Any = np.array(
-            [
-                w - x * a - y * b - z * c,
-                x + w * a + y * c - z * b,
-                y + w * b + z * a - x * c,
-                z + w * c + x * b - y * a,
-            ]
-        )
-        p[:-1] = (product / np.sqrt((product * product).sum(axis=0))).T
-        return r, p
+        return displaced(r, p, full)
+
+
+def displaced(r: Array, p: Array, change: Array) -> tuple[Array, Array]:
+    """Positions after displacements (δr, δθ′) (columns,): p ∘ (1, δθ′/2), of norm one."""
+    by_body = change.reshape(-1, COLUMNS)
+    r, p = r.copy(), p.copy()
+    r[:-1] += by_body[:, :3]
+    w, x, y, z = p[:-1].T
+    a, b, c = by_body[:, 3:].T / 2
+    product: Any = np.array(
+        [
+            w - x * a - y * b - z * c,
+            x + w * a + y * c - z * b,
+            y + w * b + z * a - x * c,
+            z + w * c + x * b - y * a,
+        ]
+    )
+    p[:-1] = (product / np.sqrt((product * product).sum(axis=0))).T
+    return r, p
 
 
 def _any_direction(count: int) -> Array:
