@@ -213,11 +213,8 @@ class Residuals:
 
     def fast(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
         """C and C_q v − ν at the start in doubles, all instances of a kind at once."""
-        still, none = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
-        r = np.array([*(body.r for body in bodies), still])
-        p = np.array([*(body.p for body in bodies), none])
-        speed = np.array([*((*body.v, *body.omega_b) for body in bodies), still + still])
-        c, rows, columns, values = self.elements(r, p)
+        c, rows, columns, values = self.elements(*places_of(bodies))
+        speed = np.array([*((*body.v, *body.omega_b) for body in bodies), (0.0,) * COLUMNS])
         rates = -np.array([float(x) for x in self.nu])
         np.add.at(rates, rows, values * speed.ravel()[columns])
         return c, rates
@@ -306,6 +303,13 @@ class Residuals:
                 [[self._column(source, k) for source in sources] for k in range(WIDTH)]
             ),
         )
+
+
+def places_of(bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
+    """Positions r (n + 1, 3) [m], frame O, and p (n + 1, 4) [-] of n bodies, the ground last."""
+    r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)])
+    p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
+    return r, p
 
 
 @dataclass(frozen=True, slots=True)

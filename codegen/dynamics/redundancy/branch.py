@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kousoku.codegen.dynamics.assembly.residuals import places_of
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.rank import damped_change, factorise
 from kousoku.runtime.integrate.settings import CLEARLY
@@ -93,13 +94,6 @@ class Scales:
         is_length = np.arange(residuals.columns) % COLUMNS < COLUMNS // 2
         by = np.where(residuals.in_metres, 1 / length, 1.0) / residuals.ratios(length)
         return cls(by, np.where(is_length, length, 1.0))
-
-
-def places_of(bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
-    """Positions r (n + 1, 3) [m], frame O, and p (n + 1, 4) [-] of n bodies, the ground last."""
-    r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)])
-    p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
-    return r, p
 
 
 class Branch:

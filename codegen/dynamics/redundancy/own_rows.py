@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.codegen.dynamics.assembly.residuals import Residuals, places_of
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
-from kousoku.codegen.dynamics.redundancy.branch import displaced, places_of
+from kousoku.codegen.dynamics.redundancy.branch import displaced
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.errors import SceneError
 from kousoku.model.records.own_kind import is_own, kind_name
