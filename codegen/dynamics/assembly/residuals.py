@@ -174,7 +174,7 @@ class Residuals:
         for piece in self._pieces:
             factor = precise.number(piece.factor)
             kernel = frozen(piece.source.kind, "constraint")
-            result = evaluate(kernel, _inputs(piece.source, pose), HIGH)
+            result = evaluate(kernel, inputs_at(piece.source, pose), HIGH)
             for row, value in enumerate(result["C"], piece.first):
                 values[row] += factor * self._counted(value, piece.coordinate, pose.near)
             for place, value in enumerate(result["C_q"]):
@@ -192,7 +192,7 @@ class Residuals:
         for place, coordinate in enumerate(self.coordinates):
             if coordinate.counts_turns:
                 kernel = frozen(coordinate.kind, "constraint")
-                (value,) = evaluate(kernel, _inputs(coordinate, pose), HIGH)["C"]
+                (value,) = evaluate(kernel, inputs_at(coordinate, pose), HIGH)["C"]
                 near[place] = self._counted(value, place, pose.near)
         return replace(pose, near=tuple(near))
 
@@ -399,7 +399,8 @@ def _by_kind(pieces: Sequence[_Piece]) -> list[list[_Piece]]:
     return list(groups.values())
 
 
-def _inputs(source: Instance | RelativeCoordinate, pose: Pose) -> dict[str, Sequence[High]]:
+def inputs_at(source: Instance | RelativeCoordinate, pose: Pose) -> dict[str, Sequence[High]]:
+    """Inputs of a kernel in 50 digits: constants, and r (3,) [m] and p (4,) of both bodies."""
     inputs: dict[str, Sequence[High]] = {
         name: [precise.number(x) for x in constant] for name, constant in source.constants
     }
