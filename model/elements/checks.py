@@ -26,9 +26,8 @@ def only_one(given: object, names: tuple[str, ...], key: str) -> str:
     """
     found = [name for name in names if value_given(given, name) is not None]
     if len(found) != 1:
-        listed = f"{', '.join(names[:-1])} and {names[-1]}"
         got = " and ".join(found) or "none of them"
-        raise SceneError(f"wanted one of {listed}, got {got}", key=key)
+        raise SceneError(f"wanted one of {in_words(names)}, got {got}", key=key)
     return found[0]
 
 
