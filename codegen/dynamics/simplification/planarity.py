@@ -71,7 +71,7 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
     """
     if not all(_starts_in_plane(body) for body in system.bodies):
         return False
-    if leaves_with_parameters(system, NORMAL):
+    if leaves_with_parameters(system):
         return False
     fixed = fixed_system(system)
     wants_hold = (
