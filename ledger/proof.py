@@ -18,6 +18,7 @@ from kousoku.ledger.registry import Names
 from kousoku.ledger.tokens import differ_in_notation_only
 from kousoku.ledger.vocabulary import shape
 from kousoku.model.errors import FormulaError, LedgerError
+from kousoku.symbolic import derive
 from kousoku.symbolic.prove import rational_point
 from kousoku.symbolic.sympy_types import as_value
 
@@ -237,6 +238,13 @@ def _shown(fraction: Any) -> str:
     if not fraction.over.is_ground or not fraction.under.is_ground:
         return "a number with roots"
     return str(fraction.over.coeff(1) / fraction.under.coeff(1))
+
+
+def derived(package: str, function: str, output: str) -> Value:
+    """Output of the code's derivation."""
+    functions = {f.name: f for f in derive(package).functions}
+    found = {o.quantity.name: o.expression for o in functions[function].outputs}
+    return as_value(found[output])
 
 
 # -- what entries ask for -----------------------------------------------------------------------
