@@ -19,7 +19,6 @@ from kousoku.model.version import __version__
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.codegen.context_records import PackageContext
     from kousoku.model.operations.kernel import Kernel, Package
 
     Inputs = tuple[tuple[str, str], ...]
@@ -119,14 +118,11 @@ def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
     templates = environment()
     promised = promise(package, inputs_of(package))
     context = package_context(package, __version__, promised.digest)
-    files = {name: render(templates, path, context) for name, path in FILES.items()}
+    files = {
+        name: templates.get_template(path).render(package=context) for name, path in FILES.items()
+    }
     files |= along(*LIBRARIES) | dict(sorted(data.items()))
     return with_manifest(files, promised)
-
-
-def render(templates: Environment, path: str, context: PackageContext) -> str:
-    """Text that one template makes of a context."""
-    return templates.get_template(path).render(package=context)
 
 
 def inputs_of(package: Package) -> Inputs:

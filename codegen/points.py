@@ -132,7 +132,8 @@ def infinite_points(components: Kernel, stream: Sha256Random) -> list[Evaluation
     An infinity is left out where something finite can come of it, as with 1/∞.
     """
     inputs = components.inputs
-    bad_numbers = (math.nan,) if _has_limits(components) else (math.nan, math.inf, -math.inf)
+    has_limits = any(node.op in {Op.DIV, Op.ATAN2} for node in components.nodes)
+    bad_numbers = (math.nan,) if has_limits else (math.nan, math.inf, -math.inf)
     points = []
     for turn, bad in enumerate(bad_numbers):
         quantity = inputs[(stream.integer(16) + turn) % len(inputs)]
@@ -307,8 +308,3 @@ def _degree(node: OperationNode[int], held: Sequence[Mapping[str, int]]) -> dict
     if node.op is Op.SQRT:
         return {name: math.ceil(args[0][name] / 2) for name in names}
     return {name: max(arg.get(name, 0) for arg in args) for name in names}
-
-
-def _has_limits(kernel: Kernel) -> bool:
-    """Whether something finite can come of an infinite operand, as with 1/∞."""
-    return any(node.op in {Op.DIV, Op.ATAN2} for node in kernel.nodes)

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from kousoku.model.errors import NotInResultError
-from kousoku.model.text import near_name, table
+from kousoku.model.text import near_name, plain_name, table
 from kousoku.runtime.messages import listed
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class _Named(Mapping[str, T]):
         self._what, self._found, self._aliases = what, MappingProxyType(dict(found)), aliases
 
     def __getitem__(self, name: str) -> T:
-        known = self._aliases.get(_plain(name), name)
+        known = self._aliases.get(plain_name(name), name)
         if known not in self._found:
             known, near = ", ".join(self._found), near_name(name, [*self._found, *self._aliases])
             raise NotInResultError(f"no {self._what} {name!r}: there are {known}{near}")
@@ -183,7 +183,7 @@ BODIES = {
 
 
 def _section(name: str, entries: Sequence[CatalogItem]) -> Section:
-    aliases = {_plain(alias): x.name for x in entries for alias in (x.name, *x.aliases)}
+    aliases = {plain_name(alias): x.name for x in entries for alias in (x.name, *x.aliases)}
     what = name.removesuffix("s") if name != "bodies" else "body or part of one"
     return Section(what, {x.name: x for x in entries}, aliases)
 
@@ -226,11 +226,6 @@ def _record(name: str, record: Mapping[str, Any]) -> CatalogItem:
 
 def _meanings(record: Mapping[str, Any], keys: Sequence[str]) -> dict[str, str]:
     return {key: record["properties"][key].get("description", "") for key in keys}
-
-
-def _plain(name: object) -> str:
-    """Name as names are compared: without case, blanks, hyphens and underscores."""
-    return "".join(c for c in str(name).lower() if c not in " -_")
 
 
 def _html(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

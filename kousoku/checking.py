@@ -119,11 +119,9 @@ def verify(
     from kousoku.runtime.verify import verify as verified
     from kousoku.symbolic.derivation import Derivation
 
-    if isinstance(what, Derivation):
-        from kousoku.deriving import kernels
-
-        what = kernels(what, target=target)
-    if isinstance(what, str) and _is_kind(what) and not Path(what).exists():
+    if isinstance(what, Derivation) or (
+        isinstance(what, str) and _is_kind(what) and not Path(what).exists()
+    ):
         from kousoku.deriving import kernels
 
         what = kernels(what, target=target)

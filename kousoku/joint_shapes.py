@@ -119,10 +119,6 @@ def _turns(
     )
 
 
-def _shifts(at: Vector) -> tuple[JointFreedom, ...]:
-    return tuple(JointFreedom("shift", axis, at, 0.75) for axis in (X, Y, Z))
-
-
 def _ridge(x: float) -> CylinderShape:
     """Ridge of a thread along x."""
     return CylinderShape("i", (x, 0.0, 0.0), (x + 0.08, 0.0, 0.0), 0.24)
@@ -148,6 +144,7 @@ _APART = (
     BoxShape("j", (0.6, -0.3, -0.3), (1.4, 0.3, 0.5)),
 )
 _MIDDLE = (1.0, 0.0, 0.1)
+_SHIFTS = tuple(JointFreedom("shift", axis, _MIDDLE, 0.75) for axis in (X, Y, Z))
 
 JOINT_PICTURES: dict[str, JointPicture] = {
     "fixed": JointPicture(
@@ -274,7 +271,7 @@ JOINT_PICTURES: dict[str, JointPicture] = {
     ),
     "parallel_axes": JointPicture(
         _APART,
-        (*_shifts(_MIDDLE), JointFreedom("turn", Z, (1.0, 0.0, 1.05), 0.35)),
+        (*_SHIFTS, JointFreedom("turn", Z, (1.0, 0.0, 1.05), 0.35)),
         (((-1.2, 0.0, 0.0), Z), (_MIDDLE, Z)),
         (),
         has_pedestal=False,
@@ -282,7 +279,7 @@ JOINT_PICTURES: dict[str, JointPicture] = {
     "perpendicular_axes": JointPicture(
         _APART,
         (
-            *_shifts(_MIDDLE),
+            *_SHIFTS,
             JointFreedom("turn", Z, (1.0, 0.0, 1.05), 0.35),
             JointFreedom("turn", X, (2.0, 0.0, 0.1), 0.35),
         ),

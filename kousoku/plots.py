@@ -49,7 +49,6 @@ def draw_motion(
     *,
     title: str,
     symbol: str = "α",
-    components: tuple[str, ...] = ("x", "y"),
 ) -> Figure:
     """Draw a node's position, velocity and acceleration over the input (Fig. 5).
 
@@ -63,19 +62,16 @@ def draw_motion(
         Printed above.
     symbol : str
         Name of the input.
-    components : tuple of str
-        Which of x and y to draw.
     """
     with mpl.rc_context(STYLE):
         figure = Drawing(figsize=(5.5, 1.9 * len(curves)), layout="constrained")
         panels = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
         for panel, (label, values) in zip(panels, curves, strict=True):
-            for name in components:
-                panel.plot(alpha, values[:, "xy".index(name)], label=name)
+            for k, name in enumerate("xy"):
+                panel.plot(alpha, values[:, k], label=name)
             panel.set_ylabel(label)
         panels[-1].set_xlabel(f"{symbol} [rad]")
-        if len(components) > 1:
-            panels[0].legend(frameon=False, ncols=len(components))
+        panels[0].legend(frameon=False, ncols=2)
         figure.suptitle(title)
     return figure
 

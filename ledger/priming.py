@@ -20,8 +20,8 @@ from kousoku.ledger.formula import (
     Tilde,
     Transposed,
 )
-from kousoku.ledger.proof import point
 from kousoku.model.errors import LedgerError
+from kousoku.symbolic.prove import rational_point
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -75,7 +75,7 @@ def ways_that_agree(
     ways : callable
         How a printed one may be read.
     """
-    ring = vocabulary.ring(at=point(vocabulary))
+    ring = vocabulary.ring(at=rational_point(vocabulary.quantities))
     wanted = ring.cells(vocabulary.value(statement.sides[0]))
     tried = [ring.cells(vocabulary.value(x)) for x in readings(statement.sides[side], ways)]
     equal = [

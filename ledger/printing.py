@@ -22,9 +22,9 @@ _FONTS = re.compile(r"\\(?:mathbf|boldsymbol|mathrm|mathit)\{([^{}]*)\}")
 _LAYOUT = re.compile(r"\\(?:begin|end)\{\w+\}(?:\{\w+\})?|\\(?:left|right|q?quad)\b|\\\\|&")
 
 
-def row(entry: Entry, width: int = 56) -> tuple[str, str, str, str]:
-    """Row of an entry in the table, its first words cut at ``width``."""
-    words = first_words(entry.printed, width)
+def row(entry: Entry) -> tuple[str, str, str, str]:
+    """Row of an entry in the table, with its first words."""
+    words = first_words(entry.printed, 56)
     return entry.document.title, entry.equation, entry.verdict, words
 
 

@@ -11,7 +11,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sympy.matrices.expressions import ZeroMatrix
-from sympy.polys.domains import QQ
 
 from kousoku.ledger.formula import Numeral, SymbolName
 from kousoku.ledger.parser import parse
@@ -19,6 +18,8 @@ from kousoku.ledger.registry import Names
 from kousoku.ledger.tokens import differ_in_notation_only
 from kousoku.ledger.vocabulary import shape
 from kousoku.model.errors import FormulaError, LedgerError
+from kousoku.symbolic import derive
+from kousoku.symbolic.prove import rational_point
 from kousoku.symbolic.sympy_types import as_value
 
 if TYPE_CHECKING:
@@ -217,7 +218,7 @@ def difference(
 ) -> str:
     """Place where two values differ at a rational point; empty where they agree there."""
     _same_shape(left, right)
-    ring = vocabulary.ring(at=point(vocabulary))
+    ring = vocabulary.ring(at=rational_point(vocabulary.quantities))
     pairs = list(zip(ring.cells(left), ring.cells(right), strict=True))
     for k, (one, other) in enumerate(pairs, 1):
         if not ring.is_equal(one, other):
@@ -239,13 +240,11 @@ def _shown(fraction: Any) -> str:
     return str(fraction.over.coeff(1) / fraction.under.coeff(1))
 
 
-def point(vocabulary: Vocabulary) -> list[Any]:
-    """Rational numbers for all elements of the quantities, none of them special."""
-    values: list[Any] = []
-    for quantity in vocabulary.quantities:
-        start = len(values)
-        values.extend(QQ(2 * n + 3, n + 2) for n in range(start, start + quantity.size))
-    return values
+def derived(package: str, function: str, output: str) -> Value:
+    """Output of the code's derivation."""
+    functions = {f.name: f for f in derive(package).functions}
+    found = {o.quantity.name: o.expression for o in functions[function].outputs}
+    return as_value(found[output])
 
 
 # -- what entries ask for -----------------------------------------------------------------------

@@ -48,6 +48,11 @@ def in_words(names: Sequence[str], last: str = "and") -> str:
     return f"{', '.join(most)} {last} {end}" if most else end
 
 
+def plain_name(name: object) -> str:
+    """Name as names are compared: without case, blanks, hyphens and underscores."""
+    return "".join(c for c in str(name).lower() if c not in " -_")
+
+
 def nearest(name: object, known: Iterable[str]) -> str:
     """Known name that resembles ``name`` most; empty where none does, or too many are known."""
     names = list(known)

@@ -8,12 +8,10 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, get_type_hints
 
 from kousoku.runtime.choice import choose
-from kousoku.runtime.importing import import_source
 from kousoku.runtime.integrate.settings import Settings
 from kousoku.runtime.notice import say_once
 
 if TYPE_CHECKING:
-    import types
     from collections.abc import Callable
 
     from kousoku.runtime.choice import Target
@@ -266,7 +264,7 @@ def load_numpy(sources: Sources, reason: Exception | None = None) -> NumpySolver
     LoadError
         The module is not the manifest's.
     """
-    solver: SceneSolver = numpy_module(sources).SOLVER
+    solver: SceneSolver = sources.module(NUMPY_SOURCE).SOLVER
     is_slow = solver.scene.nq > SLOW
     if reason is not None:
         cost = ", which takes 100 to 200 times as long" if is_slow else ""
@@ -328,16 +326,3 @@ def open_same(sources: Sources, target: Target) -> SolverTarget:
 def on_this_machine(sources: Sources, target: Target) -> tuple[Sources, Target]:
     """Files and target of another process as they can be had here: NumPy where is no compiler."""
     return sources.placed(), target if target == "numpy" else "auto"
-
-
-def numpy_module(sources: Sources) -> types.ModuleType:
-    """Module ``solver.py`` of a folder.
-
-    Raises
-    ------
-    LoadError
-        The module is not the manifest's.
-    """
-    module = import_source(sources.folder, sources.files, NUMPY_SOURCE)
-    sources.require_digest(NUMPY_SOURCE, module.DIGEST)
-    return module

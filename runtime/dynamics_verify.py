@@ -88,7 +88,7 @@ class BodiesCheck(SolverCheck[DynamicsSolver]):
         yield from _code_problems(folder, files)
         if data and data["is_smooth"] and solvers and solvers[0].target.name == "c":
             methods = import_source(folder, files, "integrate/methods.py").METHODS
-            yield from shown_order_problems(solvers[0], methods, {})
+            yield from shown_order_problems(solvers[0], methods)
         if len(solvers) > 1:
             is_exact = bool(data and data["is_exact"])
             values = _parameters(data["points"] if data else ())

@@ -144,13 +144,10 @@ def load_same(sources: Sources, target: Literal["c", "numpy"]) -> Library:
 
 
 def _load_numpy(sources: Sources, reason: Exception | None) -> Library:
-    from kousoku.runtime.importing import import_source
-
     if reason is not None:
         say_once(f"kousoku uses the NumPy kernels: {reason}")
     manifest, files = sources.manifest, sources.files
-    module = import_source(sources.folder, files, NUMPY_SOURCE)
-    sources.require_digest(NUMPY_SOURCE, getattr(module, "DIGEST", None))
+    module = sources.module(NUMPY_SOURCE)
     kernels = {}
     for k in manifest.kernels:
         signature = Signature(f"{manifest.package}.{k.name}", k.inputs, k.outputs)

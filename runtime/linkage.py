@@ -10,7 +10,7 @@ import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.model.files.manifest import LINKAGE_LIBRARY
-from kousoku.runtime.dynamics_targets import exported, numpy_module, on_this_machine, open_either
+from kousoku.runtime.dynamics_targets import NUMPY_SOURCE, exported, on_this_machine, open_either
 from kousoku.runtime.kinematics.moving import Linkage
 from kousoku.runtime.kinematics.rows import RUN, empty_rows
 from kousoku.runtime.kinematics.solve import KinematicSolver
@@ -199,7 +199,7 @@ def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
 def _numpy(sources: Sources, reason: Exception | None) -> KinematicSolver:
     if reason is not None:
         say_once(f"kousoku uses the NumPy solver: {reason}")
-    solver: KinematicSolver = numpy_module(sources).SOLVER
+    solver: KinematicSolver = sources.module(NUMPY_SOURCE).SOLVER
     return solver
 
 

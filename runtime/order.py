@@ -232,7 +232,7 @@ def _at(method: RungeKuttaMethod, dense: ModuleType, x: float) -> list[float]:
 
 
 def shown_order_problems(
-    solver: DynamicsSolver, methods: Sequence[RungeKuttaMethod], values: Mapping[str, float]
+    solver: DynamicsSolver, methods: Sequence[RungeKuttaMethod]
 ) -> Iterator[str]:
     """Methods whose steps, halved and halved again, show a lower order than they have.
 
@@ -245,14 +245,12 @@ def shown_order_problems(
         A scene whose equations are smooth.
     methods : sequence of RungeKuttaMethod
         Of its folder.
-    values : mapping of str to float
-        Parameters.
     """
     for method in methods if not solver.is_driven else ():
         orders: list[float] = []
-        time = _first_time(solver, method.name, values)
+        time = _first_time(solver, method.name)
         for _ in range(DOUBLED if time else 0):
-            order = _shown(solver, method.name, values, time)
+            order = _shown(solver, method.name, time)
             if order is not None:
                 orders.append(order)
                 if order > method.order - ORDER_SHORTFALL:
@@ -265,26 +263,23 @@ def shown_order_problems(
             )
 
 
-def _first_time(solver: DynamicsSolver, method: str, values: Mapping[str, float]) -> float:
+def _first_time(solver: DynamicsSolver, method: str) -> float:
     """Times that two steps reach, zero where there are none."""
     try:
-        run = solver.begin([0.0, 1.0], tolerance=TOLERANCE, method=method, parameters=values)
+        run = solver.begin([0.0, 1.0], tolerance=TOLERANCE, method=method)
         run.advance(max_steps=2)
     except (SolveError, MotionError):
         return 0.0
     return run.time
 
 
-def _shown(
-    solver: DynamicsSolver, method: str, values: Mapping[str, float], time: float
-) -> float | None:
+def _shown(solver: DynamicsSolver, method: str, time: float) -> float | None:
     """Order that 2, 4 and 8 steps show, None where rounding or more hides it."""
     found = []
     for count in (2, 4, 8):
         times = time * np.array(ROWS)
-        how: dict[str, Any] = {"method": method, "parameters": values, "checks": False}
         try:
-            run = solver.begin(times, step=time / count, **how)
+            run = solver.begin(times, step=time / count, method=method, checks=False)
             run.finish()
         except (SolveError, MotionError):
             return None

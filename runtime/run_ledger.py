@@ -300,7 +300,7 @@ def ledger_of(
     numbers: Array,
     options: Options,
     seconds: Mapping[str, float],
-    error: ErrorEstimate | None = None,
+    error: ErrorEstimate | None,
 ) -> RunLedger:
     """Ledger of a run.
 

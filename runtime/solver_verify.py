@@ -79,9 +79,7 @@ class SolverCheck(ABC, Generic[Loaded]):
             data = self._read()
         except VerifyError as error:
             return Report(package, str(folder), (), (str(error),))
-        solvers = list(by_each_target(self.load, target, problems, notes))
-        if not solvers and not problems:
-            problems.append("nothing was checked, because nothing could be run")
+        solvers = by_each_target(self.load, target, problems, notes)
         rows: list[Row] = []
         if data is None:
             notes.append(
@@ -111,21 +109,24 @@ class SolverCheck(ABC, Generic[Loaded]):
 
 def by_each_target(
     load: Callable[[Target], Loaded], target: Target, problems: list[str], notes: list[str]
-) -> Iterator[Loaded]:
+) -> list[Loaded]:
     """Library or solver by each target; what cannot be had is a problem, or a note.
 
-    No compiler is a note, unless C was asked for.
+    No compiler is a note, unless C was asked for; none at all is a problem.
     """
+    found = []
     targets: tuple[Target, ...] = ("c", "numpy")
     for wanted in targets:
         if target not in {"auto", wanted}:
             continue
         try:
             with silent():
-                loaded = load(wanted)
-            yield loaded
+                found.append(load(wanted))
         except (NoCompilerError, TargetError) as error:
             text = f"{NAMES[wanted]} is not checked: {error}"
             (notes if target == "auto" else problems).append(text)
         except LoadError as error:
             problems.append(str(error))
+    if not found and not problems:
+        problems.append("nothing was checked, because nothing could be run")
+    return found

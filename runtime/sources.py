@@ -23,6 +23,7 @@ from kousoku.model.files.manifest import (
 from kousoku.runtime.messages import shown
 
 if TYPE_CHECKING:
+    import types
     from collections.abc import Mapping
 
 
@@ -74,20 +75,25 @@ class Sources:
         told: dict[str, Any] = json.loads(self.files.get(MOTION_FILE, "{}"))
         return told
 
-    def require_digest(self, name: str, digest: object) -> None:
-        """Refuse a module that was not emitted with the manifest beside it.
+    def module(self, name: str) -> types.ModuleType:
+        """Module of them, such as ``solver.py``, that was emitted with the manifest.
 
         Raises
         ------
         LoadError
             The digest in the module is another one.
         """
+        from kousoku.runtime.importing import import_source
+
         wanted, folder = self.manifest, self.folder
+        module = import_source(folder, self.files, name)
+        digest = getattr(module, "DIGEST", None)
         if digest != wanted.digest:
             raise LoadError(
                 f"{folder / name} has the digest {digest}, the manifest beside it {wanted.digest}:"
                 f" they are of two packages\n{regenerated(wanted)}"
             )
+        return module
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Sources, (self.folder, self.manifest, dict(self.files))

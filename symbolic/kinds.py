@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from kousoku.model.errors import DerivationError
-from kousoku.model.text import near_name
+from kousoku.model.text import near_name, plain_name
 
 if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Derivation
@@ -83,10 +83,6 @@ KINDS: dict[str, Kind] = {
 }
 
 
-def _plain(name: str) -> str:
-    return "".join(c for c in name.lower() if c not in " -_")
-
-
 def packages_of(name: str) -> tuple[str, ...]:
     """Packages that a name stands for.
 
@@ -101,12 +97,12 @@ def packages_of(name: str) -> tuple[str, ...]:
     DerivationError
         No kind has this name.
     """
-    plain = _plain(str(name))
+    plain = plain_name(name)
     for kind, entry in KINDS.items():
-        if plain in {_plain(kind), *map(_plain, entry.aliases)}:
+        if plain in {plain_name(kind), *map(plain_name, entry.aliases)}:
             return entry.packages
         for package in entry.packages:
-            if plain == _plain(package):
+            if plain == plain_name(package):
                 return (package,)
     names = [*KINDS, *(alias for entry in KINDS.values() for alias in entry.aliases)]
     known = ", ".join(KINDS)

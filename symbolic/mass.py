@@ -19,11 +19,17 @@ from kousoku.model.errors import DerivationError
 from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic.components import Flow, cross, dot, half_turn, rotate, rotate_back
 from kousoku.symbolic.derivation import Derivation, Function, Step, output_of
-from kousoku.symbolic.mass_steps import balance_steps, motion_steps, reduction_steps
+from kousoku.symbolic.mass_steps import (
+    OMEGA_B,
+    A,
+    P,
+    balance_steps,
+    motion_steps,
+    reduction_steps,
+)
 from kousoku.symbolic.matrices import (
     NamedMatrix,
     NamedScalar,
-    OrientationMatrix,
     add,
     elements,
     mul,
@@ -39,8 +45,6 @@ if TYPE_CHECKING:
     from kousoku.symbolic.sympy_types import Scalar, SymbolicMatrix
 
 SOURCE = "three mass points"
-P = Quantity("p", (4,), "-", "Euler parameters of the body, scalar first")
-OMEGA_B = Quantity("omega_b", (3,), "rad/s", "angular velocity, body frame")
 MASS = Quantity("mass", (), "kg", "total mass")
 R_AG_B = Quantity("r_AG_b", (3,), "m", "centre of mass from the origin, body frame")
 I_A_B = Quantity("I_A_b", (3, 3), "kg m^2", "inertia about the origin, body frame, symmetric")
@@ -48,7 +52,6 @@ FORCE = Quantity("F", (3,), "N", "total force, frame O")
 TORQUE_B = Quantity("N_b", (3,), "N m", "total torque about the origin, body frame")
 MATRIX = Quantity("M", (6, 6), "kg, kg m, kg m^2", "mass matrix; rows force, torque")
 RIGHT = Quantity("h", (6,), "N, N m", "right-hand side of M (a, dω′/dt) = h")
-A = OrientationMatrix(symbol(P))
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,9 +181,9 @@ def derive_rigid_body() -> Derivation:
     )
     steps = (
         Step(MatrixSymbol("c", 3, 1), body.moment.value, "first moment", "centre-of-mass"),
-        *motion_steps(body, A, OMEGA_B),
+        *motion_steps(body),
         *_form_steps(matrix, right),
-        *reduction_steps(symbol(MASS), symbol(I_A_B), symbol(FORCE), symbol(TORQUE_B), OMEGA_B),
+        *reduction_steps(symbol(MASS), symbol(I_A_B), symbol(FORCE), symbol(TORQUE_B)),
     )
     return Derivation("rigid_body", "rigid_body", title, SOURCE, steps, (function,))
 
@@ -216,9 +219,9 @@ def derive_mass_points(n: int) -> Derivation:
     matrix, right = newton_euler(body)
     title = f"{n} mass points"
     steps = (
-        *balance_steps(points.masses, points.places, body, A, OMEGA_B),
+        *balance_steps(points.masses, points.places, body),
         *_form_steps(matrix, right),
-        *reduction_steps(body.mass, body.inertia, body.force, body.torque, OMEGA_B),
+        *reduction_steps(body.mass, body.inertia, body.force, body.torque),
     )
     whole = Function(
         "newton_euler",

@@ -50,7 +50,7 @@ def prove(function: Function) -> int:
     DerivationError
         Names the first element that differs.
     """
-    at_a_point = Ring(function.inputs, at=_point(function.inputs, is_unit=False))
+    at_a_point = Ring(function.inputs, at=rational_point(function.inputs))
     whole = Ring(function.inputs)
     for output in function.outputs:
         # At one rational point first: a mistake is then found at once, however much is to prove.
@@ -170,7 +170,7 @@ def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:
         name: _varied_orientation(f"p{body}", _virtual_rotation(body, known), is_unit=is_unit)
         for name, body in variations.items()
     }
-    point = _point(quantities, is_unit=is_unit)  # a counterexample is found sooner
+    point = rational_point(quantities, is_unit=is_unit)  # a counterexample is found sooner
     if not _is_same(Ring(quantities, given, is_unit=is_unit, at=point), left, right):
         return False
     sorts_of_names = (
@@ -195,8 +195,8 @@ def _is_same(carrier: Ring, left: Any, right: Any) -> bool:
     return all(carrier.is_equal(a, b) for a, b in pairs)
 
 
-def _point(quantities: Sequence[Quantity], *, is_unit: bool) -> list[Any]:
-    """Rational numbers for all elements; Euler parameters of norm one if asked for."""
+def rational_point(quantities: Sequence[Quantity], *, is_unit: bool = False) -> list[Any]:
+    """Rational numbers of all elements, none special; Euler parameters of norm one if asked for."""
     unit = ([QQ(2, 9), QQ(4, 9), QQ(5, 9), QQ(6, 9)], [QQ(1, 11), QQ(2, 11), QQ(4, 11), QQ(10, 11)])
     values: list[Any] = []
     for k, quantity in enumerate(quantities):

@@ -25,7 +25,7 @@ DIGITS = 40
 
 
 def values_at(
-    derivation: Derivation, numbers: Mapping[str, Any], outputs: Sequence[str] | None = None
+    derivation: Derivation, numbers: Mapping[str, Any], outputs: Sequence[str] | None
 ) -> dict[str, Any]:
     """Values for :meth:`kousoku.symbolic.derivation.Derivation.at`."""
     inputs = derivation.inputs

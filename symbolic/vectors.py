@@ -459,7 +459,7 @@ def number_of(x: Any, where: str) -> Number:
     return _constant(value, value, 0, ())
 
 
-def constraint_of(name: str, C: Any, *, title: str = "", source: str = "") -> Constraint:
+def constraint_of(name: str, C: Any, *, title: str, source: str) -> Constraint:
     """Constraint C = 0 (m,) that an expression states, or several, one below the other.
 
     Vectors in one of them are in one frame, frame O or that of a body.

@@ -197,7 +197,7 @@ def ranked(system: System, plane: Plane | None) -> Analysed:
     return replace(found, freedom=freedom)
 
 
-def with_joint_coordinates(found: Analysed, most_free: int = ANY) -> Analysed:
+def with_joint_coordinates(found: Analysed, most_free: int) -> Analysed:
     """System in which bodies on joints with the ground have the coordinates of these.
 
     Parameters

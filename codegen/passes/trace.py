@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -20,23 +19,18 @@ class PassRecord:
 
     Parameters
     ----------
-    kernel, name : str
-        The kernel, and the verb of the pass.
+    name : str
+        The verb of the pass.
     operations_before, operations_after : int
         All operations but constants and inputs.
-    bytes_before, bytes_after : int
+    bytes_after : int
         The largest number of intermediate results that are alive at once, times eight.
-    seconds : float
-        How long the pass took.
     """
 
-    kernel: str
     name: str
     operations_before: int
     operations_after: int
-    bytes_before: int
     bytes_after: int
-    seconds: float
 
 
 PassTrace = tuple[PassRecord, ...]
@@ -48,18 +42,13 @@ def run_passes(
     """Apply passes one after the other, and record the savings of each."""
     records = []
     for one in passes:
-        start = time.perf_counter()
         better = one(kernel)
-        seconds = time.perf_counter() - start
         records.append(
             PassRecord(
-                kernel=kernel.name,
                 name=one.__name__,
                 operations_before=kernel.operations.total(),
                 operations_after=better.operations.total(),
-                bytes_before=BYTES_OF_A_DOUBLE * most_alive(kernel),
                 bytes_after=BYTES_OF_A_DOUBLE * most_alive(better),
-                seconds=seconds,
             )
         )
         kernel = better

@@ -57,7 +57,7 @@ def check(
         raise typer.Exit(BAD_INPUT)
 
 
-def checked(path: Path, kinds: Mapping[str, "OwnKind"] | None = None) -> dict[str, Any]:
+def checked(path: Path, kinds: Mapping[str, "OwnKind"] | None) -> dict[str, Any]:
     """Findings about a scene file, ready for JSON.
 
     Parameters

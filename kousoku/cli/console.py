@@ -55,7 +55,7 @@ def generated_packages() -> list[Path]:
     return kinds + scenes
 
 
-def find_packages(name: str = "") -> list[Path]:
+def find_packages(name: str) -> list[Path]:
     """Folders that a name stands for: all of them, a package, a kind, or a folder.
 
     Raises

@@ -169,9 +169,7 @@ def _files(order: Order, target: Emitted) -> SourceTree:
     return beside_runtime(tree) if is_shipped else tree
 
 
-def _orders(
-    name: str, out: Path | None, check: bool, own: Sequence[Path] | None = None
-) -> list[Order]:
+def _orders(name: str, out: Path | None, check: bool, own: Sequence[Path] | None) -> list[Order]:
     """Packages that a name stands for."""
     from kousoku.cli.scenes import committed_scenes
     from kousoku.codegen.generate import generate_kind, package_names, package_of

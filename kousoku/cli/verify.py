@@ -68,7 +68,7 @@ def verify(
         raise typer.Exit(DISAGREEMENT)
 
 
-def _folders(name: str, stack: ExitStack, kinds: Sequence[Path] | None = None) -> list[Path]:
+def _folders(name: str, stack: ExitStack, kinds: Sequence[Path] | None) -> list[Path]:
     """Folders that a name stands for; that of a scene file is generated.
 
     Raises
@@ -92,7 +92,7 @@ def _folders(name: str, stack: ExitStack, kinds: Sequence[Path] | None = None) -
         return [stack.enter_context(cached_solver_folder(GivenScene.of(scene), references=True))]
 
 
-def verify_all(folders: Sequence[Path], target: "Target" = "auto") -> list["Report"]:
+def verify_all(folders: Sequence[Path], target: "Target") -> list["Report"]:
     """Verify packages side by side: most of the time goes into the compiler's processes."""
     from kousoku.runtime.verify import verify as verified
 

@@ -120,7 +120,7 @@ def _box(*cuts: int) -> Mesh:
     return draft.mesh()
 
 
-def _ring(z: float, radius: float = 1.0, sides: int = SIDES) -> list[Vertex]:
+def _ring(z: float, radius: float, sides: int) -> list[Vertex]:
     angles = (2.0 * np.pi * np.arange(sides) / sides).tolist()
     return [(float(radius * np.cos(a)), float(radius * np.sin(a)), z) for a in angles]
 

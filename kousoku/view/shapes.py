@@ -193,16 +193,16 @@ def across_of(axis: Array) -> Array:
     return found
 
 
-def spatial_shapes(scene: Scene, poses: tuple[Array, Array] | None = None) -> Shapes:
+def spatial_shapes(scene: Scene, poses: tuple[Array, Array]) -> Shapes:
     """Shapes of a scene of bodies, whose formulas are numbers already.
 
     Parameters
     ----------
     scene : Scene
         What is drawn, see :func:`with_values`.
-    poses : ((bodies, 3), (bodies, 4)), optional
-        Positions and Euler parameters of the bodies where the motion starts; those of the scene
-        unless given. Only the size of what has none depends on them.
+    poses : ((bodies, 3), (bodies, 4))
+        Positions and Euler parameters of the bodies where the motion starts. Only the size of what
+        has none depends on them.
     """
     return _SpatialShapes(scene, poses).shapes()
 
@@ -254,7 +254,7 @@ def _moved(columns: Array, middle: Array) -> Array:
 class _SpatialShapes:
     """The shapes of a scene of bodies while they are collected."""
 
-    def __init__(self, scene: Scene, poses: tuple[Array, Array] | None) -> None:
+    def __init__(self, scene: Scene, poses: tuple[Array, Array]) -> None:
         from kousoku.model.lowering.quaternions import quaternion
         from kousoku.model.mechanics.frames import GROUND_FRAME, BodyFrame
         from kousoku.model.numbers.precise import IDENTITY, ZERO, triple
@@ -268,7 +268,7 @@ class _SpatialShapes:
         for k, (name, body) in enumerate(scene.bodies.items()):
             place, turn = triple(body.position), quaternion(body.orientation)
             self._frames[name] = BodyFrame(k, place, turn, ZERO, IDENTITY, body.point)
-        self._position, self._turn = written_poses(scene) if poses is None else poses
+        self._position, self._turn = poses
         self._marks: list[JointMark] = []
         self._axes: list[Axis] = []
         self._struts: list[Strut] = []

@@ -29,6 +29,8 @@ LAMP = np.array([-0.4, 0.75, 0.65]) / np.linalg.norm([-0.4, 0.75, 0.65])
 """Direction toward the light: right, up, toward the viewer."""
 FAR = 4.5
 """Distance of the viewer from the middle, in radii of what is seen."""
+SIZE = (640, 420)
+"""Width and height of a picture, in the pixels of a page."""
 LARGEST = 460_000
 """Bytes of a picture that moves; it has as many frames as fit."""
 FRAMES = 15.0
@@ -335,9 +337,7 @@ def color_of(color: int, shade: int) -> str:
 # ---- SVG ----------------------------------------------------------------------------------------
 
 
-def still_svg(
-    picture: Picture, time: float | None = None, size: tuple[int, int] = (640, 420)
-) -> str:
+def still_svg(picture: Picture, time: float | None = None, size: tuple[int, int] = SIZE) -> str:
     """Moment of a picture as SVG.
 
     Parameters
@@ -354,22 +354,20 @@ def still_svg(
     return _document(picture, camera, size, *_frame(drawn(picture, row, camera)))
 
 
-def moving_svg(picture: Picture, size: tuple[int, int] = (640, 420), largest: int = LARGEST) -> str:
+def moving_svg(picture: Picture, largest: int = LARGEST) -> str:
     """Picture that moves by itself, and again from the start, as SVG.
 
     Parameters
     ----------
     picture : Picture
         The motion.
-    size : (int, int)
-        Width and height, in the pixels of a page.
     largest : int
         Bytes at most; it has as few frames as that needs.
     """
-    camera = _camera(picture, size)
+    camera = _camera(picture, SIZE)
     duration = float(picture.time[-1] - picture.time[0]) / picture.speed
     if duration <= 0.0:
-        return still_svg(picture, None, size)
+        return still_svg(picture)
     few = np.unique(np.linspace(0, len(picture.time) - 1, 8).astype(int))
     bytes_each = max(len(_frame(drawn(picture, row, camera, COARSE))[0]) for row in few) + 60
     frames = int(min(duration * FRAMES, (largest - 12_000) / bytes_each, len(picture.time)))
@@ -387,7 +385,7 @@ def moving_svg(picture: Picture, size: tuple[int, int] = (640, 420), largest: in
         f"@keyframes f{{0%{{visibility:visible}}{shown:.4f}%{{visibility:hidden}}}}"
         "@media(prefers-reduced-motion:reduce){.f{animation:none}}"
     )
-    return _document(picture, camera, size, "\n".join(parts), used, style=style)
+    return _document(picture, camera, SIZE, "\n".join(parts), used, style=style)
 
 
 def _camera(picture: Picture, size: tuple[int, int]) -> Camera:

@@ -10,7 +10,7 @@ from sympy.matrices.expressions import Identity, MatrixSymbol, ZeroMatrix
 
 from kousoku.ledger import entries, find
 from kousoku.ledger.parser import parse
-from kousoku.ledger.proof import GENERAL, difference, equality, value_of
+from kousoku.ledger.proof import GENERAL, derived, difference, equality, value_of
 from kousoku.ledger.registry import Names
 from kousoku.ledger.turning import along, flat, orientation, spatial, turned
 from kousoku.ledger.vocabulary import Vocabulary
@@ -70,17 +70,10 @@ def words() -> Vocabulary:
     return Vocabulary((R, P, S_B, DR, DTHETA_B, OMEGA_B), meanings, given)
 
 
-def derived(function: str, output: str) -> Any:
-    """Output of the code's derivation of the rotation."""
-    functions = {f.name: f for f in derive("rotation").functions}
-    found = {o.quantity.name: o.expression for o in functions[function].outputs}
-    return found[output]
-
-
 @NAMES.proof("the code's rotation.{function} gives this as {output}")
 def in_code(function: str, output: str, formula: str | Side) -> str:
     """Prove that an output of the code's rotation is that of a formula."""
-    return equality(words(), derived(function, output), value_of(formula, words()))
+    return equality(words(), derived("rotation", function, output), value_of(formula, words()))
 
 
 @NAMES.proof("the code's steps that cite this")

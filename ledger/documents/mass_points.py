@@ -17,7 +17,7 @@ from sympy import S
 from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol, Transpose, ZeroMatrix
 
 from kousoku.ledger import find
-from kousoku.ledger.proof import GENERAL, difference, different, equality, value_of
+from kousoku.ledger.proof import GENERAL, derived, difference, different, equality, value_of
 from kousoku.ledger.registry import Names
 from kousoku.ledger.turning import along, flat, orientation, turned
 from kousoku.ledger.vocabulary import Vocabulary
@@ -25,16 +25,17 @@ from kousoku.model.errors import LedgerError
 from kousoku.model.files.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.components import Flow, cross, dot, plus, subtract
-from kousoku.symbolic.mass import FORCE, I_A_B, MASS, OMEGA_B, R_AG_B, TORQUE_B, P
+from kousoku.symbolic.mass import FORCE, I_A_B, MASS, R_AG_B, TORQUE_B
+from kousoku.symbolic.mass_steps import OMEGA_B, P
 from kousoku.symbolic.matrices import OrientationMatrix, Skew, elements, mul, neg, symbol
-from kousoku.symbolic.sympy_types import Scalar, as_value
+from kousoku.symbolic.sympy_types import Scalar
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.ledger.proof import Side
     from kousoku.ledger.registry import Words
-    from kousoku.symbolic.sympy_types import SymbolicMatrix, Value
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 NAMES = Names(GENERAL)
 
@@ -283,13 +284,6 @@ def free(vectors: Mapping[str, Quantity]) -> Vocabulary:
 
 
 # -- ties to the code ----------------------------------------------------------------------------
-
-
-def derived(package: str, function: str, output: str) -> Value:
-    """Output of the code's derivation."""
-    functions = {f.name: f for f in derive(package).functions}
-    found = {o.quantity.name: o.expression for o in functions[function].outputs}
-    return as_value(found[output])
 
 
 @NAMES.proof("the code's {package}.{function} gives this as {output}")

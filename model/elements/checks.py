@@ -26,9 +26,8 @@ def only_one(given: object, names: tuple[str, ...], key: str) -> str:
     """
     found = [name for name in names if value_given(given, name) is not None]
     if len(found) != 1:
-        listed = f"{', '.join(names[:-1])} and {names[-1]}"
         got = " and ".join(found) or "none of them"
-        raise SceneError(f"wanted one of {listed}, got {got}", key=key)
+        raise SceneError(f"wanted one of {in_words(names)}, got {got}", key=key)
     return found[0]
 
 
@@ -121,3 +120,17 @@ def check_only_point(scene: Scene, body: str, point: Vector | None, key: str) ->
     """
     if scene.bodies[body].point and any(point or ()):
         raise SceneError(f"{body} is a point; wanted [0, 0, 0], its only point", key=key)
+
+
+def require_two(bodies: tuple[str, str], key: str) -> None:
+    """Refuse two bodies that are one.
+
+    Raises
+    ------
+    SceneError
+        With the dotted key of the bodies.
+    """
+    if bodies[0] == bodies[1]:
+        raise SceneError(
+            f"connects {bodies[0]} to itself; wanted two different bodies", key=f"{key}.bodies"
+        )

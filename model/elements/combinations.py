@@ -8,8 +8,7 @@ from kousoku.model.mechanics.constraints import COMBINATION
 from kousoku.model.mechanics.multibody import Instance, Term
 from kousoku.model.numbers import precise
 from kousoku.model.numbers.digits import CONTEXT
-from kousoku.model.numbers.precise import NOISE
-from kousoku.model.numbers.traced import Traced
+from kousoku.model.numbers.traced import NOISE, Traced
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -31,7 +31,7 @@ class Universal(JointKind):
         from kousoku.model.mechanics.measures import PreciseMeasure
         from kousoku.model.numbers import precise
         from kousoku.model.numbers.digits import CONTEXT
-        from kousoku.model.numbers.precise import NOISE
+        from kousoku.model.numbers.traced import NOISE
 
         i, j = joint_vectors(ends, joint)
         first, second = ends

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.expressions.derivative import derivative
 from kousoku.model.expressions.enclosure import composed
+from kousoku.model.expressions.formulas import TIME
 from kousoku.model.operations.expression import (
     ONE,
     ZERO,
@@ -66,7 +67,7 @@ def without_overflow(formula: Expression) -> Expression:
     return known[id(formula)].whole
 
 
-def rate_of(law: Expression, time: str, order: int) -> Expression:
+def rate_of(law: Expression, order: int) -> Expression:
     """Derivative of a formula by the time, in functions that texts have.
 
     That of 1/(1 + eᵃ) is 0 ∞/∞ where eᵃ is infinite, unless it is written anew.
@@ -75,7 +76,7 @@ def rate_of(law: Expression, time: str, order: int) -> Expression:
         return law
     rate = without_overflow(law)
     for _ in range(order):
-        rate = derivative(rate, time)
+        rate = derivative(rate, TIME)
     return rebuilt(rate, lambda op, args: composed(op, *args))
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.errors import CacheError, printable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
 #: Folders of the cache: solvers of scenes, where one is that was given with some bytes, kernels of
 #: kinds, those of derivations of one's own, what the compiler made of them, sources that came with
@@ -206,9 +206,9 @@ def shrink(limit: int | None = None) -> list[CacheEntry]:
     return removed
 
 
-def clear(which: Iterable[CacheEntry] | None = None) -> list[CacheEntry]:
-    """Remove all entries, or some of them; return those that are gone."""
-    return [entry for entry in (entries() if which is None else which) if _remove(entry.path)]
+def clear() -> list[CacheEntry]:
+    """Remove all entries; return those that are gone."""
+    return [entry for entry in entries() if _remove(entry.path)]
 
 
 def _remove(path: Path) -> bool:

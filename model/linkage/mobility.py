@@ -7,7 +7,7 @@ from random import Random
 from typing import TYPE_CHECKING, TypeVar
 
 from kousoku.model.errors import SceneError
-from kousoku.model.text import counted
+from kousoku.model.text import counted, in_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -181,8 +181,7 @@ def _relative(scene: Scene, ends: tuple[str, str], x: int, y: int) -> SparseRow:
 
 def _names(keys: tuple[str, ...]) -> str:
     shown = [*keys[:6], "others"] if len(keys) > 6 else list(keys)
-    listed = ", ".join(shown[:-1])
-    return f"{listed} and {shown[-1]}" if listed else (shown[0] if shown else "the frame")
+    return in_words(shown) if shown else "the frame"
 
 
 def _determine(keys: tuple[str, ...]) -> str:

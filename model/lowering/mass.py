@@ -16,7 +16,7 @@ from kousoku.model.lowering.quaternions import quaternion
 from kousoku.model.numbers import precise
 from kousoku.model.numbers.digits import CONTEXT
 from kousoku.model.numbers.precise import ZERO, High, Quadruple, Square, Triple
-from kousoku.model.numbers.traced import Traced, at_scene
+from kousoku.model.numbers.traced import NOISE, Traced, at_scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -128,7 +128,7 @@ def principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
     for i, j in ((0, 1), (0, 2), (1, 2)):
         if abs(a[i][j]) <= limit:
             a[i][j] = a[j][i] = CONTEXT.mpf(0)
-    limit *= precise.NOISE
+    limit *= NOISE
     while max(abs(a[0][1]), abs(a[0][2]), abs(a[1][2])) > limit:
         for i, j in ((0, 1), (0, 2), (1, 2)):
             if abs(a[i][j]) > limit:
@@ -182,7 +182,7 @@ def _shown_off_diagonal(tensor: Sequence[Sequence[High]]) -> list[tuple[int, int
             return bool(abs(x) > limit)
         moments = ([abs(_value(one, k)) for one in diagonal] for k in range(len(x.values)))
         pairs = zip(x.values, moments, strict=True)
-        return not all(abs(value) <= precise.NOISE * max(sizes) for value, sizes in pairs)
+        return not all(abs(value) <= NOISE * max(sizes) for value, sizes in pairs)
 
     return [(i, j) for i, j in PAIRS if is_shown(tensor[i][j])]
 

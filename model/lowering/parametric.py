@@ -9,7 +9,8 @@ import msgspec
 
 from kousoku.model.expressions.design_numbers import changed_scene
 from kousoku.model.expressions.parser import parse_expression
-from kousoku.model.numbers.traced import Traced, parameter, traced
+from kousoku.model.numbers import precise
+from kousoku.model.numbers.traced import parameter, traced
 from kousoku.model.numbers.varying import Varying, fixed
 
 if TYPE_CHECKING:
@@ -28,8 +29,7 @@ def varying_scene(scene: Scene) -> Scene:
     known = {name: parameter(name, value, place) for place, (name, value) in pairs}
 
     def read(given: Formula, _: str) -> float:
-        value = traced(parse_expression(given.text, scene.parameters), known)
-        return Varying(value) if isinstance(value, Traced) else float(value)
+        return precise.double(traced(parse_expression(given.text, scene.parameters), known))
 
     return changed_scene(scene, read)
 

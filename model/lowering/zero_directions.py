@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING
 from kousoku.model.errors import Problem, SceneError
 from kousoku.model.mechanics.frames import joint_axes
 from kousoku.model.numbers import precise
+from kousoku.model.validation.spatial import PARALLEL
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.model.mechanics.frames import BodyFrame
     from kousoku.model.records.scene import Scene
-
-PARALLEL = 1e-9
-"""Sine of the smallest angle between two directions that are distinguished."""
 
 
 def check_zero_directions(scene: Scene, frames: Mapping[str, BodyFrame]) -> None:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.mechanics.multibody import GROUND_INDEX
 from kousoku.model.numbers import precise
-from kousoku.model.numbers.precise import IDENTITY, NOISE, ZERO, High, Quadruple, Triple
-from kousoku.model.numbers.traced import Traced
+from kousoku.model.numbers.precise import IDENTITY, ZERO, High, Quadruple, Triple
+from kousoku.model.numbers.traced import NOISE, Traced
 from kousoku.model.numbers.varying import Varying
 
 if TYPE_CHECKING:

@@ -10,10 +10,9 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.angles import Angle
-from kousoku.model.numbers import traced
 from kousoku.model.numbers.digits import CONTEXT, HIGH
 from kousoku.model.numbers.real import Real
-from kousoku.model.numbers.traced import Traced, applied, at_scene
+from kousoku.model.numbers.traced import NOISE, Traced, applied, at_scene
 from kousoku.model.numbers.varying import Varying
 from kousoku.model.operations.graph import Op
 
@@ -25,9 +24,6 @@ _high: Callable[[Any], High] = CONTEXT.mpf
 Triple = tuple[High, High, High]
 Quadruple = tuple[High, High, High, High]
 Square = tuple[Triple, Triple, Triple]
-
-NOISE = traced.NOISE
-"""What is smaller than this part of the numbers it came from is a rounded zero."""
 
 ZERO: Triple = (CONTEXT.mpf(0),) * 3
 IDENTITY: Quadruple = (CONTEXT.mpf(1), *ZERO)

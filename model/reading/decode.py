@@ -22,7 +22,7 @@ from kousoku.model.text import nearest, with_a
 
 if TYPE_CHECKING:
     from kousoku.model.elements.inputs import ElementInput
-    from kousoku.model.records.own_kind import OwnInput, OwnKind
+    from kousoku.model.records.own_kind import OwnInput
 
 S = TypeVar("S", bound=msgspec.Struct)
 
@@ -47,13 +47,7 @@ NOT_THERE = dict.fromkeys(
 """Keys that people look for, and what stands against them."""
 
 
-def decode(
-    tree: object,
-    record: type[S],
-    *,
-    key: str = "",
-    kinds: Mapping[str, OwnKind] | None = None,
-) -> S:
+def decode(tree: object, record: type[S], *, key: str = "") -> S:
     """Build a record from a table.
 
     Parameters
@@ -64,15 +58,13 @@ def decode(
         The record to build, whose fields may be records, mappings of them and tuples of them.
     key : str
         Where the table stands, for messages.
-    kinds : mapping of str to OwnKind, optional
-        Kinds of one's own that joints may be of.
 
     Raises
     ------
     SceneError
         Keys are unknown or missing, or values are not of the type that is wanted: all of them.
     """
-    problems = Problems(kinds)
+    problems = Problems()
     values = _fields(tree, record, key, problems)
     problems.settle()
     return record(**values)

@@ -12,6 +12,7 @@ from kousoku.model.elements.checks import (
     check_place,
     only_one,
     refuse_foreign,
+    require_two,
 )
 from kousoku.model.elements.joint import ANGLES
 from kousoku.model.errors import SceneError
@@ -115,14 +116,11 @@ def _check_coordinate(scene: Scene, given: Coordinate, key: str) -> None:
 
 
 def _check_distance(scene: Scene, given: Coordinate, key: str) -> None:
-    bodies: tuple[str, ...] = given.bodies or ()
+    assert given.bodies is not None
     if given.points is None:
         raise SceneError("is missing; wanted a point in each body", key=f"{key}.points")
-    for index, (body, point) in enumerate(zip(bodies, given.points, strict=True)):
+    for index, (body, point) in enumerate(zip(given.bodies, given.points, strict=True)):
         if body != GROUND:
             require_known("body", body, scene.bodies, f"{key}.bodies[{index}]", GROUND)
             check_only_point(scene, body, point, f"{key}.points[{index}]")
-    if len(set(bodies)) == 1:
-        raise SceneError(
-            f"connects {bodies[0]} to itself; wanted two different bodies", key=f"{key}.bodies"
-        )
+    require_two(given.bodies, key)

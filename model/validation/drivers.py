@@ -125,7 +125,7 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
         )
     starts = []
     for order, what in enumerate(("value", "rate", "acceleration")):
-        starts.append(value_of(rate_of(law, TIME, order), start))
+        starts.append(value_of(rate_of(law, order), start))
         if not isfinite(starts[-1]):
             raise SceneError(f"has no finite {what} at t = 0; wanted one", key=key)
     return starts[0]

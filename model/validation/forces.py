@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.model.elements.checks import require_two
 from kousoku.model.elements.forces import DEPENDS_ON, FORCES
 from kousoku.model.errors import SceneError
 from kousoku.model.expressions.formulas import (
@@ -77,13 +78,9 @@ def _check_ends(scene: Scene, force: Force, key: str) -> None:
     """Check what has two bodies."""
     if force.bodies is None:
         raise SceneError("is missing; wanted the two bodies", key=f"{key}.bodies")
-    bodies = force.bodies
-    for index, name in enumerate(bodies):
+    for index, name in enumerate(force.bodies):
         require_known("body", name, scene.bodies, f"{key}.bodies[{index}]", GROUND)
-    if len(set(bodies)) == 1:
-        raise SceneError(
-            f"connects {bodies[0]} to itself; wanted two different bodies", key=f"{key}.bodies"
-        )
+    require_two(force.bodies, key)
 
 
 def _check_formulas(scene: Scene, force: Force, key: str, names: Collection[str]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING
 
+from kousoku.model.elements.checks import check_only_point, require_two
 from kousoku.model.elements.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.errors import Problem, SceneError
 from kousoku.model.expressions.design_numbers import FORMULAS
@@ -149,28 +150,26 @@ def _check_joint(scene: Scene, joint: Joint, key: str, problems: Problems) -> No
 def _check_two_bodies(joint: Joint, key: str) -> None:
     if joint.bodies is None:
         raise SceneError("is missing; wanted a list of 2 names", key=f"{key}.bodies")
-    if joint.bodies[0] == joint.bodies[1]:
-        raise SceneError(
-            f"connects {joint.bodies[0]} to itself; wanted two different bodies",
-            key=f"{key}.bodies",
-        )
+    require_two(joint.bodies, key)
 
 
 def _check_point_bodies(scene: Scene, joint: Joint, kind: JointKind, key: str) -> None:
     """Check that a point body is met where it is, by a joint that keeps no orientation of it."""
     for index, (name, point) in enumerate(zip(joint.ends, joint.points or (), strict=False)):
-        if name != GROUND and scene.bodies[name].point and any(point):
-            raise SceneError(
-                f"{name} is a point; wanted [0, 0, 0], its only point",
-                key=f"{key}.points[{index}]",
-            )
+        if name != GROUND:
+            check_only_point(scene, name, point, f"{key}.points[{index}]")
     for index, name in enumerate(joint.ends):
         if name != GROUND and scene.bodies[name].point and kind.turns(index):
-            raise SceneError(
-                f"{name} is a point, which has no orientation that {with_a(joint.type)} joint "
-                "could keep; wanted a body that is no point",
-                key=f"{key}.bodies[{index}]",
-            )
+            raise _keeps_orientation(joint, index, key)
+
+
+def _keeps_orientation(joint: Joint, index: int, key: str) -> SceneError:
+    """Error of a joint that keeps an orientation of a point."""
+    return SceneError(
+        f"{joint.ends[index]} is a point, which has no orientation that {with_a(joint.type)} joint "
+        "could keep; wanted a body that is no point",
+        key=f"{key}.bodies[{index}]",
+    )
 
 
 def _kind(scene: Scene, joint: Joint, key: str) -> JointKind:
@@ -204,20 +203,14 @@ def _check_inputs(joint: Joint, kind: OwnKind, key: str) -> None:
 
 def _check_own_points(scene: Scene, joint: Joint, kind: OwnKind, key: str) -> None:
     """Check that a point body is met where it is, by a kind that keeps no orientation of it."""
-    for end, name, turns in zip("ij", joint.ends, kind.turns, strict=True):
+    for index, (end, name, turns) in enumerate(zip("ij", joint.ends, kind.turns, strict=True)):
         if name == GROUND or not scene.bodies[name].point:
             continue
         if turns:
-            raise SceneError(
-                f"{name} is a point, which has no orientation that {with_a(joint.type)} joint "
-                "could keep; wanted a body that is no point",
-                key=f"{key}.bodies[{'ij'.index(end)}]",
-            )
+            raise _keeps_orientation(joint, index, key)
         for own, one in kind.inputs.items():
-            if one.body == end and any(joint.vector(own)):
-                raise SceneError(
-                    f"{name} is a point; wanted [0, 0, 0], its only point", key=f"{key}.{own}"
-                )
+            if one.body == end:
+                check_only_point(scene, name, joint.vector(own), f"{key}.{own}")
 
 
 def _check_point(joint: Joint, kind: JointKind, key: str) -> None:

@@ -9,9 +9,9 @@ import pytest
 
 from kousoku.ledger import entries, find
 from kousoku.ledger.documents import lecture_7_1
-from kousoku.ledger.documents.lecture_7_1 import derived, is_missing_number
+from kousoku.ledger.documents.lecture_7_1 import is_missing_number
 from kousoku.ledger.entry import LECTURE_7_1
-from kousoku.ledger.proof import prove
+from kousoku.ledger.proof import derived, prove
 from kousoku.model.errors import LedgerError
 from kousoku.symbolic import derive
 from kousoku.symbolic.matrices import neg

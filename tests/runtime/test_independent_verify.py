@@ -442,7 +442,7 @@ def test_halved_steps_show_the_order(tmp_path: Path, monkeypatch: pytest.MonkeyP
         monkeypatch.setattr(emit, "METHODS", (methods.DOPRI5, used))
         write_tree(tmp_path / name, generate_dynamics(scene))
         solver = load_dynamics(tmp_path / name, target="c")
-        problems = [*shown_order_problems(solver, methods.METHODS, {})]
+        problems = [*shown_order_problems(solver, methods.METHODS)]
         assert [problem.partition(":")[0] for problem in problems] == (
             ["solver, dop853"] if name == "wrong" else []
         )
@@ -475,4 +475,4 @@ def test_what_stands_upright_shows_no_order(bodies_folder: Callable[..., Path]) 
         },
     }
     solver = load_dynamics(bodies_folder(scene_from_dict(scene), ()), target="c")
-    assert not [*shown_order_problems(solver, methods.METHODS, {})]
+    assert not [*shown_order_problems(solver, methods.METHODS)]

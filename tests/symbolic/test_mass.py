@@ -10,7 +10,8 @@ from sympy import S
 
 from kousoku.model.errors import DerivationError
 from kousoku.symbolic.components import dot, rotate
-from kousoku.symbolic.mass import OMEGA_B, P, derive_mass_points
+from kousoku.symbolic.mass import derive_mass_points
+from kousoku.symbolic.mass_steps import OMEGA_B, P
 from kousoku.symbolic.matrices import elements
 from kousoku.symbolic.prove import prove, prove_steps
 from kousoku.symbolic.ring import Ring

@@ -18,11 +18,11 @@ import numpy as np
 from kousoku.codegen.dynamics.assembly.excess import excess_of_drivers
 from kousoku.codegen.dynamics.assembly.minimum_norm import THINNEST, Metric, MinimumNormSolver
 from kousoku.codegen.dynamics.assembly.near_origin import brought_near
-from kousoku.codegen.dynamics.assembly.newton_mp import CLOSED, ROUNDING, nearest_pose
+from kousoku.codegen.dynamics.assembly.newton_mp import ROUNDING, nearest_pose
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals, remark_on_ratios
 from kousoku.codegen.dynamics.assembly.unwrap import unwrapped, wound_as_driven
-from kousoku.codegen.dynamics.assembly.violations import key_of, sizes_of, worst_first
+from kousoku.codegen.dynamics.assembly.violations import CLOSED, key_of, sizes_of, worst_first
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.model.errors import AssemblyError
 from kousoku.model.lowering.parametric import fixed_system

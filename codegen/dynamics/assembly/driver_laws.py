@@ -91,7 +91,7 @@ def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) ->
 def _kernels(law: str, names: tuple[str, ...]) -> tuple[Kernel, ...]:
     """Formula and its derivatives by the time, each as a kernel of its names."""
     formula = parse_expression(law, names)
-    levels = [rate_of(formula, TIME, order) for order in range(len(LEVELS))]
+    levels = [rate_of(formula, order) for order in range(len(LEVELS))]
     kernels = []
     for expression in levels:
         graph = Graph()

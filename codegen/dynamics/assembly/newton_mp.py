@@ -23,7 +23,7 @@ from kousoku.codegen.dynamics.assembly.newton_double import (
 )
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.assembly.violations import key_of, sizes_of, violations
+from kousoku.codegen.dynamics.assembly.violations import CLOSED, key_of, sizes_of, violations
 from kousoku.model.errors import AssemblyError
 from kousoku.model.numbers import precise
 
@@ -34,10 +34,6 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import System
     from kousoku.model.numbers.precise import High
     from kousoku.model.numbers.real import Array
-
-CLOSED = 1e-12
-"""What is violated by less than this part of the size of the system fits, and smaller steps along
-positions that fit are no steps."""
 
 EXACT = 1e-22
 """Where iterations stop, far beyond the digits of doubles."""
@@ -81,10 +77,10 @@ def nearest_pose(system: System, rows: Residuals, metric: Metric) -> Pose:
     search = _PreciseGaussNewton(rows, metric)
     written = DoublePose.of(start)
     pose = search.solve(search.doubles.solve(written).pose())
-    open_joints = violations(rows, pose, CLOSED, metric.size)
+    open_joints = violations(rows, pose, metric.size)
     if open_joints and (driven := _led_by_drivers(written, system, search)):
         pose = search.solve(driven.pose())
-        open_joints = violations(rows, pose, CLOSED, metric.size)
+        open_joints = violations(rows, pose, metric.size)
     if open_joints:
         excess = excess_of_drivers(system, start)
         raise AssemblyError(
@@ -249,7 +245,7 @@ def _stepwise_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> P
             return here if size <= CLOSED * metric.size else pose
         moved = rows.counted(replace(start.moved(normal), near=here.near))
         here, last = search.solve(search.doubles.solve(DoublePose.of(moved)).pose()), size
-        if violations(rows, here, CLOSED, metric.size):
+        if violations(rows, here, metric.size):
             break
     return pose
 

@@ -174,7 +174,7 @@ class Residuals:
         for piece in self._pieces:
             factor = precise.number(piece.factor)
             kernel = frozen(piece.source.kind, "constraint")
-            result = evaluate(kernel, _inputs(piece.source, pose), HIGH)
+            result = evaluate(kernel, inputs_at(piece.source, pose), HIGH)
             for row, value in enumerate(result["C"], piece.first):
                 values[row] += factor * self._counted(value, piece.coordinate, pose.near)
             for place, value in enumerate(result["C_q"]):
@@ -192,7 +192,7 @@ class Residuals:
         for place, coordinate in enumerate(self.coordinates):
             if coordinate.counts_turns:
                 kernel = frozen(coordinate.kind, "constraint")
-                (value,) = evaluate(kernel, _inputs(coordinate, pose), HIGH)["C"]
+                (value,) = evaluate(kernel, inputs_at(coordinate, pose), HIGH)["C"]
                 near[place] = self._counted(value, place, pose.near)
         return replace(pose, near=tuple(near))
 
@@ -213,11 +213,8 @@ class Residuals:
 
     def fast(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
         """C and C_q v − ν at the start in doubles, all instances of a kind at once."""
-        still, none = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
-        r = np.array([*(body.r for body in bodies), still])
-        p = np.array([*(body.p for body in bodies), none])
-        speed = np.array([*((*body.v, *body.omega_b) for body in bodies), still + still])
-        c, rows, columns, values = self.elements(r, p)
+        c, rows, columns, values = self.elements(*places_of(bodies))
+        speed = np.array([*((*body.v, *body.omega_b) for body in bodies), (0.0,) * COLUMNS])
         rates = -np.array([float(x) for x in self.nu])
         np.add.at(rates, rows, values * speed.ravel()[columns])
         return c, rates
@@ -308,6 +305,13 @@ class Residuals:
         )
 
 
+def places_of(bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
+    """Positions r (n + 1, 3) [m], frame O, and p (n + 1, 4) [-] of n bodies, the ground last."""
+    r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)])
+    p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
+    return r, p
+
+
 @dataclass(frozen=True, slots=True)
 class _Stack:
     """Pieces of one kind, whose kernel is evaluated once for all of them.
@@ -395,7 +399,8 @@ def _by_kind(pieces: Sequence[_Piece]) -> list[list[_Piece]]:
     return list(groups.values())
 
 
-def _inputs(source: Instance | RelativeCoordinate, pose: Pose) -> dict[str, Sequence[High]]:
+def inputs_at(source: Instance | RelativeCoordinate, pose: Pose) -> dict[str, Sequence[High]]:
+    """Inputs of a kernel in 50 digits: constants, and r (3,) [m] and p (4,) of both bodies."""
     inputs: dict[str, Sequence[High]] = {
         name: [precise.number(x) for x in constant] for name, constant in source.constants
     }

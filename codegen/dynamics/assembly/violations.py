@@ -18,15 +18,16 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import Instance
     from kousoku.model.numbers.precise import High, Triple
 
+CLOSED = 1e-12
+"""What is violated by less than this part of the size of the system fits, and smaller steps along
+positions that fit are no steps."""
 
 WORTH_NAMING = 1e-6
 """A violation below this part of the worst is not named."""
 
 
-def violations(
-    rows: Residuals, pose: Pose, at_least: float, length: float
-) -> dict[str, tuple[float, float]]:
-    """Violations |C|, the largest by each key, the worst first.
+def violations(rows: Residuals, pose: Pose, length: float) -> dict[str, tuple[float, float]]:
+    """Violations |C| of joints that are not closed, the largest by each key, the worst first.
 
     Parameters
     ----------
@@ -34,10 +35,8 @@ def violations(
         What should hold.
     pose : Pose
         Where the bodies are, frame O.
-    at_least : float
-        Joints below it, as a part of the length or in radians, are left out.
     length : float [m]
-        A length of the system.
+        The size of the system.
 
     Returns
     -------
@@ -55,7 +54,7 @@ def violations(
             size, unit = _size(instance, pose)
         worst = found.setdefault(key_of(instance), [0.0, 0.0])
         worst[unit] = max(worst[unit], float(size))
-    return worst_first(found, at_least, length)
+    return worst_first(found, CLOSED, length)
 
 
 def key_of(instance: Instance) -> str:

@@ -70,7 +70,7 @@ class Law:
         """Unit · law (1,), dᵏf/dtᵏ [m or rad per sᵏ]."""
         unit, time, parameters = (block.flat for block in blocks)
         names = (TIME, *self.parameters)
-        expression = rate_of(parse_expression(self.law, names), TIME, self.order)
+        expression = rate_of(parse_expression(self.law, names), self.order)
         leaves = dict(zip(names, (*time, *parameters), strict=True))
         node = trace.graph.mul(unit[0], to_graph(expression, trace.graph, leaves))
         return (Matrix.of(trace.graph, [node]),)

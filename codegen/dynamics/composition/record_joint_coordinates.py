@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.operations.formulas import Product
 from kousoku.codegen.dynamics.operations.joint_projections import (
     AXIS,
     NOTHING,
@@ -20,7 +21,6 @@ from kousoku.codegen.dynamics.operations.joint_projections import (
     DriverPower,
     DriverWrench,
     GroundJointBlocks,
-    JointArm,
     JointWrench,
     PrescribedValue,
     ProjectPosition,
@@ -102,9 +102,13 @@ class JointCoordinateRecorder:
         return self._vector(self.one.axis_b) if self.one.turn != NOTHING else zeros(3, 0)
 
     def geometry(self) -> tuple[SlotMatrix, SlotMatrix]:
-        """R (c, f) of what is free and (Rᵀ M R)⁻¹ (f, f); the arm A (s′ × a′) is recorded."""
-        arms = self._table(arms_of(self.one))
-        (self.arm,) = self.recorder.call(JointArm(), self.blocks.orientation, arms)
+        """R (c, f) of what is free and (Rᵀ M R)⁻¹ (f, f); the arm A (s′ × a′) is recorded.
+
+        That is the velocity (3, turns) [m] of the centre of mass for each turn, frame O:
+        d/dt(−A s′) = A (s′ × ω′) with ω′ = a′ u.
+        """
+        arm, arms = Product("arm of a joint with the ground"), self._table(arms_of(self.one))
+        (self.arm,) = self.recorder.call(arm, self.blocks.orientation, arms)
         masses, free = reduced_mass_matrix(self.one, self.moving), self.one.free
         inverse = self._table(inverse_of([[masses[a][b] for b in free] for a in free]))
         return _chosen(self._columns(), free), inverse

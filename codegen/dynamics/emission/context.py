@@ -366,7 +366,7 @@ def task_rows(tasks: Sequence[Task]) -> Iterator[tuple[str, str]]:
 
 
 def solver_context(
-    program: Program, system: System, length: float, parts: Sequence[str] = ()
+    program: Program, system: System, length: float, parts: Sequence[str]
 ) -> SolverContext:
     """Context of the templates of a solver.
 

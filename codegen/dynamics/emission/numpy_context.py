@@ -178,7 +178,7 @@ def numpy_context(
     return NumpyContext(
         name=program.name,
         numbers=tuple(
-            (name, python_literal(value))
+            (name, repr(value).replace("'", '"'))  # as Python's formatters write it
             for name, value in numbers.items()
             if value != lacking[name]
         ),
@@ -194,11 +194,6 @@ def numpy_context(
 def regions_of(program: Program) -> tuple[tuple[str, int, int], ...]:
     """Name, first slot and size of the regions that are not empty."""
     return tuple((one.name, one.base, one.size) for one in program.regions if one.size)
-
-
-def python_literal(value: object) -> str:
-    """Value as Python's formatters write it."""
-    return repr(value).replace("'", '"')
 
 
 def python_kernels(program: Program) -> Iterator[PythonKernel]:

@@ -72,15 +72,15 @@ def formula_node(trace: Trace, formula: str, names: tuple[str, ...], blocks: lis
 
 
 @dataclass(frozen=True, slots=True)
-class ScaledColumn:
-    """Product a x of a column a (n, 1) and a number x (1, 1). Blocks: a, x."""
+class Product:
+    """Product a b of matrices a (n, k) and b (k, m). Blocks: a, b."""
 
     title: str = "product"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Product (n, 1), in the frame of a and the product of their units."""
-        column, number = blocks
-        return (column @ number,)
+        """Product (n, m), in the frame of the rows of a and the product of their units."""
+        a, b = blocks
+        return (a @ b,)
 
 
 @dataclass(frozen=True, slots=True)

@@ -61,9 +61,17 @@ def at_start(system: System, one: RelativeCoordinate) -> float:
 
     It is C of its kind at r, p of the start in frame O: lecture 8.2, (8.9), (8.12) or |d| of (8.8).
     """
+    return float(kernel_at_start(system, one)[0][0])
+
+
+def kernel_at_start(
+    system: System, one: Instance | RelativeCoordinate
+) -> tuple[Sequence[float], Sequence[float]]:
+    """C (rows,) [m or rad] and C_q, row by row, of a kind at r, p of the start in frame O."""
     inputs: dict[str, Sequence[float]] = dict(one.constants)
     for end, index in (("i", one.i), ("j", one.j)):
         ground = (0.0, 0.0, 0.0, *NO_TURN)
         position = ground if index == GROUND_INDEX else start(system.bodies[index])[0]
         inputs |= {f"r_{end}": position[:3], f"p_{end}": position[3:]}
-    return float(evaluate(frozen(one.kind, "constraint"), inputs, FLOAT)["C"][0])
+    found = evaluate(frozen(one.kind, "constraint"), inputs, FLOAT)
+    return found["C"], found["C_q"]

@@ -25,22 +25,6 @@ Block = TypeVar("Block")
 NOTHING, AXIS, POINT = "nothing", "an axis", "a point"
 
 
-@dataclass(frozen=True, slots=True)
-class JointArm:
-    """Velocity of the centre of mass for each turn. Blocks: A, s′ × a′ by columns.
-
-    A (3, 3) [-] takes the principal frame to frame O; s′ × a′ (3, turns) [m] is in the principal
-    frame: d/dt(−A s′) = A (s′ × ω′) with ω′ = a′ u.
-    """
-
-    title: str = "arm of a joint with the ground"
-
-    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """A (s′ × a′) (3, turns) [m], frame O."""
-        orientation, arms = blocks
-        return (orientation @ arms,)
-
-
 class GroundJointBlocks(NamedTuple, Generic[Block]):
     """Blocks of a joint with the ground, with its numbers at the start.
 

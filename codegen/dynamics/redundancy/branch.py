@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kousoku.codegen.dynamics.assembly.residuals import places_of
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.rank import damped_change, factorise
 from kousoku.runtime.integrate.settings import CLEARLY
@@ -93,13 +94,6 @@ class Scales:
         is_length = np.arange(residuals.columns) % COLUMNS < COLUMNS // 2
         by = np.where(residuals.in_metres, 1 / length, 1.0) / residuals.ratios(length)
         return cls(by, np.where(is_length, length, 1.0))
-
-
-def places_of(bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
-    """Positions r (n + 1, 3) [m], frame O, and p (n + 1, 4) [-] of n bodies, the ground last."""
-    r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)])
-    p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
-    return r, p
 
 
 class Branch:
@@ -343,24 +337,29 @@ class Branch:
         return None
 
     def _moved(self, r: Array, p: Array, step: Array) -> tuple[Array, Array]:
-        """Positions after displacements (δr, δθ′): p ∘ (1, δθ′/2), of norm one."""
+        """Positions after a step of the columns, scaled."""
         full = np.zeros(self._residuals.columns)
         full[self._columns] = step * self._steps_by
-        by_body = full.reshape(-1, COLUMNS)
-        r, p = r.copy(), p.copy()
-        r[:-1] += by_body[:, :3]
-        w, x, y, z = p[:-1].T
-        a, b, c = by_body[:, 3:].T / 2
-        product: Any = np.array(
-            [
-                w - x * a - y * b - z * c,
-                x + w * a + y * c - z * b,
-                y + w * b + z * a - x * c,
-                z + w * c + x * b - y * a,
-            ]
-        )
-        p[:-1] = (product / np.sqrt((product * product).sum(axis=0))).T
-        return r, p
+        return displaced(r, p, full)
+
+
+def displaced(r: Array, p: Array, change: Array) -> tuple[Array, Array]:
+    """Positions after displacements (δr, δθ′) (columns,): p ∘ (1, δθ′/2), of norm one."""
+    by_body = change.reshape(-1, COLUMNS)
+    r, p = r.copy(), p.copy()
+    r[:-1] += by_body[:, :3]
+    w, x, y, z = p[:-1].T
+    a, b, c = by_body[:, 3:].T / 2
+    product: Any = np.array(
+        [
+            w - x * a - y * b - z * c,
+            x + w * a + y * c - z * b,
+            y + w * b + z * a - x * c,
+            z + w * c + x * b - y * a,
+        ]
+    )
+    p[:-1] = (product / np.sqrt((product * product).sum(axis=0))).T
+    return r, p
 
 
 def _any_direction(count: int) -> Array:

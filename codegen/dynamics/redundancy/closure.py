@@ -17,16 +17,12 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.pose import normalised
+from kousoku.codegen.dynamics.assembly.residuals import places_of
 from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.elements.constraints import RelativeMotion, held_by
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
-from kousoku.codegen.dynamics.redundancy.branch import (
-    HOLDS,
-    Branch,
-    Scales,
-    places_of,
-)
+from kousoku.codegen.dynamics.redundancy.branch import HOLDS, Branch, Scales
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
 from kousoku.model.errors import SceneError
 from kousoku.model.lowering.parametric import fixed_system

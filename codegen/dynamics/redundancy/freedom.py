@@ -19,10 +19,10 @@ from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Patter
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
 from kousoku.codegen.dynamics.assembly.near_origin import seen_from
-from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.codegen.dynamics.assembly.residuals import Residuals, places_of
 from kousoku.codegen.dynamics.disjoint_sets import DisjointSets
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
-from kousoku.codegen.dynamics.redundancy.branch import Branch, Scales, places_of
+from kousoku.codegen.dynamics.redundancy.branch import Branch, Scales
 from kousoku.codegen.dynamics.redundancy.closure import (
     closed_rows,
     far_from_singular,

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.codegen.dynamics.assembly.residuals import Residuals, places_of
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
-from kousoku.codegen.dynamics.redundancy.branch import places_of
+from kousoku.codegen.dynamics.redundancy.branch import displaced
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.errors import SceneError
 from kousoku.model.records.own_kind import is_own, kind_name
@@ -149,17 +149,10 @@ class _Moves:
         return c * self._rows_by, kept * self._rows_by[self._kept, None] * self._columns_by
 
     def _moved(self, r: Array, p: Array, change: Array) -> tuple[Array, Array]:
-        """Positions after displacements (δr, δθ′): p ∘ (1, δθ′/2), of norm one."""
+        """Positions after a change of the columns, scaled."""
         full = np.zeros(self._rows.columns)
         full[self._columns] = change * self._columns_by
-        by_body = full.reshape(-1, COLUMNS)
-        r, p = r.copy(), p.copy()
-        r[:-1] += by_body[:, :3]
-        w, v, half = p[:-1, :1], p[:-1, 1:], by_body[:, 3:] / 2
-        scalar = w - (v * half).sum(axis=1, keepdims=True)
-        product = np.hstack([scalar, v + w * half + np.cross(v, half)])
-        p[:-1] = product / np.sqrt((product * product).sum(axis=1, keepdims=True))
-        return r, p
+        return displaced(r, p, full)
 
 
 def _columns(system: System) -> list[int]:

@@ -15,6 +15,7 @@ from kousoku.codegen.dynamics.recording.design import start_of
 from kousoku.model.errors import SceneError
 from kousoku.model.lowering.mass import principal, steiner
 from kousoku.model.mechanics.frames import not_negative, to_vector
+from kousoku.model.mechanics.multibody import GROUND_INDEX
 from kousoku.model.numbers import precise
 from kousoku.model.numbers.precise import IDENTITY, ZERO, High, Quadruple, Triple
 from kousoku.model.numbers.traced import Traced
@@ -28,10 +29,10 @@ if TYPE_CHECKING:
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
 
 
-def on_ground(body: MovingBody, ground: int) -> Placement:
+def on_ground(body: MovingBody) -> Placement:
     """Placement of a body that stands still: r (3,) [m] and p (4,), s = r + A s′ in frame O."""
     r, p, _, _ = start_of(body)
-    return Placement(ground, r, p)
+    return Placement(GROUND_INDEX, r, p)
 
 
 def joined(

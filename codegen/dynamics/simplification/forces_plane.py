@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.force_facets import facets_of
 from kousoku.codegen.dynamics.operations.heights import FLAT, height
+from kousoku.codegen.dynamics.simplification.axis_permutation import NORMAL
 from kousoku.model.lowering.parametric import fixed_system
 from kousoku.model.numbers.varying import is_varying
 
@@ -56,13 +57,13 @@ def is_flat(system: System, normal: int | None) -> bool:
     return not system.has_gravity(normal) and spread <= FLAT * max(1.0, *map(abs, heights))
 
 
-def leaves_with_parameters(system: System, normal: int) -> bool:
-    """Whether some point or axis has a component across a plane that parameters change."""
+def leaves_with_parameters(system: System) -> bool:
+    """Whether some point or axis has a component across the xy-plane that parameters change."""
     vectors = [pair for one in system.constraints for pair in one.constants]
     vectors += [pair for one in system.coordinates for pair in one.constants]
     vectors += [pair for one in system.forces for pair in one.constants]
-    crossing = (values[normal] for _, values in vectors if len(values) == 3)
-    others = [k for k in range(3) if k != normal]
+    crossing = (values[NORMAL] for _, values in vectors if len(values) == 3)
+    others = [k for k in range(3) if k != NORMAL]
     turned = (body.axes_b[1 + k] for body in system.bodies for k in others)
-    origins = (body.origin_b[normal] for body in system.bodies)
+    origins = (body.origin_b[NORMAL] for body in system.bodies)
     return any(map(is_varying, (*crossing, *turned, *origins)))

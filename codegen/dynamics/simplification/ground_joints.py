@@ -14,6 +14,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
+from kousoku.codegen.dynamics.assembly.residuals import inputs_at
 from kousoku.codegen.dynamics.elements.constraints import (
     RelativeMotion,
     facets_of_kind,
@@ -335,12 +336,7 @@ def _along(found: VelocityTransformation, coordinate: RelativeCoordinate) -> int
 
 def _at_start(system: System, coordinate: RelativeCoordinate) -> float:
     """Value of a coordinate at the start, its turns counted."""
-    inputs: dict[str, Sequence[High]] = {
-        name: [precise.number(x) for x in values] for name, values in coordinate.constants
-    }
-    pose = Pose.of(system.bodies)
-    for end, index in (("i", coordinate.i), ("j", coordinate.j)):
-        inputs |= {f"r_{end}": pose.r[index], f"p_{end}": pose.p[index]}
+    inputs = inputs_at(coordinate, Pose.of(system.bodies))
     value = evaluate(frozen(coordinate.kind, "constraint"), inputs, HIGH)["C"][0]
     if coordinate.counts_turns:
         whole = 2 * CONTEXT.pi

@@ -123,7 +123,7 @@ def _placed(
     members_of = {group[0]: group for group in groups}
     carried = {body for group in groups for body in group[1:]}
     for k in members_of.get(GROUND_INDEX, (GROUND_INDEX,))[1:]:
-        placements[k] = on_ground(system.bodies[k], GROUND_INDEX)
+        placements[k] = on_ground(system.bodies[k])
     bodies: list[MovingBody] = []
     for k, body in enumerate(system.bodies):
         if k in members_of:

@@ -22,8 +22,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
-from kousoku.codegen.dynamics.operations.body_coordinates import NO_TURN, start
-from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
+from kousoku.codegen.dynamics.operations.body_coordinates import start
+from kousoku.codegen.dynamics.operations.heights import kernel_at_start
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.simplification.axis_permutation import (
     NORMAL,
     Plane,
@@ -38,14 +39,12 @@ from kousoku.codegen.dynamics.simplification.outline import live_elements
 from kousoku.model.lowering.parametric import fixed_system
 from kousoku.model.mechanics.constraints import is_axis
 from kousoku.model.mechanics.multibody import GROUND_INDEX
-from kousoku.model.operations.arithmetic import FLOAT
-from kousoku.model.operations.interpret import evaluate
 from kousoku.model.records.own_kind import is_own
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanics.multibody import Instance, MovingBody, RelativeCoordinate, System
+    from kousoku.model.mechanics.multibody import Instance, MovingBody, System
 
 #: Largest residual of a dropped row, in metres or radians: what rounding leaves, 2e-16 of places
 #: some kilometres from the origin. Those of the committed scenes are zero, or not constant.
@@ -72,7 +71,7 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
     """
     if not all(_starts_in_plane(body) for body in system.bodies):
         return False
-    if leaves_with_parameters(system, NORMAL):
+    if leaves_with_parameters(system):
         return False
     fixed = fixed_system(system)
     wants_hold = (
@@ -191,31 +190,18 @@ def _at_start(system: System, instance: Instance) -> tuple[Sequence[float], Any]
     A residual that changes with time, or with a parameter, is infinite.
     """
     if not instance.is_combination:
-        residual, jacobian = _kernel_at_start(system, instance)
+        residual, jacobian = kernel_at_start(system, instance)
         return residual, np.reshape(jacobian, (-1, 2 * COLUMNS))
     total = instance.offset - fixed_law(instance, [name for name, _ in system.parameters])
     rows = np.zeros((1, len(instance.bodies), COLUMNS))
     for term in instance.terms:
         one = system.coordinates[term.coordinate]
-        (value,), jacobian = _kernel_at_start(system, one)
+        (value,), jacobian = kernel_at_start(system, one)
         turns = round((one.near - value) / math.tau) if one.counts_turns else 0
         total += term.factor * (value + math.tau * turns)
         for index, part in zip((one.i, one.j), np.reshape(jacobian, (2, COLUMNS)), strict=True):
             rows[0, instance.bodies.index(index)] += term.factor * part
     return [total], rows.reshape(1, -1)
-
-
-def _kernel_at_start(
-    system: System, one: Instance | RelativeCoordinate
-) -> tuple[Sequence[float], Sequence[float]]:
-    inputs: dict[str, Sequence[float]] = dict(one.constants)
-    for end, index in (("i", one.i), ("j", one.j)):
-        position = (
-            (0.0, 0.0, 0.0, *NO_TURN) if index == GROUND_INDEX else start(system.bodies[index])[0]
-        )
-        inputs |= {f"r_{end}": position[:3], f"p_{end}": position[3:]}
-    found = evaluate(frozen(one.kind, "constraint"), inputs, FLOAT)
-    return found["C"], found["C_q"]
 
 
 def _axes(system: System, instance: Instance) -> list[tuple[float, ...]]:

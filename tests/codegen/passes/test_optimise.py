@@ -138,9 +138,7 @@ def test_the_trace_names_each_pass_and_what_it_saved(graph: Graph, x: list[int])
     better, trace = optimise(kernel)
     assert [record.name for record in trace] == ["drop_dead", "factor"]
     assert [(r.operations_before, r.operations_after) for r in trace] == [(4, 3), (3, 2)]
-    assert trace[1].bytes_before == 16
-    assert trace[1].bytes_after == 8
-    assert all(record.seconds >= 0 and record.kernel == "k" for record in trace)
+    assert [record.bytes_after for record in trace] == [16, 8]
     assert better.operations == {Op.MUL: 1, Op.ADD: 1}
 
 
