@@ -111,7 +111,7 @@ TASKS: dict[str, tuple[str, list[tuple[str, ...]], str]] = {
     ),
     "bench": (
         "bench",
-        [("-m", "benchmarks")],
+        [("-m", "tests.benchmarks")],
         "run time against error, beside other tools: 3 minutes on two cores, an hour with FULL=1",
     ),
     "compiler": ("compiler", [], "installs a C compiler as a Python package: 20 s"),

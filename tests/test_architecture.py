@@ -56,7 +56,7 @@ WITH_LISTS = (
     *(f"codegen/dynamics/{name}" for name in ("simplification", "redundancy", "composition")),
     *(f"codegen/dynamics/{name}" for name in ("emission", "checking", "explanation")),
 )
-HAND_WRITTEN = ("kousoku", "model", "symbolic", "ledger", "codegen", "runtime", "benchmarks")
+HAND_WRITTEN = ("kousoku", "model", "symbolic", "ledger", "codegen", "runtime", "tests/benchmarks")
 
 
 def sources(folder: str) -> list[Path]:

@@ -6,10 +6,10 @@ import os
 import time
 from typing import TYPE_CHECKING
 
-from benchmarks.kit import Call, Case, Judged, PeerMissingError, Question, required
+from tests.benchmarks.kit import Call, Case, Judged, PeerMissingError, Question, required
 
 if TYPE_CHECKING:
-    from benchmarks.kit import Size
+    from tests.benchmarks.kit import Size
 
 
 def quick() -> Call:

@@ -10,12 +10,12 @@ from typing import Any, ClassVar
 
 import pytest
 
-from benchmarks import __main__ as command
-from benchmarks import commit_side, commits
-from benchmarks.commit_side import code_size
-from benchmarks.commits import Comparison, Count, Time, compare, page_of
-from benchmarks.kit import Record, Size
 from kousoku.runtime.toolchain import Toolchain
+from tests.benchmarks import __main__ as command
+from tests.benchmarks import commit_side, commits
+from tests.benchmarks.commit_side import code_size
+from tests.benchmarks.commits import Comparison, Count, Time, compare, page_of
+from tests.benchmarks.kit import Record, Size
 from tests.release import bench_question
 
 ROOT = Path(__file__).parents[2]
@@ -132,7 +132,7 @@ def test_a_comparison_that_is_cut_leaves_no_tree_behind() -> None:
     """Cut twice: the second time while it puts the repository in order."""
     script = (
         "import os, signal\n"
-        "from benchmarks import commits\n"
+        "from tests.benchmarks import commits\n"
         "git = commits.git\n"
         "def cut(*words):\n"
         "    if words[:2] == ('worktree', 'remove'):\n"

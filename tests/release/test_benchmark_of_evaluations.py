@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 import kousoku as ks
-from benchmarks import aba, chains, evaluations
-from benchmarks.kit import Figures, PeerMissingError, Record, Size
-from benchmarks.problems.problem import finished
-from benchmarks.segments import (
+from kousoku.model.reading.families import n_four_bar
+from kousoku.runtime.toolchain import Toolchain
+from tests.benchmarks import aba, chains, evaluations
+from tests.benchmarks.kit import Figures, PeerMissingError, Record, Size
+from tests.benchmarks.problems.problem import finished
+from tests.benchmarks.segments import (
     END_OF_SOURCE,
     SEGMENTS,
     Segments,
@@ -17,8 +19,6 @@ from benchmarks.segments import (
     seconds_of_parts,
     share_of_factors,
 )
-from kousoku.model.reading.families import n_four_bar
-from kousoku.runtime.toolchain import Toolchain
 from tests.door.test_own_kinds import solver_of
 
 END = 0.5

@@ -9,10 +9,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from benchmarks import first_step, stages
-from benchmarks.kit import Figures, Record, Size
-from benchmarks.race import TOO_LONG, Workers
 from kousoku.runtime.toolchain import Toolchain
+from tests.benchmarks import first_step, stages
+from tests.benchmarks.kit import Figures, Record, Size
+from tests.benchmarks.race import TOO_LONG, Workers
 
 
 def test_while_a_stage_runs_inside_of_another_that_one_waits(

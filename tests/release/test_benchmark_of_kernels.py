@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks import kernels, limits, p2
-from benchmarks.kit import Record, Size
-from benchmarks.limits import Limits
-from benchmarks.loops import Batch, kousoku_loop, sympy_loop
 from kousoku import runtime
 from kousoku.runtime.report import Row
 from kousoku.runtime.toolchain import Toolchain
+from tests.benchmarks import kernels, limits, p2
+from tests.benchmarks.kit import Record, Size
+from tests.benchmarks.limits import Limits
+from tests.benchmarks.loops import Batch, kousoku_loop, sympy_loop
 
 ROOT = Path(__file__).parents[2]
 P2 = ROOT / "generated" / "kinds" / "p2"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.kit import Record, Size
-from benchmarks.methods import METHODS, TOLERANCES, WORSE, choices, contests, run, targets
-from benchmarks.race import Workers
 from kousoku.runtime.integrate.settings import method_for
+from tests.benchmarks.kit import Record, Size
+from tests.benchmarks.methods import METHODS, TOLERANCES, WORSE, choices, contests, run, targets
+from tests.benchmarks.race import Workers
 
 
 def made(orders: tuple[float, float], contest: str = "a") -> list[Record]:
@@ -52,7 +52,7 @@ def test_the_method_that_is_chosen_costs_least_on_quick_problems() -> None:
     records = [
         record
         for contest in contests(size)
-        for record in run(contest, size, Workers("benchmarks.methods", size))
+        for record in run(contest, size, Workers("tests.benchmarks.methods", size))
     ]
     found = choices(records)
     assert [one.chosen for one in found if one.tolerance > 2e-4] == ["dopri5"] * 4

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 import kousoku as ks
-from benchmarks import solvers
-from benchmarks.kit import Figures, PeerMissingError, Record, Size
-from benchmarks.peers import mujoco
-from benchmarks.problems import andrews, closed, linkage, n_four_bar, pendulum, trees
-from benchmarks.problems.catalog import PROBLEMS
-from benchmarks.problems.growth import growth
-from benchmarks.problems.problem import (
+from kousoku.runtime.toolchain import Toolchain
+from tests.benchmarks import solvers
+from tests.benchmarks.kit import Figures, PeerMissingError, Record, Size
+from tests.benchmarks.peers import mujoco
+from tests.benchmarks.problems import andrews, closed, linkage, n_four_bar, pendulum, trees
+from tests.benchmarks.problems.catalog import PROBLEMS
+from tests.benchmarks.problems.growth import growth
+from tests.benchmarks.problems.problem import (
     GROWTH,
     PROMISED,
     TIMES,
@@ -23,8 +24,7 @@ from benchmarks.problems.problem import (
     finished,
     kousoku_call,
 )
-from benchmarks.problems.tree import Tree, frames, placed, point_at, pulled, slopes
-from kousoku.runtime.toolchain import Toolchain
+from tests.benchmarks.problems.tree import Tree, frames, placed, point_at, pulled, slopes
 
 TREES: dict[str, Tree] = {
     "pendulum": pendulum.ROD,

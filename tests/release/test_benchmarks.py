@@ -9,9 +9,9 @@ from xml.etree import ElementTree
 
 import pytest
 
-from benchmarks import __main__ as command
-from benchmarks import race, solvers
-from benchmarks.kit import (
+from tests.benchmarks import __main__ as command
+from tests.benchmarks import race, solvers
+from tests.benchmarks.kit import (
     ROUNDS,
     BenchmarkTarget,
     Figures,
@@ -24,8 +24,8 @@ from benchmarks.kit import (
     required,
     rounds_of,
 )
-from benchmarks.plots import LogAxis, ToolLine, work_precision
-from benchmarks.race import TOO_LONG, Workers
+from tests.benchmarks.plots import LogAxis, ToolLine, work_precision
+from tests.benchmarks.race import TOO_LONG, Workers
 from tests.release import bench_question
 
 MODULE = "tests.release.bench_question"
