@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from kousoku.ledger import entries, find
+from kousoku.ledger import entries, find, proof
 from kousoku.ledger.documents import mass_points
 from kousoku.ledger.documents.mass_points import centred, in_step, one_point, words
 from kousoku.ledger.entry import MASS_POINTS
@@ -138,7 +138,8 @@ def altered(package: str) -> Derivation:
 def test_an_entry_fails_when_the_code_differs(
     entry: Entry, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mass_points, "derive", altered)
+    for module in (mass_points, proof):
+        monkeypatch.setattr(module, "derive", altered)
     for check in entry.checks:
         if check.statement.startswith("the code's"):
             with pytest.raises(LedgerError, match=r"element|at a rational point"):
