@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.force_facets import facets_of
 from kousoku.codegen.dynamics.operations.applied_forces import ELONGATION
-from kousoku.codegen.dynamics.operations.formulas import Product, Relative, scaled
+from kousoku.codegen.dynamics.operations.formulas import MatrixProduct, Relative, scaled
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.recorder import SlotMatrix, column
 from kousoku.model.expressions.formulas import used_names
@@ -116,7 +116,7 @@ class ForceRecorder:
         """Minus the weight of a body, −m g (3,) [N], frame O, recorded."""
         if not any(system.gravity_law):
             return self.recorder.constant([-mass * Fraction(g) for g in system.gravity])
-        return self.recorder.call(Product(), gravity, self.recorder.constant((-mass,)))[0]
+        return self.recorder.call(MatrixProduct(), gravity, self.recorder.constant((-mass,)))[0]
 
     def constants(self, force: ForceElement) -> list[SlotMatrix]:
         """Record the constants of a force; those that have a formula are multiplied by it."""

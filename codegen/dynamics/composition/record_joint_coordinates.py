@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.formulas import Product
+from kousoku.codegen.dynamics.operations.formulas import MatrixProduct
 from kousoku.codegen.dynamics.operations.joint_projections import (
     AXIS,
     NOTHING,
@@ -107,7 +107,7 @@ class JointCoordinateRecorder:
         That is the velocity (3, turns) [m] of the centre of mass for each turn, frame O:
         d/dt(−A s′) = A (s′ × ω′) with ω′ = a′ u.
         """
-        arm, arms = Product("arm of a joint with the ground"), self._table(arms_of(self.one))
+        arm, arms = MatrixProduct("arm of a joint with the ground"), self._table(arms_of(self.one))
         (self.arm,) = self.recorder.call(arm, self.blocks.orientation, arms)
         masses, free = reduced_mass_matrix(self.one, self.moving), self.one.free
         inverse = self._table(inverse_of([[masses[a][b] for b in free] for a in free]))

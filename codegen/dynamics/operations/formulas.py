@@ -72,7 +72,7 @@ def formula_node(trace: Trace, formula: str, names: tuple[str, ...], blocks: lis
 
 
 @dataclass(frozen=True, slots=True)
-class Product:
+class MatrixProduct:
     """Product a b of matrices a (n, k) and b (k, m). Blocks: a, b."""
 
     title: str = "product"
