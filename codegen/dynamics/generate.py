@@ -26,10 +26,11 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.analyse import analyse, require_driven
 from kousoku.codegen.dynamics.assembled import assemble_scene
 from kousoku.codegen.dynamics.assembly.changes import changes_of_assembly
-from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.checking.reference import solver_references
 from kousoku.codegen.dynamics.choose import choice_of
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
+from kousoku.codegen.dynamics.operations.heights import height
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
 from kousoku.codegen.dynamics.redundancy.varying_rank import notes_of_rank
@@ -37,7 +38,6 @@ from kousoku.codegen.dynamics.simplification.written_start import written_start
 from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.files.manifest import REFERENCE_FILE
 from kousoku.model.lowering.about import About
-from kousoku.model.numbers import precise
 from kousoku.model.records.dotted_keys import join
 from kousoku.runtime.integrate.assembled_start import notes_of
 from kousoku.runtime.messages import listed, scene_key
@@ -46,11 +46,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanics.multibody import RelativeCoordinate, System
+    from kousoku.model.mechanics.multibody import ForceElement, RelativeCoordinate, System
     from kousoku.model.records.scene import Scene
 
 
-#: Distances of no more than this many units of the scene are rounding of assembly.
+#: Distances of no more than this part of the scene's length are rounding of assembly.
 NO_LENGTH = 1e-12
 #: What every solver has for the ledger of its runs.
 LEDGER = ("checks", "energies")
@@ -152,20 +152,15 @@ def compose_scene(scene: Scene, wanted: Sequence[str]) -> Composed:
 
 def _of_lengths(system: System) -> Iterator[str]:
     """Notes on forces along a distance that is zero at the start, where it has no direction."""
-    pose = Pose.of(system.bodies)
+    least = NO_LENGTH * characteristic_length(system)
     for force in system.forces:
+        ends: ForceElement | RelativeCoordinate = force
         if force.coordinate >= 0 and system.coordinates[force.coordinate].kind == "length":
-            ends: PointSpring | RelativeCoordinate = system.coordinates[force.coordinate]
-        elif isinstance(force, PointSpring) and not force.is_smooth:
-            ends = force
-        else:
+            ends = system.coordinates[force.coordinate]
+        elif not isinstance(force, PointSpring) or force.is_smooth:
             continue
-        constants = dict(ends.constants)
-        first, last = (
-            precise.add(pose.r[body], precise.rotate(pose.p[body], precise.triple(constants[name])))
-            for body, name in ((ends.i, "s_i_b"), (ends.j, "s_j_b"))
-        )
-        if precise.length(precise.subtract(first, last)) <= NO_LENGTH * system.unit:
+        places = [[height(system, ends, end, axis) for end in "ij"] for axis in range(3)]
+        if max(abs(j - i) for i, j in places) <= least:
             yield (
                 f"{join('forces', force.name)}: its ends are in one place at the start, where it"
                 " has no direction and does nothing, until something parts them"
