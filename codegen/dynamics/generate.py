@@ -38,6 +38,7 @@ from kousoku.codegen.dynamics.simplification.written_start import written_start
 from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.files.manifest import REFERENCE_FILE
 from kousoku.model.lowering.about import About
+from kousoku.model.lowering.parametric import fixed_system
 from kousoku.model.records.dotted_keys import join
 from kousoku.runtime.integrate.assembled_start import notes_of
 from kousoku.runtime.messages import listed, scene_key
@@ -152,14 +153,15 @@ def compose_scene(scene: Scene, wanted: Sequence[str]) -> Composed:
 
 def _of_lengths(system: System) -> Iterator[str]:
     """Notes on forces along a distance that is zero at the start, where it has no direction."""
-    least = NO_LENGTH * characteristic_length(system)
-    for force in system.forces:
+    at_scene = fixed_system(system)
+    least = NO_LENGTH * characteristic_length(at_scene)
+    for force in at_scene.forces:
         ends: ForceElement | RelativeCoordinate = force
-        if force.coordinate >= 0 and system.coordinates[force.coordinate].kind == "length":
-            ends = system.coordinates[force.coordinate]
+        if force.coordinate >= 0 and at_scene.coordinates[force.coordinate].kind == "length":
+            ends = at_scene.coordinates[force.coordinate]
         elif not isinstance(force, PointSpring) or force.is_smooth:
             continue
-        places = [[height(system, ends, end, axis) for end in "ij"] for axis in range(3)]
+        places = [[height(at_scene, ends, end, axis) for end in "ij"] for axis in range(3)]
         if max(abs(j - i) for i, j in places) <= least:
             yield (
                 f"{join('forces', force.name)}: its ends are in one place at the start, where it"

@@ -39,5 +39,13 @@ def test_force_between_points_in_one_place_is_told(force: str) -> None:
     assert not notes(force, "1e-3")
 
 
+@pytest.mark.parametrize(("reach", "count"), [(0, 1), (1, 0)])
+def test_ends_that_depend_on_parameters_are_those_of_the_scene(reach: int, count: int) -> None:
+    points = POINTS.replace("[0, 0, 0]]", '["reach", 0, 0]]')
+    law = f"{points}stiffness = 10\nfree_length = 1\n[parameters]\nreach = {reach}\n"
+
+    assert len(notes(law)) == count
+
+
 def test_spring_that_pulls_its_ends_together_is_at_rest_there() -> None:
     assert not notes(POINTS + "stiffness = 10\nfree_length = 0\n")
