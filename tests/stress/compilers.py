@@ -57,7 +57,7 @@ SCENES = (
     ),
     *("n_four_bar", "oldham_coupling", "gear_train", "andrews_squeezer"),
 )
-RANDOM = 12
+RANDOM = 4
 #: Settings in which there is no compiler that works, and what kousoku's command must do.
 BROKEN = {
     "switched off": {"KOUSOKU_CC": "none"},

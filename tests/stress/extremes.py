@@ -278,7 +278,7 @@ def digits_lost(
 
 def cases(size: Size) -> Iterator[str]:
     """Name a case for each family and batch."""
-    for batch in range(size.examples(1, 20)):
+    for batch in range(size.examples(1, 10)):
         for family in FAMILIES:
             yield f"{family}, {size.seed} {batch} {4 if size.is_full else 2}"
 

@@ -109,7 +109,7 @@ CHANGES: dict[str, Change] = {
 
 def cases(size: Size) -> Iterator[str]:
     """Name a case for each batch of random scenes."""
-    for batch in range(-(-size.examples(2, 150) // BATCH)):
+    for batch in range(-(-size.examples(2, 50) // BATCH)):
         yield f"changed {size.seed} {batch}"
 
 

@@ -89,7 +89,7 @@ SINGULAR = ("length", "distance", "spring_damper", "angle", "link")
 STATES = "states that machines are in"
 SORTS = (
     {"sorts": 1, "states": 12, "scales": 20},
-    {"sorts": 1, "states": 500, "scales": 500, "climb": 200},
+    {"sorts": 1, "states": 500, "scales": 500, "climb": 60},
 )
 
 
