@@ -210,11 +210,14 @@ def _sweep(shelf: Path) -> None:
 def _compile(source: Source, toolchain: Toolchain, work: Path, library: Path) -> None:
     sources = {name: text for name, text in source.files if name.endswith(".c") and "/" not in name}
     target = str(library.relative_to(work))
+    given = [*sources], target, source.flags
     is_large = max(map(len, sources.values())) > LARGE
-    command = toolchain.compile_command([*sources], target, source.flags, is_large=is_large)
-    process = run(command, cwd=str(work))
-    if process.returncode == 0 and library.exists():
-        return
+    for command in (
+        toolchain.large_commands(*given) if is_large else [toolchain.compile_command(*given)]
+    ):
+        process = run(command, cwd=str(work))
+        if process.returncode == 0 and library.exists():
+            return
     said = output(process)
     if any(text in said for text in _NO_ROOM):
         raise OSError(f"the compiler could not write its output; it said:\n{said}")

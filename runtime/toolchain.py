@@ -20,7 +20,7 @@ from kousoku.model.errors import CompilerError, NoCompilerError
 
 if TYPE_CHECKING:
     import subprocess
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
 #: Flags of every kernel: contraction stays off because fused operations would round differently
 #: from the NumPy kernels; math functions need not set errno. gcc 12 contracts in spite of that flag
@@ -37,6 +37,11 @@ FLAGS = (
 #: which would take up to 1.8 times as long.
 LARGE_FLAGS = ("-O1", "-ftree-vectorize")
 LARGE = 800_000
+#: How gcc, unless it was built without that, translates the functions of such a source in two
+#: processes.
+PARALLEL_FLAGS = ("-flto=2", "-flto-partition=balanced")
+#: Who wrote the compiler, in the version of gcc alone.
+GCC = "Free Software Foundation"
 #: How to ask for the features of this machine's processor; the first that the compiler takes.
 NATIVE_FLAGS = (("-march=native",), ("-mcpu=native",), ())
 #: The math library comes after the sources.
@@ -99,20 +104,26 @@ class Toolchain:
         return hashlib.sha256("\0".join((*parts, sys.platform)).encode()).hexdigest()
 
     def compile_command(
-        self,
-        sources: Sequence[str],
-        library: str,
-        extra: Sequence[str] = (),
-        *,
-        is_large: bool = False,
+        self, sources: Sequence[str], library: str, extra: Sequence[str] = ()
     ) -> tuple[str, ...]:
-        """Command that builds a shared library from C sources, some of which may be large."""
-        flags = self.flags
-        if is_large:
-            place = FLAGS.index("-O3")  # those of KOUSOKU_CFLAGS come behind
-            flags = (*flags[:place], *LARGE_FLAGS, *flags[place + 1 :])
-        flags = (*flags, *extra, *_SHARED)
-        return (*self.command, *flags, "-o", library, *sources, *LIBRARIES)
+        """Command that builds a shared library from C sources."""
+        return self._command(self.flags, sources, library, extra)
+
+    def large_commands(
+        self, sources: Sequence[str], library: str, extra: Sequence[str] = ()
+    ) -> Iterator[tuple[str, ...]]:
+        """Commands that build a library from sources some of which are large, the fastest first."""
+        place = FLAGS.index("-O3")  # those of KOUSOKU_CFLAGS come behind
+        flags = (*self.flags[:place], *LARGE_FLAGS, *self.flags[place + 1 :])
+        if GCC in self.version and (os.cpu_count() or 1) > 1:
+            yield self._command((*PARALLEL_FLAGS, *flags), sources, library, extra)
+        yield self._command(flags, sources, library, extra)
+
+    def _command(
+        self, flags: Sequence[str], sources: Sequence[str], library: str, extra: Sequence[str]
+    ) -> tuple[str, ...]:
+        more = (*flags, *extra, *_SHARED)
+        return (*self.command, *more, "-o", library, *sources, *LIBRARIES)
 
 
 def find_toolchain() -> Toolchain:

@@ -19,7 +19,7 @@ import pytest
 
 from kousoku.model.errors import CacheError, CompilerError, NoCompilerError
 from kousoku.runtime.build import ABANDONED, Source, build
-from kousoku.runtime.toolchain import EXTENSION, LARGE, Toolchain, find_toolchain, probe
+from kousoku.runtime.toolchain import EXTENSION, GCC, LARGE, Toolchain, find_toolchain, probe
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,21 +45,30 @@ def test_a_library_lies_beside_its_digest(cache: Path, compiler: Toolchain) -> N
 
 @pytest.mark.usefixtures("cache")
 @pytest.mark.parametrize("more", [0, 1])
+@pytest.mark.parametrize("refused", ["-flto", "-nothing"])
 def test_what_is_large_is_compiled_with_fewer_passes(
-    compiler: Toolchain, monkeypatch: pytest.MonkeyPatch, more: int
+    wrapper: Callable[[str], str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    more: int,
+    refused: str,
 ) -> None:
     name, text = SOURCE.files[0]
     large = Source("seven", ((name, text.ljust(LARGE + more)),))
-    asked: list[bool] = []
+    log = tmp_path / "log"
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    monkeypatch.setenv(
+        "KOUSOKU_CC",
+        wrapper(f'echo "$@" >> {log}; case "$*" in *{refused}*) exit 1;; esac'),
+    )
 
-    def noted(self: Toolchain, *given: object, is_large: bool) -> tuple[str, ...]:
-        asked.append(is_large)
-        return command(self, *given, is_large=is_large)
+    assert CDLL(str(build(large, find_toolchain()).path)).seven() == 7
 
-    command: Callable[..., tuple[str, ...]] = Toolchain.compile_command
-    monkeypatch.setattr(Toolchain, "compile_command", noted)
-    assert CDLL(str(build(large, compiler).path)).seven() == 7
-    assert asked == [more == 1]
+    asked = [line for line in log.read_text(encoding="utf-8").splitlines() if "seven.c" in line]
+    assert ["-O1" in line for line in asked] == [more == 1] * len(asked)
+    if GCC in find_toolchain().version:
+        tried = {"-flto": [True, False], "-nothing": [True]}[refused]
+        assert ["-flto" in line for line in asked] == (tried if more else [False])
 
 
 @pytest.mark.usefixtures("cache")
