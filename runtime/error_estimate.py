@@ -38,9 +38,9 @@ class ErrorEstimate:
     method : str
         That of the second run.
     unknown_from : float or None [s]
-        The first row where the runs are apart by a tenth of a length of the scene, or of a radian,
-        as where a motion is chaotic, or where the second one has stopped: the estimate is of the
-        rows before.
+        The last row before the runs are apart by a tenth of a length of the scene, or of a radian,
+        as where a motion is chaotic, or before the second one has stopped: the estimate is of the
+        rows up to it.
     """
 
     length: float
@@ -62,7 +62,7 @@ class ErrorEstimate:
         )
 
     def __str__(self) -> str:
-        until = "" if self.unknown_from is None else f" before t = {self.unknown_from:.6g} s"
+        until = "" if self.unknown_from is None else f" up to t = {self.unknown_from:.6g} s"
         return f"error {shortly(self.length)} {self.unit}, {shortly(self.angle)} rad{until}"
 
 
@@ -114,6 +114,6 @@ def error_estimate(first: Motion, second: Motion, size: float) -> ErrorEstimate:
         angles = np.fmax(angles, 4.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
     apart = np.flatnonzero(~((lengths <= APART * size) & (angles <= APART)))
     known = int(apart[0]) if len(apart) else count
-    unknown_from = float(first.time[known]) if known < len(first) else None
+    unknown_from = float(first.time[max(known - 1, 0)]) if known < len(first) else None
     length, angle = (float(part[:known].max(initial=0.0)) for part in (lengths, angles))
     return ErrorEstimate(length, angle, first.unit, second.method, unknown_from)

@@ -223,21 +223,29 @@ def check_destinations(wish: Wish) -> None:
     Raises
     ------
     SolveError
-        A suffix is unknown, a folder is missing, or matplotlib is.
+        A suffix is unknown, a folder is missing, or a package that writes there is.
     """
     from kousoku.runtime.integrate.result import SUFFIXES
 
     out, plot = wish.out, wish.plot
     if out is not None:
         require_place("--out", out, SUFFIXES)
+        if out.suffix == ".parquet":
+            _require_packages("--out *.parquet", ("pandas", "pyarrow"), "table")
     if plot is not None:
-        if find_spec("matplotlib") is None:
-            raise SolveError("--plot needs matplotlib: pip install kousoku[plot]")
+        _require_packages("--plot", ("matplotlib",), "plot")
         if plot.suffix in PICTURES:
             require_place("--plot", plot, PICTURES)
         elif not plot.is_dir() and (plot.exists() or plot.suffix):
             wanted = f"wanted a folder, or a name that ends in {' or '.join(PICTURES)}"
             raise SolveError(f"--plot {plot}: {'is a file; ' * plot.exists()}{wanted}")
+
+
+def _require_packages(option: str, names: Sequence[str], extra: str) -> None:
+    """Refuse what needs packages that are not installed."""
+    missing = [name for name in names if find_spec(name) is None]
+    if missing:
+        raise SolveError(f"{option} needs {' and '.join(missing)}: pip install kousoku[{extra}]")
 
 
 def require_place(option: str, path: Path, suffixes: Sequence[str]) -> None:

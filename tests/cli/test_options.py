@@ -186,6 +186,17 @@ def test_a_run_that_was_kept_is_animated(run: Run, compiler: object, tmp_path: P
     assert err.startswith(f"kousoku: {kept}: holds no run") and err.count("\n") == 1
 
 
+@pytest.mark.parametrize("missing", [["pyarrow"], ["pandas", "pyarrow"]])
+def test_a_table_without_its_packages_is_refused_before_it_moves(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, missing: list[str]
+) -> None:
+    monkeypatch.setattr("kousoku.cli.moving.find_spec", lambda name: name not in missing or None)
+    code, out, err = run("simulate", LOOP, "--end", 1, "--out", tmp_path / "x.parquet")
+    assert (code, out, [*tmp_path.iterdir()]) == (2, "", [])
+    needed = " and ".join(missing)
+    assert err == f"kousoku: --out *.parquet needs {needed}: pip install kousoku[table]\n"
+
+
 @pytest.mark.parametrize("name", ["x.gif", "plots.d", "x.bmp"])
 def test_a_plot_of_another_format_is_refused_before_it_moves(
     run: Run, tmp_path: Path, name: str
