@@ -69,9 +69,12 @@ class CoordinateKind(ConstraintKind, ABC):
     ----------
     counts_turns : bool
         Whether it is an angle, which kernels know up to whole turns only.
+    is_distance : bool
+        Whether it is that of two points, which has no direction where it is zero.
     """
 
     counts_turns: ClassVar[bool] = False
+    is_distance: ClassVar[bool] = False
 
     @abstractmethod
     def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
@@ -112,6 +115,8 @@ class CosineKind(CoordinateKind):
 
 class LengthKind(CoordinateKind):
     """Distance of two points, |d| of lecture 8.2, (8.8), frame O."""
+
+    is_distance = True
 
     def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
         """Length |d| [unit of the ends]."""
