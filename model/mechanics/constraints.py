@@ -163,10 +163,18 @@ COORDINATES: dict[str, CoordinateKind] = {
 """Those whose residual is a coordinate."""
 
 
+def base_and_axis(package: str) -> tuple[str, str]:
+    """Kind of a package and the axis that its rows are chosen by: ``p1`` and ``z`` of ``p1_z``.
+
+    The axis is empty where the kind has no variants, and of one's own.
+    """
+    name, _, axis = package.partition("_")
+    return (name, axis) if axis in ROWS and name in CONSTRAINTS else (package, "")
+
+
 def base_of(package: str) -> str:
     """Kind of a package: ``p1`` of ``p1_z``."""
-    name, _, axis = package.partition("_")
-    return name if len(axis) == 1 and name in CONSTRAINTS else package
+    return base_and_axis(package)[0]
 
 
 def kind_of(package: str) -> ConstraintKind:
@@ -182,11 +190,11 @@ def is_known(package: str) -> bool:
 
 def components_of(package: str) -> tuple[int, ...]:
     """Component of a vector that each row of a package is; none where its rows are no vector."""
-    base = base_of(package)
+    base, axis = base_and_axis(package)
     if base not in CONSTRAINTS:
         return ()
     if CONSTRAINTS[base].has_variants:
-        return ROWS.get(package.removeprefix(f"{base}_"), ())
+        return ROWS.get(axis, ())
     return (0, 1, 2) if CONSTRAINTS[base].rows == 3 else ()
 
 
