@@ -353,7 +353,7 @@ def _angle(seen: BodiesAtRest) -> tuple[Real, Real]:
     return precise.length(precise.cross(axis, other)), abs(precise.dot(axis, other))
 
 
-FACETS: dict[str, ConstraintFacets] = {
+CONSTRAINT_FACETS: dict[str, ConstraintFacets] = {
     "point": PointFacets(),
     "distance": DistanceFacets(),
     "n1": PerpendicularFacets(),
@@ -368,10 +368,10 @@ FACETS: dict[str, ConstraintFacets] = {
 
 def facets_of_kind(package: str) -> ConstraintFacets:
     """Facets of a package, such as ``p1_z``."""
-    return FACETS[base_of(package)]
+    return CONSTRAINT_FACETS[base_of(package)]
 
 
 def held_by(package: str) -> frozenset[RelativeMotion]:
     """Motions that a package does not allow, whatever the position; one's own may depend on it."""
     base = base_of(package)
-    return FACETS[base].holds if base in FACETS else frozenset()
+    return CONSTRAINT_FACETS[base].holds if base in CONSTRAINT_FACETS else frozenset()
