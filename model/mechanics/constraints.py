@@ -57,7 +57,7 @@ class ConstraintKind:
     has_variants: bool = False
     has_length: bool = False
 
-    def turns(self, body: int) -> bool:
+    def needs_orientation(self, body: int) -> bool:
         """Whether it needs the orientation of body i (0) or j (1), which a point lacks."""
         return not self.inputs or any(name in (AXES_I, AXES_J)[body] for name in self.inputs)
 

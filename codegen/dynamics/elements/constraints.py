@@ -47,7 +47,7 @@ class GroundReaction:
         point of the line.
     about : (3,), optional
         Its moments are across this direction.
-    turns : bool
+    any_moment : bool
         Whether its moments are of any direction.
     """
 
@@ -55,10 +55,10 @@ class GroundReaction:
     through: Triple | None = None
     line: tuple[Triple, Triple] | None = None
     about: Triple | None = None
-    turns: bool = False
+    any_moment: bool = False
 
 
-ANYTHING = GroundReaction(through=precise.ZERO, turns=True)
+ANYTHING = GroundReaction(through=precise.ZERO, any_moment=True)
 """Any force and any moment."""
 
 
@@ -269,7 +269,7 @@ class AngleFacets(ConstraintFacets):
 
     def ground_reaction(self, axis: Triple | None, point: Triple | None) -> GroundReaction:
         """Moments of any direction."""
-        return GroundReaction(turns=True)
+        return GroundReaction(any_moment=True)
 
     def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
         """Whether an axis is not in the plane."""

@@ -155,7 +155,7 @@ def free_of_moment(
     along = [precise.triple(push) for push in pushes]
     points: list[Triple] = []
     for one in reactions:
-        if one.turns:
+        if one.any_moment:
             return Axes()
         points += [one.through] if one.through is not None else []
         points += [one.line[1]] if one.line is not None else []
