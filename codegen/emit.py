@@ -61,8 +61,8 @@ def environment() -> Environment:
     return filled
 
 
-def along(*names: str) -> dict[str, str]:
-    """Plain source of the runtime that goes along with generated solvers.
+def runtime_sources(*names: str) -> dict[str, str]:
+    """Plain sources of the runtime that go along with generated solvers.
 
     Parameters
     ----------
@@ -88,8 +88,8 @@ def along(*names: str) -> dict[str, str]:
     return found
 
 
-def along_file(name: str) -> tuple[str, str]:
-    """Path of a file that :func:`along` gives, and its text; empty where it gives none."""
+def runtime_source(name: str) -> tuple[str, str]:
+    """Path and text of one of :func:`runtime_sources`; the text of another file is empty."""
     path = _ROOT / "model" / OF_MODEL[name] if name in OF_MODEL else _RUNTIME / name
     text = path.read_text(encoding="utf-8") if path.is_file() else ""
     return path.relative_to(_ROOT).as_posix(), text
@@ -121,7 +121,7 @@ def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
     files = {
         name: templates.get_template(path).render(package=context) for name, path in FILES.items()
     }
-    files |= along(*LIBRARIES) | dict(sorted(data.items()))
+    files |= runtime_sources(*LIBRARIES) | dict(sorted(data.items()))
     return with_manifest(files, promised)
 
 
@@ -130,7 +130,7 @@ def inputs_of(package: Package) -> Inputs:
     return hashed(
         derivation=repr((astuple(package), None)),
         templates=templates_in("_macros", "c/", "numpy/"),
-        runtime=repr(along(*LIBRARIES)),
+        runtime=repr(runtime_sources(*LIBRARIES)),
     )
 
 

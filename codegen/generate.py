@@ -28,7 +28,7 @@ from kousoku.codegen.derived import (
     recall_committed,
     recall_or_derive,
 )
-from kousoku.codegen.emit import LIBRARIES, along_file, emit, sha256, with_manifest
+from kousoku.codegen.emit import LIBRARIES, emit, runtime_source, sha256, with_manifest
 from kousoku.codegen.kernel_json import GRAPH_FILE, dump
 from kousoku.model.files.cache import write_atomically
 from kousoku.model.files.compressed import content, stored
@@ -284,7 +284,7 @@ def causes(folder: Path, tree: Mapping[str, str]) -> Callable[[str, str], str]:
     def cause(name: str, found: str) -> str:
         if name != MANIFEST_FILE and sha256(found) != digests.get(name):
             return "it was edited after it was generated"
-        origin, text = along_file(name)
+        origin, text = runtime_source(name)
         if tree[name] == text:
             return f"changed: {origin}"
         return made

@@ -81,8 +81,8 @@ def scattered(
     }
 
 
-def finite_points(components: Kernel, stream: Sha256Random, turn: int) -> list[EvaluationPoint]:
-    """Points at which every output is finite: one of each sort, another at each turn.
+def finite_points(components: Kernel, stream: Sha256Random, pick: int) -> list[EvaluationPoint]:
+    """Points at which every output is finite: one of each sort, another at each pick.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def finite_points(components: Kernel, stream: Sha256Random, turn: int) -> list[E
         Formulas of the function; they say how far its inputs can be scaled.
     stream : Sha256Random
         Where the digits come from.
-    turn : int
+    pick : int
         Which of the arrays or axes a sort picks, where it picks one.
     """
     inputs = components.inputs
@@ -101,25 +101,25 @@ def finite_points(components: Kernel, stream: Sha256Random, turn: int) -> list[E
     points = [
         EvaluationPoint("ordinary", ordinary_numbers()),
         EvaluationPoint(
-            "badly scaled arrays", _scaled_arrays(components, ordinary_numbers(), stream, turn)
+            "badly scaled arrays", _scaled_arrays(components, ordinary_numbers(), stream, pick)
         ),
         EvaluationPoint(
             "badly scaled elements", _scaled_elements(components, ordinary_numbers(), stream)
         ),
         EvaluationPoint("nearly coincident", _coincident(inputs, ordinary_numbers(), stream)),
         EvaluationPoint(
-            "near half a turn, near an axis", _degenerate(inputs, ordinary_numbers(), turn)
+            "near half a turn, near an axis", _degenerate(inputs, ordinary_numbers(), pick)
         ),
         EvaluationPoint("small integers", _integers(inputs, stream)),
     ]
-    vanishing = inputs[turn % len(inputs)]
+    vanishing = inputs[pick % len(inputs)]
     zeros = {vanishing.name: (0.0,) * vanishing.size}
     points.append(EvaluationPoint(f"{vanishing.name} is zero", ordinary_numbers() | zeros))
     if any(map(is_euler_parameters, inputs)):
         points.append(
             EvaluationPoint("p not normalised", _unnormalised(inputs, ordinary_numbers(), stream))
         )
-    if group := _subnormal_group(components, turn):
+    if group := _subnormal_group(components, pick):
         numbers = _integers(inputs, stream) | _powers_of_two(components, stream)
         tiny = {name: tuple(x * SUBNORMAL for x in numbers[name]) for name in group}
         points.append(EvaluationPoint(f"subnormal {', '.join(group)}", {**numbers, **tiny}))
@@ -135,8 +135,8 @@ def infinite_points(components: Kernel, stream: Sha256Random) -> list[Evaluation
     has_limits = any(node.op in {Op.DIV, Op.ATAN2} for node in components.nodes)
     bad_numbers = (math.nan,) if has_limits else (math.nan, math.inf, -math.inf)
     points = []
-    for turn, bad in enumerate(bad_numbers):
-        quantity = inputs[(stream.integer(16) + turn) % len(inputs)]
+    for place, bad in enumerate(bad_numbers):
+        quantity = inputs[(stream.integer(16) + place) % len(inputs)]
         index = stream.between(0, quantity.size - 1)
         numbers = ordinary(inputs, stream)
         values = list(numbers[quantity.name])
@@ -147,7 +147,7 @@ def infinite_points(components: Kernel, stream: Sha256Random) -> list[Evaluation
 
 
 def _scaled_arrays(
-    components: Kernel, numbers: Numbers, stream: Sha256Random, turn: int
+    components: Kernel, numbers: Numbers, stream: Sha256Random, pick: int
 ) -> dict[str, tuple[float, ...]]:
     """Scale one array as far as doubles allow, all others with the rest."""
     held = degrees(components)
@@ -155,7 +155,7 @@ def _scaled_arrays(
     left = EXPONENT_BUDGET
     exponents = dict.fromkeys(numbers, 0)
     if names:
-        first = names[turn % len(names)]
+        first = names[pick % len(names)]
         exponents[first] = min(LARGEST_EXPONENT, left // held[first])
         left -= exponents[first] * held[first]
         rest = sum(held[name] for name in names if name != first)
@@ -203,7 +203,7 @@ def _coincident(
 
 
 def _degenerate(
-    inputs: Sequence[Quantity], numbers: Numbers, turn: int
+    inputs: Sequence[Quantity], numbers: Numbers, pick: int
 ) -> dict[str, tuple[float, ...]]:
     """Let orientations be almost half a turn, angles almost a quarter, vectors almost an axis."""
     chosen = {}
@@ -212,9 +212,9 @@ def _degenerate(
         if is_euler_parameters(quantity):
             chosen[quantity.name] = unit((math.ldexp(values[0], -30), *values[1:]))
         elif quantity.unit == "rad" and not quantity.shape:
-            chosen[quantity.name] = (float(CONTEXT.pi * (turn + k + 1) / 2),)
+            chosen[quantity.name] = (float(CONTEXT.pi * (pick + k + 1) / 2),)
         elif quantity.size > 1:
-            axis = (turn + k) % quantity.size
+            axis = (pick + k) % quantity.size
             chosen[quantity.name] = tuple(
                 x if n == axis else math.ldexp(x, -27 * (1 + n % 2)) for n, x in enumerate(values)
             )
@@ -255,7 +255,7 @@ def _unnormalised(
     }
 
 
-def _subnormal_group(components: Kernel, turn: int) -> tuple[str, ...]:
+def _subnormal_group(components: Kernel, pick: int) -> tuple[str, ...]:
     """Arrays that are made subnormal together: those of one unit, or a single pure one.
 
     The other inputs are small integers at these points and divisors powers of two, so that products
@@ -270,7 +270,7 @@ def _subnormal_group(components: Kernel, turn: int) -> tuple[str, ...]:
     groups = dict.fromkeys(q.name if q.unit == "-" else q.unit for q in free)
     if not groups:
         return ()
-    chosen = list(groups)[turn % len(groups)]
+    chosen = list(groups)[pick % len(groups)]
     return tuple(q.name for q in free if chosen in {q.name, q.unit})
 
 

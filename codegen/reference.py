@@ -44,11 +44,11 @@ MOST_STARTS = 8
 CONSTRAINT = "C"
 #: Enough for 50 digits after a cancellation of 2^±900 against its inverse.
 WORKING_DIGITS = 600
-#: Numbers of reference that one kernel brings at most, unless one turn of points is more.
+#: Numbers of reference that one kernel brings at most, unless one round of points is more.
 MOST_NUMBERS = 600
-MOST_TURNS = 2
-#: The same where each input shall have a turn, as it is scaled, vanishes and is subnormal.
-MOST_NUMBERS_OF_ALL_TURNS = 2400
+MOST_ROUNDS = 2
+#: The same where each input shall have a round, as it is scaled, vanishes and is subnormal.
+MOST_NUMBERS_OF_ALL_ROUNDS = 2400
 
 
 def references(
@@ -63,7 +63,7 @@ def references(
     functions : sequence of Function
         What the kernels were frozen from, in the same order.
     is_thorough : bool
-        Whether each input of a kernel has a turn, where that is not too many numbers.
+        Whether each input of a kernel has a round, where that is not too many numbers.
 
     Returns
     -------
@@ -140,14 +140,14 @@ def _points(
     """Points of one function, fewer of them where it has many outputs."""
     stream = Sha256Random(function.name)
     numbers = 10 * sum(output.quantity.size for output in function.outputs)
-    turns = min(MOST_TURNS, MOST_NUMBERS // numbers)
+    rounds = min(MOST_ROUNDS, MOST_NUMBERS // numbers)
     if is_thorough:
-        turns = min(len(function.inputs), MOST_NUMBERS_OF_ALL_TURNS // numbers)
+        rounds = min(len(function.inputs), MOST_NUMBERS_OF_ALL_ROUNDS // numbers)
     points: list[EvaluationPoint] = []
-    for turn in range(max(1, turns)):
-        points += finite_points(components, stream, turn)
+    for pick in range(max(1, rounds)):
+        points += finite_points(components, stream, pick)
         points += _manifold_points(function, package, stream)
-        points += motion_points(function.inputs, Sha256Random(f"{function.name} {turn}"), turn)
+        points += motion_points(function.inputs, Sha256Random(f"{function.name} {pick}"), pick)
     if all(output.at_pole is not None for output in function.outputs):
         points += coincident_points(function.inputs, Sha256Random(f"{function.name} pole"))
     return points + infinite_points(components, stream)

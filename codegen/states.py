@@ -31,9 +31,9 @@ FASTER = 1024.0, 128.0
 
 
 def motion_points(
-    inputs: Sequence[Quantity], stream: Sha256Random, turn: int
+    inputs: Sequence[Quantity], stream: Sha256Random, pick: int
 ) -> list[EvaluationPoint]:
-    """States that the inputs allow: another orientation or axis at each turn.
+    """States that the inputs allow: another orientation or axis at each pick.
 
     Parameters
     ----------
@@ -41,14 +41,14 @@ def motion_points(
         The inputs of a function of two bodies; of others there are no states.
     stream : Sha256Random
         Where the digits come from.
-    turn : int
-        Which axis a line lies near; bodies that turn together stand alike at every other turn.
+    pick : int
+        Which axis a line lies near; bodies that turn together stand alike at every other pick.
     """
     names = {quantity.name for quantity in inputs}
     points = []
     if names >= TURNING:
         points.append(
-            EvaluationPoint("bodies turn together", _together(ordinary(inputs, stream), turn))
+            EvaluationPoint("bodies turn together", _together(ordinary(inputs, stream), pick))
         )
         points.append(EvaluationPoint("fast common turning", _fast(ordinary(inputs, stream))))
     if names >= MOVING_LINE:
@@ -57,7 +57,7 @@ def motion_points(
         )
     if names >= LINE:
         points.append(
-            EvaluationPoint("line near an axis", _near_axis(ordinary(inputs, stream), turn))
+            EvaluationPoint("line near an axis", _near_axis(ordinary(inputs, stream), pick))
         )
     return points
 
@@ -87,8 +87,8 @@ def _of_i(name: str) -> str:
     return "_".join("i" if part == "j" else part for part in name.split("_"))
 
 
-def _together(numbers: Numbers, turn: int) -> Numbers:
-    if turn % 2:
+def _together(numbers: Numbers, pick: int) -> Numbers:
+    if pick % 2:
         return numbers | {"p_j": numbers["p_i"], "omega_j_b": numbers["omega_i_b"]}
     return numbers | {"omega_j_b": _seen_from_j(numbers, numbers["omega_i_b"])}
 
@@ -113,9 +113,9 @@ def _along(numbers: Numbers) -> Numbers:
     return numbers | {"v_j": rate}
 
 
-def _near_axis(numbers: Numbers, turn: int) -> Numbers:
+def _near_axis(numbers: Numbers, pick: int) -> Numbers:
     small = [math.ldexp(x, -20 * k) for k, x in enumerate(numbers["r_j"])]
-    line = (*small[turn % 3 :], *small[: turn % 3])
+    line = (*small[pick % 3 :], *small[: pick % 3])
     own = _sum(numbers["r_i"], _arm(numbers, "i"), _times(-1.0, _arm(numbers, "j")), line)
     return numbers | {"r_j": own}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from kousoku.model.mechanics.constraints import components_of
+from kousoku.model.mechanics.constraints import base_and_axis, components_of
 from kousoku.model.records.own_kind import is_own, kind_name
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def _component(system: System, one: Instance, row: int) -> str:
         return " and ".join(system.coordinates[term.coordinate].name for term in one.terms)
     if is_own(one.kind):
         return f"{kind_name(one.kind)} {row}"
-    kind, _, axis = one.kind.partition("_")
+    kind, axis = base_and_axis(one.kind)
     of_axis = "′" if axis else ""
     components = components_of(one.kind)
     return f"{kind} {'xyz'[components[row]]}{of_axis}" if components else kind

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from kousoku.codegen.emit import MESSAGES, OF_MODEL, along, along_file
+from kousoku.codegen.emit import MESSAGES, OF_MODEL, runtime_source, runtime_sources
 
 ROOT = Path(__file__).parents[1]
 
@@ -174,7 +174,7 @@ def test_libraries_that_are_copied_along_stand_alone(folder: str) -> None:
 def test_messages_that_are_copied_along_stand_alone() -> None:
     path = ROOT / "runtime" / f"{BESIDE}.py"
     assert {name.split(".")[0] for name in imports(path)} <= sys.stdlib_module_names
-    assert along(MESSAGES) == {path.name: path.read_text(encoding="utf-8")}
+    assert runtime_sources(MESSAGES) == {path.name: path.read_text(encoding="utf-8")}
 
 
 def test_files_of_model_that_are_copied_along_stand_alone() -> None:
@@ -182,8 +182,8 @@ def test_files_of_model_that_are_copied_along_stand_alone() -> None:
     for copy, own in OF_MODEL.items():
         path = ROOT / "model" / own
         assert {name.split(".")[0] for name in imports(path)} <= sys.stdlib_module_names, path
-        assert along_file(copy) == (f"model/{own}", path.read_text(encoding="utf-8"))
-        assert along(copy.partition("/")[0])[copy] == path.read_text(encoding="utf-8")
+        assert runtime_source(copy) == (f"model/{own}", path.read_text(encoding="utf-8"))
+        assert runtime_sources(copy.partition("/")[0])[copy] == path.read_text(encoding="utf-8")
 
 
 def in_cycles(graph: dict[str, set[str]]) -> set[str]:

@@ -22,7 +22,7 @@ from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.operations.body_coordinates import (
     require_few_joints,
     require_masses,
-    thickened,
+    with_all_inertias,
 )
 from kousoku.codegen.dynamics.redundancy.constant_rows import require_constant_rows_hold
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
@@ -153,9 +153,9 @@ def analyse(system: System, wanted: Collection[str]) -> Analysed:
     """
     lumps = lump(system, wanted)
     plane = plane_of(lumps.system)
-    heavy = with_placeholder_masses(lumps.system, plane)
-    found = ranked(heavy.system, plane)
-    return replace(found, lumped=lumps.joints, missing=heavy.missing, thin=heavy.thin)
+    with_masses = with_placeholder_masses(lumps.system, plane)
+    found = ranked(with_masses.system, plane)
+    return replace(found, lumped=lumps.joints, missing=with_masses.missing, thin=with_masses.thin)
 
 
 def with_all_rows(system: System, plane: Plane | None) -> Analysed:
@@ -214,9 +214,9 @@ def with_joint_coordinates(found: Analysed, most_free: int) -> Analysed:
         for k, one in velocity_transformations_of(there.system, rows, is_planar=is_planar).items()
         if len(one.free) <= most_free
     }
-    heavy = found.system if is_planar else thickened(found.system)
+    system = found.system if is_planar else with_all_inertias(found.system)
     return (
-        replace(found, system=heavy, transformations=transformations) if transformations else found
+        replace(found, system=system, transformations=transformations) if transformations else found
     )
 
 

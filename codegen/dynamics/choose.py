@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.analyse import ANY, ranked, with_joint_coordinates
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.operations.body_coordinates import thickened
+from kousoku.codegen.dynamics.operations.body_coordinates import with_all_inertias
 from kousoku.codegen.dynamics.recording.counts import counts
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
@@ -42,8 +42,8 @@ class Choice:
     Parameters
     ----------
     analysed : Analysed
-        What both are composed from: the scene as it was found, or thickened to find what leads
-        out of its plane.
+        What both are composed from: the scene as it was found, or with all inertias to find what
+        leads out of its plane.
     whole : Program
         The program without joint coordinates.
     program : Program
@@ -156,7 +156,7 @@ def with_reactions(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed,
 
 def _in_space(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Program]:
     """Program in space of a scene that moves in a plane; SceneError if there is none."""
-    found = ranked(thickened(analysed.system), None)
+    found = ranked(with_all_inertias(analysed.system), None)
     program = _named(compose(found, wanted), found.freedom)
     if not _is_regular(program):
         raise SceneError("rows that are kept depend on each other at the start")

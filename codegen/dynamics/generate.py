@@ -35,7 +35,6 @@ from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
 from kousoku.codegen.dynamics.redundancy.varying_rank import notes_of_rank
 from kousoku.codegen.dynamics.simplification.written_start import written_start
-from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.files.manifest import REFERENCE_FILE
 from kousoku.model.lowering.about import About
 from kousoku.model.lowering.parametric import fixed_system
@@ -157,9 +156,9 @@ def _of_lengths(system: System) -> Iterator[str]:
     least = NO_LENGTH * characteristic_length(at_scene)
     for force in at_scene.forces:
         ends: ForceElement | RelativeCoordinate = force
-        if force.coordinate >= 0 and at_scene.coordinates[force.coordinate].kind == "length":
+        if force.coordinate >= 0 and at_scene.coordinates[force.coordinate].is_distance:
             ends = at_scene.coordinates[force.coordinate]
-        elif not isinstance(force, PointSpring) or force.is_smooth:
+        elif not force.needs_direction:
             continue
         places = [[height(at_scene, ends, end, axis) for end in "ij"] for axis in range(3)]
         if max(abs(j - i) for i, j in places) <= least:

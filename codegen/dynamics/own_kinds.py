@@ -47,7 +47,7 @@ def own_kind_of(package: Package) -> OwnKind:
     return OwnKind(
         kernels=keep_own(package),
         unit="m" if constraint.outputs[0].unit == "m" else "rad",
-        turns=(_turns(constraint, 0), _turns(constraint, 1)),
+        turns=(_needs_orientation(constraint, 0), _needs_orientation(constraint, 1)),
         inputs={one.name: _input(one) for one in own_inputs(package)},
     )
 
@@ -95,7 +95,7 @@ def _body_of(one: Quantity) -> Literal["", "i", "j"]:
     return "i" if one.name.endswith("_i_b") else "j" if one.name.endswith("_j_b") else ""
 
 
-def _turns(constraint: Kernel, side: int) -> bool:
+def _needs_orientation(constraint: Kernel, side: int) -> bool:
     """Whether turns of a body change C where its points are the origin of its frame."""
     graph, body = Graph(), "ij"[side]
     inputs = {

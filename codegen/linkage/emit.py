@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.emission.numpy_context import (
     regions_of,
 )
 from kousoku.codegen.dynamics.emission.slots import slots_of
-from kousoku.codegen.emit import MESSAGES, along
+from kousoku.codegen.emit import MESSAGES, runtime_sources
 from kousoku.codegen.linkage.data import linkage_data
 from kousoku.codegen.linkage.layout import REGIONS
 from kousoku.model.files.jsontext import to_text
@@ -75,7 +75,8 @@ def emit_linkage(
         "kernels": list(python_kernels(program)),
         "segments": [python_segment(program, one) for one in program.segments],
     }
-    data, analysis = linkage_data(program, layout), along(LINKAGE_LIBRARY, *SHARED, MESSAGES)
+    data = linkage_data(program, layout)
+    analysis = runtime_sources(LINKAGE_LIBRARY, *SHARED, MESSAGES)
     return solver_folder(
         scene.name,
         title,

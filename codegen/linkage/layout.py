@@ -1,4 +1,4 @@
-"""Where the coordinates of a linkage stand in the workspace of its program.
+"""Places of the coordinates of a linkage in the workspace of its program.
 
 Inputs are ``alpha`` and unknowns, block after block, ``x``: the parts of (18) and (19). Their first
 and second derivatives follow, then what the segments of a block leave, and the results.

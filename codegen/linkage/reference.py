@@ -35,7 +35,7 @@ BESIDE = ((2.0**-33, "near"), (0.25, "away from"))
 
 @dataclass(frozen=True, slots=True)
 class ReferencePoint:
-    """Where segments are evaluated.
+    """Point at which segments are evaluated.
 
     Parameters
     ----------

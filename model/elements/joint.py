@@ -144,9 +144,9 @@ class JointKind:
         """Count of equations, the freedoms that the joint takes away."""
         return sum(CONSTRAINTS[part.kind].rows for part in self.parts)
 
-    def turns(self, body: int) -> bool:
+    def needs_orientation(self, body: int) -> bool:
         """Whether it needs the orientation of body i (0) or j (1), which a point lacks."""
-        return any(CONSTRAINTS[part.kind].turns(body) for part in self.parts)
+        return any(CONSTRAINTS[part.kind].needs_orientation(body) for part in self.parts)
 
     @property
     def keeps_zero(self) -> bool:

@@ -48,14 +48,14 @@ class Load(ForceElement):
         return self.kind.startswith("torque")
 
     @property
-    def turns(self) -> bool:
-        """Whether it turns with the body."""
+    def is_body_fixed(self) -> bool:
+        """Whether its vectors are fixed in the body."""
         return self.kind.endswith("_b")
 
     @property
     def has_potential(self) -> bool:
         """Whether it is constant in frame O; a torque has none even then."""
-        return not (self.is_torque or self.turns or self.formulas)
+        return not (self.is_torque or self.is_body_fixed or self.formulas)
 
     @property
     def vectors(self) -> tuple[Vector, ...]:

@@ -40,11 +40,11 @@ class PointSpring(ForceElement):
         return not self.law
 
     @property
-    def is_smooth(self) -> bool:
-        """Whether it goes on smoothly where its ends meet: T = k l, along d a force k **d**."""
+    def needs_direction(self) -> bool:
+        """Whether it has no direction where its ends meet; T = k l has one, a force k **d**."""
         given = dict(self.constants)
         none = (0.0,)
-        return not self.law and given["damping"] == given["free_length"] == none
+        return bool(self.law) or not given["damping"] == given["free_length"] == none
 
 
 class SpringDamper(ForceKind):

@@ -144,7 +144,7 @@ def product_of(a: Bounds, b: Bounds) -> Bounds:
 
 
 def quotient_of(a: Bounds, b: Bounds) -> Bounds:
-    """Those of a quotient."""
+    """Bounds of a quotient."""
     return product_of(a, _reciprocal(b))
 
 

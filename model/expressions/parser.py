@@ -93,7 +93,7 @@ def parse_expression(text: str, names: Collection[str], *, longest: int = LONGES
 
 
 class _Parser:
-    """What is left to read of a text, one token ahead."""
+    """Rest of a text that is to be read, one token ahead."""
 
     def __init__(self, text: str, names: Collection[str]) -> None:
         self.text = text

@@ -181,7 +181,7 @@ def _named(
 
 
 def _places(below: Expression, varying: Collection[str]) -> Iterator[Expression]:
-    """What may be zero where a formula is."""
+    """Parts that may be zero where a formula is."""
     for part in reversed(ordered(below)):
         if not set(varying).isdisjoint(names_of(part)):
             yield part

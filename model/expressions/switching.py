@@ -92,7 +92,7 @@ def switching_functions(formula: Expression) -> Iterator[Expression]:
 
 
 def jumping_functions(formula: Expression) -> Iterator[Expression]:
-    """Those switching functions that are zero where a formula jumps, or may do so."""
+    """Switching functions that are zero where a formula jumps, or may do so."""
     divided = {id(factor) for part in ordered(formula) for factor in _divided(part)}
     for part in ordered(formula):
         if part.op is Op.SIGN or id(part) in divided:
@@ -110,7 +110,7 @@ def _wrapped(part: Expression) -> Iterator[Expression]:
 
 
 def _divisors_of(formula: Expression) -> Iterator[Expression]:
-    """What may be zero in a formula, and is divided by there."""
+    """Divisors in a formula that may be zero."""
     for part in ordered(formula):
         if part.op is Op.DIV:
             yield from filter(may_be_zero, _zeros_of(part.args[1]))

@@ -50,7 +50,7 @@ class Crank:
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """Where a node is at some divisions.
+    """Positions of a node at some divisions.
 
     Parameters
     ----------

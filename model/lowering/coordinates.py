@@ -61,7 +61,7 @@ class CoordinateList:
 
     @property
     def records(self) -> tuple[RelativeCoordinate, ...]:
-        """All that were asked for, in the order of asking."""
+        """Coordinates that were asked for, in the order of asking."""
         return tuple(self._records)
 
     def record(self, place: int) -> RelativeCoordinate:

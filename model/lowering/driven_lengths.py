@@ -84,7 +84,7 @@ def driven_lengths(system: System, laws: Mapping[int, Expression]) -> Iterator[D
     """
     places = _first_places(system)
     own = {places[system.constraints[k].terms[0].coordinate]: k for k in laws}
-    lengths = [k for k, one in enumerate(system.coordinates) if one.kind == "length"]
+    lengths = [k for k, one in enumerate(system.coordinates) if one.is_distance]
     coupled = {}
     if not {places[k] for k in lengths} <= own.keys():
         coupled = _determined(system.constraints, places)

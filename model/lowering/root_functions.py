@@ -10,7 +10,6 @@ from itertools import chain
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.expressions.exponentials import without_overflow
 from kousoku.model.expressions.folds import without_folds
 from kousoku.model.expressions.formulas import LAW_NAMES, RATE, TIME, used_names
@@ -49,7 +48,7 @@ from kousoku.model.records.dotted_keys import join
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.mechanics.multibody import ForceElement, System
     from kousoku.model.operations.expression import Expression
 
 
@@ -245,11 +244,11 @@ def _measures(system: System) -> Iterator[Measure]:
         if force.law:
             x, v = (f"{force.name}_{place}.{name}" for name in LAW_NAMES[:2])
             yield Measure(x, v, force.coordinate, place)
-        if isinstance(force, PointSpring):
+        if force.needs_direction:
             yield Measure(*_length_of(place, force), -1, place, is_length=True)
 
 
-def _length_of(place: int, force: PointSpring) -> tuple[str, str]:
+def _length_of(place: int, force: ForceElement) -> tuple[str, str]:
     """Names of the distance of a spring's ends and of its rate."""
     name = f"{force.name}_{place}.l"
     return name, f"{name}{RATE}"
@@ -261,12 +260,10 @@ def _lengths(system: System) -> Iterator[Expression]:
     acted = {force.coordinate for force in system.forces}
     for place, one in enumerate(system.coordinates):
         names = (one.name, f"{one.name}{RATE}")
-        if one.kind == "length" and (
-            place in acted or any(used_names(text, names) for text in texts)
-        ):
+        if one.is_distance and (place in acted or any(used_names(text, names) for text in texts)):
             yield square(symbol(one.name))
     for place, force in enumerate(system.forces):
-        if isinstance(force, PointSpring) and not force.is_smooth:
+        if force.needs_direction:
             yield square(symbol(_length_of(place, force)[0]))
 
 

@@ -229,7 +229,8 @@ def _instances(
     kind = JOINTS[NAMES[joint.type]]
     ends = frames[joint.ends[0]], frames[joint.ends[1]]
     points = joint_points(joint, ends) if kind.has_point else ()
-    vectors = joint_vectors(ends, joint) if any(kind.turns(k) for k in (0, 1)) else ({}, {})
+    is_oriented = any(map(kind.needs_orientation, (0, 1)))
+    vectors = joint_vectors(ends, joint) if is_oriented else ({}, {})
     if joint.zero is not None and kind.keeps_zero:
         _require_near(name, ends, vectors)
     for part in kind.parts:

@@ -57,7 +57,7 @@ class ConstraintKind:
     has_variants: bool = False
     has_length: bool = False
 
-    def turns(self, body: int) -> bool:
+    def needs_orientation(self, body: int) -> bool:
         """Whether it needs the orientation of body i (0) or j (1), which a point lacks."""
         return not self.inputs or any(name in (AXES_I, AXES_J)[body] for name in self.inputs)
 
@@ -69,9 +69,12 @@ class CoordinateKind(ConstraintKind, ABC):
     ----------
     counts_turns : bool
         Whether it is an angle, which kernels know up to whole turns only.
+    is_distance : bool
+        Whether it is that of two points, which has no direction where it is zero.
     """
 
     counts_turns: ClassVar[bool] = False
+    is_distance: ClassVar[bool] = False
 
     @abstractmethod
     def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
@@ -112,6 +115,8 @@ class CosineKind(CoordinateKind):
 
 class LengthKind(CoordinateKind):
     """Distance of two points, |d| of lecture 8.2, (8.8), frame O."""
+
+    is_distance = True
 
     def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
         """Length |d| [unit of the ends]."""
@@ -158,10 +163,18 @@ COORDINATES: dict[str, CoordinateKind] = {
 """Those whose residual is a coordinate."""
 
 
+def base_and_axis(package: str) -> tuple[str, str]:
+    """Kind of a package and the axis that its rows are chosen by: ``p1`` and ``z`` of ``p1_z``.
+
+    The axis is empty where the kind has no variants, and of one's own.
+    """
+    name, _, axis = package.partition("_")
+    return (name, axis) if axis in ROWS and name in CONSTRAINTS else (package, "")
+
+
 def base_of(package: str) -> str:
     """Kind of a package: ``p1`` of ``p1_z``."""
-    name, _, axis = package.partition("_")
-    return name if len(axis) == 1 and name in CONSTRAINTS else package
+    return base_and_axis(package)[0]
 
 
 def kind_of(package: str) -> ConstraintKind:
@@ -177,11 +190,11 @@ def is_known(package: str) -> bool:
 
 def components_of(package: str) -> tuple[int, ...]:
     """Component of a vector that each row of a package is; none where its rows are no vector."""
-    base = base_of(package)
+    base, axis = base_and_axis(package)
     if base not in CONSTRAINTS:
         return ()
     if CONSTRAINTS[base].has_variants:
-        return ROWS.get(package.removeprefix(f"{base}_"), ())
+        return ROWS.get(axis, ())
     return (0, 1, 2) if CONSTRAINTS[base].rows == 3 else ()
 
 

@@ -98,6 +98,11 @@ class RelativeCoordinate:
         """Whether it is an angle, which kernels know up to whole turns only."""
         return COORDINATES[self.kind].counts_turns
 
+    @property
+    def is_distance(self) -> bool:
+        """Whether it is that of two points, which has no direction where it is zero."""
+        return COORDINATES[self.kind].is_distance
+
 
 @dataclass(frozen=True, slots=True)
 class Term:
@@ -230,6 +235,11 @@ class ForceElement:
         """Whether it does work that is no potential energy: dampers, and forces that change."""
         damping = dict(self.constants).get("damping", (0.0,))
         return not self.has_potential or damping != (0.0,)
+
+    @property
+    def needs_direction(self) -> bool:
+        """Whether it acts along the distance of its own points, and has no direction at zero."""
+        return False
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,12 +37,12 @@ class Expression(OperationNode["Expression"]):
 
     @property
     def name(self) -> str:
-        """That of a quantity that changes, such as ``t``; of others it is empty."""
+        """Name of a quantity that changes, such as ``t``; empty of other expressions."""
         return self.symbol[0] if self.symbol else ""
 
     @property
     def key(self) -> str:
-        """That of equal formulas, and of no others; it is found when it is first asked for."""
+        """Structural key, which only equal formulas share; found when it is first asked for."""
         stack = [] if hasattr(self, "_key") else [self]
         while stack:
             args = stack[-1].args

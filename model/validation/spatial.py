@@ -159,7 +159,7 @@ def _check_point_bodies(scene: Scene, joint: Joint, kind: JointKind, key: str) -
         if name != GROUND:
             check_only_point(scene, name, point, f"{key}.points[{index}]")
     for index, name in enumerate(joint.ends):
-        if name != GROUND and scene.bodies[name].point and kind.turns(index):
+        if name != GROUND and scene.bodies[name].point and kind.needs_orientation(index):
             raise _keeps_orientation(joint, index, key)
 
 

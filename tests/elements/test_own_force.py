@@ -11,7 +11,7 @@ import pytest
 
 from kousoku.codegen.dynamics.analyse import analyse
 from kousoku.codegen.dynamics.checking import newton_euler
-from kousoku.codegen.dynamics.elements.force_facets import FACETS
+from kousoku.codegen.dynamics.elements.force_facets import FORCE_FACETS
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
 from kousoku.model.elements.forces import FORCES
@@ -39,7 +39,7 @@ GRAVITY, MASS, COEFFICIENT = 9.81, 2.0, 0.5
 def drag(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let scenes have it: a line in each of the two tables."""
     monkeypatch.setitem(FORCES, "quadratic_drag", QuadraticDrag())
-    monkeypatch.setitem(FACETS, Drag, DragFacets)
+    monkeypatch.setitem(FORCE_FACETS, Drag, DragFacets)
 
 
 def falling(**force: Any) -> Tree:

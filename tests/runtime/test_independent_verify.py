@@ -40,7 +40,7 @@ from kousoku.codegen.dynamics.operations import (
 )
 from kousoku.codegen.dynamics.operations import joint_projections as joint_operations
 from kousoku.codegen.dynamics.recording import recorder
-from kousoku.codegen.emit import MESSAGES, along
+from kousoku.codegen.emit import MESSAGES, runtime_sources
 from kousoku.codegen.generate import write_tree
 from kousoku.model.reading.read import read_scene, scene_from_dict, scene_from_toml
 from kousoku.runtime import dynamics_verify, verify
@@ -396,7 +396,7 @@ def test_a_changed_coefficient_in_all_files_is_refused(
     old, new = COEFFICIENTS[where]
     wrong = changed(methods.DOP853, float(old), float(new))
     assert wrong != methods.DOP853
-    integrator = along("integrate", MESSAGES)
+    integrator = runtime_sources("integrate", MESSAGES)
     text = integrator["integrate/methods.py"]
     assert old in text
     integrator["integrate/methods.py"] = text.replace(old, new)

@@ -22,7 +22,7 @@ REGULAR = 1e-9
 
 
 class Pattern:
-    """Which rows are one block, which blocks share a body, and in which order they are eliminated.
+    """Blocks of rows, pairs of them that share a body, and the order in which they are eliminated.
 
     Parameters
     ----------

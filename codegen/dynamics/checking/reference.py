@@ -50,7 +50,7 @@ KINKS = frozenset({Op.ABS, Op.MAX})
 
 @dataclass(frozen=True, slots=True)
 class ReferenceState:
-    """Where a program is run.
+    """State at which a program is run.
 
     Parameters
     ----------

@@ -51,7 +51,7 @@ def drivers_of(system: System) -> tuple[str, ...]:
 
 
 class Auxiliaries:
-    """Where the entries are.
+    """Places of the entries.
 
     Parameters
     ----------

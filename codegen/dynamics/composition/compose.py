@@ -306,7 +306,7 @@ class _ProgramComposer:
                     blocks.omega_b,
                     into=(self.q_dot.part(blocks.q, len(blocks.coordinates)),),
                 )
-        self.coordinates.turn(self.q_dot, self._by_body(self.v))
+        self.coordinates.angle_rates(self.q_dot, self._by_body(self.v))
         free: list[SlotMatrix] = []
         for k, (body, blocks) in enumerate(zip(self.system.bodies, self.bodies, strict=True)):
             ratios = self.recorder.constant(gyroscopic_ratios(body, blocks.columns))

@@ -63,7 +63,7 @@ class Shared:
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """How forces and torques are weighed against each other: Σ |F|² + |N|²/ℓ² is least, frame O.
+    """Weights of forces and torques against each other: Σ |F|² + |N|²/ℓ² is least, frame O.
 
     Parameters
     ----------

@@ -107,7 +107,7 @@ class CoordinateRecorder:
                     into=(self._auxiliary.of(q_moved, TURNS, one.name),),
                 )
 
-    def turn(self, q_dot: SlotMatrix, by_body: Sequence[SlotMatrix]) -> None:
+    def angle_rates(self, q_dot: SlotMatrix, by_body: Sequence[SlotMatrix]) -> None:
         """Record φ̇ = J v (1,) [rad/s] of all angles, for velocities v body by body."""
         for place, one in enumerate(self.all):
             if one.counts_turns:

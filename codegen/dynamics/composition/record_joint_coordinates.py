@@ -96,15 +96,15 @@ class JointCoordinateRecorder:
 
     @property
     def axis_b(self) -> SlotMatrix:
-        """The axes a′ that it turns about, by columns (3, turns) [-]."""
-        if self.one.turn == POINT:
+        """Axes a′ that it rotates about, by columns (3, rotations) [-]."""
+        if self.one.rotates_about == POINT:
             return SlotMatrix((1, 0, 0, 0, 1, 0, 0, 0, 1), 3, 3)
-        return self._vector(self.one.axis_b) if self.one.turn != NOTHING else zeros(3, 0)
+        return self._vector(self.one.axis_b) if self.one.rotates_about != NOTHING else zeros(3, 0)
 
     def geometry(self) -> tuple[SlotMatrix, SlotMatrix]:
         """R (c, f) of what is free and (Rᵀ M R)⁻¹ (f, f); the arm A (s′ × a′) is recorded.
 
-        That is the velocity (3, turns) [m] of the centre of mass for each turn, frame O:
+        That is the velocity (3, rotations) [m] of the centre of mass for each of them, frame O:
         d/dt(−A s′) = A (s′ × ω′) with ω′ = a′ u.
         """
         arm, arms = MatrixProduct("arm of a joint with the ground"), self._table(arms_of(self.one))
@@ -132,9 +132,9 @@ class JointCoordinateRecorder:
         self.recorder.call(
             ProjectPosition(
                 blocks.coordinates,
-                one.turn,
+                one.rotates_about,
                 one.slides,
-                bool(one.prescribed_turn),
+                bool(one.prescribed_rotation),
                 bool(one.prescribed_slide),
             ),
             *(blocks.r, blocks.p, dr, dtheta, *joint),
@@ -149,12 +149,14 @@ class JointCoordinateRecorder:
         """Velocities u (f,), what v lacks of R u + β, and β (c,), recorded."""
         one, blocks = self.one, self.blocks
         masses, moments = shares_of(one, self.moving)
-        is_skew = one.turn == AXIS and not (one.prescribed_turn or is_principal(one, self.moving))
+        is_skew = one.rotates_about == AXIS and not (
+            one.prescribed_rotation or is_principal(one, self.moving)
+        )
         fitted = ProjectVelocity(
             blocks.columns,
-            one.turn,
+            one.rotates_about,
             one.slides,
-            bool(one.prescribed_turn),
+            bool(one.prescribed_rotation),
             bool(one.prescribed_slide),
             is_skew,
         )
@@ -171,7 +173,10 @@ class JointCoordinateRecorder:
         """Bias acceleration η (c,) [m/s², rad/s²], recorded."""
         one, blocks = self.one, self.blocks
         operation = BiasAcceleration(
-            blocks.columns, one.turn, bool(one.prescribed_turn), bool(one.prescribed_slide)
+            blocks.columns,
+            one.rotates_about,
+            bool(one.prescribed_rotation),
+            bool(one.prescribed_slide),
         )
         (eta,) = self.recorder.call(
             operation,
@@ -185,7 +190,7 @@ class JointCoordinateRecorder:
         """Accelerations u̇ of all freedoms, those that are driven too, under M⁻¹f, recorded."""
         one, (masses, moments) = self.one, shares_of(self.one, self.moving)
         (found,) = self.recorder.call(
-            ReduceForces(self.blocks.columns, one.turn, one.slides),
+            ReduceForces(self.blocks.columns, one.rotates_about, one.slides),
             *(free, self.arm, self._vector(one.axis), eta),
             *(self._table(masses), self._table(moments)),
         )
@@ -247,7 +252,7 @@ class JointCoordinateRecorder:
 
     def _columns(self) -> SlotMatrix:
         """Matrix R of all freedoms, those that are driven too."""
-        spins, count = self.axis_b, self.one.turns
+        spins, count = self.axis_b, self.one.rotations
         rows = []
         for k in self.blocks.columns:
             source = self.arm if k < 3 else spins

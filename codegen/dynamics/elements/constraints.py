@@ -47,7 +47,7 @@ class GroundReaction:
         point of the line.
     about : (3,), optional
         Its moments are across this direction.
-    turns : bool
+    any_moment : bool
         Whether its moments are of any direction.
     """
 
@@ -55,10 +55,10 @@ class GroundReaction:
     through: Triple | None = None
     line: tuple[Triple, Triple] | None = None
     about: Triple | None = None
-    turns: bool = False
+    any_moment: bool = False
 
 
-ANYTHING = GroundReaction(through=precise.ZERO, turns=True)
+ANYTHING = GroundReaction(through=precise.ZERO, any_moment=True)
 """Any force and any moment."""
 
 
@@ -269,7 +269,7 @@ class AngleFacets(ConstraintFacets):
 
     def ground_reaction(self, axis: Triple | None, point: Triple | None) -> GroundReaction:
         """Moments of any direction."""
-        return GroundReaction(turns=True)
+        return GroundReaction(any_moment=True)
 
     def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
         """Whether an axis is not in the plane."""
@@ -353,7 +353,7 @@ def _angle(seen: BodiesAtRest) -> tuple[Real, Real]:
     return precise.length(precise.cross(axis, other)), abs(precise.dot(axis, other))
 
 
-FACETS: dict[str, ConstraintFacets] = {
+CONSTRAINT_FACETS: dict[str, ConstraintFacets] = {
     "point": PointFacets(),
     "distance": DistanceFacets(),
     "n1": PerpendicularFacets(),
@@ -368,10 +368,10 @@ FACETS: dict[str, ConstraintFacets] = {
 
 def facets_of_kind(package: str) -> ConstraintFacets:
     """Facets of a package, such as ``p1_z``."""
-    return FACETS[base_of(package)]
+    return CONSTRAINT_FACETS[base_of(package)]
 
 
 def held_by(package: str) -> frozenset[RelativeMotion]:
     """Motions that a package does not allow, whatever the position; one's own may depend on it."""
     base = base_of(package)
-    return FACETS[base].holds if base in FACETS else frozenset()
+    return CONSTRAINT_FACETS[base].holds if base in CONSTRAINT_FACETS else frozenset()

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import ForceElement
 
 #: By the class of the element of a system.
-FACETS: dict[type[ForceElement], type[ForceFacets[Any]]] = {
+FORCE_FACETS: dict[type[ForceElement], type[ForceFacets[Any]]] = {
     Load: LoadFacets,
     PointSpring: SpringFacets,
     CoordinateForce: AlongFacets,
@@ -28,4 +28,4 @@ FACETS: dict[type[ForceElement], type[ForceFacets[Any]]] = {
 
 def facets_of(force: ForceElement) -> ForceFacets[Any]:
     """Facets of a force of a system."""
-    return FACETS[type(force)](force)
+    return FORCE_FACETS[type(force)](force)

@@ -128,7 +128,7 @@ class LoadFacets(ForceFacets[Load]):
 
     def seen_from(self, i: Placement, j: Placement) -> Load:
         """Force on the body that carries its own; one that turns with a body is a vector of it."""
-        constants = seen_from_carriers(self.force.constants, i, j, turning=self.force.turns)
+        constants = seen_from_carriers(self.force.constants, i, j, turning=self.force.is_body_fixed)
         return replace(self.force, i=i.carrier, j=j.carrier, constants=constants)
 
     def resting_energy(self, i: Placement, j: Placement) -> Real:
@@ -140,7 +140,7 @@ class LoadFacets(ForceFacets[Load]):
 
     def applied(self) -> Applied:
         """Directions of its parts, any where it turns with the body."""
-        vectors = None if self.force.turns else self.force.vectors
+        vectors = None if self.force.is_body_fixed else self.force.vectors
         return Applied(torques=vectors) if self.force.is_torque else Applied(forces=vectors)
 
     def by_definition(
@@ -156,7 +156,7 @@ class LoadFacets(ForceFacets[Load]):
         vectors = [values for name, values in given.items() if name != "s_j_b"]
         vector = [sum(parts) for parts in zip(*vectors, strict=True)]
         course = at[force.j]
-        if force.turns:
+        if force.is_body_fixed:
             vector = [x.x for x in course.vector(vector)]
         if force.is_torque:
             return equations.apply_torque(force.j, course, vector, found), 0

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS, WORK
 from kousoku.codegen.dynamics.composition.switching import BOUNDS
-from kousoku.codegen.dynamics.operations.body_coordinates import thickened
+from kousoku.codegen.dynamics.operations.body_coordinates import with_all_inertias
 from kousoku.codegen.dynamics.redundancy.redundant_rows import take_over
 from kousoku.codegen.dynamics.redundancy.varying_rank import rank_rows
 from kousoku.codegen.dynamics.simplification.body_blocks import inverse_masses as of_body
@@ -189,7 +189,7 @@ def inverse_mass_table(program: Program, system: System) -> list[float]:
     A scene that moves in a plane and is computed in space has the thickness that makes it move.
     """
     if not program.is_planar:
-        system = thickened(system)
+        system = with_all_inertias(system)
     found = [0.0] * program.region("v").size
     base = program.region("v").base
     for body, places in zip(system.bodies, program.bodies, strict=True):

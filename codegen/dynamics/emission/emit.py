@@ -11,10 +11,10 @@ from kousoku.codegen.dynamics.emission.numpy_context import numpy_context
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.emit import (
     MESSAGES,
-    along,
     environment,
     hashed,
     promise,
+    runtime_sources,
     templates_in,
     with_manifest,
 )
@@ -82,7 +82,7 @@ def emit_dynamics(
     lacked += OF_DISTANCES * ("HAS_DISTANCE" not in context.features)
     lacked += OF_BREAKS * ("HAS_BREAKS" not in context.features)
     lacked += OF_CUTS * {"HAS_DISTANCE", "HAS_BREAKS"}.isdisjoint(context.features)
-    copies = along("integrate", MESSAGES)
+    copies = runtime_sources("integrate", MESSAGES)
     integrator = {name: text for name, text in copies.items() if name not in lacked}
     given = {
         "solver": context,

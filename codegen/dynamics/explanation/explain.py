@@ -17,7 +17,7 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
 from kousoku.codegen.dynamics.explanation.text import explanation_text
 from kousoku.codegen.dynamics.generate import LEDGER
-from kousoku.codegen.dynamics.operations.body_coordinates import thickened
+from kousoku.codegen.dynamics.operations.body_coordinates import with_all_inertias
 from kousoku.codegen.dynamics.recording.counts import counts, operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
@@ -145,10 +145,10 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         As :func:`kousoku.codegen.dynamics.generate.generate_dynamics` raises them.
     """
     names = scene.outputs if outputs is None else outputs
-    each = assemble_scene(scene, names).system
+    assembled = assemble_scene(scene, names).system
     wanted = (*LEDGER, *names)
-    found = analyse(each, wanted)
-    apart = _heavy(each)
+    found = analyse(assembled, wanted)
+    unlumped = _with_masses(assembled)
     system, freedom = found.system, found.freedom
     choice = choice_of(found, wanted)
     whole, program = choice.whole, choice.program
@@ -159,7 +159,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     structure = structure_of(system, program)
     steps = [
         *_counted(system, program),
-        *_compared(apart, found, full, wanted),
+        *_compared(unlumped, found, full, wanted),
         _step("redundant rows removed", _of_rows(freedom), full, kept),
         *_out_of_plane(kept, whole),
         SavedStep("parts solved apart", f"{structure.parts} without a common moving body"),
@@ -175,7 +175,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         steps=tuple(steps),
         segments=tuple(segments.items()),
         structure=structure,
-        freedom=_freedom_apart(apart) if found.lumped else freedom,
+        freedom=_freedom_unlumped(unlumped) if found.lumped else freedom,
         removed=tuple(
             f"{row.joint}: row {row.row} of {kind_name(system.constraints[row.instance].kind)}"
             for row in freedom.dropped
@@ -185,29 +185,29 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     )
 
 
-def _freedom_apart(system: System) -> Freedom:
+def _freedom_unlumped(system: System) -> Freedom:
     """Freedom of a scene in which all bodies are apart."""
     found = with_all_rows(system, plane_of(system))
     return freedom_of(fixed_system(system), found.outline)
 
 
 def _compared(
-    each: System, found: Analysed, full: Program, wanted: Sequence[str]
+    unlumped: System, found: Analysed, full: Program, wanted: Sequence[str]
 ) -> Iterator[SavedStep]:
     """Steps that compare two programs, from one that leaves nothing out."""
     all_of = tuple(dict.fromkeys((*ALL, *wanted)))
-    thick = thickened(found.system)
-    unfolded = compose(with_all_rows(_generic(_spinning(thick)), None), all_of)
+    with_inertias = with_all_inertias(found.system)
+    unfolded = compose(with_all_rows(_generic(_spinning(with_inertias)), None), all_of)
     if found.lumped:
-        apart = compose(with_all_rows(_generic(_spinning(each)), None), all_of)
-        yield _step("bodies joined rigidly", _of_joints(found), apart, unfolded)
+        separate = compose(with_all_rows(_generic(_spinning(unlumped)), None), all_of)
+        yield _step("bodies joined rigidly", _of_joints(found), separate, unfolded)
     else:
-        yield SavedStep("bodies joined rigidly", _of_fixed(each, wanted))
-    spinning = compose(with_all_rows(_spinning(thick), None), all_of)
-    in_space = compose(with_all_rows(thick, None), all_of)
-    folded = structure_of(thick, in_space)
+        yield SavedStep("bodies joined rigidly", _of_fixed(unlumped, wanted))
+    spinning = compose(with_all_rows(_spinning(with_inertias), None), all_of)
+    in_space = compose(with_all_rows(with_inertias, None), all_of)
+    folded = structure_of(with_inertias, in_space)
     yield _step("zeros and ones folded", _of_elements(folded), unfolded, spinning)
-    yield _step("gyroscopic terms", _of_moments(thick), spinning, in_space)
+    yield _step("gyroscopic terms", _of_moments(with_inertias), spinning, in_space)
     everything = compose(with_all_rows(found.system, found.outline.plane), all_of)
     yield _step("planar", _of_plane(found), in_space, everything)
     yield _step("outputs not wanted", _of_outputs(wanted), everything, full)
@@ -258,10 +258,10 @@ def _counted(system: System, program: Program) -> list[SavedStep]:
     ]
 
 
-def _heavy(system: System) -> System:
+def _with_masses(system: System) -> System:
     """System with bodies that all weigh something, which one of many need not do."""
     bodies = tuple(replace(body, mass=body.mass or 1.0) for body in system.bodies)
-    return thickened(replace(system, bodies=bodies))
+    return with_all_inertias(replace(system, bodies=bodies))
 
 
 def _spinning(system: System) -> System:

@@ -71,16 +71,16 @@ def require_masses(system: System, *, is_planar: bool) -> None:
         raise SceneError.of(found)
 
 
-def thickened(system: System) -> System:
+def with_all_inertias(system: System) -> System:
     """System with bodies that can turn about any axis: thin ones get some thickness.
 
     Moments (3,) [kg m²] in the principal frame that are zero become max(I)/2, or 1. A motion in a
     plane, and what it takes to hold bodies in it, does not change by that.
     """
-    return replace(system, bodies=tuple(map(_thickened, system.bodies)))
+    return replace(system, bodies=tuple(map(_with_all_inertias, system.bodies)))
 
 
-def _thickened(body: MovingBody) -> MovingBody:
+def _with_all_inertias(body: MovingBody) -> MovingBody:
     if body.is_point:
         return body
     x, y, z = body.inertia

@@ -69,16 +69,16 @@ class ProjectPosition:
     ----------
     coordinates : tuple of int
         Places in (r, p) that are coordinates.
-    turn : str
-        What the body turns about.
-    slides, drives_turn, drives_slide : bool
+    rotates_about : str
+        What the body rotates about.
+    slides, drives_rotation, drives_slide : bool
         Whether it can be displaced, and what is driven.
     """
 
     coordinates: tuple[int, ...]
-    turn: str
+    rotates_about: str
     slides: bool
-    drives_turn: bool
+    drives_rotation: bool
     drives_slide: bool
     title: str = "onto the joint with the ground"
 
@@ -86,10 +86,10 @@ class ProjectPosition:
         """Position r, p that meets the joint, p of norm one: its coordinates, (c,) [m, -]."""
         (r, p, dr, dtheta), joint = blocks[:4], GroundJointBlocks(*blocks[4:12])
         graph, given = trace.graph, iter(blocks[12:])
-        if self.turn == NOTHING:
+        if self.rotates_about == NOTHING:
             new, foot = joint.p, joint.r
         else:
-            if self.drives_turn:
+            if self.drives_rotation:
                 half = graph.div(next(given).flat[0], graph.const(2))
                 cosine, sine = (Matrix.of(graph, [x]) for x in (graph.cos(half), graph.sin(half)))
                 new = joint.p @ cosine + joint.p_turned @ sine
@@ -107,7 +107,7 @@ class ProjectPosition:
     def _turned(self, trace: Trace, p: Matrix, dtheta: Matrix, beside: Matrix) -> Matrix:
         """Euler parameters p ∘ (1, ½ δθ′), of turns about the axis alone, of norm one."""
         new = p + euler_rates(trace, p, dtheta)
-        if self.turn == AXIS:
+        if self.rotates_about == AXIS:
             new -= beside @ (beside.T @ new)
         return normalised(new)
 
@@ -116,8 +116,8 @@ class ProjectPosition:
 class ProjectVelocity:
     """Velocities v = R u + β that fit the joint, u = (Rᵀ M R)⁻¹ Rᵀ M (v − β).
 
-    Blocks: v (3,) [m/s] in frame O, ω′ (3,) [rad/s] in the principal frame, the arm (3, turns) [m],
-    a′ and a by columns, the vectors across each of them, (Rᵀ M R)⁻¹ m [1/m²] of the turns, and (Rᵀ
+    Blocks: v (3,) [m/s] in frame O, ω′ (3,) [rad/s] in the principal frame, the arm (3, k) [m],
+    a′ and a by columns, the vectors across each of them, (Rᵀ M R)⁻¹ m [1/m²] of k turns, and (Rᵀ
     M R)⁻¹ a′ᵀ I′ where the axis is skew; then the rates that drive turn and displacement.
 
     They are changed by the least in the metric of the masses, as all rows would do it: a turn is
@@ -127,18 +127,18 @@ class ProjectVelocity:
     ----------
     columns : tuple of int
         The body's columns.
-    turn : str
-        What it turns about.
-    slides, drives_turn, drives_slide : bool
+    rotates_about : str
+        What it rotates about.
+    slides, drives_rotation, drives_slide : bool
         Whether it can be displaced, and what is driven.
     is_skew : bool
         Whether a′ is no principal axis: what ω′ has across it says something of the turn, too.
     """
 
     columns: tuple[int, ...]
-    turn: str
+    rotates_about: str
     slides: bool
-    drives_turn: bool
+    drives_rotation: bool
     drives_slide: bool
     is_skew: bool
     title: str = "velocity on the joint with the ground"
@@ -150,9 +150,9 @@ class ProjectVelocity:
         free: list[Matrix] = []
         zero = v - v
         beta, spin = zero, zero
-        if self.turn == NOTHING:
+        if self.rotates_about == NOTHING:
             turning, lacks = zero, -omega
-        elif self.drives_turn:
+        elif self.drives_rotation:
             rate = next(given)
             beta, spin = arm @ rate, axis_b @ rate
             turning, lacks = beta, spin - omega
@@ -162,7 +162,7 @@ class ProjectVelocity:
             if self.is_skew:
                 more += next(given) @ (omega - axis_b @ turn)
             lacks = axis_b @ more
-            if self.turn == AXIS:
+            if self.rotates_about == AXIS:
                 lacks -= across_b @ (across_b.T @ omega)
             free.append(turn + more)
             turning = arm @ free[0]
@@ -186,7 +186,7 @@ class ProjectVelocity:
 class BiasAcceleration:
     """η: the acceleration that is there with u̇ = 0, v̇ = R u̇ + η.
 
-    Blocks: ω′ (3,) [rad/s] in the principal frame, the arm (3, turns) [m] in frame O, A (3, 3) [-],
+    Blocks: ω′ (3,) [rad/s] in the principal frame, the arm (3, k) [m] in frame O, A (3, 3) [-],
     axes a′ in the principal frame and a in frame O by columns [-], the point s′ (3,) [m] of the
     joint in the principal frame; then the second derivatives that drive turn and
     displacement. About a point it is A (ω′ × (s′ × ω′)), about an axis a × arm u².
@@ -195,15 +195,15 @@ class BiasAcceleration:
     ----------
     columns : tuple of int
         The body's columns.
-    turn : str
-        What it turns about.
-    drives_turn, drives_slide : bool
+    rotates_about : str
+        What it rotates about.
+    drives_rotation, drives_slide : bool
         What is driven.
     """
 
     columns: tuple[int, ...]
-    turn: str
-    drives_turn: bool
+    rotates_about: str
+    drives_rotation: bool
     drives_slide: bool
     title: str = "acceleration on the joint with the ground"
 
@@ -213,12 +213,12 @@ class BiasAcceleration:
         given = iter(led)
         zero = omega - omega
         moves, spins = zero, zero
-        if self.turn == POINT:
+        if self.rotates_about == POINT:
             moves = orientation @ omega.cross(point.cross(omega))
-        elif self.turn == AXIS:
+        elif self.rotates_about == AXIS:
             rate = axis_b.T @ omega
             moves = axis.cross(arm) @ (rate @ rate)
-        if self.drives_turn:
+        if self.drives_rotation:
             second = next(given)
             moves, spins = moves + arm @ second, axis_b @ second
         if self.drives_slide:
@@ -231,28 +231,28 @@ class ReduceForces:
     """u̇ (f,) of a body on which no other joint acts: Rᵀ M R u̇ = Rᵀ (f − M η).
 
     Blocks: M⁻¹f in the columns (c,) [m/s², rad/s²], δr in frame O and δθ′ in the principal frame,
-    the arm (3, turns) [m] and a (3,) in frame O, η in the columns, then (Rᵀ M R)⁻¹ m and (Rᵀ M R)⁻¹
-    a′ᵀ I′ of the turns.
+    the arm (3, k) [m] and a (3,) in frame O, η in the columns, then (Rᵀ M R)⁻¹ m and (Rᵀ M R)⁻¹
+    a′ᵀ I′ of k turns.
 
     Parameters
     ----------
     columns : tuple of int
         The body's columns.
-    turn : str
-        What it turns about.
+    rotates_about : str
+        What it rotates about.
     slides : bool
         Whether it can be displaced.
     """
 
     columns: tuple[int, ...]
-    turn: str
+    rotates_about: str
     slides: bool
     title: str = "free acceleration on the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Accelerations (Rᵀ M R)⁻¹ Rᵀ M (M⁻¹f − η) (f,) of all turns and the displacement."""
         free, arm, axis, eta, masses, moments = blocks
-        if self.turn == POINT:  # else Rᵀ M η is zero for what is free
+        if self.rotates_about == POINT:  # else Rᵀ M η is zero for what is free
             free -= eta
         graph = trace.graph
         full = [graph.const(0)] * 6
@@ -260,7 +260,7 @@ class ReduceForces:
             full[place] = node
         moves, spins = (Matrix.of(graph, full[k : k + 3]) for k in (0, 3))
         found = []
-        if self.turn != NOTHING:
+        if self.rotates_about != NOTHING:
             found.append(masses @ (arm.T @ moves) + moments @ spins)
         if self.slides:
             found.append(axis.T @ moves)

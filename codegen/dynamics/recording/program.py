@@ -82,7 +82,7 @@ class Segment:
 
 @dataclass(frozen=True, slots=True)
 class CoordinatePlace:
-    """Where one coordinate of a body is.
+    """Slot of a coordinate, or the value of one that has none.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class CoordinatePlace:
 
 @dataclass(frozen=True, slots=True)
 class BodyCoordinates:
-    """Where position and velocity of a body are.
+    """Slots of the position and velocity of a body.
 
     Parameters
     ----------

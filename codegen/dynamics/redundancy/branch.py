@@ -237,7 +237,7 @@ class Branch:
         found: Array = scaled * self._missed_by[list(places)]
         return found
 
-    def pulls(self, position: BranchPosition, places: Sequence[int]) -> Array:
+    def reaction_directions(self, position: BranchPosition, places: Sequence[int]) -> Array:
         """Force and torque on each body of rows whose multipliers move nothing.
 
         Parameters

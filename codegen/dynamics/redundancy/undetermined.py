@@ -80,13 +80,13 @@ def undetermined(
         point = np.array(points.get(joint, (0.0, 0.0, 0.0))) / length
         most = np.zeros(len(COLUMNS))
         for position in (positions[k] for k in steps):
-            pulls = branch.pulls(position, places)
+            directions = branch.reaction_directions(position, places)
             for end in loaded_bodies(bodies):
                 at = end if len(bodies) > 2 else bodies[1]
                 arm = np.array(system.bodies[end].origin_b) / length if len(bodies) > 2 else point
                 own = part.bodies.index(end)
                 there = arm if at == GROUND_INDEX else _place(position, part.bodies.index(at), arm)
-                wrench = _at(position, own, pulls[:, own], there)
+                wrench = _at(position, own, directions[:, own], there)
                 most = np.maximum(most, np.abs(wrench).max(axis=0, initial=0.0))
         names = tuple(
             name for name, size in zip(COLUMNS, most.tolist(), strict=True) if size > takes_part
@@ -102,9 +102,9 @@ def _place(position: BranchPosition, body: int, arm: Array) -> Array:
     return place
 
 
-def _at(position: BranchPosition, body: int, pulls: Array, point: Array) -> Array:
+def _at(position: BranchPosition, body: int, directions: Array, point: Array) -> Array:
     """Wrench at a point in frame O, of force and torque at the centre of mass of a body."""
-    force, own = pulls[:, :3].T, pulls[:, 3:].T
+    force, own = directions[:, :3].T, directions[:, 3:].T
     p = position.p[body][:, np.newaxis]
     arm = (position.r[body] - point)[:, np.newaxis]
     torque = rotated(p, own) + crossed(np.broadcast_to(arm, force.shape), force)

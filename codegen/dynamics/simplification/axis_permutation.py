@@ -11,8 +11,7 @@ from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING, TypeVar
 
-from kousoku.model.mechanics.constraints import components_of, is_known
-from kousoku.model.mechanics.parallel_rows import ROWS
+from kousoku.model.mechanics.constraints import base_and_axis, components_of, is_known
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -164,5 +163,5 @@ def _permuted_constants(constants: Constants, shift: int) -> Constants:
 
 
 def _permuted_kind(kind: str, shift: int) -> str:
-    name, _, axis = kind.partition("_")
-    return f"{name}_{AXES[(AXES.index(axis) - shift) % 3]}" if axis in ROWS else kind
+    base, axis = base_and_axis(kind)
+    return f"{base}_{AXES[(AXES.index(axis) - shift) % 3]}" if axis else kind

@@ -1,4 +1,4 @@
-"""Which forces lead a system out of a coordinate plane that it starts in."""
+"""Forces that lead a system out of a coordinate plane that it starts in."""
 
 from __future__ import annotations
 

@@ -83,8 +83,8 @@ class VelocityTransformation:
         Its index.
     instances : tuple of int
         Places of the joint and of its drivers in the system: these rows hold by themselves.
-    turn : str
-        What it can turn about: nothing, an axis, a point.
+    rotates_about : str
+        What it can rotate about: nothing, an axis, a point.
     slides : bool
         Whether it can be displaced along an axis.
     joint, joint_b : (3,) [m]
@@ -99,13 +99,13 @@ class VelocityTransformation:
         Two vectors perpendicular to each of them.
     beside : (4,) and (4,)
         Euler parameters that no turn about the axis has a part of, beside those of ``p``.
-    prescribed_turn, prescribed_slide : Prescribed, optional
+    prescribed_rotation, prescribed_slide : Prescribed, optional
         What drives the turn and the displacement.
     """
 
     body: int
     instances: tuple[int, ...]
-    turn: str
+    rotates_about: str
     slides: bool
     joint: Numbers
     joint_b: Numbers
@@ -116,24 +116,24 @@ class VelocityTransformation:
     across: tuple[Numbers, Numbers]
     across_b: tuple[Numbers, Numbers]
     beside: tuple[Numbers, Numbers]
-    prescribed_turn: Prescribed | None = None
+    prescribed_rotation: Prescribed | None = None
     prescribed_slide: Prescribed | None = None
 
     @property
-    def turns(self) -> int:
-        """How many angular velocities the joint leaves, those too that are driven."""
-        return {NOTHING: 0, AXIS: 1, POINT: 3}[self.turn]
+    def rotations(self) -> int:
+        """Count of angular velocities that the joint leaves, those too that are driven."""
+        return {NOTHING: 0, AXIS: 1, POINT: 3}[self.rotates_about]
 
     @property
     def free(self) -> tuple[int, ...]:
-        """Which of its freedoms, turns first, are not driven."""
-        turns = () if self.prescribed_turn else tuple(range(self.turns))
-        return (*turns, self.turns) if self.slides and not self.prescribed_slide else turns
+        """Freedoms of it, rotations first, that are not driven."""
+        free = () if self.prescribed_rotation else tuple(range(self.rotations))
+        return (*free, self.rotations) if self.slides and not self.prescribed_slide else free
 
     @property
     def prescribed(self) -> tuple[tuple[int, Prescribed], ...]:
-        """Which of its freedoms are driven, and by which driver."""
-        found = ((0, self.prescribed_turn), (self.turns, self.prescribed_slide))
+        """Freedoms of it that are driven, and by which driver."""
+        found = ((0, self.prescribed_rotation), (self.rotations, self.prescribed_slide))
         return tuple((k, one) for k, one in found if one)
 
     @property
@@ -232,7 +232,7 @@ def _placed(
     system: System,
     body: int,
     by_motion: Mapping[RelativeMotion, int],
-    turn: str,
+    rotates_about: str,
     slides: bool,
     *,
     is_planar: bool,
@@ -250,7 +250,7 @@ def _placed(
     axis, axis_b = _axes(of.get(TILT, {}), ground, own, p)
     if is_planar:
         is_normal = not any(axis[:2])
-        turn = AXIS if is_normal and turn != NOTHING else NOTHING
+        rotates_about = AXIS if is_normal and rotates_about != NOTHING else NOTHING
         slides = slides and not is_normal
     joint, joint_b = (precise.triple(of[SHIFT][f"s_{side}_b"]) for side in (ground, own))
     if slides:  # the displacement is counted from where the body stands
@@ -262,7 +262,7 @@ def _placed(
     return VelocityTransformation(
         body=body,
         instances=instances,
-        turn=turn,
+        rotates_about=rotates_about,
         slides=slides,
         joint=precise.rounded(joint),
         joint_b=precise.rounded(joint_b),
@@ -314,8 +314,8 @@ def _with_drivers(
         led = Prescribed(place, sign, _at_start(system, coordinate))
         instances = (*found.instances, place)
         measured = facets_of_kind(coordinate.kind).measures
-        if measured == SPIN and found.turn == AXIS and not found.prescribed_turn:
-            found = replace(found, prescribed_turn=led, instances=instances)
+        if measured == SPIN and found.rotates_about == AXIS and not found.prescribed_rotation:
+            found = replace(found, prescribed_rotation=led, instances=instances)
         elif measured == SLIDE and found.slides and not found.prescribed_slide:
             found = replace(found, prescribed_slide=led, instances=instances)
     return found

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elements.constraints import (
     ANYTHING,
-    FACETS,
+    CONSTRAINT_FACETS,
     GroundReaction,
     RelativeMotion,
     held_by,
@@ -91,7 +91,7 @@ def _ground_reaction(
     if is_varying((axis, point)):
         return ANYTHING
     fixed = (None if x is None else precise.triple(x) for x in (axis, point))
-    return FACETS[kind].ground_reaction(*fixed)
+    return CONSTRAINT_FACETS[kind].ground_reaction(*fixed)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +155,7 @@ def free_of_moment(
     along = [precise.triple(push) for push in pushes]
     points: list[Triple] = []
     for one in reactions:
-        if one.turns:
+        if one.any_moment:
             return Axes()
         points += [one.through] if one.through is not None else []
         points += [one.line[1]] if one.line is not None else []

@@ -22,21 +22,21 @@ if TYPE_CHECKING:
 
 
 def axes_of(one: VelocityTransformation) -> Square:
-    """Axes a′ (turns, 3) [-] that a body turns about, ω′ = Σ a′ u, in its frame, row by row."""
-    if one.turn == POINT:
+    """Axes a′ (k, 3) [-] of k rotations of a body, ω′ = Σ a′ u, in its frame, row by row."""
+    if one.rotates_about == POINT:
         return [[Fraction(int(k == n)) for n in range(3)] for k in range(3)]
-    return [] if one.turn == NOTHING else [[Fraction(x) for x in one.axis_b]]
+    return [] if one.rotates_about == NOTHING else [[Fraction(x) for x in one.axis_b]]
 
 
 def arms_of(one: VelocityTransformation) -> Square:
-    """Arms s′ × a′ (3, turns) [m] of these axes, body frame: the mass centre moves along them."""
+    """Arms s′ × a′ (3, k) [m] of these axes, body frame: the mass centre moves along them."""
     x, y, z = (Fraction(value) for value in one.joint_b)
     arms = [(y * c - z * b, z * a - x * c, x * b - y * a) for a, b, c in axes_of(one)]
     return [[arm[k] for arm in arms] for k in range(3)]
 
 
 def reduced_mass_matrix(one: VelocityTransformation, body: MovingBody) -> Square:
-    """Mass matrix Rᵀ M R (f, f) of all freedoms, turns first, those too that are driven.
+    """Mass matrix Rᵀ M R (f, f) of all freedoms, rotations first, those too that are driven.
 
     (s′ × a′)·m (s′ × b′) + a′·I′b′ [kg m²] of turns about a′ and b′, m [kg] of a displacement, body
     frame.
@@ -54,17 +54,17 @@ def reduced_mass_matrix(one: VelocityTransformation, body: MovingBody) -> Square
     ]
     if one.slides:  # across all arms
         found = [[*row, Fraction(0)] for row in found]
-        found.append([Fraction(0)] * one.turns + [mass])
+        found.append([Fraction(0)] * one.rotations + [mass])
     return found
 
 
 def shares_of(one: VelocityTransformation, body: MovingBody) -> tuple[Square, Square]:
-    """Shares (Rᵀ M R)⁻¹ m and (Rᵀ M R)⁻¹ a′ᵀ I′ of the turns, (turns, turns) and (turns, 3).
+    """Shares (Rᵀ M R)⁻¹ m and (Rᵀ M R)⁻¹ a′ᵀ I′ of k rotations, (k, k) and (k, 3).
 
     Units are 1/m² and [-]; a′ and I′ are in the body frame.
     """
-    turns, whole = range(one.turns), reduced_mass_matrix(one, body)
-    inverse = inverse_of([[whole[a][b] for b in turns] for a in turns])
+    rotations, whole = range(one.rotations), reduced_mass_matrix(one, body)
+    inverse = inverse_of([[whole[a][b] for b in rotations] for a in rotations])
     mass, moments = Fraction(body.mass), [Fraction(x) for x in body.inertia]
     spins = [[x * m for x, m in zip(axis, moments, strict=True)] for axis in axes_of(one)]
     return [[mass * x for x in row] for row in inverse], [

@@ -1,4 +1,4 @@
-"""Which bodies are one, because fixed joints hold them together."""
+"""Bodies that are one, because fixed joints hold them together."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from kousoku.codegen.emit import along
+from kousoku.codegen.emit import runtime_sources
 from kousoku.codegen.generate import write_tree
 from kousoku.codegen.linkage import emit as linkage_emit
 from kousoku.codegen.linkage.assemble import assemble
@@ -181,7 +181,9 @@ def test_digest_covers_the_analysis(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = read_scene(SCENES / "piston_crank.toml")
     before = digest_of(scene)
     more = {"kinematics/new.h": "\n"}
-    monkeypatch.setattr(linkage_emit, "along", lambda *names: along(*names) | more)
+    monkeypatch.setattr(
+        linkage_emit, "runtime_sources", lambda *names: runtime_sources(*names) | more
+    )
     assert digest_of(scene) != before
 
 
