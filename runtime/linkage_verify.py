@@ -36,7 +36,7 @@ SPEED, SPEED_DOT = -1.5, 0.75
 class LinkageCheck(SolverCheck[LinkageSolver]):
     """The check of a folder that was made from a linkage."""
 
-    FORMAT = 1
+    REFERENCE_FORMAT = 1
 
     def load(self, target: Target) -> LinkageSolver:
         """Solver by a target."""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.linkage.blocks import DiagonalBlock
     from kousoku.codegen.linkage.layout import WorkspaceLayout
 
-FORMAT = 1
+DATA_FORMAT = 1
 
 
 def linkage_data(program: Program, layout: WorkspaceLayout) -> dict[str, Any]:
@@ -24,7 +24,7 @@ def linkage_data(program: Program, layout: WorkspaceLayout) -> dict[str, Any]:
     assembly = layout.assembly
     scene, coordinates = assembly.scene, assembly.coordinates
     return {
-        "format": FORMAT,
+        "format": DATA_FORMAT,
         "name": scene.name,
         "unit": scene.unit,
         "length": float(scene.largest_length),

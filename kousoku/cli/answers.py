@@ -9,7 +9,7 @@ from typing import Any, Literal, TypedDict
 
 import msgspec
 
-from kousoku.cli.console import FORMAT
+from kousoku.cli.console import ANSWER_FORMAT
 
 JsonNumber = float | Literal["inf", "-inf", "nan"]
 
@@ -484,7 +484,7 @@ def answer_schema(command: str) -> dict[str, Any]:
     records = getattr(ANSWERS[command], "__args__", (ANSWERS[command],))
     refs, parts = msgspec.json.schema_components(records, ref_template="#/$defs/{name}")
     for name in {record.__name__ for record in records}:
-        parts[name]["properties"]["format"] = {"const": FORMAT}
+        parts[name]["properties"]["format"] = {"const": ANSWER_FORMAT}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": f"kousoku {command} --json",

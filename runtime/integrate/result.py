@@ -97,7 +97,7 @@ if TYPE_CHECKING:
 
 Value = TypeVar("Value")
 #: What changes less, as a part of what it is compared with, does so by rounding.
-NOISE = 1e-9
+ROUNDING_OF_COLUMNS = 1e-9
 #: Files that results go to; the last one needs pandas and pyarrow.
 SUFFIXES = (".csv", ".npz", ".parquet")
 
@@ -431,7 +431,11 @@ class Result:
         """Columns that change by more than rounding."""
         if not len(self):
             return []
-        return [x for x in names if np.ptp(self[x]) > NOISE * max(least, np.abs(self[x]).max())]
+        return [
+            x
+            for x in names
+            if np.ptp(self[x]) > ROUNDING_OF_COLUMNS * max(least, np.abs(self[x]).max())
+        ]
 
     def _part(self, sort: str, name: str) -> Part:
         if sort not in self.PARTS:

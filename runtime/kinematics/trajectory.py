@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .tables import Array, LinkageTables
 
 #: Of a turn that leads back, the most that nodes may be off, relative to the largest length.
-CLOSED = 1e-6
+LARGEST_CLOSURE_GAP = 1e-6
 #: Residuals that move a coordinate as often as this have lost digits worth telling.
 DIGITS_LOST = 1e3
 #: Tables of a node and of a link, the letters of their columns, and what follows the unit.
@@ -231,13 +231,13 @@ class Trajectory(Result):
         if self.is_in_time or len(self) <= n:
             return {}
         turns = [(rows[n] - rows[0]) / math.tau for rows in self.inputs.values()]
-        if not all(round(x) and abs(x - round(x)) < CLOSED for x in turns) or {
+        if not all(round(x) and abs(x - round(x)) < LARGEST_CLOSURE_GAP for x in turns) or {
             *self.input_units.values()
         } != {"rad"}:
             return {}
         gaps = {node: math.dist(rows[n], rows[0]) for node, rows in self.positions.items()}
         length = max(link[-1] for link in self.links)
-        return {node: gap for node, gap in gaps.items() if gap > CLOSED * length}
+        return {node: gap for node, gap in gaps.items() if gap > LARGEST_CLOSURE_GAP * length}
 
     @property
     def notes(self) -> tuple[str, ...]:
