@@ -11,7 +11,7 @@ import numpy as np
 
 from ..integrate.result import Column, Named, Result
 from ..messages import missing, not_generated
-from .rows import METHODS, OF_LINKS, OF_NODES
+from .rows import LINKAGE_METHODS, OF_LINKS, OF_NODES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -313,7 +313,7 @@ def trajectory_of(
     return Trajectory(
         name=name,
         unit=mechanism.unit,
-        method=METHODS[run.method],
+        method=LINKAGE_METHODS[run.method],
         divisions=run.divisions,
         input_units={given.name: given.unit for given in mechanism.inputs},
         times=_times(run, n) if run.times is None else run.times[:n],
