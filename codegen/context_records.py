@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.context_body import Assignment, OutputText
 
 #: Rows of this size are at least as long as any vector.
-LONGEST = 8
+LARGEST_LANE_WIDTH = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,14 +47,14 @@ class ArgumentContext:
     def load(self) -> str:
         """Transposition of the rows of an input to lanes."""
         at = f"in[{self.index}], i, stride[{self.index}]"
-        if self.size >= LONGEST:
+        if self.size >= LARGEST_LANE_WIDTH:
             return f"load_rows({at}, {self.size}, {self.symbol})"
         return f"load_{self.size}({at}, {self.symbol})"
 
     @property
     def store(self) -> str:
         """Transposition of the lanes of an output to rows."""
-        if self.size >= LONGEST:
+        if self.size >= LARGEST_LANE_WIDTH:
             return f"store_rows({self.symbol}, out[{self.index}], i, {self.size})"
         return f"store_{self.size}({self.symbol}, out[{self.index}], i)"
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.dual import Dual
 
 #: u, the rounding of a double.
-ROUNDING = CONTEXT.mpf(2) ** -53
+UNIT_ROUNDOFF = CONTEXT.mpf(2) ** -53
 #: A derivative below this, at numbers of order one, is a zero that 50 digits left over.
 NEGLIGIBLE = CONTEXT.mpf(10) ** -40
 
@@ -46,5 +46,5 @@ def _row(
     high = float(element.value)
     low = float(element.value - high)
     size = abs(element.value) + sum(abs(numbers[k] * x) for k, x in element.gradient.items())
-    unit = max(float(f"{float(ROUNDING * size):.2e}"), SMALLEST_SUBNORMAL)
+    unit = max(float(f"{float(UNIT_ROUNDOFF * size):.2e}"), SMALLEST_SUBNORMAL)
     return high, float(f"{low:.4e}"), unit

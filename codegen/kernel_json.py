@@ -28,7 +28,7 @@ from kousoku.symbolic.kinds import KINDS
 if TYPE_CHECKING:
     from pathlib import Path
 
-FORMAT = 2
+GRAPH_FORMAT = 2
 GRAPH_FILE = "graph.json.gz"
 #: Signs of the operations that stand between the ids of their operands, as in ``12*40``.
 SIGNS = {Op.ADD: "+", Op.SUB: "-", Op.MUL: "*", Op.DIV: "/"}
@@ -42,7 +42,7 @@ def dump(package: Package) -> str:
     """Content of ``graph.json.gz``; equal packages give equal bytes."""
     return to_text(
         {
-            "format": FORMAT,
+            "format": GRAPH_FORMAT,
             "name": package.name,
             "title": package.title,
             "regenerate": package.regenerate,
@@ -62,8 +62,8 @@ def parse(text: str) -> Package:
     """
     try:
         data: dict[str, Any] = json.loads(text)
-        if data["format"] != FORMAT:
-            raise ValueError(f"format {data['format']} instead of {FORMAT}")
+        if data["format"] != GRAPH_FORMAT:
+            raise ValueError(f"format {data['format']} instead of {GRAPH_FORMAT}")
         kernels = tuple(_kernel_from_data(kernel) for kernel in data["kernels"])
         choices = tuple(data.get("choices", ()))
         return Package(data["name"], data["title"], data["regenerate"], kernels, choices)

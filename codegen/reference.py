@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from kousoku.model.operations.kernel import Kernel, Package
     from kousoku.symbolic.derivation import DerivedOutput, Function
 
-FORMAT = 1
+REFERENCE_FORMAT = 1
 #: From how many points the way to the constraint manifold is tried.
 MOST_STARTS = 8
 #: The output that a manifold is the zero of.
@@ -81,7 +81,7 @@ def references(
     """
     with CONTEXT.workdps(WORKING_DIGITS):
         kernels = _kernels(package, functions, is_thorough)
-    return to_text({"format": FORMAT, "package": package.name, "kernels": kernels})
+    return to_text({"format": REFERENCE_FORMAT, "package": package.name, "kernels": kernels})
 
 
 def _kernels(

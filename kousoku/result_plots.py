@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 #: Bodies and joints that are drawn where none is named.
 MOST_PARTS = 12
 #: What is smaller, as a part of the largest number of its kind, is rounding.
-NOISE = 1e-9
+CURVE_NOISE = 1e-9
 #: What a table is called on an axis.
 LABELS = {
     "positions": "position",
@@ -66,7 +66,7 @@ class PlotPanel:
     @property
     def is_noise(self) -> bool:
         """Whether there is nothing to see but rounding around zero."""
-        return all(_largest(values) <= NOISE * self.size for values in self.curves.values())
+        return all(_largest(values) <= CURVE_NOISE * self.size for values in self.curves.values())
 
 
 def plot(result: Result, *columns: str) -> Figure:
@@ -167,7 +167,7 @@ def _efforts(result: Result) -> list[str]:
         return []
     known = {x: result.places[x].table for name in result.drivers for x in result.columns_of(name)}
     sizes = {table: max(map(_largest, getattr(result, table).values())) for table in known.values()}
-    return [x for x, table in known.items() if _largest(result[x]) > NOISE * sizes[table]]
+    return [x for x, table in known.items() if _largest(result[x]) > CURVE_NOISE * sizes[table]]
 
 
 def _panels(
@@ -221,10 +221,12 @@ def _curves(result: Result, table: str, owner: str, names: Sequence[str]) -> dic
 def _center(result: Result, body: str, origin: Mapping[str, Array]) -> dict[str, Array]:
     """Path of the centre of mass of a body whose origin rests, empty where it moves."""
     size = _size(result, "position", result.unit)
-    if not isinstance(result, Motion) or any(np.ptp(x) > NOISE * size for x in origin.values()):
+    if not isinstance(result, Motion) or any(
+        np.ptp(x) > CURVE_NOISE * size for x in origin.values()
+    ):
         return {}
     centers = result.center_of_mass(body)
-    if centers is None or not (np.ptp(centers, axis=0) > NOISE * size).any():
+    if centers is None or not (np.ptp(centers, axis=0) > CURVE_NOISE * size).any():
         return {}
     return {letter: centers[:, k] for k, letter in enumerate("xyz") if letter in origin}
 

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 #: Begins the names of arrays that are no columns: no part of a scene has a name with it.
 OWN = "kousoku/"
 #: The second has a digest of the content.
-FORMAT = 2
+RESULT_FORMAT = 2
 #: Characters of a reason that a message shows.
-LONGEST = 160
+LONGEST_REASON = 160
 #: What is kept of a linkage beside its tables.
 OF_LINKAGES = ("name", "unit", "method", "divisions", "target", "is_in_time", "links")
 
@@ -43,7 +43,7 @@ class FileFormat(msgspec.Struct, kw_only=True):
         Its number.
     """
 
-    format: int = FORMAT
+    format: int = RESULT_FORMAT
 
 
 class KeptMotion(FileFormat, tag="bodies", kw_only=True):
@@ -251,10 +251,10 @@ def open_run(path: str | Path) -> Result:
         arrays = _arrays_in(Path(path))
         text = str(arrays["about"])
         number = msgspec.json.decode(text, type=FileFormat).format
-        if number != FORMAT:
+        if number != RESULT_FORMAT:
             raise ValueError(
-                f"its format is {number}, this kousoku reads {FORMAT}; make the run again and save"
-                " it, or read its columns with numpy.load"
+                f"its format is {number}, this kousoku reads {RESULT_FORMAT}; make the run again"
+                " and save it, or read its columns with numpy.load"
             )
         if str(arrays.pop("digest")) != digest_of(arrays):
             raise ValueError("its content is not what was saved, as its digest tells")
@@ -265,7 +265,7 @@ def open_run(path: str | Path) -> Result:
     except OSError as error:
         raise SolveError(f"{name}: cannot be read: {error.strerror or error}") from None
     except Exception as error:  # a damaged file makes its readers raise whatever there is
-        reason = " ".join(f"{type(error).__name__}: {error}".split())[:LONGEST]
+        reason = " ".join(f"{type(error).__name__}: {error}".split())[:LONGEST_REASON]
         raise SolveError(
             f'{name}: holds no run ({reason}); wanted a file that run.save("….npz") wrote'
         ) from None
@@ -377,7 +377,7 @@ def _trajectory(about: KeptTrajectory, arrays: Mapping[str, Any]) -> Trajectory:
 
 
 #: Positions beyond that are none that a motion reaches, and their squares are no numbers.
-LARGEST = 1e150
+LARGEST_POSITION = 1e150
 
 
 def _checked(
@@ -398,6 +398,8 @@ def _checked(
         raise ValueError(f"{name} is {found.dtype} {found.shape}; wanted doubles, {shape}")
     if not np.isfinite(found[..., :known]).all():
         raise ValueError(f"{name} has numbers that are not finite")
-    if not (np.abs(found[..., :known]) <= LARGEST).all():
-        raise ValueError(f"{name} has numbers that are too large; wanted at most {LARGEST:g}")
+    if not (np.abs(found[..., :known]) <= LARGEST_POSITION).all():
+        raise ValueError(
+            f"{name} has numbers that are too large; wanted at most {LARGEST_POSITION:g}"
+        )
     return found

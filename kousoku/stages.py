@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 #: Heads of the table that is printed.
 HEADS = ("kernel", "frozen from", "not shared", "shared", "drop_dead", "factor", "bytes")
 #: The levels of a derivation that a graph can be frozen from; the matrix level is emitted.
-LEVELS = ("components", "matrix level")
+DERIVATION_LEVELS = ("components", "matrix level")
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,9 @@ class KernelExplanation:
     def stages(self) -> tuple[Stage, ...]:
         """The operations of each kernel, from both levels."""
         return tuple(
-            _stage(function, level) for function in self.derivation.functions for level in LEVELS
+            _stage(function, level)
+            for function in self.derivation.functions
+            for level in DERIVATION_LEVELS
         )
 
     def graph(self, kernel: str, *outputs: str) -> Kernel:
@@ -149,7 +151,7 @@ class KernelExplanation:
 
 def _stage(function: Function, level: str) -> Stage:
     """Stage of freezing and the passes for one level of a function."""
-    frozen = freeze(function if level == LEVELS[1] else _from_components(function))
+    frozen = freeze(function if level == DERIVATION_LEVELS[1] else _from_components(function))
     _, trace = optimise(frozen)
     dead, factored = trace
     return Stage(

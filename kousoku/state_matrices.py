@@ -44,7 +44,7 @@ TAKES_PART = 1e-10
 #: What λ may leave of the forces, and how far a state may be from what the solver has, as parts of
 #: the largest force, of length and speed: states of runs there are 5e-15 off, with eight digits
 #: 1e-11.
-HOLDS = 1e-7
+LARGEST_STATE_RESIDUAL = 1e-7
 #: Speeds in lengths of the scene a second that are as good as none. Where all stands still, what
 #: rounding leaves, 3e-16 in ``heavy_top``, would be compared with itself: rows come apart only from
 #: the closure tolerance times this on, 1e-10.
@@ -412,7 +412,7 @@ def _multipliers(
     lam = left[:, :rank] @ ((right[:rank] @ wanted) / sizes[:rank])
     size = max(np.abs(columns * x).max(initial=0.0) for x in (found.f, inertia))
     missing = np.abs(scaled.T @ lam - wanted).max(initial=0.0)
-    if missing > HOLDS * size:
+    if missing > LARGEST_STATE_RESIDUAL * size:
         raise SolveError(
             f"{found.name}: at this state the accelerations of the solver leave {missing:.3g} of"
             f" forces up to {size:.3g}, which no multipliers of its rows balance: joints are open,"
@@ -437,7 +437,7 @@ def _require_there(
             far = np.abs(own - has)
             if given is state.q:  # p and −p are one orientation
                 far[3:] = np.minimum(far[3:], np.abs(own + has)[3:])
-            if far.max() > HOLDS * size:
+            if far.max() > LARGEST_STATE_RESIDUAL * size:
                 raise SolveError(
                     f"{equations.name}: body {body.name!r} is {far.max():.3g} from where the solver"
                     " can have it: it moves in a plane, or with a body that it is joined to"

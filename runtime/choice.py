@@ -1,4 +1,4 @@
-"""Which target computes: C where it can be had, else NumPy after saying why."""
+"""Choice of the target that computes: C where it can be had, else NumPy after saying why."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.sources import Sources
 
 Target = Literal["auto", "c", "numpy"]
+ChosenTarget = Literal["c", "numpy"]
 Loaded = TypeVar("Loaded")
 
 

@@ -20,7 +20,7 @@ from kousoku.runtime.importing import import_source
 from kousoku.runtime.independent_verify import independent_rows
 from kousoku.runtime.integrate.settings import Doubt, Status
 from kousoku.runtime.messages import scene_key
-from kousoku.runtime.options import METHODS, RUNGE_KUTTA
+from kousoku.runtime.options import METHOD_NAMES, RUNGE_KUTTA
 from kousoku.runtime.order import shown_order_problems, table_problems
 from kousoku.runtime.reference import Expected
 from kousoku.runtime.report import Row, worst_rows
@@ -46,7 +46,7 @@ MOST_RELATIVE_DIFFERENCE = 1e-9
 class BodiesCheck(SolverCheck[DynamicsSolver]):
     """The check of a folder that was made from a scene of bodies."""
 
-    FORMAT = 2
+    REFERENCE_FORMAT = 2
 
     def load(self, target: Target) -> DynamicsSolver:
         """Solver by a target."""
@@ -144,7 +144,7 @@ def _differences(
     one: DynamicsSolver, other: DynamicsSolver, values: Sequence[float], *, is_exact: bool
 ) -> Iterator[str]:
     """Differences between two targets: the first steps of each method, and the rows."""
-    for method in METHODS if one.is_driven else RUNGE_KUTTA:
+    for method in METHOD_NAMES if one.is_driven else RUNGE_KUTTA:
         try:
             runs = [_run(solver, method, values) for solver in (one, other)]
         except SolveError as error:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.runtime.kinematics.rows import METHODS, OF_NODES
+from kousoku.runtime.kinematics.rows import LINKAGE_METHODS, OF_NODES
 from kousoku.runtime.kinematics.status import AnalysisStatus
 from kousoku.runtime.linkage import LinkageSolver, open_linkage
 from kousoku.runtime.reference import Expected
@@ -36,7 +36,7 @@ SPEED, SPEED_DOT = -1.5, 0.75
 class LinkageCheck(SolverCheck[LinkageSolver]):
     """The check of a folder that was made from a linkage."""
 
-    FORMAT = 1
+    REFERENCE_FORMAT = 1
 
     def load(self, target: Target) -> LinkageSolver:
         """Solver by a target."""
@@ -115,7 +115,7 @@ def _motion_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iter
     """
     rows, divisions = solution["rows"], solution["divisions"]
     exact = {name: np.array(solution[name], dtype=np.float64) for name in OF_NODES}
-    for method in METHODS if rows else ():
+    for method in LINKAGE_METHODS if rows else ():
         run = solver.request(method=method, divisions=divisions)
         other, wanted = _at_other_rates(run, exact)
         if run.is_periodic and rows[-1] == divisions:

@@ -1,4 +1,4 @@
-"""How a run of a solver of bodies is made: method, steps, parameters; checked before it begins."""
+"""Options of a run of a solver of bodies: method, steps, parameters; checked before it begins."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 #: Methods of scenes that move freely.
 RUNGE_KUTTA = tuple(LEAST_TOLERANCES)
 #: In the order of the solver's text; the last one is there only where drivers determine the motion.
-METHODS = (*RUNGE_KUTTA, KINEMATICS)
+METHOD_NAMES = (*RUNGE_KUTTA, KINEMATICS)
 #: All options of a run; a copied folder alone takes the others.
 ALL_OPTIONS = (*OPTIONS, "strict", "estimate_error")
 
@@ -53,7 +53,9 @@ class RunOptions(TypedDict, total=False):
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """How a run is made.
+    """Options of a run as a user asks for them, checked, with parameters and start of the scene.
+
+    The integrator takes what of them rules its steps as :class:`Settings`.
 
     Parameters
     ----------
@@ -94,7 +96,7 @@ class Options:
     def settings(self) -> Settings:
         """Settings that a solver takes."""
         longest = min(self.largest_step, 1e300)
-        method = METHODS.index(self.method)
+        method = METHOD_NAMES.index(self.method)
         return Settings(self.tolerance, longest, self.step or 0.0, int(self.checks), method)
 
 
@@ -191,8 +193,8 @@ def require_unmoved(solver: DynamicsSolver) -> None:
 
 
 def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> None:
-    possible = METHODS if solver.is_driven else RUNGE_KUTTA
-    if name not in METHODS:
+    possible = METHOD_NAMES if solver.is_driven else RUNGE_KUTTA
+    if name not in METHOD_NAMES:
         raise SolveError(
             f"{solver.name}: method {shown(name)}; wanted one of {', '.join(possible)}"
         )

@@ -40,7 +40,7 @@ ESTIMATES = {"dopri5": (4,), "dop853": (5, 3)}
 PLACES = (0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
 #: What rounding may leave of a condition, as a part of the sizes of its terms: in the table, and
 #: of a polynomial, which is evaluated in doubles.
-ROUNDING, ROUNDING_INSIDE = 2.0**-53, 2.0**-52
+TABLE_ROUNDING, POLYNOMIAL_ROUNDING = 2.0**-53, 2.0**-52
 #: Doubles are whole numbers of this unit: none of a table is below 2⁻⁶⁰, unless it is zero.
 GRAIN = 112
 
@@ -157,7 +157,7 @@ def wrong_conditions(method: RungeKuttaMethod) -> Iterator[str]:
     """Order conditions that the end of a step, its nodes and its estimates do not meet."""
     weights = _Weights(method.a)
     for k, row in enumerate(method.a):
-        if abs(math.fsum((*row, -method.c[k]))) > ROUNDING * math.fsum(map(abs, (*row, 1.0))):
+        if abs(math.fsum((*row, -method.c[k]))) > TABLE_ROUNDING * math.fsum(map(abs, (*row, 1.0))):
             yield f"{method.name}: the coefficients of stage {k} do not add up to its node c[{k}]"
     end = method.a[method.stages]
     sought = [("the end of a step", end, method.order, True)]
@@ -168,7 +168,7 @@ def wrong_conditions(method: RungeKuttaMethod) -> Iterator[str]:
             for tree in trees(nodes):
                 wanted = Fraction(int(is_step), _density(tree))
                 left, size = weights.left(row, tree, wanted)
-                if left > ROUNDING * size:
+                if left > TABLE_ROUNDING * size:
                     yield (
                         f"{method.name}: {what} has not the order {order}: of a condition of order"
                         f" {nodes} it leaves {left:.3g}"
@@ -191,7 +191,7 @@ def wrong_inside(method: RungeKuttaMethod, dense: ModuleType) -> Iterator[str]:
                 found = math.fsum(b * (phi / grain) for b, phi in zip(row, exact, strict=True))
                 size = sum(s * t for s, t in zip(_sizes(method), sizes, strict=True))
                 left = abs(found - x**nodes / _density(tree))
-                if left > ROUNDING_INSIDE * size:
+                if left > POLYNOMIAL_ROUNDING * size:
                     yield (
                         f"{method.name}: dense output has not the order {order}: at {x} of a step"
                         f" it leaves {left:.3g} of a condition of order {nodes}"

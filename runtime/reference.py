@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from kousoku.model.files.quantity import Quantity
     from kousoku.runtime.arguments import Floats
 
-FORMAT = 1
+REFERENCE_FORMAT = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,8 +139,8 @@ def read_references(
         raise VerifyError(f"{folder / MANIFEST_FILE} lists no {REFERENCE_FILE}: nothing to verify")
     try:
         data = json.loads(files[REFERENCE_FILE])
-        if data["format"] != FORMAT:
-            raise VerifyError(f"{path}: its format is {data['format']}, wanted {FORMAT}")
+        if data["format"] != REFERENCE_FORMAT:
+            raise VerifyError(f"{path}: its format is {data['format']}, wanted {REFERENCE_FORMAT}")
         points = {kernel["name"]: kernel["points"] for kernel in data["kernels"]}
         if not all(points[k.name] for k in manifest.kernels):
             raise VerifyError(f"{path}: a kernel has no points: nothing to verify")

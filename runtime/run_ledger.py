@@ -29,7 +29,7 @@ COUNTS = (
     *("steps", "rejected", "derivatives", "factorisations", "corrections", "avoided", "passed"),
     *("fallbacks", "refinements", "unresolved", "branch_points", "meetings"),
 )
-LEVELS = ("position", "velocity", "acceleration")
+CONSTRAINT_LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
 #: Works that the ledger prints, the largest first.
 MOST_WORKS = 12
@@ -171,7 +171,7 @@ class RunLedger:
 
     def worst(self, level: str) -> tuple[float, float]:
         """Largest violation of all joints at a level, in metres and in radians."""
-        k = LEVELS.index(level)
+        k = CONSTRAINT_LEVELS.index(level)
         found = self.violations.values()
         return (
             max((one.metres[k] for one in found), default=0.0),
@@ -180,7 +180,7 @@ class RunLedger:
 
     def worst_joint(self, level: str) -> str:
         """Joint with the largest violation at a level; there is one at least."""
-        k, found = LEVELS.index(level), self.violations
+        k, found = CONSTRAINT_LEVELS.index(level), self.violations
         return max(found, key=lambda name: max(found[name].metres[k], found[name].radians[k]))
 
     def _control(self) -> str:
@@ -211,7 +211,7 @@ class RunLedger:
         """Lines about residuals of the constraints, and where these nearly depend on each other."""
         if not self.violations:
             return
-        for level, per in zip(LEVELS, ("", "/s", "/s²"), strict=True):
+        for level, per in zip(CONSTRAINT_LEVELS, ("", "/s", "/s²"), strict=True):
             metres, radians = self.worst(level)
             yield (
                 f"left of the constraints, {level}: {metres:.1e} m{per}, {radians:.1e} rad{per},"
@@ -392,7 +392,7 @@ def violations_of(
         Joints that come first, those too that have no rows.
     """
     joints = dict.fromkeys((*order, *(joint for joint, _ in rows)))
-    sizes = {joint: {name: np.zeros(len(LEVELS)) for name in UNITS} for joint in joints}
+    sizes = {joint: {name: np.zeros(len(CONSTRAINT_LEVELS)) for name in UNITS} for joint in joints}
     for (joint, unit), column in zip(rows, worst.T, strict=True):
         own = sizes[joint]
         own[unit] = np.maximum(own[unit], column)

@@ -12,7 +12,7 @@ from kousoku.model.errors import SolveError
 from kousoku.runtime.integrate.initial_values import InitialValues
 from kousoku.runtime.integrate.run_arguments import numbers_of, times_of
 from kousoku.runtime.messages import shown
-from kousoku.runtime.options import METHODS, Options, options_of
+from kousoku.runtime.options import METHOD_NAMES, Options, options_of
 from kousoku.runtime.run_ledger import COUNTS
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def digest_of(arrays: Mapping[str, npt.NDArray[Any]]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class SavedRun:
-    """All that a run is, in numbers: it can be pickled, copied, and resumed elsewhere.
+    """Run in numbers, all that it is: it can be pickled, copied, and resumed elsewhere.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ def _disagreements(
         yield f"rows are written to t = {times[written - 1]!r} s, but only {reached!r} s is reached"
     if written < len(times) and times[written] < before:
         yield f"its next row, t = {times[written]!r} s, is before its last step, {before!r} s"
-    if method not in {0.0, 1.0 + METHODS.index(saved.options.method)}:
+    if method not in {0.0, 1.0 + METHOD_NAMES.index(saved.options.method)}:
         yield f"it was not begun with the method {saved.options.method!r}"
     values = [value for _, value in saved.options.parameters]
     if not np.array_equal(fields["parameters"].view(saved.state), values):

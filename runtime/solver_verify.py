@@ -18,7 +18,7 @@ from kousoku.runtime.report import Report, Row
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from kousoku.runtime.choice import Target
+    from kousoku.runtime.choice import ChosenTarget, Target
     from kousoku.runtime.sources import Sources
 
     #: What ``reference.json.gz`` holds; None where the folder was generated without.
@@ -39,7 +39,7 @@ class SolverCheck(ABC, Generic[Loaded]):
     """
 
     #: That of the reference values.
-    FORMAT: ClassVar[int]
+    REFERENCE_FORMAT: ClassVar[int]
 
     def __init__(self, sources: Sources) -> None:
         self.sources = sources
@@ -99,8 +99,10 @@ class SolverCheck(ABC, Generic[Loaded]):
         path = self.sources.folder / REFERENCE_FILE
         try:
             data: dict[str, Any] = json.loads(self.sources.files[REFERENCE_FILE])
-            if data["format"] != self.FORMAT:
-                raise VerifyError(f"{path}: its format is {data['format']}, wanted {self.FORMAT}")
+            if data["format"] != self.REFERENCE_FORMAT:
+                raise VerifyError(
+                    f"{path}: its format is {data['format']}, wanted {self.REFERENCE_FORMAT}"
+                )
             self.require(data)
         except (ValueError, KeyError, TypeError) as error:
             raise VerifyError(f"{path} cannot be read: {error!r}") from None
@@ -115,7 +117,7 @@ def by_each_target(
     No compiler is a note, unless C was asked for; none at all is a problem.
     """
     found = []
-    targets: tuple[Target, ...] = ("c", "numpy")
+    targets: tuple[ChosenTarget, ...] = ("c", "numpy")
     for wanted in targets:
         if target not in {"auto", wanted}:
             continue

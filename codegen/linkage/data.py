@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.linkage.solution import span_of
 from kousoku.model.linkage.input_motion import turns_of
-from kousoku.runtime.kinematics.rows import METHODS
+from kousoku.runtime.kinematics.rows import LINKAGE_METHODS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.linkage.blocks import DiagonalBlock
     from kousoku.codegen.linkage.layout import WorkspaceLayout
 
-FORMAT = 1
+DATA_FORMAT = 1
 
 
 def linkage_data(program: Program, layout: WorkspaceLayout) -> dict[str, Any]:
@@ -24,7 +24,7 @@ def linkage_data(program: Program, layout: WorkspaceLayout) -> dict[str, Any]:
     assembly = layout.assembly
     scene, coordinates = assembly.scene, assembly.coordinates
     return {
-        "format": FORMAT,
+        "format": DATA_FORMAT,
         "name": scene.name,
         "unit": scene.unit,
         "length": float(scene.largest_length),
@@ -62,7 +62,7 @@ def _run(layout: WorkspaceLayout) -> dict[str, Any]:
     inputs = [*scene.inputs.values()]
     turns = [turns_of(given) or 0.0 for given in inputs]
     return {
-        "method": METHODS.index(scene.method.scheme),
+        "method": LINKAGE_METHODS.index(scene.method.scheme),
         "max_iterations": scene.method.iterations,
         "limit": float(scene.residual_limit),
         "divisions": scene.divisions,

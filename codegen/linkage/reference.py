@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     #: For each input of the kernels its doubles.
     Numbers = dict[str, tuple[float, ...]]
 
-FORMAT = 1
+REFERENCE_FORMAT = 1
 #: Every so many steps of the way a reference is taken.
 EVERY = 2
 #: How far points lie from the way, relative to each number: rounding, and anywhere.
@@ -65,7 +65,7 @@ def reference_values(
     """
     return to_text(
         {
-            "format": FORMAT,
+            "format": REFERENCE_FORMAT,
             "points": [_row(program, layout, point) for point in _points(layout, found[::EVERY])],
             "exact": [kernel.name for kernel in program.kernels if kernel.is_exact],
             "solution": solution(layout, found),

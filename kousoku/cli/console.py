@@ -18,7 +18,7 @@ from kousoku.model.text import table
 from kousoku.symbolic import KINDS, packages_of
 
 #: Number of the format of what ``--json`` prints, see :mod:`kousoku.cli.answers`.
-FORMAT = 1
+ANSWER_FORMAT = 1
 #: Exit codes: emitted code disagrees with what was derived; bad input; a motion that stopped, or
 #: cannot be trusted; Ctrl-C; a reader that closed its pipe, as shells count what SIGPIPE ends.
 DISAGREEMENT, BAD_INPUT, STOPPED, INTERRUPTED, UNREAD = 1, 2, 3, 130, 141
@@ -89,7 +89,7 @@ def print_json(data: Mapping[str, Any]) -> None:
 
     Numbers that are not finite become texts.
     """
-    print(json.dumps(_finite({"format": FORMAT, **data}), indent=1, ensure_ascii=False))
+    print(json.dumps(_finite({"format": ANSWER_FORMAT, **data}), indent=1, ensure_ascii=False))
 
 
 def _finite(data: Any) -> Any:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from kousoku.view.picture import Picture
 
 FOLDER = Path(__file__).parent
-LARGEST = 32767
+LARGEST_INTEGER = 32767
 """The largest 16-bit integer: a motion is kept in parts of it."""
 FEW = 12
 """Bodies whose names and axes are drawn from the start, and forces that are named by who asks."""
@@ -188,9 +188,11 @@ def _motion(picture: Picture) -> tuple[str, list[float], float]:
         return "", [0.0, 0.0, 0.0], 0.0
     low, high = position.min(axis=(0, 1)), position.max(axis=(0, 1))
     origin = (low + high) / 2
-    quantum = float((high - low).max() / 2 / LARGEST)
+    quantum = float((high - low).max() / 2 / LARGEST_INTEGER)
     whole = np.rint((position - origin) / quantum) if quantum > 0.0 else 0.0 * position
-    turn = np.rint(LARGEST * picture.turn / np.linalg.norm(picture.turn, axis=-1, keepdims=True))
+    turn = np.rint(
+        LARGEST_INTEGER * picture.turn / np.linalg.norm(picture.turn, axis=-1, keepdims=True)
+    )
     return _packed(np.concatenate([whole, turn], axis=-1)), [*map(float, origin)], quantum
 
 
@@ -206,7 +208,7 @@ def _forces(picture: Picture, joints: list[str]) -> tuple[str, dict[str, Any]]:
     sizes = np.linalg.norm(values, axis=-1)
     usual = float(np.quantile(sizes, 0.95)) if sizes.size else 0.0
     metres = METRES[picture.unit]
-    quantum = largest / LARGEST
+    quantum = largest / LARGEST_INTEGER
     whole = np.rint(values / quantum) if quantum > 0.0 else 0.0 * values
     return _packed(whole), {
         "quantum": quantum * metres,

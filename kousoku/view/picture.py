@@ -26,7 +26,7 @@ TURN = 0.4
 """Angle that a body may turn from one frame to the next [rad]."""
 SHOWN_TURNS = 2.0
 """Turns in a second that an eye can follow."""
-SHORTEST, LONGEST = 3.0, 30.0
+SHORTEST_SHOW, LONGEST_SHOW = 3.0, 30.0
 """How long a motion is shown, in seconds, unless it takes that time in reality."""
 SLACK = 1e-9
 """Part by which a moment may lie beyond the end, by rounding."""
@@ -264,10 +264,10 @@ def _speed(duration: float, spin: float) -> float:
     if duration <= 0.0:
         return 1.0
     factor = 1.0
-    if duration < SHORTEST / 3:
-        factor = duration / SHORTEST
-    elif duration > LONGEST * 2:
-        factor = duration / LONGEST
+    if duration < SHORTEST_SHOW / 3:
+        factor = duration / SHORTEST_SHOW
+    elif duration > LONGEST_SHOW * 2:
+        factor = duration / LONGEST_SHOW
     if spin * factor > 2 * np.pi * SHOWN_TURNS:
         factor = 2 * np.pi * SHOWN_TURNS / spin
     return 1.0 if factor == 1.0 else _round(factor)

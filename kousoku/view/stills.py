@@ -27,11 +27,11 @@ SHADES = 12
 """Steps from the dark to the light side of a colour."""
 LAMP = np.array([-0.4, 0.75, 0.65]) / np.linalg.norm([-0.4, 0.75, 0.65])
 """Direction toward the light: right, up, toward the viewer."""
-FAR = 4.5
+VIEWING_DISTANCE = 4.5
 """Distance of the viewer from the middle, in radii of what is seen."""
 SIZE = (640, 420)
 """Width and height of a picture, in the pixels of a page."""
-LARGEST = 460_000
+LARGEST_PICTURE = 460_000
 """Bytes of a picture that moves; it has as many frames as fit."""
 FRAMES = 15.0
 """Frames in a second of a picture that moves, at most."""
@@ -130,7 +130,7 @@ class Camera:
         self.low, self.high = points.min(axis=0), points.max(axis=0)
         self.middle = (self.low + self.high) / 2
         self.radius = float(np.linalg.norm(points - self.middle, axis=1).max()) or 1.0
-        self._distance = np.inf if picture.normal is not None else FAR * self.radius
+        self._distance = np.inf if picture.normal is not None else VIEWING_DISTANCE * self.radius
         self._scale, self._center = 1.0, np.zeros(2)
         self._size = np.array([size[0], size[1] - strip])
         flat, _ = self.seen(points)
@@ -354,7 +354,7 @@ def still_svg(picture: Picture, time: float | None = None, size: tuple[int, int]
     return _document(picture, camera, size, *_frame(drawn(picture, row, camera)))
 
 
-def moving_svg(picture: Picture, largest: int = LARGEST) -> str:
+def moving_svg(picture: Picture, largest: int = LARGEST_PICTURE) -> str:
     """Picture that moves by itself, and again from the start, as SVG.
 
     Parameters

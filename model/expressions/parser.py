@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.operations.expression import Expression
 
-LONGEST = 2000
+LONGEST_FORMULA = 2000
 """Characters of the longest formula."""
 
 DEEPEST = 60
@@ -70,7 +70,9 @@ _TOKEN = re.compile(
 _SPACE = re.compile(r"[ \t\r\n]*")
 
 
-def parse_expression(text: str, names: Collection[str], *, longest: int = LONGEST) -> Expression:
+def parse_expression(
+    text: str, names: Collection[str], *, longest: int = LONGEST_FORMULA
+) -> Expression:
     """Read a formula.
 
     Parameters

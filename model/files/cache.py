@@ -25,7 +25,7 @@ SHELVES = ("scenes", "found", "derived", "kernels", "lib", "verified", "sources"
 #: That one is the user's own, and is not removed to make room.
 ASKED_FOR = "generated"
 #: Bytes that the cache may take, unless ``KOUSOKU_CACHE_SIZE`` says another number.
-LARGEST = 2 * 1024**3
+LARGEST_CACHE = 2 * 1024**3
 #: A number of bytes as people write it: ``500M``, ``1.5 GB``, ``2GiB``.
 _SIZE = re.compile(
     r" *([0-9]{1,18}(?:\.[0-9]{0,18})?) *(?:([kmgt])(i?))?b? *", re.ASCII | re.IGNORECASE
@@ -156,7 +156,7 @@ def _on(shelf: Path) -> Iterator[CacheEntry]:
 
 
 def size_limit() -> int:
-    """Bytes that the cache may take: :data:`LARGEST`, or what ``KOUSOKU_CACHE_SIZE`` is.
+    """Bytes that the cache may take: :data:`LARGEST_CACHE`, or what ``KOUSOKU_CACHE_SIZE`` is.
 
     That is a number of bytes, or one with a unit: k, M, G and T are powers of 1000, Ki, Mi, Gi and
     Ti powers of 1024; a ``B`` may follow, and case does not count.
@@ -168,7 +168,7 @@ def size_limit() -> int:
     """
     given = os.environ.get("KOUSOKU_CACHE_SIZE", "")
     if not given.strip():
-        return LARGEST
+        return LARGEST_CACHE
     found = _SIZE.fullmatch(given)
     if found is None:
         text = printable(given if len(given) <= 40 else f"{given[:40]}…")

@@ -12,7 +12,7 @@ from kousoku.model.files.jsontext import to_text
 from kousoku.model.files.quantity import Quantity
 from kousoku.model.version import __version__
 
-FORMAT = 2
+MANIFEST_FORMAT = 2
 #: What a package and the runtime agree on: functions and records of C, rows, data files. It is
 #: raised when a package of before would not run with the runtime of now, or the other way round.
 ABI = 4
@@ -112,7 +112,7 @@ class Manifest:
 
     def to_json(self) -> str:
         """Text of ``manifest.json``; the same manifest gives the same bytes."""
-        return to_text({"format": FORMAT, "abi": ABI, **asdict(self)})
+        return to_text({"format": MANIFEST_FORMAT, "abi": ABI, **asdict(self)})
 
     @classmethod
     def from_json(cls, text: str) -> Manifest:
@@ -126,8 +126,8 @@ class Manifest:
             The package has another ABI than this version of kousoku.
         """
         data: dict[str, Any] = json.loads(text)
-        if data.pop("format") != FORMAT:
-            raise ValueError(f"manifest format is not {FORMAT}")
+        if data.pop("format") != MANIFEST_FORMAT:
+            raise ValueError(f"manifest format is not {MANIFEST_FORMAT}")
         if (abi := data.pop("abi", 0)) != ABI:
             package, version, again, other = (
                 printable(f"{entry:.100}")

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 BLOCK = 65536
 """Divisions that are checked at once."""
 
-NEARLY = 1e-9
+ROUNDING_OF_DIVISIONS = 1e-9
 """A part of a division this near to a whole one is that one."""
 
 
@@ -120,7 +120,7 @@ def _turning_points(scene: Scene) -> np.ndarray:
             part = (side - given.start) % copysign(tau, way)
             if 0 < abs(part) < abs(way):
                 ks.append(part / way * scene.divisions)
-    return np.array([k for k in ks if abs(k - round(k)) > NEARLY])
+    return np.array([k for k in ks if abs(k - round(k)) > ROUNDING_OF_DIVISIONS])
 
 
 def _scale(dyad: Dyad) -> float:

@@ -8,7 +8,7 @@ from kousoku.model.errors import Problem
 from kousoku.model.reading.lines import twice_given
 from kousoku.model.records.dotted_keys import dotted
 
-LONGEST = 60
+LONGEST_SHOWN_VALUE = 60
 """Marks of a value that a message shows."""
 
 _AT = re.compile(r"\(at line ([0-9]+), column ([0-9]+)\)")
@@ -55,5 +55,5 @@ def _of_value(line: str, column: int) -> str:
         return f"; wanted {value.lower()}, in small letters"
     if not _FORMULA.fullmatch(value) or not re.search("[A-Za-z*/^(]", value):
         return ""
-    shown = value if len(value) <= LONGEST else f"{value[:LONGEST]}…"
+    shown = value if len(value) <= LONGEST_SHOWN_VALUE else f"{value[:LONGEST_SHOWN_VALUE]}…"
     return f'; a formula, and a name, stands in quotes: "{shown}"'

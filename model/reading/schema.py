@@ -19,7 +19,7 @@ from kousoku.model.elements.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.records import loads, own_kind, planar, scene, spatial
 from kousoku.model.records.design import LARGEST
 from kousoku.model.records.scene import TABLES, Scene
-from kousoku.model.validation.names import LONGEST, PATTERN
+from kousoku.model.validation.names import LONGEST_NAME, PATTERN
 from kousoku.model.validation.validate import (
     LONGEST_TITLE,
     MOST_CLOSURE,
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 LIMITS: dict[str, dict[str, dict[str, object]]] = {
     "Scene": {
-        "name": {"pattern": PATTERN, "maxLength": LONGEST},
+        "name": {"pattern": PATTERN, "maxLength": LONGEST_NAME},
         "title": {"maxLength": LONGEST_TITLE},
         "duration": {"exclusiveMinimum": 0},
         "closure_tolerance": {"exclusiveMinimum": 0, "maximum": MOST_CLOSURE},
@@ -115,7 +115,7 @@ def scene_schema() -> dict[str, Any]:
     for table in TABLES:
         definitions["Scene"]["properties"][table]["propertyNames"] = {
             "pattern": PATTERN,
-            "maxLength": LONGEST,
+            "maxLength": LONGEST_NAME,
         }
     head = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

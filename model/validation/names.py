@@ -6,7 +6,7 @@ import keyword
 import re
 import sys
 
-LONGEST = 31
+LONGEST_NAME = 31
 """C99 5.2.4.1 promises that many significant characters of an external name."""
 
 PATTERN = r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*_?$"
@@ -55,9 +55,9 @@ folder, and the devices of Windows."""
 
 def name_problem(name: str) -> str | None:
     """Reason why `name` cannot name an element, or None when it can."""
-    shown = repr(name if len(name) <= LONGEST else name[:LONGEST] + "…")
-    if len(name) > LONGEST:
-        return f"the name {shown} has {len(name)} characters; at most {LONGEST} are allowed"
+    shown = repr(name if len(name) <= LONGEST_NAME else name[:LONGEST_NAME] + "…")
+    if len(name) > LONGEST_NAME:
+        return f"the name {shown} has {len(name)} characters; at most {LONGEST_NAME} are allowed"
     if not re.fullmatch(PATTERN[1:-1], name):
         return (
             f"{shown} is not a name: wanted an identifier, a Latin letter (a-z, A-Z) followed by "

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from .arithmetic import Array
 
 #: What rows hold that is a smaller part of the most is not told with it.
-NEARLY = 1e-3
+LEAST_SHOWN_SHARE = 1e-3
 #: What rows hold that is less is told as nothing.
-ROUNDING = 1e-12
+ROUNDING_OF_DEPENDENCE = 1e-12
 #: Joints that a text names.
 SHOWN = 3
 
@@ -48,8 +48,8 @@ def nearly_dependent(
     missed = work[first : first + len(rows)]
     worst: dict[str, str] = {}
     for k in np.argsort(-missed).tolist():
-        if missed[k] > NEARLY * missed.max():
-            (joint, unit), size = rows[k], missed[k] if missed[k] > ROUNDING else 0.0
+        if missed[k] > LEAST_SHOWN_SHARE * missed.max():
+            (joint, unit), size = rows[k], missed[k] if missed[k] > ROUNDING_OF_DEPENDENCE else 0.0
             worst.setdefault(joint, f"{size:.3g} {unit} of {scene_key(joint)}")
     held = ", ".join([*worst.values()][:SHOWN])
     return (

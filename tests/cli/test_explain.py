@@ -156,7 +156,7 @@ def test_a_scene_that_does_not_fit_is_told_with_its_file_and_the_lines_of_its_jo
     run: Run, tmp_path: Path, command: tuple[object, ...]
 ) -> None:
     file = tmp_path / "torn.toml"
-    text = TWICE.replace("one", "torn").replace("at = [2, 0, 0]", FAR)
+    text = TWICE.replace("one", "torn").replace("at = [2, 0, 0]", FAR_POINTS)
     file.write_text(text)
 
     code, _, err = run(*command, file)
@@ -170,4 +170,4 @@ def test_a_scene_that_does_not_fit_is_told_with_its_file_and_the_lines_of_its_jo
     assert f"{file}:{shown[0][1]}: twice: does not fit together" in err
 
 
-FAR = "points = [[9, 0, 0], [2, 0, 0]]"
+FAR_POINTS = "points = [[9, 0, 0], [2, 0, 0]]"

@@ -62,7 +62,7 @@ h = { type = "hinge", bodies = ["ground", "b"], at = [0, 0, 0], axis = [0, 0, 1]
 s = { type = "along", coordinate = "a", force = "-5*a" }
 """
 #: Relative to the largest number that a sum is made of.
-ROUNDING = 1e-9
+RESIDUAL_ROUNDING = 1e-9
 #: All rows at all of its states, but where these lie in other positions than the rest of the way.
 TIMES = (0.0, 0.11, 0.37, 0.5)
 
@@ -77,10 +77,10 @@ def require_equations_hold(found: Matrices, v: Array, v_dot: Array, length: floa
     """Assert C = 0, C_q v = ν and C_q v̇ = γ."""
     sizes = np.abs(found.C_q)
     speed = 1.0 + float(np.abs(v).max())
-    assert np.abs(found.C).max(initial=0.0) < ROUNDING * length
-    assert (np.abs(found.C_q @ v - found.nu) <= ROUNDING * (sizes @ abs(v) + speed)).all()
+    assert np.abs(found.C).max(initial=0.0) < RESIDUAL_ROUNDING * length
+    assert (np.abs(found.C_q @ v - found.nu) <= RESIDUAL_ROUNDING * (sizes @ abs(v) + speed)).all()
     bent = sizes @ abs(v_dot) + abs(found.gamma) + speed**2 * max(1.0, length)
-    assert (np.abs(found.C_q @ v_dot - found.gamma) <= ROUNDING * bent).all()
+    assert (np.abs(found.C_q @ v_dot - found.gamma) <= RESIDUAL_ROUNDING * bent).all()
 
 
 def require_forces_balance(found: Matrices, told: Evaluation, length: float) -> None:
@@ -88,7 +88,7 @@ def require_forces_balance(found: Matrices, told: Evaluation, length: float) -> 
     arms = np.array([1 / length if "theta" in name else 1.0 for name in found.columns])
     parts = [arms * x for x in (found.M @ told.v_dot, found.C_q.T @ told.lam, found.f)]
     size = max(float(np.abs(part).max(initial=0.0)) for part in parts)
-    assert np.abs(parts[0] + parts[1] - parts[2]).max(initial=0.0) <= ROUNDING * size
+    assert np.abs(parts[0] + parts[1] - parts[2]).max(initial=0.0) <= RESIDUAL_ROUNDING * size
 
 
 @pytest.mark.parametrize("name", chosen(OF_BODIES, LARGE))
@@ -126,7 +126,7 @@ def test_the_equations_of_committed_scenes_hold_along_a_motion(
             continue
         told = evaluate(scene, solver, t, q, v)
         size = float(np.abs(v_dot).max() + np.abs(v).max() ** 2)
-        assert told.v_dot == pytest.approx(v_dot, rel=1e-9, abs=ROUNDING * size)
+        assert told.v_dot == pytest.approx(v_dot, rel=1e-9, abs=RESIDUAL_ROUNDING * size)
         require_forces_balance(found, told, length)
         kinetic = motion.energy["kinetic"][k]
         assert v @ found.M @ v / 2 == pytest.approx(kinetic, rel=1e-9, abs=1e-15)

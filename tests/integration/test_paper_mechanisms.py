@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     Solver = Callable[[str], LinkageSolver]
 
 #: Largest length, and limits of position, velocity and acceleration relative to it.
-LARGEST = {"piston_crank": 2, "lever_crank": 100}
+LARGEST_LENGTH = {"piston_crank": 2, "lever_crank": 100}
 LIMITS = (4e-15, 1e-14, 2e-14)
 #: What the iteration of the paper really needs; the paper reports 6 to 7.
 PAPER_NEEDS = {"piston_crank": (10, 10), "lever_crank": (11, 12)}
 
-both = pytest.mark.parametrize("name", LARGEST)
+both = pytest.mark.parametrize("name", LARGEST_LENGTH)
 
 
 def piston(plane: Any, alpha: Any) -> dict[str, Any]:
@@ -81,7 +81,7 @@ def assert_accurate(
     plane: Any, name: str, got: Trajectory, exact: dict[str, list[dict[str, Any]]]
 ) -> None:
     errors = largest_errors(plane, got, exact[name])
-    limits = [limit * LARGEST[name] for limit in LIMITS]
+    limits = [limit * LARGEST_LENGTH[name] for limit in LIMITS]
     assert all(e <= limit for e, limit in zip(errors, limits, strict=True)), (errors, limits)
 
 
@@ -131,7 +131,7 @@ def test_scheme_of_the_paper_comes_to_the_same_motion(
 ) -> None:
     """Velocities and accelerations belong to the converged position, (24) and (25)."""
     errors = largest_errors(plane, solver(name).solve(method="paper"), exact[name])
-    assert max(errors) <= 2e-15 * LARGEST[name] + 4e-13
+    assert max(errors) <= 2e-15 * LARGEST_LENGTH[name] + 4e-13
 
 
 @both
@@ -157,5 +157,7 @@ def test_many_turns_repeat_the_first_one(solver: Solver, name: str) -> None:
     got = solver(name).solve(turns=3)
     assert len(got) == 181
     for rows in got.positions.values():
-        np.testing.assert_allclose(rows[60:121], rows[:61], rtol=0, atol=4e-15 * LARGEST[name])
-        np.testing.assert_allclose(rows[120:], rows[:61], rtol=0, atol=4e-15 * LARGEST[name])
+        np.testing.assert_allclose(
+            rows[60:121], rows[:61], rtol=0, atol=4e-15 * LARGEST_LENGTH[name]
+        )
+        np.testing.assert_allclose(rows[120:], rows[:61], rtol=0, atol=4e-15 * LARGEST_LENGTH[name])

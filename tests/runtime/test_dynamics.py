@@ -14,7 +14,7 @@ from kousoku.model.errors import SolveError
 from kousoku.model.reading.builder import SceneBuilder
 from kousoku.model.reading.families import chain, n_four_bar
 from kousoku.model.reading.read import read_scene
-from kousoku.runtime.run_ledger import LEVELS
+from kousoku.runtime.run_ledger import CONSTRAINT_LEVELS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -184,7 +184,7 @@ def test_ledger_says_what_is_left_of_the_constraints_and_of_the_energy(load: Loa
     assert 0.0 < ledger.worst("position")[0] < 1e-14
     assert 0.0 < ledger.worst("velocity")[0] < 1e-12
     assert 0.0 < ledger.worst("acceleration")[0] < 1e-9
-    assert len({ledger.worst(level)[0] for level in LEVELS}) == 3
+    assert len({ledger.worst(level)[0] for level in CONSTRAINT_LEVELS}) == 3
     assert ledger.energy_error is not None
     assert 0.0 < ledger.energy_error < 1e-6
     loose = load(chain(5)).simulate(2.0, tolerance=1e-5).ledger

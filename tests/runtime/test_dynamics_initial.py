@@ -174,7 +174,7 @@ def test_bodies_that_are_left_free_do_not_turn_however_many_steps_lead_there(
 ) -> None:
     solver = load(tomllib.loads(TRIPLE))
     found = [start(solver, initial={"swing": 2.0})]
-    monkeypatch.setattr(leading, "LONGEST", 0.05)
+    monkeypatch.setattr(leading, "LONGEST_CONTINUATION_STEP", 0.05)
     found.append(start(solver, initial={"swing": 2.0}))
     end = np.array([np.sin(2.0), -np.cos(2.0), 0.0])
     for motion in found:
@@ -187,7 +187,7 @@ def test_many_steps_lead_where_few_do(load: Any, monkeypatch: pytest.MonkeyPatch
     solver = load(tree_of("loop_free"))
     options = {"initial": {"crank_angle": 7.0, "rocking_dot": 0.5}, "parameters": {"mass": 2.0}}
     few = start(solver, **options)
-    monkeypatch.setattr(leading, "LONGEST", 0.02)
+    monkeypatch.setattr(leading, "LONGEST_CONTINUATION_STEP", 0.02)
     many = start(solver, **options)
     for name, place in few.position.items():
         np.testing.assert_allclose(place, many.position[name], rtol=0.0, atol=1e-13)

@@ -29,7 +29,7 @@ CONSERVATIVE = ("pendulum", "heavy_top", "n_four_bar", "bricard", "flipping_body
 WAYS = (("dopri5", 1e-6), ("dop853", 1e-9), ("dop853", 1e-12), ("dop853", 1e-14))
 ALLOWED = 0.1
 """Energy that a step may lose, in tolerances: what the verdict lets a healthy run lose."""
-ROUNDING = 4e-16
+ENERGY_ROUNDING_OF_STEPS = 4e-16
 """What is lost by rounding in a step, relative to the energy that moves, where all add up."""
 ROWS = 400
 
@@ -121,7 +121,7 @@ def conservative(outcome: Outcome, name: str, way: str, steps: str) -> None:
     moved = (kinetic + np.abs(energy - kinetic - (energy[0] - kinetic[0]))).max()
     lost = np.abs(energy - energy[0])
     made = result.ledger.steps * result.time / end
-    allowed = (ALLOWED * tolerance + ROUNDING) * np.maximum(made, 1000.0) * moved
+    allowed = (ALLOWED * tolerance + ENERGY_ROUNDING_OF_STEPS) * np.maximum(made, 1000.0) * moved
     allowed += 1e-13 * np.abs(energy[0])
     k = int(np.argmax(lost / allowed))
     outcome.count("steps of conservative motions", result.ledger.steps)
@@ -192,7 +192,7 @@ def chaotic(outcome: Outcome, end: str) -> None:
         options["initial"] = {"first": 2.0 + 1e-9 * number, "second": 0.3}
         result: Any = scene.simulate(times=times, most_steps=10**9, **options)
         lost = np.abs(result.energy["total"] - result.energy["total"][0])
-        allowed = (ALLOWED * tolerance + ROUNDING) * max(result.ledger.steps, 1000)
+        allowed = (ALLOWED * tolerance + ENERGY_ROUNDING_OF_STEPS) * max(result.ledger.steps, 1000)
         where = f"{method} with {tolerance:g}, {result.ledger.steps} steps"
         outcome.count("steps of chaotic motions", result.ledger.steps)
         moved = result.energy["kinetic"].max()

@@ -36,7 +36,7 @@ BATCH = 2
 TOLERANCE = 1e-11
 """Of all motions."""
 
-FAR = 1e6
+DISTANCE_MOVED = 1e6
 """How far scenes are moved [m]."""
 
 UNIT = 3e-13
@@ -92,11 +92,11 @@ CHANGES: dict[str, Change] = {
     "reordered": Change(changes.reordered),
     "turned": Change(lambda tree: changes.turned(tree, A), turn=A),
     "split by welds": Change(changes.split, cost=STEPS),
-    f"moved {FAR:g} m": Change(
-        lambda tree: changes.moved(tree, (FAR * UNITS[tree["unit"]], 0.0, 0.0)),
-        offset=FAR,
-        cost=FAR * 2.0**-52,
-        tolerance=FAR * 2.0**-52,
+    f"moved {DISTANCE_MOVED:g} m": Change(
+        lambda tree: changes.moved(tree, (DISTANCE_MOVED * UNITS[tree["unit"]], 0.0, 0.0)),
+        offset=DISTANCE_MOVED,
+        cost=DISTANCE_MOVED * 2.0**-52,
+        tolerance=DISTANCE_MOVED * 2.0**-52,
     ),
     "metres times 1e9": _scaled(length=1e9),
     "metres times 1e-9": _scaled(length=1e-9),

@@ -60,11 +60,11 @@ if TYPE_CHECKING:
 #: Points of a climb that go on, and steps that each tries at a time.
 CLIMBERS, TRIES = 12, 16
 #: Ordinary magnitudes end here, as those of reference points where kernels were far off.
-LARGEST = 64.0
-ROUNDING = 2.0**-53
+LARGEST_ORDINARY_NUMBER = 64.0
+UNIT_ROUNDOFF = 2.0**-53
 #: Where a value vanishes with its derivatives, roundings of roundings are left: of what terms of
 #: both signs add up to, a climb asks for no more than this part, as ``verify`` of solvers does.
-FLOOR = 2.0**-40 * ROUNDING
+FLOOR = 2.0**-40 * UNIT_ROUNDOFF
 #: Scales from 1e-150 to 1e150.
 LARGEST_EXPONENT = 498
 CLIMBING = "climbing over ordinary magnitudes"
@@ -145,7 +145,7 @@ class Subject:
             values, is_double = wide.run(self.components, rows)
             for k, (value, size, whole) in enumerate(values):
                 floor = FLOOR * whole if has_floor else SMALLEST_SUBNORMAL
-                unit = np.maximum(ROUNDING * (abs(value.high) + size), floor)
+                unit = np.maximum(UNIT_ROUNDOFF * (abs(value.high) + size), floor)
                 found = abs((got[:, k] - value.high) - value.low)
                 errors[:, k] = np.where(found == 0, 0, found / unit)
         errors[~(np.isfinite(errors) & is_double[:, None])] = math.nan
@@ -356,7 +356,7 @@ def changed(subject: Subject, rng: np.random.Generator, rows: Any) -> Any:
             chosen[~chosen.any(axis=1), 0] = 1
             rows[:, places] = chosen / np.linalg.norm(chosen, axis=1, keepdims=True)
         else:
-            rows[:, places] = np.clip(chosen, -LARGEST, LARGEST)
+            rows[:, places] = np.clip(chosen, -LARGEST_ORDINARY_NUMBER, LARGEST_ORDINARY_NUMBER)
     return rows
 
 

@@ -98,7 +98,7 @@ ANSWERS = {
         ),
     },
     "runtime/integrate/initial_coordinates.py": {
-        "'0.3' -> '(2 * 0.3)' in 'CLOSE, LONGEST =": (
+        "'0.3' -> '(2 * 0.3)' in 'CLOSE, LONGEST_CONTINUATION_STEP =": (
             "longer steps are tried on the way to given coordinates; those that fail are shortened"
         ),
     },

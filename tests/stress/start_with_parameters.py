@@ -27,7 +27,7 @@ BATCH = 10
 CHANGED, BY = 2, 0.1
 """So many parameters are changed, by this part at most."""
 
-PLACE, FAR, VELOCITY = 1e-12, 1e-3, 1e-9
+PLACE, FAR_PLACE, VELOCITY = 1e-12, 1e-3, 1e-9
 """How far the file may be off, in lengths of the scene; where it is at another place; and how much
 faster, as a part of the largest velocity: rows that others imply but for their closure tolerance
 are met or left out."""
@@ -68,12 +68,12 @@ def ask(tree: dict[str, Any], draw: random.Random, outcome: Outcome, place: str)
         outcome.count(f"refused: {reason_of(error)}")
         return
     outcome.count("begun" if solver.layout.given else "begun, nothing depends on them")
-    if elsewhere > FAR:
+    if elsewhere > FAR_PLACE:
         outcome.count("begun elsewhere than the file, which is on another branch or far away")
     else:
         is_redundant = bool(solver.left_out)
         what = ", with redundant rows" if is_redundant else ""
-        limit = FAR if is_redundant else PLACE
+        limit = FAR_PLACE if is_redundant else PLACE
         outcome.measure(f"place of the file{what} (lengths of the scene)", elsewhere, place, limit)
     if closed > PLACE:
         outcome.count("begun where joints are closed within their tolerance, not to rounding")

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from kousoku.model.angles import PI
 from kousoku.model.errors import ExpressionError
-from kousoku.model.expressions.parser import ARGUMENTS, DEEPEST, LONGEST, parse_expression
+from kousoku.model.expressions.parser import ARGUMENTS, DEEPEST, LONGEST_FORMULA, parse_expression
 from kousoku.model.operations.expression import Expression, names_of, number, ordered, symbol
 from kousoku.model.operations.graph import Op
 
@@ -129,7 +129,7 @@ def test_what_is_no_formula_is_refused_at_its_column(text: str, column: int, say
         "-" * (DEEPEST + 1) + "t",
         "t^" * (DEEPEST + 1) + "t",
         "t*" * (DEEPEST + 1) + "t",
-        "t" + " " * LONGEST,
+        "t" + " " * LONGEST_FORMULA,
         "9" * 41,
     ],
 )

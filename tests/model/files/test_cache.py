@@ -9,7 +9,13 @@ from pathlib import Path
 import pytest
 
 from kousoku.model.errors import CacheError
-from kousoku.model.files.cache import LARGEST, SHELVES, cache_folder, size_limit, write_atomically
+from kousoku.model.files.cache import (
+    LARGEST_CACHE,
+    SHELVES,
+    cache_folder,
+    size_limit,
+    write_atomically,
+)
 
 
 def test_the_environment_chooses_the_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -63,7 +69,7 @@ def test_no_home_folder_is_an_error_that_names_the_variable(
 @pytest.mark.parametrize(
     ("given", "wanted"),
     [
-        ("", LARGEST),
+        ("", LARGEST_CACHE),
         ("1000", 1000),
         ("1G", 10**9),
         ("500 MB", 500 * 10**6),

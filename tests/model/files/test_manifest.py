@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from kousoku.model.errors import LoadError
-from kousoku.model.files.manifest import ABI, FORMAT, KernelManifest, Manifest
+from kousoku.model.files.manifest import ABI, MANIFEST_FORMAT, KernelManifest, Manifest
 from kousoku.model.files.quantity import Quantity
 
 
@@ -41,7 +41,7 @@ def test_manifest_reads_back_equal(manifest: Manifest) -> None:
 
 
 def test_another_format_is_refused(manifest: Manifest) -> None:
-    text = manifest.to_json().replace(f'"format": {FORMAT}', '"format": 99')
+    text = manifest.to_json().replace(f'"format": {MANIFEST_FORMAT}', '"format": 99')
     with pytest.raises(ValueError, match="format"):
         Manifest.from_json(text)
 

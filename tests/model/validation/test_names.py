@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from kousoku.model.validation.names import LONGEST, PATTERN, name_problem, scene_name_problem
+from kousoku.model.validation.names import LONGEST_NAME, PATTERN, name_problem, scene_name_problem
 
 
 @pytest.mark.parametrize("name", ["O1", "A", "crank_pin", "l1", "alpha", "x2y", "gamma", "a_1_b"])
@@ -43,7 +43,7 @@ def test_names_of_the_c_library_are_refused(name: str) -> None:
 
 
 def test_names_are_as_long_as_c_promises_to_tell_apart() -> None:
-    assert name_problem("a" * LONGEST) is None
+    assert name_problem("a" * LONGEST_NAME) is None
     problem = name_problem("a" * 10**6) or ""
     assert "1000000 characters" in problem
     assert len(problem) < 200

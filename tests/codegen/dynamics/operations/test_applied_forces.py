@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.elements.load import Load
 from kousoku.model.elements.spring_damper import PointSpring
 from kousoku.model.errors import SceneError
-from kousoku.model.expressions.parser import LONGEST
+from kousoku.model.expressions.parser import LONGEST_FORMULA
 from kousoku.model.mechanics.multibody import GROUND_INDEX
 from kousoku.model.reading.read import scene_from_toml
 from tests.analysed import all_rows
@@ -47,9 +47,9 @@ force = ["{}", 0, 0]
 def test_formula_of_the_longest_that_is_read_is_generated() -> None:
     """Its names get other ones on the way, and it more characters."""
     formula = "t" + "+t" * 998
-    assert len(formula) == 1997 < LONGEST
+    assert len(formula) == 1997 < LONGEST_FORMULA
     assert "solver.c" in generate_dynamics(scene_from_toml(LONG.format(formula)))
-    with pytest.raises(SceneError, match=f"has 2001 characters; wanted at most {LONGEST}"):
+    with pytest.raises(SceneError, match=f"has 2001 characters; wanted at most {LONGEST_FORMULA}"):
         scene_from_toml(LONG.format("t" + "+t" * 1000))
 
 
