@@ -323,8 +323,8 @@ static int is_resolved(double first, double last, double *w)
     }
     for (size_t k = 0; k != N_FEATURES; ++k) {
         const double largest = larger(-least[k], most[k]);
-        const double enough =
-            EXPLAINED * (most[k] - least[k]) + NEGLIGIBLE_VARIATION * larger(largest, 1.0);
+        const double enough = EXPLAINED * (most[k] - least[k]) +
+                              NEGLIGIBLE_VARIATION * larger(largest, 1.0);
         if (!(change[k] <= enough)) return 0;
     }
     return 1;

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from .trust import Trust
 
     class Ledger:
-        """What a run cost, and how far it can be trusted: ``print(run.ledger)`` tells it.
+        """Cost of a run, and how far it can be trusted: ``print(run.ledger)`` tells it.
 
         Bodies have a ``kousoku.runtime.run_ledger.RunLedger``, linkages of nodes the ``Iterations``
         of an analysis, where their fields are told. Which of them a run has no type checker knows:
@@ -97,7 +97,7 @@ if TYPE_CHECKING:
 
 Value = TypeVar("Value")
 #: What changes less, as a part of what it is compared with, does so by rounding.
-NOISE = 1e-9
+ROUNDING_OF_COLUMNS = 1e-9
 #: Files that results go to; the last one needs pandas and pyarrow.
 SUFFIXES = (".csv", ".npz", ".parquet")
 
@@ -139,7 +139,7 @@ class Named(Mapping[str, Value]):
 
 
 class Column(NamedTuple):
-    """Where a column stands: table, owner in it, component, and its unit."""
+    """Place of a column: table, owner in it, component, and its unit."""
 
     table: str
     owner: str
@@ -356,7 +356,7 @@ class Result:
 
     @cached_property
     def places(self) -> dict[str, Column]:
-        """Where each column stands, in order."""
+        """Places of the columns, in order."""
         raise NotImplementedError
 
     def _names(self, sort: str) -> Sequence[str]:
@@ -389,7 +389,7 @@ class Result:
         return iter(self.places)
 
     def columns(self) -> dict[str, Array]:
-        """All columns by name."""
+        """Columns by name."""
         return {name: self[name] for name in self.places}
 
     def columns_of(self, name: str) -> list[str]:
@@ -431,7 +431,11 @@ class Result:
         """Columns that change by more than rounding."""
         if not len(self):
             return []
-        return [x for x in names if np.ptp(self[x]) > NOISE * max(least, np.abs(self[x]).max())]
+        return [
+            x
+            for x in names
+            if np.ptp(self[x]) > ROUNDING_OF_COLUMNS * max(least, np.abs(self[x]).max())
+        ]
 
     def _part(self, sort: str, name: str) -> Part:
         if sort not in self.PARTS:

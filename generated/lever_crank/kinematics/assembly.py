@@ -41,7 +41,7 @@ def assemble(newton: Newton, position: LinkageCoordinates) -> float:
 def _assemble_block(newton: Newton, number: int) -> float:
     """Find the position of a block, and its assembly mode; return the largest residual."""
     block = newton.blocks[number]
-    given, size = _approach(newton, number)
+    given, size = _damped_newton(newton, number)
     try:
         _, residual = newton.iterate(number)
     except StopError as stop:
@@ -58,8 +58,8 @@ def _assemble_block(newton: Newton, number: int) -> float:
     return residual
 
 
-def _approach(newton: Newton, number: int) -> tuple[float, float]:
-    """Come near the position of a block.
+def _damped_newton(newton: Newton, number: int) -> tuple[float, float]:
+    """Damped Newton iteration towards the position of a block.
 
     Returns
     -------

@@ -38,7 +38,7 @@ ADVICE = {
 #: not what keeps it from being assembled.
 VIOLATED = 1e-9
 #: Divisions that are counted without rounding.
-MOST_ROWS = 2**53
+MOST_COUNTED_DIVISIONS = 2**53
 
 
 class Linkage:
@@ -151,7 +151,7 @@ class Linkage:
         if times is not None:
             run = replace(run, times=times, rows=len(times))
         try:
-            if run.first + run.rows > MOST_ROWS:
+            if run.first + run.rows > MOST_COUNTED_DIVISIONS:
                 raise MemoryError
             return run, self.rows(run)
         except MemoryError:

@@ -113,7 +113,7 @@ static int modified_newton(Run *run, Workspace *w, const double *alpha, Converge
         }
         correct_from_reference(run, w, correction);
         const double step = largest_correction(UNKNOWNS, correction, unknowns);
-        if (step >= last && last <= ROUNDING * LENGTH) {
+        if (step >= last && last <= ROUNDING_OF_POSITIONS * LENGTH) {
             return LIMIT_TOO_SMALL;
         }
         /* as above, corrections grow no more after three */

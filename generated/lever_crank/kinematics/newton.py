@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .block_equations import Equations, LinkageCoordinates
-from .status import ROUNDING, SETTLED, SINGULAR, AnalysisStatus, StopError
+from .status import ROUNDING_OF_POSITIONS, SETTLED, SINGULAR, AnalysisStatus, StopError
 
 if TYPE_CHECKING:
     from .rows import RunRequest
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Convergence(NamedTuple):
-    """How positions converged: the most of all blocks.
+    """Convergence of positions: the most of all blocks.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ class Newton:
                 raise StopError(AnalysisStatus.NOT_FINITE)
             self._correct_from(reference, correction)
             step = largest(correction * self.scale)
-            if step >= last and last <= ROUNDING * self.length:
+            if step >= last and last <= ROUNDING_OF_POSITIONS * self.length:
                 raise StopError(AnalysisStatus.LIMIT_TOO_SMALL)
             # As above, corrections grow no more after three.
             if k >= self.run.max_iterations or (k > 2 and step >= 2 * last):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .tables import Array, LinkageTables
 
 #: Full Newton, and the iteration of the paper; a run holds the index.
-METHODS = ("newton", "paper")
+LINKAGE_METHODS = ("newton", "paper")
 #: Results of nodes and of links; a row holds them under these names.
 OF_NODES = ("position", "velocity", "acceleration")
 OF_LINKS = ("angle", "angle_dot", "angle_ddot")
@@ -154,7 +154,7 @@ class RunRequest:
             and 0 <= self.start <= self.first
             and self.max_iterations >= 1
             and self.limit > 0
-            and self.method in range(len(METHODS))
+            and self.method in range(len(LINKAGE_METHODS))
             and all(map(math.isfinite, inputs))
         )
 
@@ -243,8 +243,8 @@ def request(
         An argument is not one of these; or inputs that do not turn are to be turned on.
     """
     begin = 0 if from_turn is None else from_turn
-    if method not in {None, *METHODS}:
-        raise ValueError(f"method: got {method!r}, wanted {' or '.join(METHODS)}")
+    if method not in {None, *LINKAGE_METHODS}:
+        raise ValueError(f"method: got {method!r}, wanted {' or '.join(LINKAGE_METHODS)}")
     if (divisions is not None and divisions < 1) or turns < 1 or not 0 <= begin <= first_turn:
         raise ValueError(
             f"got divisions={divisions}, turns={turns}, first_turn={first_turn}, "
@@ -256,7 +256,7 @@ def request(
     n = scene.divisions if divisions is None else divisions
     return replace(
         scene,
-        method=scene.method if method is None else METHODS.index(method),
+        method=scene.method if method is None else LINKAGE_METHODS.index(method),
         divisions=n,
         limit=scene.limit if limit is None else limit,
         start=begin * n,

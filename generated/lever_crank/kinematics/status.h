@@ -17,7 +17,7 @@ enum {
 /* a correction this small, relative to LENGTH, leaves nothing to correct: Newton squares it */
 #define SETTLED 0x1p-28
 /* corrections this small, relative to LENGTH, are rounding */
-#define ROUNDING 0x1p-48
+#define ROUNDING_OF_POSITIONS 0x1p-48
 /* below this pivot, of columns scaled to lengths, a block has a dead centre */
 #define SINGULAR 1e-7
 /* most that the Jacobian may turn along a step, relative to itself: at 1 it might be singular */

@@ -12,7 +12,7 @@ from enum import IntEnum
 #: squares it.
 SETTLED = 2.0**-28
 #: Corrections this small, relative to the largest length, are rounding.
-ROUNDING = 2.0**-48
+ROUNDING_OF_POSITIONS = 2.0**-48
 #: Below this pivot, of columns scaled to lengths, a block has a dead centre.
 SINGULAR = 1e-7
 #: Most that the Jacobian may turn along a step, relative to itself: at 1 it might be singular.

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..integrate.result import Column, Named, Result
 from ..messages import missing, not_generated
-from .rows import METHODS, OF_LINKS, OF_NODES
+from .rows import LINKAGE_METHODS, OF_LINKS, OF_NODES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .tables import Array, LinkageTables
 
 #: Of a turn that leads back, the most that nodes may be off, relative to the largest length.
-CLOSED = 1e-6
+LARGEST_CLOSURE_GAP = 1e-6
 #: Residuals that move a coordinate as often as this have lost digits worth telling.
 DIGITS_LOST = 1e3
 #: Tables of a node and of a link, the letters of their columns, and what follows the unit.
@@ -195,7 +195,7 @@ class Trajectory(Result):
 
     @cached_property
     def places(self) -> dict[str, Column]:
-        """Where columns stand: the input is called ``alpha``, several ones by their names."""
+        """Places of the columns: the input is called ``alpha``, several ones by their names."""
         found = {"time": Column("time", "", None, "s")} if self.is_in_time else {}
         for name in self.inputs:
             shown = "alpha" if len(self.inputs) == 1 else name
@@ -231,13 +231,13 @@ class Trajectory(Result):
         if self.is_in_time or len(self) <= n:
             return {}
         turns = [(rows[n] - rows[0]) / math.tau for rows in self.inputs.values()]
-        if not all(round(x) and abs(x - round(x)) < CLOSED for x in turns) or {
+        if not all(round(x) and abs(x - round(x)) < LARGEST_CLOSURE_GAP for x in turns) or {
             *self.input_units.values()
         } != {"rad"}:
             return {}
         gaps = {node: math.dist(rows[n], rows[0]) for node, rows in self.positions.items()}
         length = max(link[-1] for link in self.links)
-        return {node: gap for node, gap in gaps.items() if gap > CLOSED * length}
+        return {node: gap for node, gap in gaps.items() if gap > LARGEST_CLOSURE_GAP * length}
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -313,7 +313,7 @@ def trajectory_of(
     return Trajectory(
         name=name,
         unit=mechanism.unit,
-        method=METHODS[run.method],
+        method=LINKAGE_METHODS[run.method],
         divisions=run.divisions,
         input_units={given.name: given.unit for given in mechanism.inputs},
         times=_times(run, n) if run.times is None else run.times[:n],

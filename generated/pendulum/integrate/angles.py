@@ -14,7 +14,7 @@ PI = Fraction("3.14159265358979323846264338327950288419716939937510582097494459"
 DEGREE = PI / 180
 """One degree in radians."""
 
-LONGEST = 80
+LONGEST_NUMBER = 80
 """Characters of the longest number."""
 
 _NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,2})?"
@@ -80,10 +80,10 @@ def number_of(text: str) -> float:
 
 
 def _exact(text: str) -> Fraction:
-    found = _TEXT.fullmatch(text) if len(text) <= LONGEST else None
+    found = _TEXT.fullmatch(text) if len(text) <= LONGEST_NUMBER else None
     if found is None or (found["divisor"] and not Fraction(found["divisor"])):
         shown = repr(text if len(text) <= 40 else f"{text[:40]}…")
-        is_rate = re.search(r"deg\s*/\s*s(ec)?\s*$", text[:LONGEST])
+        is_rate = re.search(r"deg\s*/\s*s(ec)?\s*$", text[:LONGEST_NUMBER])
         hint = "; per second is understood, leave '/s' out" if is_rate else ""
         raise ValueError(
             f"{shown} is no number and no angle, such as 0.5, '30 deg' or 'pi/6'{hint}"

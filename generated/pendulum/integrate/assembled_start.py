@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 THIN = 1e-3
 #: The longest step towards the nearest place, lengths relative to the scene's; steps at most, of
 #: which so many need not be smaller than the one before, as where Euler parameters get norm one.
-LONGEST, MOST, FIRST = 0.3, 100, 3
+LONGEST_PROJECTION_STEP, MOST, FIRST = 0.3, 100, 3
 #: A step that counts as rounding, and one that is small enough where rounding goes on.
-ROUNDING, SMALL = 1e-15, 1e-12
+ROUNDING_OF_PROJECTION_STEPS, SMALL = 1e-15, 1e-12
 #: Below this angle [rad] a series has all digits.
 SERIES = 1e-4
 #: What is told where no step leads nearer.
@@ -84,7 +84,7 @@ class WrittenBody:
 
 
 class Places:
-    """Where components of bodies stand in q or v; a number that never changes stands for itself.
+    """Places of components of bodies in q or v; a number that never changes stands for itself.
 
     Parameters
     ----------
@@ -348,11 +348,11 @@ def nearest(layout: Layout, given: WrittenBodies, evaluate: Evaluate, q: Array) 
         given.pull(q, u)
         u += evaluate(q, u)["dv"] - evaluate(q, rest)["dv"]
         size = float(np.max(np.abs(u) / sizes, initial=0.0))
-        if size <= ROUNDING or (size <= SMALL and size > 0.5 * last):
+        if size <= ROUNDING_OF_PROJECTION_STEPS or (size <= SMALL and size > 0.5 * last):
             return q
         bend = step @ (weights * (u - before))
         part = float(step @ (weights * step) / bend) if bend > 0.0 else 1.0
-        before, step = u, -min(part, LONGEST / size) * u
+        before, step = u, -min(part, LONGEST_PROJECTION_STEP / size) * u
         found = _closed(evaluate, q + moves * evaluate(q, step)["q_dot"], rest, sizes_q)
         if found is None:
             break
@@ -366,7 +366,7 @@ def _closed(evaluate: Evaluate, q: Array, rest: Array, sizes: Array) -> Array | 
     for attempt in range(MOST):
         moved = evaluate(q, rest)["q_moved"]
         change = float(np.max(np.abs(moved - q) / sizes, initial=0.0))
-        if change <= ROUNDING or (change <= SMALL and change > 0.5 * last):
+        if change <= ROUNDING_OF_PROJECTION_STEPS or (change <= SMALL and change > 0.5 * last):
             return moved
         if not (change < last or attempt < FIRST):
             break

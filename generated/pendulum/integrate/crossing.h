@@ -28,7 +28,7 @@
  * them goes up and down, and has twice of it */
 #define SHOWN 1.5
 /* what always may be left, by the size of a part */
-#define NOTHING 1e-12
+#define NEGLIGIBLE_VARIATION 1e-12
 /* a part that changes by less than this part of it in an interval needs no samples */
 #define STEADY 0.5
 /* the shortest interval in which a part is looked at, in a step: what is narrower has no bounds */
@@ -918,7 +918,7 @@ static int are_narrow_resolved(
     }
     for (size_t k = 0; k != N_NARROW; ++k) {
         const double range = most[k] - least[k], largest = larger(-least[k], most[k]);
-        const double nothing = band[k] + NOTHING * larger(largest, 1.0);
+        const double nothing = band[k] + NEGLIGIBLE_VARIATION * larger(largest, 1.0);
         const int is_shown = search->has_error && reach[k] <= SHOWN * range + nothing;
         const int is_explained = is_shown || change[k] <= EXPLAINED * range + nothing;
         if (!is_explained && !(high[k] - low[k] <= STEADY * largest + nothing)) return 0;

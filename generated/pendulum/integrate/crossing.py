@@ -51,7 +51,7 @@ EXPLAINED = 2.0
 #: them goes up and down, and has twice of it.
 SHOWN = 1.5
 #: What always may be left, by the size of a part.
-NOTHING = 1e-12
+NEGLIGIBLE_VARIATION = 1e-12
 #: A part that changes by less than this part of it in an interval needs no samples.
 STEADY = 0.5
 #: The shortest interval in which a part is looked at, in a step: what is narrower has no bounds.
@@ -871,7 +871,7 @@ def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
         reach = reach + (above - below)
         a = b
     size = largest(-least, most)
-    nothing = band + NOTHING * np.where(size > 1.0, size, 1.0)
+    nothing = band + NEGLIGIBLE_VARIATION * np.where(size > 1.0, size, 1.0)
     is_shown = (reach <= SHOWN * (most - least) + nothing) & search.has_error
     is_explained = is_shown | (change <= EXPLAINED * (most - least) + nothing)
     return bool(np.all(is_explained | (high - low <= STEADY * size + nothing)))

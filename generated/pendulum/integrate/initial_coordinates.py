@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 
 
 #: The largest correction after a step, and the longest step, lengths relative to the scene's.
-CLOSE, LONGEST = 0.02, 0.3
+CLOSE, LONGEST_CONTINUATION_STEP = 0.02, 0.3
 #: The largest change of direction from step to step, relative; other branches lead elsewhere.
 SMOOTH = 0.5
 #: The shortest step, as a part of the way; what steps that fail and that succeed are changed by:
 #: halves would meet the middle of a way, where a parallelogram may lie flat.
 SHORTEST, SHRINK, GROW = 1e-7, 0.6, 1.7
 #: Corrections on the way, and at its end, that are small enough; how many may grow, and are tried.
-NEAR, ROUNDING, FIRST, MOST = 1e-6, 1e-15, 3, 30
+NEAR, ROUNDING_OF_COORDINATES, FIRST, MOST = 1e-6, 1e-15, 3, 30
 #: A coordinate depends on others where so little of its motion is its own, squared.
 DEPENDENT = 1e-10
 #: One that is not given stays as in the scene where so much of its motion is its own, squared.
@@ -211,7 +211,7 @@ class Leader:
         while made < 1.0:
             direction = way @ ways
             size = self.size(direction)
-            step = min(step, LONGEST / size if size > 0.0 else 1.0)
+            step = min(step, LONGEST_CONTINUATION_STEP / size if size > 0.0 else 1.0)
             following = min(made + step, 1.0)
             goal = wanted if following == 1.0 else begin + following * way
             tried = self.displaced(q, (following - made) * direction)
@@ -238,8 +238,10 @@ class Leader:
         """Position that meets constraints and values of coordinates to rounding."""
         before = np.inf
         for _ in range(MOST):
-            q, left = self.met(q, self.ways(self.jacobian(q), chosen), chosen, wanted, ROUNDING)
-            if left <= ROUNDING or not left < 0.5 * before:
+            q, left = self.met(
+                q, self.ways(self.jacobian(q), chosen), chosen, wanted, ROUNDING_OF_COORDINATES
+            )
+            if left <= ROUNDING_OF_COORDINATES or not left < 0.5 * before:
                 break
             before = left
         return q

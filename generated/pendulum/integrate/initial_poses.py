@@ -11,7 +11,7 @@ import numpy as np
 
 from ..messages import refusal
 from .body_tables import indices, solver_state, written_state
-from .initial_coordinates import ROUNDING, InitialError, Leader, Start, lead
+from .initial_coordinates import ROUNDING_OF_COORDINATES, InitialError, Leader, Start, lead
 from .run_arguments import misfit_of_bodies
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ def place(
     if not problems and q0 is not None:
         q += _turns(start, q, counted)
         problems += _open(start, _residuals(start, q), 1.0)
-        q, _ = leader.met(q, np.empty((0, len(v))), [], np.empty(0), ROUNDING)
+        q, _ = leader.met(q, np.empty((0, len(v))), [], np.empty(0), ROUNDING_OF_COORDINATES)
     if not problems and v0 is not None:
         at = start.evaluate(q, v)
         problems += [f"{text}/s" for text in _open(start, at["C_dot"], max(1.0, leader.size(v)))]

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .arithmetic import Array
 
 #: Times that a motion may have; more rows fit into no memory.
-MOST_ROWS = 10**9
+MOST_SAMPLES = 10**9
 #: Tolerances are from this one on, and below 1; memory.h has it, too.
 LEAST_TOLERANCE = 1e-15
 
@@ -156,8 +156,8 @@ def times_of(scene: str, end: object, times: object, samples: object, size: int 
         last, count = cast(float, end), cast(int, samples)
         if not 0.0 < last < np.inf:
             raise refusal(f"{scene}: end {shown(end)}; wanted one above 0, in seconds")
-        if not 2 <= count <= MOST_ROWS:
-            raise refusal(f"{scene}: samples {shown(samples)}; wanted 2 to {MOST_ROWS}")
+        if not 2 <= count <= MOST_SAMPLES:
+            raise refusal(f"{scene}: samples {shown(samples)}; wanted 2 to {MOST_SAMPLES}")
         require_room(scene, count, size)
         return np.linspace(0.0, float(last), count)
     chosen = numbers_of(scene, "times", times)
@@ -221,7 +221,7 @@ def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
 def values_of(
     scene: str, known: Mapping[str, float], given: Mapping[str, float | str] | None
 ) -> dict[str, float]:
-    """All parameters, those that are given with their new values."""
+    """Parameters of the scene, those that are given with their new values."""
     values = {**known}
     if given is None:
         return values

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 #: What scenes may lack.
-NOTHING = {"coordinates": (0, 0)}
+ABSENT_REGIONS = {"coordinates": (0, 0)}
 
 
 def evaluated(
@@ -43,7 +43,7 @@ def evaluated(
     def evaluate(q: Array, v: Array) -> Mapping[str, Array]:
         work = np.zeros(work_size)
         call(0.0, np.ascontiguousarray(q), np.ascontiguousarray(v), parameters, work)
-        return {name: work[at : at + n] for name, (at, n) in {**NOTHING, **places}.items()}
+        return {name: work[at : at + n] for name, (at, n) in {**ABSENT_REGIONS, **places}.items()}
 
     return evaluate
 

@@ -18,7 +18,7 @@ from .crossing import (
     EXPLAINED,
     FINEST,
     FURTHER,
-    NOTHING,
+    NEGLIGIBLE_VARIATION,
     SMALLEST,
     evaluate_node,
     largest,
@@ -322,7 +322,7 @@ def is_resolved(first: float, last: float, w: Workspace) -> bool:
         sample = bounds_between(b, b, w)[1][0]
         least, most = smallest(sample, least), largest(sample, most)
     size = largest(largest(-least, most), np.ones_like(most))
-    enough = EXPLAINED * (most - least) + NOTHING * size
+    enough = EXPLAINED * (most - least) + NEGLIGIBLE_VARIATION * size
     return bool(np.all(change <= enough))
 
 
