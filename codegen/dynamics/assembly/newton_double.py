@@ -240,7 +240,11 @@ def _of_displacement(
 
 
 def _rates_of_turns(w: Array) -> Array:
-    """Matrix T with δθ′ = T dw of each rotation vector w, (n, 3, 3)."""
+    """Matrix T with δθ′ = T dw of each rotation vector w, (n, 3, 3).
+
+    It is :func:`~kousoku.codegen.dynamics.assembly.pose.rates_of_turn` of all bodies at once, in
+    doubles.
+    """
     x, y, z = w.T
     zero = np.zeros_like(x)
     tilde = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)

@@ -350,6 +350,7 @@ def displaced(r: Array, p: Array, change: Array) -> tuple[Array, Array]:
     r[:-1] += by_body[:, :3]
     w, x, y, z = p[:-1].T
     a, b, c = by_body[:, 3:].T / 2
+    # Not ``composed``: it adds in another order, and branches would differ in their last bits.
     product: Any = np.array(
         [
             w - x * a - y * b - z * c,
