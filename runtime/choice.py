@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from kousoku.runtime.sources import Sources
 
 Target = Literal["auto", "c", "numpy"]
+ChosenTarget = Literal["c", "numpy"]
 Loaded = TypeVar("Loaded")
 
 

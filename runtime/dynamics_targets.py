@@ -14,7 +14,7 @@ from kousoku.runtime.notice import say_once
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.runtime.choice import Target
+    from kousoku.runtime.choice import ChosenTarget, Target
     from kousoku.runtime.integrate.arithmetic import Array
     from kousoku.runtime.integrate.scene_solver import SceneSolver
     from kousoku.runtime.sources import Sources
@@ -318,11 +318,11 @@ def open_either(
     return choose(target, sources, (C_SOURCE, compiled_here), numpy)
 
 
-def open_same(sources: Sources, target: Target) -> SolverTarget:
+def open_same(sources: Sources, target: ChosenTarget) -> SolverTarget:
     """Open the target that another process had, see :func:`on_this_machine`."""
     return open_target(*on_this_machine(sources, target))
 
 
-def on_this_machine(sources: Sources, target: Target) -> tuple[Sources, Target]:
+def on_this_machine(sources: Sources, target: ChosenTarget) -> tuple[Sources, Target]:
     """Files and target of another process as they can be had here: NumPy where is no compiler."""
     return sources.placed(), target if target == "numpy" else "auto"

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.files.manifest import KernelManifest
     from kousoku.runtime.arguments import Floats
+    from kousoku.runtime.choice import ChosenTarget
     from kousoku.runtime.kernel import Kernel
     from kousoku.runtime.reference import Reference
 
@@ -42,7 +43,7 @@ class EvaluatedOutput:
     values: Floats
 
 
-def ways(target: Literal["c", "numpy"]) -> tuple[Way, ...]:
+def ways(target: ChosenTarget) -> tuple[Way, ...]:
     """Ways to call a kernel of a target."""
     return ("C", "C batch", "C lanes") if target == "c" else ("NumPy", "NumPy batch")
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.files.manifest import Manifest
     from kousoku.runtime.build import Built
-    from kousoku.runtime.choice import Target
+    from kousoku.runtime.choice import ChosenTarget, Target
     from kousoku.runtime.toolchain import Toolchain
 
 NUMPY_SOURCE, C_SOURCE, BATCH_SOURCE = "kernels.py", "kernels.c", "kernels_batch.c"
@@ -55,7 +55,7 @@ class Library:
 
     folder: Path
     manifest: Manifest
-    target: Literal["c", "numpy"]
+    target: Literal["c", "numpy"]  # as help() shows it
     kernels: Mapping[str, Kernel]
     path: Path | None = None
     damage: str = ""
@@ -138,7 +138,7 @@ def load(folder: str | Path, *, target: Target = "auto") -> Library:
     )
 
 
-def load_same(sources: Sources, target: Literal["c", "numpy"]) -> Library:
+def load_same(sources: Sources, target: ChosenTarget) -> Library:
     """Load a package with the target that another process had; NumPy where there is no compiler."""
     return load(sources.place(), target=target if target == "numpy" else "auto")
 

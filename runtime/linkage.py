@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    from kousoku.runtime.choice import Target
+    from kousoku.runtime.choice import ChosenTarget, Target
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.kinematics.rows import Rows, RunRequest
     from kousoku.runtime.kinematics.tables import Array, LinkageTables
@@ -203,7 +203,7 @@ def _numpy(sources: Sources, reason: Exception | None) -> KinematicSolver:
     return solver
 
 
-def _open_same(sources: Sources, target: Target) -> LinkageSolver:
+def _open_same(sources: Sources, target: ChosenTarget) -> LinkageSolver:
     return open_linkage(*on_this_machine(sources, target))
 
 

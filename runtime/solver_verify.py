@@ -18,7 +18,7 @@ from kousoku.runtime.report import Report, Row
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from kousoku.runtime.choice import Target
+    from kousoku.runtime.choice import ChosenTarget, Target
     from kousoku.runtime.sources import Sources
 
     #: What ``reference.json.gz`` holds; None where the folder was generated without.
@@ -117,7 +117,7 @@ def by_each_target(
     No compiler is a note, unless C was asked for; none at all is a problem.
     """
     found = []
-    targets: tuple[Target, ...] = ("c", "numpy")
+    targets: tuple[ChosenTarget, ...] = ("c", "numpy")
     for wanted in targets:
         if target not in {"auto", wanted}:
             continue
