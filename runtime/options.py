@@ -53,7 +53,9 @@ class RunOptions(TypedDict, total=False):
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """How a run is made.
+    """Options of a run as a user asks for them, checked, with parameters and start of the scene.
+
+    The integrator takes what of them rules its steps as :class:`Settings`.
 
     Parameters
     ----------

@@ -43,7 +43,9 @@ def method_for(tolerance: float, *, is_driven: bool) -> str:
 
 
 class Settings(NamedTuple):
-    """How a run is made.
+    """Settings that the integrator takes, as numbers: the record ``settings`` of ``solver.h``.
+
+    What a user asks for, with parameters and the start, are ``Options`` of the runtime.
 
     Parameters
     ----------
