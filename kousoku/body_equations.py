@@ -190,7 +190,7 @@ class SceneEquations:
 
     @cached_property
     def redundant(self) -> npt.NDArray[np.bool_]:
-        """Which rows depend on the others wherever the scene moves, (m,)."""
+        """Mask of rows that depend on the others wherever the scene moves, (m,)."""
         left = {(row.instance, row.row) for row in self._freedom.dropped}
         return np.array([(row.instance, row.row) in left for row in self._program.rows], bool)
 

@@ -45,7 +45,7 @@ def catalog() -> Catalog:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class CatalogItem:
-    """One thing that kousoku knows.
+    """Entry of a section: what kousoku knows by a name.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ class Section(_Named[CatalogItem]):
 
 
 class Catalog(_Named[Section]):
-    """All sections by name; its repr lists the entries of each."""
+    """Sections by name, all that there are; its repr lists the entries of each."""
 
     COLUMNS = ("section", "entries")
 

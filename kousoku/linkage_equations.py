@@ -38,7 +38,7 @@ PLACES = [0, 1, 3, 4]
 
 
 class LinkageRow(NamedTuple):
-    """One equation at a state.
+    """Equation of a linkage at a state.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which target computes: C where it can be had, else NumPy after saying why."""
+"""Choice of the target that computes: C where it can be had, else NumPy after saying why."""
 
 from __future__ import annotations
 

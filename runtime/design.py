@@ -29,7 +29,7 @@ INDEPENDENT = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class DesignPlaces:
-    """Where the numbers of a scene that depend on parameters stand.
+    """Places of the numbers of a scene that depend on parameters.
 
     Parameters
     ----------

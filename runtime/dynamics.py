@@ -126,7 +126,7 @@ class DynamicsSolver:
 
     @property
     def bodies(self) -> tuple[BodyPlaces, ...]:
-        """Where the bodies stand in q and v, in the order of the scene."""
+        """Places of the bodies in q and v, in the order of the scene."""
         return self.layout.bodies
 
     @property

@@ -23,7 +23,7 @@ Way = Literal["C", "C batch", "C lanes", "NumPy", "NumPy batch"]
 
 @dataclass(frozen=True, slots=True)
 class EvaluatedOutput:
-    """One output at every point.
+    """Output of a kernel at every point.
 
     Parameters
     ----------

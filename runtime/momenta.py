@@ -42,7 +42,7 @@ class ConservedPlaces:
 
 @dataclass(frozen=True, slots=True)
 class Momentum:
-    """How far the momentum of a part changed, the largest of all rows that were written.
+    """Change of the momentum of a part, the largest of all rows that were written.
 
     |p·n − (p·n)₀| with p = Σ m v, and of L = Σ (r − o) × m v + A I′ω′ (3,), frame O, along
     directions n.

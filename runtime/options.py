@@ -1,4 +1,4 @@
-"""How a run of a solver of bodies is made: method, steps, parameters; checked before it begins."""
+"""Options of a run of a solver of bodies: method, steps, parameters; checked before it begins."""
 
 from __future__ import annotations
 

@@ -309,12 +309,12 @@ class Run:
 
     @property
     def written(self) -> int:
-        """How many rows are written."""
+        """Number of rows that are written."""
         return int(self.state.item(self._places["next_row"]))
 
     @property
     def steps(self) -> int:
-        """How many steps were made."""
+        """Number of steps that were made."""
         return int(self.state.item(self._places["steps"]))
 
     def advance(self, max_steps: int = STEPS, max_rows: int = BUFFER) -> int:

@@ -1,4 +1,4 @@
-"""Where a run cannot go on: the joints that are open, and those whose rows depend on others."""
+"""Reasons why a run cannot go on: joints that are open, and those whose rows depend on others."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ def digest_of(arrays: Mapping[str, npt.NDArray[Any]]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class SavedRun:
-    """All that a run is, in numbers: it can be pickled, copied, and resumed elsewhere.
+    """Run in numbers, all that it is: it can be pickled, copied, and resumed elsewhere.
 
     Parameters
     ----------

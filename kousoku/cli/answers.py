@@ -15,7 +15,7 @@ JsonNumber = float | Literal["inf", "-inf", "nan"]
 
 
 class Shelf(TypedDict):
-    """How much of one sort the cache holds."""
+    """Share of one sort of files in the cache."""
 
     entries: int
     bytes: int
@@ -253,7 +253,7 @@ class Listing(TypedDict):
 
 
 class CatalogEntry(TypedDict):
-    """One thing that a scene may have, and what it is given by."""
+    """Thing that a scene may have, and what it is given by."""
 
     name: str
     title: str
@@ -295,7 +295,7 @@ class MomentumAnswer(TypedDict):
 
 
 class ErrorEstimateAnswer(TypedDict):
-    """How far the rows of a second run by another method are away."""
+    """Distance of the rows of a second run by another method."""
 
     length: JsonNumber
     angle: JsonNumber
@@ -305,7 +305,7 @@ class ErrorEstimateAnswer(TypedDict):
 
 
 class TrustAnswer(TypedDict):
-    """How far a run can be trusted, and what speaks against it."""
+    """Trust that a run deserves, and what speaks against it."""
 
     is_trusted: bool
     energy_error: JsonNumber | None

@@ -27,7 +27,7 @@ SourceTree = dict[str, str]
 
 
 class Emitted(StrEnum):
-    """Which sources a package gets."""
+    """Sources that a package gets."""
 
     ALL = "all"
     C = "c"
@@ -36,7 +36,7 @@ class Emitted(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """One package to generate.
+    """Package to generate.
 
     Parameters
     ----------

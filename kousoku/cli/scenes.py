@@ -1,4 +1,4 @@
-"""Where scenes come from, and where their solvers go."""
+"""Places that scenes come from, and that their solvers go to."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ class BodyShape:
 
 @dataclass(frozen=True, slots=True)
 class JointMark:
-    """Where a joint is.
+    """Mark of the place of a joint.
 
     Parameters
     ----------

@@ -84,7 +84,7 @@ class WrittenBody:
 
 
 class Places:
-    """Where components of bodies stand in q or v; a number that never changes stands for itself.
+    """Places of components of bodies in q or v; a number that never changes stands for itself.
 
     Parameters
     ----------

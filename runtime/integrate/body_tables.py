@@ -1,4 +1,4 @@
-"""Where bodies are and how they move, as tables by name, for the frames of the scene.
+"""Positions and velocities of bodies, as tables by name, for the frames of the scene.
 
 All bodies are taken at once: arrays are components first, then bodies, then rows.
 """
@@ -25,7 +25,7 @@ LENGTHS = ("position", "velocity", "acceleration")
 
 @dataclass(frozen=True, slots=True)
 class BodyPlaces:
-    """Where a body stands in q and v; a number that never changes stands in place of an index.
+    """Places of a body in q and v; a number that never changes stands in place of an index.
 
     Parameters
     ----------

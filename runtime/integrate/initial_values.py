@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class InitialValues(NamedTuple):
-    """Where a run starts, if not where the scene does; empty of what is not given.
+    """Start of a run, if it is not that of the scene; empty of what is not given.
 
     Parameters
     ----------

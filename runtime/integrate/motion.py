@@ -60,7 +60,7 @@ IN_METRES = {"force": "N", "torque": "N m", "energy": "J", "work": "J"}
 
 @dataclass(frozen=True, slots=True)
 class ReactionPlaces:
-    """Where the force and torque of a joint stand among the reactions of a row.
+    """Places of the force and torque of a joint among the reactions of a row.
 
     Parameters
     ----------
@@ -352,7 +352,7 @@ class Motion(Result):
 
     @property
     def told(self) -> EventLog:
-        """How often each event came to pass, and the rows of those that are recorded."""
+        """Log of events: how often each came to pass, and the rows of those that are recorded."""
         if self._told is None:
             self._told = EventLog((), np.empty((0, 1 + self.rows.shape[1])))
         if callable(self._told):
@@ -506,7 +506,7 @@ class Motion(Result):
 
     @cached_property
     def places(self) -> dict[str, Column]:
-        """Where each column stands, in order."""
+        """Places of the columns, in order."""
         layout, found = self.layout, {"time": Column("time", "", None, "s")}
 
         def unit_of(table: str) -> str:
@@ -622,7 +622,7 @@ class Motion(Result):
 
     @property
     def verdict(self) -> str:
-        """How far the run can be trusted, in a line: the first of its ledger; empty if unknown."""
+        """Verdict on the run in a line, the first of its ledger; empty if unknown."""
         trust = self._trust if self._ledger is None else self.ledger.trust
         return "" if trust is None else str(trust)
 

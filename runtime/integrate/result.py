@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from .trust import Trust
 
     class Ledger:
-        """What a run cost, and how far it can be trusted: ``print(run.ledger)`` tells it.
+        """Cost of a run, and how far it can be trusted: ``print(run.ledger)`` tells it.
 
         Bodies have a ``kousoku.runtime.run_ledger.RunLedger``, linkages of nodes the ``Iterations``
         of an analysis, where their fields are told. Which of them a run has no type checker knows:
@@ -139,7 +139,7 @@ class Named(Mapping[str, Value]):
 
 
 class Column(NamedTuple):
-    """Where a column stands: table, owner in it, component, and its unit."""
+    """Place of a column: table, owner in it, component, and its unit."""
 
     table: str
     owner: str
@@ -356,7 +356,7 @@ class Result:
 
     @cached_property
     def places(self) -> dict[str, Column]:
-        """Where each column stands, in order."""
+        """Places of the columns, in order."""
         raise NotImplementedError
 
     def _names(self, sort: str) -> Sequence[str]:
@@ -389,7 +389,7 @@ class Result:
         return iter(self.places)
 
     def columns(self) -> dict[str, Array]:
-        """All columns by name."""
+        """Columns by name."""
         return {name: self[name] for name in self.places}
 
     def columns_of(self, name: str) -> list[str]:

@@ -221,7 +221,7 @@ def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
 def values_of(
     scene: str, known: Mapping[str, float], given: Mapping[str, float | str] | None
 ) -> dict[str, float]:
-    """All parameters, those that are given with their new values."""
+    """Parameters of the scene, those that are given with their new values."""
     values = {**known}
     if given is None:
         return values

@@ -232,7 +232,7 @@ class SceneTables:
 
     @property
     def breaks(self) -> slice:
-        """Where these are among all functions that cross."""
+        """Places of these among all functions that cross."""
         last = self.size("crossings") // 4 + self.n_breaks
         return slice(last - self.n_breaks, last)
 
@@ -421,7 +421,7 @@ class Work:
 
 
 class RowMemory:
-    """All rows of the constraints, where they take over: see ``row_switch``.
+    """Rows of the constraints, all of them, where they take over: see ``row_switch``.
 
     Parameters
     ----------

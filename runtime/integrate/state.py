@@ -234,7 +234,7 @@ LEVELS = 3
 
 
 def fields(sizes: Mapping[str, int]) -> tuple[Field, ...]:
-    """All fields of a state, in order and without gaps.
+    """Fields of a state, in order and without gaps.
 
     Parameters
     ----------

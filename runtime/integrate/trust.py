@@ -69,7 +69,7 @@ class RunVerdict(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Trust:
-    """How far a run can be trusted: its numbers, and what speaks against it.
+    """Trust that a run deserves: its numbers, and what speaks against it.
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ def segments_of(
 
 
 class LinkageCoordinates(NamedTuple):
-    """All coordinates of a mechanism, or their first or second derivatives.
+    """Coordinates of a mechanism, or their first or second derivatives.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ SQUARE_BOW, CUBIC_BOW = 0.25, 0.385
 
 
 class CubicTube(NamedTuple):
-    """Where coordinates go along a step: x(0) + first s + second s² + third s³, and how nearly.
+    """Tube around coordinates along a step, x(0) + first s + second s² + third s³.
 
     Parameters
     ----------

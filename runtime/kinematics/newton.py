@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Convergence(NamedTuple):
-    """How positions converged: the most of all blocks.
+    """Convergence of positions: the most of all blocks.
 
     Parameters
     ----------

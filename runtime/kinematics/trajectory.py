@@ -195,7 +195,7 @@ class Trajectory(Result):
 
     @cached_property
     def places(self) -> dict[str, Column]:
-        """Where columns stand: the input is called ``alpha``, several ones by their names."""
+        """Places of the columns: the input is called ``alpha``, several ones by their names."""
         found = {"time": Column("time", "", None, "s")} if self.is_in_time else {}
         for name in self.inputs:
             shown = "alpha" if len(self.inputs) == 1 else name
