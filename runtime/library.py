@@ -5,7 +5,7 @@ from __future__ import annotations
 import types
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from kousoku.model.errors import LoadError, NotInResultError
 from kousoku.runtime.arguments import Signature
@@ -55,7 +55,7 @@ class Library:
 
     folder: Path
     manifest: Manifest
-    target: ChosenTarget
+    target: Literal["c", "numpy"]  # as help() shows it
     kernels: Mapping[str, Kernel]
     path: Path | None = None
     damage: str = ""
