@@ -304,8 +304,8 @@ def assembled_start(
         What stands where, with the parameters of the run.
     evaluate : callable
         What :func:`.start_evaluation.evaluated` returns, with these parameters.
-    y : array
-        Where bodies fit, on the branch of the scene: q, then some v.
+    y : (nq + nv,) array
+        Where bodies fit, on the branch of the scene: q, then some v, in SI units.
     is_told : bool
         Whether what it changes is told: not where the caller places the bodies.
     """

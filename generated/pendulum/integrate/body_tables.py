@@ -113,7 +113,7 @@ def written_state(
     ----------
     bodies : sequence of BodyPlaces
         Where they stand in q and v, in the order of the scene.
-    q, v : array
+    q, v : (nq,), (nv,) array
         Coordinates and velocities of the solver, in SI units.
     unit : float [m]
         The unit of the scene.
@@ -161,8 +161,9 @@ def solver_state(
     ----------
     bodies : sequence of BodyPlaces
         Where they stand in q and v, in the order of the scene.
-    q_written, v_written : array
-        The state, as :func:`written_state` returns it; Euler parameters of any norm but 0.
+    q_written, v_written : (n,), (m,) array
+        The state, as :func:`written_state` returns it, n and m as
+        :func:`written_sizes` tells; Euler parameters of any norm but 0.
     unit : float [m]
         The unit of the scene.
     start : (array, array)
@@ -171,7 +172,7 @@ def solver_state(
 
     Returns
     -------
-    q, v : array
+    q, v : (nq,), (nv,) array
         Copies of those of ``start`` with what bodies have, in SI units.
     """
     q, v = (array.copy() for array in start)

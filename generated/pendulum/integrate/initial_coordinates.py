@@ -54,8 +54,8 @@ class Start(NamedTuple):
     ----------
     evaluate : callable
         What :func:`.start_evaluation.evaluated` returns, with the parameters of the run.
-    q, v : array
-        Where the scene starts, on the constraints.
+    q, v : (nq,), (nv,) array
+        Where the scene starts, on the constraints, in SI units.
     bodies : sequence of BodyPlaces
         In the order of the scene.
     coordinates : mapping of str to (int, int, float)
@@ -325,8 +325,8 @@ def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
 
     Returns
     -------
-    q, v : array
-        On the constraints.
+    q, v : (nq,), (nv,) array
+        On the constraints, in SI units.
 
     Raises
     ------

@@ -46,8 +46,8 @@ def started(
         Joint and unit of all constraints: solved for, left out, put onto joints.
     evaluate : callable
         What :func:`.start_evaluation.evaluated` returns, with the parameters of the run.
-    y : array
-        Where the scene starts with them: q, then v.
+    y : (nq + nv,) array
+        Where the scene starts with them: q, then v, in SI units.
     initial : InitialValues
         Values of coordinates and rates, or q0 and v0 as written.
 
@@ -91,15 +91,16 @@ def place(
         For each body r of its frame's origin in frame O, in the unit of the scene, then its Euler
         parameters, scalar first, unless it is a point.
     v0 : array, optional
-        For each body the velocity of that origin in frame O, then ω′ [rad/s] unless it is a point.
-    counted : array, optional
+        For each body the velocity of that origin in frame O, in the unit of the scene per second,
+        then ω′ [rad/s] unless it is a point.
+    counted : (nq,) array, optional
         q of the solver where turns are counted, within half a turn of q0; as the start counts them,
         and gears need, unless given.
 
     Returns
     -------
-    q, v : array
-        On the constraints.
+    q, v : (nq,), (nv,) array
+        On the constraints, in SI units.
 
     Raises
     ------

@@ -152,7 +152,7 @@ class SceneSolver:
             Ascending, the same in each call.
         max_steps : int
             How many steps.
-        state, workspace : array
+        state, workspace : (state_size,), (work_size,) array
             As :meth:`start` left them.
         rows : (n, row_size) array
             Where the rows go: time, q, v, parts.
