@@ -401,7 +401,7 @@ def test_a_changed_coefficient_in_all_files_is_refused(
     assert old in text
     integrator["integrate/methods.py"] = text.replace(old, new)
     monkeypatch.setattr(emit, "METHODS", (methods.DOPRI5, wrong))
-    monkeypatch.setattr(emit, "along", lambda *_: integrator)
+    monkeypatch.setattr(emit, "runtime_sources", lambda *_: integrator)
     scene = read_scene(SCENES / "pendulum.toml")
     write_tree(tmp_path / "wrong", generate_dynamics(scene, references=True))
 
