@@ -80,7 +80,7 @@ class Linkage:
 
 def cases(size: Size) -> Iterator[str]:
     """Name a case for each linkage."""
-    for k in range(size.examples(4, 100)):
+    for k in range(size.examples(4, 40)):
         yield f"near {size.seed} {k}"
 
 
