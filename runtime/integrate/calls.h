@@ -213,7 +213,6 @@ int PUBLIC(evaluate)(
     double *w = workspace;
     const int status = accelerate_at(time, q, v, parameters, w);
     if (status != GOOD) return status;
-    refine_lost(w);
     position(w);
     move(w);
     velocity(w);

@@ -77,13 +77,6 @@ static double lost_part(double *w)
     return size_of(w + W_DV) / size_of(w + W_V_DOT);
 }
 
-/* refines accelerations in the workspace where digits of them were lost: of a state alone no run
- * tells that */
-static void refine_lost(double *w)
-{
-    if (HAS_REFINEMENT && lost_part(w) > MOST_ACCELERATION_ERROR) refine(w);
-}
-
 /* has accelerations refined all along from here on, and those in the workspace: its derivative */
 static void begin_refining(double *f, Work *work, State *s)
 {

@@ -13,7 +13,7 @@ from .crossing import first_without_value
 from .dense_output import add_driven_rows, has_driven_works, prepare_dense
 from .methods import METHODS
 from .pivot_monitor import branch_ratio, note_largest_pivot, pivot_ratio
-from .projection import note_lost_digits, project, refine_lost
+from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import find_reactions, write_row
 from .run_arguments import LEAST_TOLERANCE
@@ -30,8 +30,7 @@ if TYPE_CHECKING:
     from .state import State
 
 #: The segments of an evaluation, in order: before the forces of joints, and behind.
-FOUND_FIRST = ("geometry", "acceleration")
-FOUND_NEXT = ("position", "move", "velocity")
+FOUND_FIRST = ("geometry", "position", "move", "velocity", "acceleration")
 FOUND_LAST = ("coordinate", "energy", "momentum", "check")
 
 
@@ -301,9 +300,6 @@ class SceneSolver:
             w.place(time, np.concatenate((q, v)))
             w.dq[:] = 0.0  # where there are no rows no segment writes it
             for segment in FOUND_FIRST:
-                w.run(segment)
-            refine_lost(work)
-            for segment in FOUND_NEXT:
                 w.run(segment)
             find_reactions(work, is_passed=False)
             for segment in FOUND_LAST:

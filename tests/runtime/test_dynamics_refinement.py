@@ -123,17 +123,17 @@ def test_rows_near_a_position_of_lower_rank_have_the_accelerations_of_fifty_digi
 ) -> None:
     run = passed(solver)
     nq, nv = len(solver.q), len(solver.v)
-    of_rows = {"v_dot": 0.0, "reactions": 0.0}
-    alone = dict(of_rows)
+    lost = {"v_dot": 0.0, "reactions": 0.0}
+    left = dict(lost)
     for row in run.save().rows[1:-1]:
         _, q, v, v_dot, reactions = np.split(row, np.cumsum([1, nq, nv, nv]))
-        exact, there = in_fifty_digits(q, v), solver.evaluate(0.0, q, v)
+        exact, once = in_fifty_digits(q, v), solver.evaluate(0.0, q, v)
         for name, found in (("v_dot", v_dot), ("reactions", reactions)):
-            alone[name] = max(alone[name], worst(there[name], exact[name]))
-            of_rows[name] = max(of_rows[name], worst(found, exact[name]))
-    for name, limit in (("v_dot", 5e-12), ("reactions", 3e-10)):  # without: a digit more at least
-        assert of_rows[name] < limit
-        assert alone[name] < limit
+            lost[name] = max(lost[name], worst(once[name], exact[name]))
+            left[name] = max(left[name], worst(found, exact[name]))
+    for name, limit in (("v_dot", 5e-12), ("reactions", 3e-10)):
+        assert left[name] < limit
+        assert lost[name] > 5 * left[name]
     ledger = run.motion().ledger
     assert len(HEIGHTS) <= ledger.refinements < ledger.derivatives / 20
     assert f"{ledger.refinements} accelerations refined" in str(ledger)
@@ -345,9 +345,6 @@ def test_a_light_body_between_heavy_ones_costs_no_digits(
         exact = in_fifty_digits(q, v, scene)
         assert worst(v_dot, exact["v_dot"]) < 1e-13
         assert worst(reactions, exact["reactions"]) < 1e-12
-        alone = solver.evaluate(0.0, q, v)
-        assert worst(alone["v_dot"], exact["v_dot"]) < 1e-13
-        assert worst(alone["reactions"], exact["reactions"]) < 1e-12
 
 
 def test_a_chain_that_rests_before_a_force_begins_is_refined_too(

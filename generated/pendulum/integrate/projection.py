@@ -75,15 +75,6 @@ def lost_part(work: Work) -> float:
     return float(np.divide(w.size_of(w.dv), w.size_of(w.v_dot)))
 
 
-def refine_lost(work: Work) -> None:
-    """Refine accelerations in the workspace where digits of them were lost.
-
-    Of a state alone no run tells that.
-    """
-    if work.scene.has_refinement and lost_part(work) > MOST_ACCELERATION_ERROR:
-        refine(work)
-
-
 def begin_refining(f: Array, work: Work, state: State) -> None:
     """Have accelerations refined all along from here on, and those in the workspace.
 
