@@ -210,11 +210,8 @@ def _sweep(shelf: Path) -> None:
 def _compile(source: Source, toolchain: Toolchain, work: Path, library: Path) -> None:
     sources = {name: text for name, text in source.files if name.endswith(".c") and "/" not in name}
     target = str(library.relative_to(work))
-    given = [*sources], target, source.flags
     is_large = max(map(len, sources.values())) > LARGE
-    for command in (
-        toolchain.large_commands(*given) if is_large else [toolchain.compile_command(*given)]
-    ):
+    for command in toolchain.compile_commands([*sources], target, source.flags, is_large=is_large):
         process = run(command, cwd=str(work))
         if process.returncode == 0 and library.exists():
             return

@@ -12,7 +12,7 @@ import hashlib
 import os
 import shutil
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -107,23 +107,26 @@ class Toolchain:
         self, sources: Sequence[str], library: str, extra: Sequence[str] = ()
     ) -> tuple[str, ...]:
         """Command that builds a shared library from C sources."""
-        return self._command(self.flags, sources, library, extra)
+        flags = (*self.flags, *extra, *_SHARED)
+        return (*self.command, *flags, "-o", library, *sources, *LIBRARIES)
 
-    def large_commands(
-        self, sources: Sequence[str], library: str, extra: Sequence[str] = ()
+    def compile_commands(
+        self,
+        sources: Sequence[str],
+        library: str,
+        extra: Sequence[str] = (),
+        *,
+        is_large: bool = False,
     ) -> Iterator[tuple[str, ...]]:
-        """Commands that build a library from sources some of which are large, the fastest first."""
+        """Commands that build a library of which some sources may be large, the fastest first."""
+        if not is_large:
+            yield self.compile_command(sources, library, extra)
+            return
         place = FLAGS.index("-O3")  # those of KOUSOKU_CFLAGS come behind
         flags = (*self.flags[:place], *LARGE_FLAGS, *self.flags[place + 1 :])
-        if GCC in self.version and (os.cpu_count() or 1) > 1:
-            yield self._command((*PARALLEL_FLAGS, *flags), sources, library, extra)
-        yield self._command(flags, sources, library, extra)
-
-    def _command(
-        self, flags: Sequence[str], sources: Sequence[str], library: str, extra: Sequence[str]
-    ) -> tuple[str, ...]:
-        more = (*flags, *extra, *_SHARED)
-        return (*self.command, *more, "-o", library, *sources, *LIBRARIES)
+        ways = [PARALLEL_FLAGS, ()] if GCC in self.version and (os.cpu_count() or 1) > 1 else [()]
+        for way in ways:
+            yield replace(self, flags=(*way, *flags)).compile_command(sources, library, extra)
 
 
 def find_toolchain() -> Toolchain:

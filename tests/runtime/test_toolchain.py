@@ -173,7 +173,7 @@ def test_large_sources_are_compiled_with_vector_loops_and_little_else(
     monkeypatch.setenv("KOUSOKU_CFLAGS", "-O3 -DMINE")
     toolchain = find_toolchain()
     small = toolchain.compile_command(["a.c"], "a.so")
-    *parallel, large = toolchain.large_commands(["a.c"], "a.so")
+    *parallel, large = toolchain.compile_commands(["a.c"], "a.so", is_large=True)
 
     place = small.index("-O3")
     assert [[*one].count("-flto=2") for one in parallel] in ([], [1])

@@ -96,9 +96,6 @@ SAME = 1e3
 stages has a few sines, known to a unit, and a motion makes of them some times as much."""
 
 
-NO_STEPS = f"{MOST_STEPS} steps are made and"
-"""What a motion that needs more says."""
-
 REASONS = ("axes that parameters turn", "hold", "does not fit together near")
 """What random scenes are refused for, and rightly."""
 
@@ -107,8 +104,8 @@ def cases(size: Size) -> Iterator[str]:
     """Name a case for each batch of random scenes, and one that Hypothesis draws."""
     for batch in range(-(-size.examples(10, 1000) // BATCH)):
         yield f"random {size.seed} {batch}"
-    for batch in range(size.examples(1, 4)):
-        yield f"hypothesis {size.seed + batch} {size.examples(3, 25)}"
+    for batch in range(4 if size.is_full else 1):
+        yield f"hypothesis {size.seed + batch} {25 if size.is_full else 3}"
 
 
 def run(case: str) -> Outcome:
@@ -180,9 +177,6 @@ def look(tree: Tree, place: str) -> Outcome:
         return outcome
     except Exception as error:
         outcome.find(f"a crash: {type(error).__name__}", f"{error}; {place}")
-        return outcome
-    if any(NO_STEPS in str(stop) for stop in stops.values()):
-        outcome.count(f"more than {MOST_STEPS} steps")
         return outcome
     if stops:
         outcome.count("stopped and told")
