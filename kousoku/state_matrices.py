@@ -49,6 +49,12 @@ LARGEST_STATE_RESIDUAL = 1e-7
 #: rounding leaves, 3e-16 in ``heavy_top``, would be compared with itself: rows come apart only from
 #: the closure tolerance times this on, 1e-10.
 STANDS = 1e-6
+#: What rows may leave of accelerations, as a part of the largest. Rounding leaves 1e-14 of them, but
+#: 3e-4 between masses of 1 and 1e-12 kg: these digits are lost, which runs win back.
+MOST_LOST = 1e-9
+#: What forces may leave where they are in balance, as a part of the largest: where a scene stands,
+#: accelerations are rounding, whose digits are all lost.
+BALANCED = 1e-9
 #: Rows and columns that a table in a notebook has at most.
 MOST_SHOWN = 30
 
@@ -185,7 +191,8 @@ class Evaluation(NamedTuple):
         What the state, and these accelerations, leave of the constraints of each joint and driver.
     notes : tuple of str
         Which of them are open, or come apart, by more than the scene's closure tolerance: what is
-        computed there keeps gaps from accelerating, and is no motion of the scene.
+        computed there keeps gaps from accelerating, and is no motion of the scene. And that digits
+        of accelerations are lost, as between very unequal masses.
     """
 
     v_dot: Array
@@ -289,6 +296,7 @@ def evaluate(
     violations = violations_of(scales * np.abs(left), equations.checked)
     speeds = scales * (np.abs(found.C_q) @ np.abs(state.v) + np.abs(found.nu))
     notes = (*_gaps(equations, violations, speeds), *_redundant(solver, state))
+    notes = notes or (*_lost_digits(found, v_dot, left[2], equations.length),)
     return Evaluation(v_dot, lam, is_unique, found.rows, found.columns, violations, notes)
 
 
@@ -321,6 +329,28 @@ def _gaps(
         ]
         if gaps:
             yield f"{equations.name}: at this state {what}: {listed(gaps)}"
+
+
+def _lost_digits(found: Matrices, v_dot: Array, left: Array, length: float) -> Iterator[str]:
+    """Digits of accelerations that are lost: what rows that are no redundant ones leave of them."""
+    arms = np.array([length if unit == "rad" else 1.0 for unit in found.units])
+    columns = np.array([length if is_turn(name) else 1.0 for name in found.columns])
+    force, mass, size, asked = (
+        np.abs(part).max(initial=0.0)
+        for part in (
+            found.f / columns,
+            np.diagonal(found.M) / columns**2,
+            columns * v_dot,
+            arms * found.gamma,
+        )
+    )
+    size = max(size, asked)
+    lost = np.abs(arms * left)[~found.redundant].max(initial=0.0)
+    if lost > MOST_LOST * size and lost * mass > BALANCED * force:
+        yield (
+            f"{found.name}: at this state digits of accelerations are lost: constraints ask for"
+            f" others, by {lost / size:.1e} of the largest; a run wins these digits back"
+        )
 
 
 def _redundant(solver: DynamicsSolver, state: CheckedState) -> Iterator[str]:

@@ -41,6 +41,9 @@ MOST_STEPS, MOST_DAMPED_STEPS = 40, 60
 #: The least damping, where rows depend on each other on the branch: without any, what is singular
 #: there to rounding would be solved with.
 LEAST_DAMPING = 1e-13
+#: How many times the limit of what rows miss a pivot must be to count without that: a hinge that is
+#: aside and leans has pivots of 1.6 times what it misses in the plane, and of 0.8 times in space.
+BEYOND_DOUBT = 2.0
 #: A position that came back to less than this part of a step was not left.
 MOVED = 0.05
 
@@ -198,7 +201,7 @@ class Branch:
             return factors, factors.rank, factors.pivots
         every = factorise(matrix, HOLDS)
         limits, ranks = (CLEARLY * self.tolerance, self.tolerance), []
-        factors = factorise(matrix, HOLDS, int((every.pivots > limits[0]).sum()))
+        factors = factorise(matrix, HOLDS, int((every.pivots > BEYOND_DOUBT * limits[0]).sum()))
         for limit in limits:
             while factors.rank < every.rank and self.rates(factors, matrix, rows).max() > limit:
                 factors = factorise(matrix, HOLDS, factors.rank + 1)

@@ -22,7 +22,7 @@ from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.elements.constraints import RelativeMotion, held_by
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
-from kousoku.codegen.dynamics.redundancy.branch import HOLDS, Branch, Scales
+from kousoku.codegen.dynamics.redundancy.branch import BEYOND_DOUBT, HOLDS, Branch, Scales
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
 from kousoku.model.errors import SceneError
 from kousoku.model.lowering.parametric import fixed_system
@@ -114,7 +114,7 @@ def is_near(branch: Branch, bodies: Sequence[MovingBody]) -> bool:
     """Whether rows may depend on each other nearly where bodies are, not to rounding."""
     c, matrix = branch.start(bodies)
     pivots = factorise(matrix, ROUNDING).pivots
-    is_small = len(pivots) > 0 and pivots.min() <= CLEARLY * branch.tolerance
+    is_small = len(pivots) > 0 and pivots.min() <= BEYOND_DOUBT * CLEARLY * branch.tolerance
     far = max(max(map(abs, body.r)) for body in bodies) / branch.length
     return bool(is_small or np.abs(c).max(initial=0.0) > _open_from(far))
 
