@@ -49,7 +49,7 @@ LARGEST_STATE_RESIDUAL = 1e-7
 #: rounding leaves, 3e-16 in ``heavy_top``, would be compared with itself: rows come apart only from
 #: the closure tolerance times this on, 1e-10.
 STANDS = 1e-6
-#: What rows may leave of accelerations, as a part of the largest. Rounding leaves 1e-14 of them, but
+#: What rows may leave of accelerations, as a part of the largest. Rounding leaves 1e-14 of it, but
 #: 3e-4 between masses of 1 and 1e-12 kg: these digits are lost, which runs win back.
 MOST_LOST = 1e-9
 #: What forces may leave where they are in balance, as a part of the largest: where a scene stands,
