@@ -72,11 +72,12 @@ def computed(sort: str, name: str) -> Iterator[np.ndarray[Any, Any]]:
                     yield one.values
         return
     scene = ks.load(scene_of(sort, name), target="c")
-    options: dict[str, Any] = {}
-    if hasattr(scene.solver, "parameters"):
-        options = {"most_steps": STEPS, "method": None}
     try:
-        result: Any = scene.simulate(END, samples=ROWS, **options) if options else scene.solve()
+        result: Any = (
+            scene.simulate(END, samples=ROWS, most_steps=STEPS)
+            if scene.scene.is_spatial
+            else scene.solve()
+        )
     except MotionError as error:
         result = error.result
     for k in range(len(result)):

@@ -44,7 +44,7 @@ STRICT = [
 ]
 SANITIZED = "-g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all"
 #: What is computed: packages of kinds, committed scenes, and random ones by their numbers.
-QUICK = ("kind point", "scene pendulum", "scene engine")
+QUICK = ("kind point", "scene pendulum", "scene engine", "scene lever_crank")
 SCENES = (
     *(
         "lever_crank",

@@ -74,6 +74,7 @@ BESIDE = {
     **dict.fromkeys(("n1", "n2"), ("gamma",)),
     **dict.fromkeys(("p2_x", "p2_y", "p2_z"), ("gamma", "reaction", "reaction_q")),
     "length": ("gamma", "reaction", "reaction_q"),
+    "rotation": ("dr_P",),
     "spring_damper": ("l_dot", "force"),
 }
 KNOWN = {
