@@ -98,7 +98,7 @@ def check_counted(scene: Scene, name: str, sort: str, key: str) -> None:
 
 
 def check_place(scene: Scene, body: str | None, point: Vector | None, key: str) -> None:
-    """Check a body and a point of it.
+    """Check a body and a point (3,) [unit of the scene] of it, body frame.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def check_place(scene: Scene, body: str | None, point: Vector | None, key: str) 
 
 
 def check_only_point(scene: Scene, body: str, point: Vector | None, key: str) -> None:
-    """Refuse any point but the origin of a body that is a point.
+    """Refuse any point (3,) [unit of the scene] but the origin of a body that is a point.
 
     Raises
     ------

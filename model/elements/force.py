@@ -84,7 +84,10 @@ class ForceKind(ElementKind):
         """
 
     def line(self, force: Force) -> tuple[tuple[str, str], Points] | None:
-        """Bodies and the points between which pictures show a spring, if any."""
+        """Bodies and the points between which pictures show a spring, if any.
+
+        Points are (3,) [unit of the scene], in the frame of body i and of body j.
+        """
         return None
 
 

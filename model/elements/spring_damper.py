@@ -106,6 +106,6 @@ class SpringDamper(ForceKind):
         yield PointSpring(name, i, j, constants, force.tension or "", formulas)
 
     def line(self, force: Force) -> tuple[tuple[str, str], Points] | None:
-        """Bodies and ends of the spring."""
+        """Bodies i and j, and ends (3,) [unit of the scene] of the spring in their frames."""
         both = force.bodies, force.points
         return None if both[0] is None or both[1] is None else (both[0], both[1])

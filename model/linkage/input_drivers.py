@@ -35,7 +35,7 @@ def law_of(given: Input) -> str:
 
 
 def way_of(given: Input) -> float:
-    """Way of an input with its sign, 2π turns or to − start, in rad or the unit of the scene."""
+    """Way of an input with its sign, 2π turns or to − start [rad or unit of the scene]."""
     turns = turns_of(given)
     if turns is not None:
         return tau * turns
@@ -63,7 +63,7 @@ def times_of(scene: Scene) -> list[float] | None:
 
     Returns
     -------
-    list of float [s], or None
+    (divisions + 1,) list of float [s], or None
         One time for each division 0 … ``divisions``; none where the scene has no inputs.
     """
     given = next(iter(scene.inputs.values()), None)

@@ -76,6 +76,11 @@ def known_nodes(scene: Scene, ks: np.ndarray) -> dict[str, Known]:
         A linkage of nodes.
     ks : (n,) array
         Divisions of the motion; they may lie between whole ones.
+
+    Returns
+    -------
+    dict of str to Known
+        Positions (2, n) in frame O [unit of the scene], (2, 1) of nodes that never move.
     """
     known = {
         name: Known(np.array(node.at).reshape(2, 1))

@@ -66,8 +66,10 @@ class MassProperties:
 def mass_properties(body: Body, key: str = "") -> MassProperties:
     """Mass properties of a body that was checked, summed over all that it is made of.
 
-    The principal axes are those that are nearest to the axes of the body: where its tensor is
-    diagonal they are the axes of the body themselves.
+    m = Σ mₖ [kg], c = Σ mₖ cₖ / m (3,) [unit of the scene] and, about c, the inertia tensor
+    J = Σ (Jₖ + mₖ (|d|² I − d dᵀ)) (3, 3) [kg unit²] with d = cₖ − c, in the body frame. The
+    principal axes are those that are nearest to the axes of the body: where its tensor is diagonal
+    they are the axes of the body themselves.
     """
     try:
         return _properties(structs.replace(body, **ANYWHERE))
@@ -107,7 +109,10 @@ def _properties(body: Body) -> MassProperties:
 
 
 def steiner(mass: High, d: Triple) -> Square:
-    """Mass · (|d|² I − d dᵀ), the inertia tensor of a mass at d about the origin."""
+    """Inertia tensor m (|d|² I − d dᵀ) (3, 3) [kg unit²] of a mass at d (3,) about the origin.
+
+    m [kg]; d [unit of the scene] and the tensor are in one frame.
+    """
     square = precise.dot(d, d)
     return _symmetric(
         lambda i, j: mass * (int(i == j) * square - d[i] * d[j]),
@@ -119,6 +124,18 @@ def principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
 
     Jacobi's method: each rotation by at most 45 degrees clears one element, so that zeros which
     keep an axis of the body a principal axis stay zeros.
+
+    Parameters
+    ----------
+    tensor : (3, 3) [kg unit²]
+        J by rows, in the body frame.
+
+    Returns
+    -------
+    moments : (3,) [kg unit²]
+        The diagonal of A(p) J A(p)ᵀ.
+    p : (4,) [-]
+        Euler parameters of any norm: components in the body frame to the principal frame.
     """
     if any(isinstance(x, Traced) for row in tensor for x in row):
         return traced_principal(tensor)
@@ -142,6 +159,16 @@ def traced_principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
 
     The axes are those of the scene where parameters do not turn them; else one element off the
     diagonal is cleared in closed form.
+
+    Parameters
+    ----------
+    tensor : (3, 3) [kg unit²]
+        By rows, in the body frame.
+
+    Returns
+    -------
+    moments, p : (3,) [kg unit²], (4,) [-]
+        As of :func:`principal`.
 
     Raises
     ------

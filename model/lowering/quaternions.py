@@ -22,8 +22,8 @@ def quaternion(orientation: Orientation | None) -> Quadruple:
 
     Returns
     -------
-    (4,)
-        Scalar first, in 50 digits.
+    (4,) [-]
+        Scalar first, in 50 digits: components in the frame to those in the other frame.
     """
     if orientation is None:
         return IDENTITY

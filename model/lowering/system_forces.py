@@ -64,7 +64,7 @@ def events_of(scene: Scene, coordinates: CoordinateList) -> tuple[SystemEvent, .
 
 
 def gravity_of(scene: Scene, unit: High) -> Vector:
-    """Acceleration of free fall [m/s²], frame O; zero where it is a formula."""
+    """Acceleration of free fall (3,) [m/s²], frame O; zero where it is a formula."""
     x, y, z = (0.0 if isinstance(value, str) else value for value in scene.gravity)
     return to_vector(precise.scale(unit, precise.triple((x, y, z))))
 

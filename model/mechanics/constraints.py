@@ -96,7 +96,7 @@ class AngleKind(CoordinateKind):
     counts_turns = True
 
     def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
-        """Angle atan2(b_i · a_j, a_i · a_j) [rad]."""
+        """Angle atan2(b_i · a_j, a_i · a_j) [rad] of axes (3,) [-], frame O."""
         from kousoku.model.numbers import precise
 
         sine = precise.cleaned(precise.dot(axes["b_i_b"], axes["a_j_b"]), 1)
@@ -107,7 +107,7 @@ class CosineKind(CoordinateKind):
     """Cosine of the angle between two axes [-], frame O; lecture 8.2, (8.9)."""
 
     def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
-        """Product a_i · a_j [-]."""
+        """Product a_i · a_j [-] of axes (3,) [-], frame O."""
         from kousoku.model.numbers import precise
 
         return precise.cleaned(precise.dot(axes["a_i_b"], axes["a_j_b"]), 1)
@@ -119,7 +119,7 @@ class LengthKind(CoordinateKind):
     is_distance = True
 
     def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
-        """Length |d| [unit of the ends]."""
+        """Length |d| [unit of the ends] between points (3,), frame O."""
         from kousoku.model.numbers import precise
 
         assert ends is not None
@@ -130,7 +130,7 @@ class DisplacementKind(CoordinateKind):
     """Displacement along an axis of body i, a_i · d, frame O; lecture 8.2, (8.12)."""
 
     def value(self, axes: Mapping[str, Triple], ends: tuple[Triple, Triple] | None) -> High:
-        """Product a_i · d [unit of the ends]."""
+        """Product a_i · d [unit of the ends] of an axis (3,) [-] and points (3,), frame O."""
         from kousoku.model.numbers import precise
 
         assert ends is not None

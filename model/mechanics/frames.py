@@ -58,7 +58,7 @@ class BodyFrame:
     def place(self, s: Triple) -> Triple:
         """Place r + A s′ (3,) of a point s′ (3,), body frame, in frame O; lecture 7.1, (4.3).
 
-        r is the position of the body frame; all are in the unit of the scene.
+        r is the position of the body frame; all are lengths [unit of the scene].
         """
         return precise.add(self.position, precise.rotate(self.p, s))
 
@@ -88,7 +88,7 @@ DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 def joint_points(joint: Joint, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, Triple]:
-    """Points (3,) of a joint in its two body frames, in the unit of the scene.
+    """Points (3,) [unit of the scene] of a joint, in its two body frames.
 
     s′ = Aᵀ (at − r), lecture 7.1, (4.3), of a joint at one place of frame O; of a point body it is
     the body itself.
@@ -169,13 +169,16 @@ def _frame_of(axis: Triple, across: Triple) -> dict[str, Triple]:
 
 
 def to_vector(values: Triple, size: High = 0) -> Vector:
-    """Vector (3,) rounded to doubles, see :func:`kousoku.model.numbers.precise.rounded`."""
+    """Vector (3,) in its unit, rounded to doubles.
+
+    See :func:`kousoku.model.numbers.precise.rounded`; ``size`` is in that unit, too.
+    """
     x, y, z = precise.rounded(values, size)
     return x, y, z
 
 
 def not_negative(moments: Vector) -> Vector:
-    """Principal moments (3,), in their unit, in which rounding left none below zero."""
+    """Principal moments (3,), in their unit [kg m²], in which rounding left none below zero."""
     x, y, z = (x if isinstance(x, Varying) else max(0.0, x) for x in moments)
     return x, y, z
 

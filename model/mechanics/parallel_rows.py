@@ -23,9 +23,9 @@ def variant(kind: str, axis: Iterable[float]) -> str:
     ----------
     kind : str
         ``p1`` or ``p2``.
-    axis : iterable of float
-        a′ of body i: three components in the frame of i, of any length but zero. Of components
-        that are equally large the first is taken.
+    axis : (3,) iterable of float
+        a′ of body i in the frame of i, of any unit and of any length but zero. Of components that
+        are equally large the first is taken.
 
     Raises
     ------

@@ -118,9 +118,14 @@ def evaluate_dual(
     ----------
     kernel : Kernel
         What is evaluated.
-    inputs : mapping of str to sequence
-        For each input its elements, flat row-major; finite. Gradients name one by the input and
-        its place there.
+    inputs : mapping of str to (n,) sequence
+        For each input its elements, flat row-major, in the units of the kernel; finite. Gradients
+        name one by the input and its place there.
+
+    Returns
+    -------
+    dict of str to (m,) tuple of Dual
+        For each output its elements, flat row-major.
 
     Raises
     ------

@@ -73,7 +73,7 @@ def cleaned(value: High, size: High) -> High:
 
 
 def total(values: Sequence[High]) -> High:
-    """Sum Σ values, a scalar in their unit, rounded once where no number is traced."""
+    """Sum Σ values (n,), a scalar in their unit, rounded once where no number is traced."""
     if any(isinstance(value, Traced) for value in values):
         return sum(values, ZERO[0])
     found: High = CONTEXT.fsum(values)
@@ -81,7 +81,7 @@ def total(values: Sequence[High]) -> High:
 
 
 def triple(values: Iterable[float]) -> Triple:
-    """Vector (3,) of 50 digits, of three doubles."""
+    """Vector (3,) of 50 digits, of three doubles in its unit."""
     x, y, z = values
     return number(x), number(y), number(z)
 
@@ -103,7 +103,7 @@ def subtract(a: Triple, b: Triple) -> Triple:
 
 
 def scale(factor: High, a: Triple) -> Triple:
-    """Multiple factor · a (3,) of a vector a (3,), in its frame."""
+    """Multiple factor · a (3,) of a vector a (3,), in its frame and in the product of the units."""
     return factor * a[0], factor * a[1], factor * a[2]
 
 
@@ -232,16 +232,16 @@ def quaternion_of(matrix: Square) -> Quadruple:
 
 
 def rounded(values: Sequence[High], size: High = 0, noise: High = NOISE) -> tuple[float, ...]:
-    """Numbers rounded to doubles, with rounded zeros as zeros.
+    """Numbers (n,) rounded to doubles, in their unit, with rounded zeros as zeros.
 
     Parameters
     ----------
     values : (n,) sequence
-        Components of a vector, or Euler parameters.
+        Components of a vector, or Euler parameters [-].
     size : number
         The largest of the numbers that they came from, in their unit; their own largest when that
         is more.
-    noise : number
+    noise : number [-]
         The part of it below which a component is a rounded zero.
     """
     limit = noise * at_scene(max(size, *(abs(value) for value in values)))

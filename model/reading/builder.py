@@ -111,7 +111,7 @@ class SceneBuilder:
         return f"<SceneBuilder {self._tree['name']}: {', '.join(counts) or 'nothing in it'}>"
 
     def node(self, name: str, *, at: Numbers, fixed: bool = False) -> Self:
-        """Add a node, see :class:`kousoku.model.records.planar.Node`."""
+        """Add a node at (2,) [unit of the scene]: :class:`kousoku.model.records.planar.Node`."""
         return self._add("nodes", name, at=at, fixed=fixed)
 
     def link(self, name: str, first: str, second: str, *, length: float | None = None) -> Self:

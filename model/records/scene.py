@@ -145,7 +145,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return bool(self.bodies or self.joints)
 
     def length(self, link: str) -> float:
-        """Design length of a link, in the unit of the scene."""
+        """Design length of a link [unit of the scene], |r₂ − r₁| of its nodes unless given."""
         given = self.links[link].length
         if given is not None:
             return given
@@ -153,7 +153,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return hypot(second[0] - first[0], second[1] - first[1])
 
     def rigid_angle(self, connection: str, link: str) -> float:
-        """Angle from the first link of a rigid connection to `link`, in radians.
+        """Angle [rad] from the first link of a rigid connection to `link`, in the plane.
 
         Both links are seen from the shared node; the angle is counter-clockwise, and is taken from
         the positions of the nodes unless the connection gives it.
@@ -173,19 +173,19 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     @property
     def largest_length(self) -> float:
-        """The largest length L of the links; accuracies are relative to it."""
+        """Largest length L of the links [unit of the scene]; accuracies are relative to it."""
         return max((self.length(link) for link in self.links), default=0.0)
 
     @property
     def largest_coordinate(self) -> float:
-        """The largest coordinate of the frame: of fixed nodes and of the points of sliders."""
+        """Largest coordinate of the frame [unit of the scene]: fixed nodes, points of sliders."""
         points = [node.at for node in self.nodes.values() if node.fixed]
         points += [slider.through for slider in self.sliders.values()]
         return max((abs(component) for point in points for component in point), default=0.0)
 
     @property
     def default_residual(self) -> float:
-        """The limit of the residual when none is given: 8·2⁻⁵² times the largest length.
+        """Limit of the residual when none is given [unit of the scene]: 8·2⁻⁵² times the length L.
 
         Far from the origin it is the last digit of the largest coordinate, where that is coarser.
         """
@@ -193,6 +193,6 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     @property
     def residual_limit(self) -> float:
-        """The limit of the residual that the scene asks for, in the unit of the scene."""
+        """Limit of the residual that the scene asks for [unit of the scene]."""
         given = self.method.residual
         return self.default_residual if given is None else given

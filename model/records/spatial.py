@@ -167,7 +167,7 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return (self.inputs or {}).get(name)
 
     def vector(self, name: str) -> tuple[float, float, float]:
-        """Input of a kind of one's own that is a vector."""
+        """Input (3,) of a kind of one's own that is a vector, in the unit of its key."""
         value = self.input(name)
         assert isinstance(value, tuple)
         return value
