@@ -140,9 +140,10 @@ class WorkEstimate(NamedTuple):
 def predict_and_correct(
     t: float, h: float, start: Position, to: Position, work: Work, state: State
 ) -> float:
-    """Go on by h as position, velocity and acceleration predict it, and meet the constraints.
+    """Go on by h [s] as position, velocity and acceleration predict it, and meet the constraints.
 
-    Gives the derivative, and returns the first correction, negative where that is impossible.
+    dq = h (v + ½ h v̇) and v + h v̇, to the time t [s]. Gives the derivative, and returns the first
+    correction [-], lengths relative to that of the scene, negative where that is impossible.
     """
     scene, w = work.scene, work.w
     v, v_dot = start.y[scene.nq :], start.f[scene.nq :]
@@ -157,11 +158,11 @@ def predict_and_correct(
 def roughness(
     h: float, drift: float, start: Position, to: Position, work: Work, state: State
 ) -> float:
-    """Roughness of a step, at most one where it is smooth.
+    """Roughness [-] of a step of length h [s], at most one where it is smooth.
 
-    The prediction met the constraints, and the accelerations explain the change of the velocities;
-    on another branch they do not. It goes with the square of h. Where no position was found it is
-    infinite.
+    The prediction met the constraints, and the accelerations explain the change of the velocities,
+    h |v₁ − v₀ − ½ h (v̇₀ + v̇₁)|; on another branch they do not. It goes with the square of h.
+    Where no position was found it is infinite.
     """
     if drift < 0.0:
         return math.inf
@@ -181,10 +182,10 @@ def roughness(
 
 
 def is_explained(h: float, start: Position, half: Position, last: Position, work: Work) -> bool:
-    """Whether velocities explain where bodies are after two halves of length h.
+    """Whether velocities explain where bodies are after two halves of length h [s].
 
-    No prediction tells that of bodies that are put onto what drives them, and where a driver jumps
-    its rates do not.
+    |q₁ − q₀ − ⅓ h (q̇₀ + 4 q̇ₘ + q̇₁)|, m in the middle, is then small. No prediction tells that of
+    bodies that are put onto what drives them, and where a driver jumps its rates do not.
     """
     scene, size_of = work.scene, work.w.size_of
     nq = scene.nq
@@ -291,7 +292,10 @@ def branch_at(end: float, state: State, work: Work) -> int:
 
 
 def find_between(end: float, weak: float, state: State, work: Work) -> bool:
-    """Find the positions of a step in halves at the other nodes; return whether they are."""
+    """Find the positions of a step to ``end`` [s] in halves at the other nodes.
+
+    Returns whether they are found.
+    """
     h = end - state.time
     start, half = Position(state.y, state.f), position_at(0, work)
     for x, place, before, gone in (
@@ -471,7 +475,7 @@ def watched_end(s: Settings, end: float, part: float, search: Search) -> float:
 
 
 def following(error: float, rough: float, *, is_good: bool, is_estimated: bool) -> float:
-    """Factor from a step's length to the next one's, or to that which is tried in its place."""
+    """Factor [-] from a step's length to the next one's, or to that which is tried in its place."""
     by_shape = NEXT_STEP_SAFETY / math.sqrt(rough) if rough > 0.0 else MOST_NEXT_FACTOR
     if not is_good:
         return larger(LEAST_STEP_FACTOR, by_shape) if 1.0 < rough < math.inf else HALVED

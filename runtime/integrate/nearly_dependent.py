@@ -39,9 +39,9 @@ def nearly_dependent(
         Joint and unit of each row that is checked.
     places : mapping of str to (int, int)
         Where regions are in the memory for work, and how large.
-    work : array
-        In which rows that are not independent have what they hold beyond others.
-    tolerance : float
+    work : (work_size,) array
+        In which rows that are not independent have what they hold beyond others [m, rad].
+    tolerance : float [-]
         The closure tolerance.
     """
     first, _ = places.get("C") or places["C_left_out"]

@@ -75,9 +75,11 @@ def write_scaled_rows(rank: Rank, work: Work) -> None:
 
 
 def rate_of_row(rank: Rank) -> tuple[Array, Array]:
-    """Rates at which rows miss, per unit of the motion that the rows taken so far allow.
+    """Rates (n,) [-] at which rows miss, per unit of the motion that the rows taken so far allow.
 
-    That is in lengths of the scene or radians; with it what is left of each row in itself, squared.
+    |x|² b / (l |u|) of a row x (nv,), with its scale b, the length or radian l that its residual is
+    compared with, and u what x moves in lengths of the scene and radians. With it what is left of
+    each row in itself, squared: |x|² (n,).
     """
     squares, motions = np.zeros((2, len(rank.rows)))
     for k in range(rank.rows.shape[1]):
