@@ -92,9 +92,9 @@ class Signature:
 
         Parameters
         ----------
-        inputs : tuple of array_like
+        inputs : tuple of (*batch, *shape) array_like
             One for each input, with any leading batch axes.
-        out : sequence of arrays or None, optional
+        out : sequence of (*batch, *shape) arrays or None, optional
             Where the outputs go, None for an output that is not wanted.
         wanted : tuple of bool
             The outputs to allocate where ``out`` is not given.

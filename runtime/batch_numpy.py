@@ -62,8 +62,8 @@ def evaluate(
 
     Parameters
     ----------
-    kernel, arguments : NumpyKernel, sequence of array_like
-        What is evaluated, and its inputs.
+    kernel, arguments : NumpyKernel, sequence of (*batch, *shape) array_like
+        What is evaluated, and its inputs, in the units of the kernel.
     out, outputs : sequence of array or None, sequence of str, optional
         For each output the array to write, None where it is not wanted; or the names of those that
         are. All outputs unless given.

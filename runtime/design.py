@@ -56,7 +56,7 @@ class DesignPlaces:
         )
 
     def problems(self, numbers: Array) -> Iterator[str]:
-        """Problems with the numbers."""
+        """Problems with the numbers (n,) of the design, in SI units."""
         for name, at in self.positive:
             if not numbers[at] > 0.0:
                 yield f"{name} is {numbers[at]:.6g}; wanted a positive number"
@@ -71,8 +71,8 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
     ----------
     solver : DynamicsSolver
         A scene as it was loaded, or with other parameters.
-    values : array
-        All parameters, in the order of the scene.
+    values : (n,) array
+        All parameters, in the order of the scene and in their units.
 
     Raises
     ------
@@ -113,9 +113,9 @@ def not_closed(solver: DynamicsSolver, work: Array, times: float) -> str:
     ----------
     solver : DynamicsSolver
         A scene.
-    work : array
-        Where its solver evaluated the rows.
-    times : float
+    work : (work_size,) array
+        Where its solver evaluated the rows [m, rad].
+    times : float [-]
         So many times the closure tolerance is what they may miss.
     """
     rows, limit = solver.checked, times * solver.layout.closure_tolerance
@@ -133,14 +133,15 @@ def loops_that_open(solver: DynamicsSolver, values: Array) -> str:
     """Rows of loops that depend on others with the parameters of the scene only.
 
     Each is told by the row that is left out, by how much it misses for each length or radian that
-    bodies move as the rows allow that are kept, and by the joints whose rows implied it.
+    bodies move as the rows allow that are kept, and by the joints whose rows implied it: |N c| of
+    its row c (nv,) of C_q, with N by rows an orthonormal basis of what the rows kept allow.
 
     Parameters
     ----------
     solver : DynamicsSolver
         A scene.
-    values : array
-        All parameters, in the order of the scene.
+    values : (n,) array
+        All parameters, in the order of the scene and in their units.
     """
     scene = solver if solver.base is None else solver.base
     rows, count = solver.checked, len(solver.rows)
@@ -184,8 +185,8 @@ def nearly_redundant(solver: DynamicsSolver, values: Array) -> str:
     ----------
     solver : DynamicsSolver
         A scene.
-    values : array
-        All parameters, in the order of the scene.
+    values : (n,) array
+        All parameters, in the order of the scene and in their units.
 
     Returns
     -------
@@ -201,6 +202,6 @@ def nearly_redundant(solver: DynamicsSolver, values: Array) -> str:
 
 
 def told(solver: DynamicsSolver, values: Array) -> str:
-    """Parameters and their values in one line."""
+    """Parameters and their values (n,) in one line, each in its unit."""
     given = zip(solver.parameters, values, strict=True)
     return ", ".join(f"{name} = {value:.6g}" for (name, _), value in given)

@@ -155,7 +155,7 @@ class DynamicsSolver:
         Parameters
         ----------
         times : callable
-            Returns when the inputs are at their divisions, given how many these are.
+            Returns when the inputs are at their divisions (n,) [s], given how many these are.
         options : mapping
             ``divisions`` and ``parameters``.
 
@@ -225,7 +225,7 @@ class DynamicsSolver:
 
         Parameters
         ----------
-        times : sequence of float [s]
+        times : (n,) sequence of float [s]
             The times to write, ascending.
         **options
             As in :func:`kousoku.runtime.options.options_of`: ``tolerance``, ``method``, ``step``,
@@ -271,22 +271,24 @@ class DynamicsSolver:
         ----------
         time : float [s]
             When.
-        q, v : array
+        q, v : (nq,), (nv,) array
             Coordinates and velocities as in ``solver.q`` and ``solver.v``, in SI units; those of
-            ``solver.at(parameters)`` unless given. A body has its centre of mass and the Euler
-            parameters of its principal axes, then its velocity and angular velocity.
+            ``solver.at(parameters)`` unless given. A body has its centre of mass [m], frame O, and
+            the Euler parameters [-] of its principal axes, then its velocity [m/s], frame O, and
+            its angular velocity [rad/s], principal frame.
         parameters : mapping of str to float or str, optional
             Those that are not as in the scene.
 
         Returns
         -------
         dict of str to array
-            ``v_dot``, the accelerations; ``C``, what is left of the constraints that are solved
-            for, and ``C_left_out`` of all others, those too of joints that bodies are put onto;
-            ``C_dot`` and ``C_ddot``, the same of both, one after the other; ``dq``, which brings
-            the state onto those that are solved for, ``q_moved``, which is there and on all joints
-            that bodies are put onto, and ``dv``, which brings the velocities onto both;
-            ``energies``; ``lam`` and ``reactions`` where these are wanted.
+            ``v_dot`` (nv,), the accelerations; ``C`` (nc,) [m, rad], what is left of the
+            constraints that are solved for, and ``C_left_out`` of all others, those too of joints
+            that bodies are put onto; ``C_dot`` and ``C_ddot``, the same of both, one after the
+            other; ``dq`` (nv,), which brings the state onto those that are solved for, ``q_moved``
+            (nq,), which is there and on all joints that bodies are put onto, and ``dv`` (nv,),
+            which brings the velocities onto both; ``energies`` (2,) [J], kinetic and potential;
+            ``lam`` (nc,) and ``reactions`` where these are wanted.
 
         Raises
         ------

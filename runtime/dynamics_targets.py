@@ -68,21 +68,38 @@ class SolverTarget(Protocol):
         """Start of a run: takes a position and velocity, and projects them onto the constraints.
 
         Each call takes the arrays as they are then: they are looked up once, calls cost little.
+
+        Parameters
+        ----------
+        time : float [s]
+            Where the motion begins.
+        q, v : (nq,), (nv,) array
+            Coordinates and velocities, in SI units.
+        parameters : (n,) array
+            In the order of the scene and in their units.
+        memory : Memory
+            State and scratch.
         """
 
     def runner(
         self, settings: Settings, times: Array, memory: Memory
     ) -> Callable[[int, Array], int]:
-        """Runner: moves on by at most some steps, and writes as many rows as there are."""
+        """Runner: moves on by at most some steps, and writes as many rows as there are.
+
+        Times (n,) [s] ascend; rows (m, row_size) are in SI units.
+        """
 
     def evaluate(self, time: float, q: Array, v: Array, parameters: Array, work: Array) -> int:
-        """Compute all that the scene has at a state as it is; it is left in the work."""
+        """Compute all that the scene has at a state as it is; it is left in the work (work_size,).
+
+        Arguments as of :meth:`starter`, the time in [s].
+        """
 
     def residuals(self, memory: Memory, found: Array) -> None:
-        """Write what is left of the constraints where they were evaluated last."""
+        """Write C(q) to ``found`` (nc,) [m, rad] where it was evaluated last."""
 
     def pivots(self, memory: Memory, found: Array) -> int:
-        """Write the pivots of the factors at the state."""
+        """Write D (nc,) of C_q M⁻¹C_qᵀ = L D Lᵀ at the state, in SI units such as [1/kg]."""
 
 
 #: The types of C for those of Python.
@@ -135,14 +152,14 @@ class CompiledSolver:
     def starter(
         self, time: float, q: Array, v: Array, parameters: Array, memory: Memory
     ) -> Callable[[], int]:
-        """Start of a run: takes these arrays, as they are then, and projects them."""
+        """Start of a run: takes q (nq,) and v (nv,), SI units, as they are then; projects them."""
         arrays = map(_address, (q, v, parameters, memory.state, memory.work))
         return partial(self._function("start"), ctypes.c_double(time), *arrays)
 
     def runner(
         self, settings: Settings, times: Array, memory: Memory
     ) -> Callable[[int, Array], int]:
-        """Runner: moves on by at most some steps, and writes as many rows as there are."""
+        """Runner to times (n,) [s]: at most some steps, and rows (m, row_size), a call."""
         steps, count, place = ctypes.c_size_t(), ctypes.c_size_t(), ctypes.c_void_p()
         call = partial(
             self._function("run"),
@@ -161,16 +178,16 @@ class CompiledSolver:
         return run
 
     def evaluate(self, time: float, q: Array, v: Array, parameters: Array, work: Array) -> int:
-        """Compute all that the scene has at a state as it is; it is left in the work."""
+        """Compute all that the scene has at q (nq,) and v (nv,), in SI units; the work has it."""
         arrays = map(_address, (q, v, parameters, work))
         return int(self._function("evaluate")(ctypes.c_double(time), *arrays))
 
     def residuals(self, memory: Memory, found: Array) -> None:
-        """Write what is left of the constraints where they were evaluated last."""
+        """Write C(q) to ``found`` (nc,) [m, rad] where it was evaluated last."""
         self._function("residuals", None)(_address(memory.work), _address(found))
 
     def pivots(self, memory: Memory, found: Array) -> int:
-        """Write the pivots of the factors at the state."""
+        """Write D (nc,) of C_q M⁻¹C_qᵀ = L D Lᵀ at the state, in SI units such as [1/kg]."""
         arrays = map(_address, (memory.state, memory.work, found))
         return int(self._function("pivots")(*arrays))
 
@@ -204,19 +221,19 @@ class NumpySolver:
     def starter(
         self, time: float, q: Array, v: Array, parameters: Array, memory: Memory
     ) -> Callable[[], int]:
-        """Start of a run: takes a position and velocity, and projects them onto the constraints."""
+        """Start of a run: takes q (nq,) and v (nv,), in SI units, and projects them."""
         return partial(self.solver.start, time, q, v, parameters, memory.state, memory.work)
 
     def runner(
         self, settings: Settings, times: Array, memory: Memory
     ) -> Callable[[int, Array], int]:
-        """Runner: moves on by at most some steps, and writes as many rows as there are."""
+        """Runner to times (n,) [s]: at most some steps, and rows (m, row_size), a call."""
         return lambda max_steps, rows: self.run(settings, times, max_steps, memory, rows)
 
     def run(
         self, settings: Settings, times: Array, max_steps: int, memory: Memory, rows: Array
     ) -> int:
-        """Move on, and write rows.
+        """Move on to times (n,) [s], and write rows (m, row_size), in SI units.
 
         An interrupt can come anywhere: what the call had done is undone then, so that the state
         is one from which a run goes on.
@@ -231,15 +248,15 @@ class NumpySolver:
         return int(status)
 
     def evaluate(self, time: float, q: Array, v: Array, parameters: Array, work: Array) -> int:
-        """Compute all that the scene has at a state as it is; it is left in the work."""
+        """Compute all that the scene has at q (nq,) and v (nv,), in SI units; the work has it."""
         return int(self.solver.evaluate(time, q, v, parameters, work))
 
     def residuals(self, memory: Memory, found: Array) -> None:
-        """Write what is left of the constraints where they were evaluated last."""
+        """Write C(q) to ``found`` (nc,) [m, rad] where it was evaluated last."""
         self.solver.residuals(memory.work, found)
 
     def pivots(self, memory: Memory, found: Array) -> int:
-        """Write the pivots of the factors at the state."""
+        """Write D (nc,) of C_q M⁻¹C_qᵀ = L D Lᵀ at the state, in SI units such as [1/kg]."""
         return int(self.solver.pivots(memory.state, memory.work, found))
 
 

@@ -83,9 +83,10 @@ def second_options(options: Options) -> Options:
 
 
 def second_times(times: Array, options: Options) -> Array:
-    """Times that a second run is asked for, of which every second one is compared.
+    """Times (m,) [s] that a second run is asked for, of which every second one is compared.
 
-    Where drivers lead from row to row, rows between them make other steps.
+    Where drivers lead from row to row, rows between them make other steps: m = 2 n − 1 for times
+    (n,), else they are the same.
     """
     if options.method != KINEMATICS or len(times) < 2:
         return times
@@ -94,7 +95,10 @@ def second_times(times: Array, options: Options) -> Array:
 
 
 def error_estimate(first: Motion, second: Motion, size: float) -> ErrorEstimate:
-    """Error of the first of two runs.
+    """Error of the first of two runs: the largest |r₁ − r₂| and 4 arcsin(½ |p₁ ∓ p₂|) of bodies.
+
+    Positions r (n, 3) [unit of the scene] are in frame O, p (n, 4) [-] are Euler parameters; of ∓
+    that which gives the smaller angle.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ def to_lanes(values: Floats, width: int) -> Floats:
     Parameters
     ----------
     values : (n, *shape)
-        The batch axis first, n at least 1 unless there is nothing to pack.
+        The batch axis first, n at least 1 unless there is nothing to pack; in any units.
     width : int
         Lanes of a block, ``kernel.lane_width``.
 

@@ -150,8 +150,13 @@ class LinkageSolver(Linkage):
         ----------
         segment : str
             As in the mechanism: ``position_1`` … ``nodes``.
-        given : dict of str to array
-            What stands in regions before.
+        given : dict of str to (size,) array
+            What stands in regions before, lengths in the unit of the scene.
+
+        Returns
+        -------
+        dict of str to (size,) array
+            All regions.
         """
         mechanism = self.mechanism
         slots = np.zeros(mechanism.work_size)

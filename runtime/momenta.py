@@ -85,14 +85,14 @@ class Momentum:
 def momenta_of(
     conserved: Sequence[ConservedPlaces], changes: Sequence[float]
 ) -> tuple[Momentum, ...]:
-    """Changes by part.
+    """Changes |p·n − (p·n)₀| of momenta, by part.
 
     Parameters
     ----------
     conserved : sequence of ConservedPlaces
         The parts.
-    changes : sequence of float
-        Part by part, first linear, then angular.
+    changes : (n,) sequence of float [kg m/s, kg m²/s]
+        Part by part, of each direction of its linear momentum, then of each of its angular one.
     """
     found = []
     at = 0

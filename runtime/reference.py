@@ -50,7 +50,7 @@ class Expected:
         Parameters
         ----------
         values : (size,)
-            What was computed.
+            What was computed, in the unit of the output.
         **told
             The other fields of the row: kernel, output, way, point, label, inputs.
         """
@@ -65,7 +65,9 @@ class Expected:
         )
 
     def errors(self, values: Floats) -> Floats:
-        """Errors in units, element by element; infinite where no number of units says it.
+        """Errors |v − high − low| / unit (n, size) [-], element by element.
+
+        They are infinite where no number of units says it.
 
         Parameters
         ----------
@@ -104,7 +106,7 @@ class Reference:
     limits: tuple[Mapping[str, float], ...]
 
     def limits_of(self, output: str) -> Floats:
-        """Limits of an output in units, point by point."""
+        """Limits (n_points,) [-] of an output in units, point by point."""
         return np.array([limits.get(output, LIMIT) for limits in self.limits])
 
     def inputs_at(self, point: int, kernel: KernelManifest) -> tuple[tuple[str, str], ...]:

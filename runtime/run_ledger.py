@@ -170,7 +170,10 @@ class RunLedger:
         return f"<RunLedger: {str(self).splitlines()[0]}; print() shows all>"
 
     def worst(self, level: str) -> tuple[float, float]:
-        """Largest violation of all joints at a level, in metres and in radians."""
+        """Largest violation of all joints at a level: of lengths [m], and of angles [rad].
+
+        Of velocities and accelerations these are per s and per s².
+        """
         k = CONSTRAINT_LEVELS.index(level)
         found = self.violations.values()
         return (
@@ -308,11 +311,11 @@ def ledger_of(
     ----------
     solver : DynamicsSolver
         What moves.
-    numbers : array
-        The state of the run.
+    numbers : (state_size,) array
+        The state of the run, in the units of its fields.
     options : Options
         How the run is made.
-    seconds : mapping of str to float
+    seconds : mapping of str to float [s]
         Time that each phase took.
     error : ErrorEstimate, optional
         Of its rows.
@@ -385,7 +388,7 @@ def violations_of(
     Parameters
     ----------
     worst : (3, m) array
-        Of each row, at all levels, in SI units.
+        Of each row C, Ċ and C̈ [m or rad, per s, per s²].
     rows : sequence of (str, str)
         Joint or driver of each row, and the unit of its residual: m or rad.
     order : sequence of str
