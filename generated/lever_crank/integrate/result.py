@@ -295,7 +295,7 @@ class Result:
 
     @property
     def time(self) -> Array:
-        """The times [s]."""
+        """Times (n,) [s]."""
         raise NotImplementedError
 
     def state(self, k: int) -> tuple[float, Array, Array]:
@@ -389,7 +389,7 @@ class Result:
         return iter(self.places)
 
     def columns(self) -> dict[str, Array]:
-        """Columns by name."""
+        """Columns (n,) by name, in the units that :attr:`units` tells."""
         return {name: self[name] for name in self.places}
 
     def columns_of(self, name: str) -> list[str]:

@@ -69,7 +69,7 @@ class Equations:
         self.blocks = tuple(BlockEquations(self, k) for k in range(len(mechanism.blocks)))
 
     def region(self, name: str) -> Array:
-        """Region of the workspace, to read and to write."""
+        """Region (size,) of the workspace, to read and to write: a view."""
         base, size = self.mechanism.regions[name]
         return self.slots[base : base + size]
 
@@ -90,10 +90,17 @@ class Equations:
         D ẋ = ν and D ẍ = γ, block after block. All are derivatives by the same variable: by time,
         or by the part of a division.
 
+        Parameters
+        ----------
+        position : LinkageCoordinates
+            Where the mechanism is.
+        alpha_dot, alpha_ddot : (inputs,) array
+            Of the inputs, in their units per s and per s², or per division.
+
         Returns
         -------
         x_dot, x_ddot : (unknowns,) array
-            First and second derivatives, (22)-(25).
+            First and second derivatives, (22)-(25), in the units of the unknowns, likewise.
         """
         none = np.zeros_like(position.x)
         self.place(position)
@@ -134,30 +141,42 @@ class BlockEquations:
         self._factors = LU(np.eye(n), self.scale)
 
     def residuals(self) -> Array:
-        """Residuals ε (n,), in the unit of the mechanism."""
+        """Residuals ε (n,) [unit of the mechanism]."""
         self._position()
         return self._epsilon.copy()
 
     def jacobian(self) -> Array:
-        """Jacobian D = ∂ε/∂x (n, n): the unit of the mechanism per unit of each unknown."""
+        """Jacobian D = ∂ε/∂x (n, n) [unit of the mechanism per unit of each unknown]."""
         self._position()
         return self._jacobian.copy()
 
     def evaluate(self) -> tuple[Array, float]:
-        """Residuals ε (n,) and the smallest pivot; the LU factors of the Jacobian are kept."""
+        """Residuals ε (n,) [unit of the mechanism] and the smallest pivot [-].
+
+        The LU factors of the Jacobian are kept; pivots are those of unknowns as lengths.
+        """
         self._factors = LU(self.jacobian(), self.scale)
         return self._epsilon.copy(), self._factors.pivot
 
     def solve(self, right: Array) -> Array:
-        """Solution D⁻¹ right (n,), with the factors that :meth:`evaluate` kept."""
+        """Solution D⁻¹ right (n,), in the units of the unknowns, of a right-hand side (n,).
+
+        With the factors that :meth:`evaluate` kept, and right in the unit of the mechanism.
+        """
         return self._factors.solve(right)
 
     def velocity_side(self) -> Array:
-        """Right-hand side ν (n,) of the velocities, D ẋ = ν, (22) and (24)."""
+        """Right-hand side ν (n,) of the velocities, D ẋ = ν, (22) and (24).
+
+        In the unit of the mechanism per s, or per division.
+        """
         self._velocity()
         return self._nu.copy()
 
     def acceleration_side(self) -> Array:
-        """Right-hand side γ (n,) of the accelerations, D ẍ = γ, (23) and (25)."""
+        """Right-hand side γ (n,) of the accelerations, D ẍ = γ, (23) and (25).
+
+        In the unit of the mechanism per s², or per division twice.
+        """
         self._acceleration()
         return self._gamma.copy()

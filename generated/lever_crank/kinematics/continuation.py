@@ -196,7 +196,7 @@ class Continuation:
         return self.position.alpha + (0.0 if is_timed else self.run.whole_turns(self.division))
 
     def is_at(self, x: Array) -> bool:
-        """Whether unknowns are those of the position, angles up to whole turns."""
+        """Whether unknowns (unknowns,) are those of the position, angles [rad] up to turns."""
         off = self.position.x - x
         off -= math.tau * np.where(self._is_angle, np.rint(off / math.tau), 0.0)
         # Two assemblies are not as near as that where pivots are above SINGULAR.

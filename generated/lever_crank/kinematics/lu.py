@@ -53,7 +53,10 @@ class LU:
         self.pivot = side * weakest
 
     def solve(self, right: Array) -> Array:
-        """Solution A⁻¹ right (n,) or (n, m), of right-hand sides in columns."""
+        """Solution A⁻¹ right (n,) or (n, m), of right-hand sides in columns, in any units.
+
+        Forward with L, then backward with U; ``right`` stays what it is.
+        """
         b = right[self.order]
         n = len(b)
         for i in range(1, n):

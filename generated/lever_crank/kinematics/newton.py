@@ -34,7 +34,7 @@ class Convergence(NamedTuple):
 
 
 def largest(values: Array) -> float:
-    """Largest magnitude max |xᵢ|, in the unit of the values."""
+    """Largest magnitude max |xᵢ| of values of any shape, at least one, in the unit of these."""
     return float(np.max(np.abs(values)))
 
 

@@ -201,7 +201,10 @@ class RunRequest:
         return np.array([math.tau * round((turns * division - p) / n) for turns, p in pairs])
 
     def counted_inputs(self, division: int) -> list[float]:
-        """Inputs of a division, in their units, counting on over the turns."""
+        """Inputs (inputs,) of a division, in their units, counting on over the turns.
+
+        origin + 2π N k / n with N turns over n divisions, else origin + span · k / n.
+        """
         part, counted = division / self.divisions, []
         for i, turns in enumerate(self.turns):
             whole = math.tau * (turns * division / self.divisions)

@@ -172,7 +172,7 @@ class Trajectory(Result):
 
     @property
     def alpha(self) -> Array:
-        """The input (rows,), in its unit, or with several inputs all of them (rows, inputs)."""
+        """Input (rows,) [rad or unit of the scene], or with several inputs all (rows, inputs)."""
         columns = tuple(self.inputs.values())
         return columns[0] if len(columns) == 1 else np.stack(columns, axis=-1)
 
@@ -286,7 +286,10 @@ class Trajectory(Result):
 
 
 def named_tables(name: str, found: Mapping[str, tuple[Sequence[str], Array]]) -> dict[str, Any]:
-    """Tables of a trajectory by name, given owners and columns of those that were generated."""
+    """Tables of a trajectory by name, given owners and columns of those that were generated.
+
+    Columns are (rows, owners) or (rows, owners, 2), each in its unit.
+    """
     tables = {}
     for table, output in TABLES.items():
         owners, values = found.get(table, ((), np.empty(0)))

@@ -72,7 +72,7 @@ class Alone:
         return RunAlone(self, chosen, **options).finish()
 
     def begin(self, times: Sequence[float] | Array, **options: Any) -> RunAlone:
-        """Run at time 0 that can be stopped and go on."""
+        """Run at time 0 that can be stopped and go on, with ascending times (n,) [s] to write."""
         require_options(self.layout.name, options, OPTIONS, "times")
         return RunAlone(self, times_of(self.layout.name, None, times, 0), **options)
 

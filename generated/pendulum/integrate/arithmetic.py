@@ -25,11 +25,17 @@ def smaller(a: float, b: float) -> float:
 
 
 def rounding_of_sum(a: Array, b: Array, total: Array) -> Array:
-    """Remainder a + b − total that rounding left over, exactly (Knuth's TwoSum)."""
+    """Remainder (a + b) − total of arrays (n,), in their unit, that rounding left over, exactly.
+
+    Knuth's TwoSum.
+    """
     part = total - a
     return (a - (total - part)) + (b - part)
 
 
 def mean_square(x: Array, count: int) -> float:
-    """Sum of squares over a count, added up in the order of C: both take equal steps."""
+    """Mean square Σ xᵢ² / count of x (n,), in its unit squared, n at least 1.
+
+    It is added up in the order of C: both take equal steps.
+    """
     return float(np.cumsum(x * x)[-1]) / count

@@ -99,12 +99,12 @@ class Places:
         self.moves = self.at >= 0
 
     def of(self, source: Array) -> Array:
-        """Components, bodies behind each other."""
+        """Components (components, bodies) of bodies in q or v (n,), in their units."""
         found: Array = np.where(self.moves, source[self.at], self.numbers)
         return found
 
     def put(self, target: Array, values: Array) -> None:
-        """Write those that have a place."""
+        """Write those (components, bodies) that have a place to q or v (n,)."""
         target[self.at[self.moves]] = values[self.moves]
 
 
@@ -169,7 +169,10 @@ class WrittenBodies:
         self.omega_b.put(u, np.divide(torque, self.moments, out=rest, where=self.moments > 0.0))
 
     def move(self, q: Array, v: Array) -> None:
-        """Write velocities of the scene; bodies of one carrier have the sum of their momenta."""
+        """Write velocities v (nv,) [m/s, rad/s] of the scene at q (nq,).
+
+        Bodies of one carrier have the sum of their momenta.
+        """
         turn = self.p.of(q)
         back = _back(turn)[:, self.carrier]
         omega = np.where(self.is_in_o, rotated(back, self.spin), rotated(self.frame, self.spin))
@@ -178,7 +181,11 @@ class WrittenBodies:
         self._put(v, turn, self.mass * velocity, spin)
 
     def pull(self, q: Array, u: Array) -> None:
-        """Write M⁻¹ f, with the force f of ½ dᵀ W d at the displacement d since the scene."""
+        """Write u = M⁻¹ f (nv,) [m, rad], f of ½ dᵀ W d at the displacement d since the scene.
+
+        That is at q (nq,); W has masses and moments of inertia. u is in the order of v, lengths in
+        frame O and turns in principal frames.
+        """
         r, turn = self.r.of(q), self.p.of(q)
         own = turn[:, self.carrier]
         moved = r[:, self.carrier] + rotated(own, self.center) - self.written_r
@@ -263,7 +270,10 @@ def known(changes: Iterable[Change]) -> list[Change]:
 
 
 def changes_of(layout: Layout, q: Array, v: Array) -> list[Change]:
-    """Changes of the start that the scene gives, the largest first."""
+    """Changes of the start that the scene gives, the largest first.
+
+    They are those to q (nq,) and v (nv,) of the solver, in SI units.
+    """
     tables = body_tables(layout.bodies, q[np.newaxis], v[np.newaxis], None, layout.unit)
     found = []
     for body, given in zip(layout.bodies, layout.given, strict=True):
@@ -308,6 +318,13 @@ def assembled_start(
         Where bodies fit, on the branch of the scene: q, then some v, in SI units.
     is_told : bool
         Whether what it changes is told: not where the caller places the bodies.
+
+    Returns
+    -------
+    q, v : (nq,), (nv,) array
+        On the constraints, in SI units.
+    layout, changes : Layout, list of Change
+        With the notes, and what they tell.
     """
     given, count = WrittenBodies(layout), layout.sizes["q"]
     q, v = y[:count].copy(), y[count:].copy()
@@ -326,10 +343,10 @@ def assembled_start(
 
 
 def nearest(layout: Layout, given: WrittenBodies, evaluate: Evaluate, q: Array) -> Array | None:
-    """Place nearest to where the scene has its bodies, that can be reached from q.
+    """Place (nq,) nearest to where the scene has its bodies, that can be reached from q (nq,).
 
     There the force f of ½ dᵀ W d is normal to the constraints: what is tangent of −M⁻¹ f is a step
-    towards it, as long as Barzilai and Borwein take it. None where that leads nowhere.
+    towards it, as long as Barzilai and Borwein take it. None where that leads nowhere. In SI units.
     """
     rest, moves = np.zeros(layout.sizes["v"]), np.ones(len(q))
     moves[[place for _, place in layout.works]] = 0.0

@@ -74,9 +74,9 @@ def body_tables(
     ----------
     bodies : sequence of BodyPlaces
         Where they stand in q and v.
-    q, v : (n, ·) array
-        Coordinates and velocities, row by row.
-    v_dot : (n, ·) array, optional
+    q, v : (n, nq), (n, nv) array
+        Coordinates and velocities of the solver, row by row, in SI units.
+    v_dot : (n, nv) array, optional
         Time derivatives of the velocities.
     unit : float [m]
         The unit of the scene.
@@ -84,7 +84,8 @@ def body_tables(
     Returns
     -------
     dict of str to dict of str to (n, 3) array
-        For each table the bodies that have it; Euler parameters are (n, 4).
+        For each table the bodies that have it, lengths in the unit of the scene; Euler parameters
+        are (n, 4) [-].
     """
     found: dict[str, dict[str, Array]] = {}
     rates = None if v_dot is None else v_dot.T
@@ -120,11 +121,12 @@ def written_state(
 
     Returns
     -------
-    q : array
+    q : (n,) array
         For each body r (3) of the origin of its frame, in frame O and the unit of the scene, then
-        its Euler parameters p (4), scalar first, unless it is a point.
-    v : array
-        For each body ṙ (3) in frame O, then ω′ (3) [rad/s] in its own frame, unless it is a point.
+        its Euler parameters p (4) [-], scalar first, unless it is a point.
+    v : (m,) array
+        For each body ṙ (3) in frame O, in the unit of the scene per second, then ω′ (3) [rad/s] in
+        its own frame, unless it is a point; n and m as :func:`written_sizes` tells.
     """
     found = body_tables(bodies, q[np.newaxis], v[np.newaxis], None, unit)
     places, rates = (
@@ -195,7 +197,7 @@ def solver_state(
 
 
 def taken(places: Sequence[float], q: Array) -> Array:
-    """Elements of q (nq,) at places (n,); numbers stand for themselves."""
+    """Elements (n,) of q (nq,) at n places, in their units; numbers stand for themselves."""
     return np.array([q[k] if isinstance(k, int) else k for k in places])
 
 

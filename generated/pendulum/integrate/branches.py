@@ -44,7 +44,11 @@ LEAPS, STAYS, MEETS = 0, 1, 2
 
 
 def follow_way(x: list[float], c: list[Array], part: float) -> Array:
-    """Coordinates (nq,) at a part of a step by Newton's polynomial through those at parts x."""
+    """Coordinates (nq,) at a part of a step [-] by Newton's polynomial through those at parts x.
+
+    q = c₀ + (s − x₀) (c₁ + (s − x₁) (c₂ + …)) with the part s and n coefficients c (nq,), in the
+    units of the coordinates.
+    """
     q = c[-1]
     for node, coefficient in zip(x[-2::-1], c[-2::-1], strict=True):
         q = q * (part - node) + coefficient
@@ -67,11 +71,21 @@ def bend_way(
 
     The way leads through it then.
 
+    Parameters
+    ----------
+    x, c : list of float [-], list of (nq,) array
+        As of :func:`follow_way`; they grow by one where the way is bent.
+    t : float [s]
+        Time there.
+    part : float [-]
+        The part of the step.
+
     Returns
     -------
-    off : float
-        How far off it was, negative where it cannot be brought.
-    ratio : float
+    off : float [-]
+        How far off it was, in lengths of the scene and radians, negative where it cannot be
+        brought.
+    ratio : float [-]
         The pivot ratio there.
     """
     w, q = work.w, follow_way(x, c, part)
@@ -99,9 +113,9 @@ def bend_way(
 def follow_branch(
     h: float, y: Array, f: Array, part: float, slope: float, work: Work, state: State
 ) -> int:
-    """Verdict on a step of length h to y and f: LEAPS, STAYS or MEETS.
+    """Verdict on a step of length h [s] to y (ny,) and f = ẏ (ny,): LEAPS, STAYS or MEETS.
 
-    About at a part of it, with a slope of the roots of pivot ratios, branches meet, or nearly.
+    About at a part of it, with a slope of the roots of pivot ratios [-], branches meet, or nearly.
     """
     forget_trials(work)
     x, c = begin_way(h, state.y, state.f, y, f, work.scene.nq)
@@ -148,7 +162,7 @@ def follow_branch(
 
 
 def note_branch(time: float, found: int, state: State) -> None:
-    """Note what is known of a step to a time: that it may have leapt, or that branches meet."""
+    """Note what is known of a step to a time [s]: that it may have leapt, or that branches meet."""
     if found == LEAPS:
         if state.branch_points == 0.0:
             state.branch_point_time = time

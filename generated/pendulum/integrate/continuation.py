@@ -47,7 +47,8 @@ def is_possible(w: Workspace) -> bool:
 def axes_jump(before: Array, after: Array) -> bool:
     """Whether the principal axes of a body become others, as beside equal moments.
 
-    Its Euler parameters at the start are then far from those before; all that are not zero vary.
+    Its Euler parameters (4,) [-] at the start, (2,) in a plane, are then far from those before,
+    |p·p₀| < 1/2; all that are not zero vary.
     """
     sizes = [0.0, 0.0, 0.0]
     for a, b in zip(before.tolist(), after.tolist(), strict=True):
@@ -56,7 +57,7 @@ def axes_jump(before: Array, after: Array) -> bool:
 
 
 def turned_by(p: Array, q: Array) -> Array:
-    """Product of Euler parameters; those of a turn in a plane are two."""
+    """Product p ∘ q (4,) of Euler parameters (4,) [-], scalar first; of a turn in a plane (2,)."""
     if len(p) == 2:
         return np.array([p[0] * q[0] - p[1] * q[1], p[0] * q[1] + p[1] * q[0]])
     return np.array(
@@ -70,7 +71,11 @@ def turned_by(p: Array, q: Array) -> Array:
 
 
 def follow_design(y: Array, w: Workspace) -> None:
-    """Compute the numbers of the design anew, and move a state as they move the start."""
+    """Compute the numbers of the design anew, and move a state as they move the start.
+
+    y (ny,) becomes y + y₀′ − y₀ where the start y₀ becomes y₀′, in SI units; Euler parameters p of
+    a body whose principal axes become others become p ∘ p₀* ∘ p₀′.
+    """
     place, at = w.scene.starts.T
     before, after = np.zeros((2, len(y)))
     before[place] = w.design[at]
@@ -87,7 +92,10 @@ def follow_design(y: Array, w: Workspace) -> None:
 
 
 def set_parameters(given: Array, part: float, w: Workspace) -> None:
-    """Turn the parameters of the scene into those that are given by a part of the way."""
+    """Turn the parameters p of the scene into those that are given (n,) by a part [-] of the way.
+
+    p + part · (given − p), each in its unit.
+    """
     values = w.scene.parameters
     w.parameters[:] = values + part * (given - values) if part < 1.0 else given
 
@@ -128,7 +136,11 @@ def continue_parameters(state: State, work: Work) -> bool:
 
 
 def step_along(u: Array, y: Array, work: Work, state: State) -> bool:
-    """Move positions along a displacement and back onto the rows; return whether it can be."""
+    """Move positions along a displacement and back onto the rows; return whether it can be.
+
+    They go a quarter of u (nv,) [m, rad], which is one length of the scene or one radian large, or
+    less. y (ny,) has q, then v, in SI units.
+    """
     w, nq, there, way = work.w, work.scene.nq, work.y, STEP_ASIDE
     for _ in range(MOST_HALVINGS):
         w.place(state.time, y)

@@ -143,7 +143,7 @@ class EventOccurrences:
 
     @property
     def time(self) -> Array:
-        """When it was [s]; nothing of an event that is only counted."""
+        """Times (n,) [s] at which it was; none of an event that is only counted."""
         return self.states.time
 
     def __repr__(self) -> str:

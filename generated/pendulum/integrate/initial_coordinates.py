@@ -135,12 +135,16 @@ class Leader:
         return found
 
     def value(self, q: Array) -> Array:
-        """Values of the coordinates at a position, then of what is held."""
+        """Values (n + held,) [m, rad] of the coordinates at q (nq,), then of what is held."""
         found = self.evaluate(q, self.rest)["coordinates"][self.values]
         return np.concatenate([found, self.held @ q])
 
     def jacobian(self, q: Array) -> Jacobian:
-        """Jacobian of the coordinates, with the motions that change them."""
+        """Jacobian of the coordinates at q (nq,), with the motions that change them.
+
+        Column k of J (n, nv) has the rates of the coordinates, then of what is held, where velocity
+        k is 1 [m/s or rad/s]; motions are M⁻¹Jᵀ, and these on the constraints.
+        """
         still = self.evaluate(q, self.rest)
         jacobian = np.zeros((len(self.names) + len(self.held), len(self.rest)))
         weights = np.ones(len(self.rest))
@@ -173,11 +177,14 @@ class Leader:
         return chosen
 
     def size(self, u: Array) -> float:
-        """Largest element of a displacement, lengths relative to the scene's."""
+        """Largest element of a displacement (nv,) [m, rad], lengths relative to the scene's [-]."""
         return float(np.max(np.abs(u) / self.sizes, initial=0.0))
 
     def displaced(self, q: Array, u: Array) -> Array:
-        """Position that is displaced by a velocity in unit time."""
+        """Position q + q̇(u) · 1 s (nq,), displaced by a velocity u (nv,) in unit time.
+
+        Works stay what they are.
+        """
         return q + self.moves * self.evaluate(q, u)["q_dot"]
 
     def met(
@@ -186,6 +193,24 @@ class Leader:
         """Position near q that meets constraints and the goal, and what it still misses.
 
         That is infinite where the first correction is not small.
+
+        Parameters
+        ----------
+        q : (nq,) array
+            Where it begins, in SI units.
+        ways : (c, nv) array
+            As of :meth:`ways`.
+        chosen : sequence of int
+            Which c coordinates.
+        goal : (c,) array [m, rad]
+            Their values.
+        enough : float [-]
+            What may be missed, lengths relative to that of the scene.
+
+        Returns
+        -------
+        (nq,) array, float [-]
+            The position, and the last correction, lengths relative to that of the scene.
         """
         last = np.inf
         for attempt in range(MOST):
@@ -201,7 +226,10 @@ class Leader:
         return q, last
 
     def led(self, q: Array, chosen: Sequence[int], wanted: Array) -> tuple[Array, float]:
-        """Position on the way to values of coordinates, and which part of it was made."""
+        """Position (nq,) on the way to values of coordinates, and which part [-] of it was made.
+
+        q (nq,) is where it begins, ``wanted`` (c,) [m, rad] the values of the c coordinates chosen.
+        """
         if not chosen:
             return q, 1.0
         begin = self.value(q)[chosen]
@@ -227,7 +255,10 @@ class Leader:
         return q, 1.0
 
     def ways(self, at: Jacobian, chosen: Sequence[int]) -> Array:
-        """Least motions that move one of the coordinates each."""
+        """Least motions W (c, nv) that move one of the c coordinates each: J Wᵀ = 1.
+
+        In SI units, per unit of the coordinate: m or rad.
+        """
         among = at.J[chosen] @ at.ways[chosen].T
         try:
             return np.asarray(np.linalg.solve(among.T, at.ways[chosen]), np.float64)
@@ -235,7 +266,7 @@ class Leader:
             return np.full((len(chosen), len(self.rest)), np.inf)
 
     def polished(self, q: Array, chosen: Sequence[int], wanted: Array) -> Array:
-        """Position that meets constraints and values of coordinates to rounding."""
+        """Position (nq,) that meets constraints and values (c,) [m, rad] to rounding."""
         before = np.inf
         for _ in range(MOST):
             q, left = self.met(
@@ -285,7 +316,10 @@ class Leader:
         return u
 
     def moving(self, q: Array, at: Jacobian, chosen: Sequence[int], wanted: Array) -> Array:
-        """Velocities of the scene, projected once; rates of coordinates are wanted."""
+        """Velocities v (nv,) of the scene at q (nq,), projected once; rates are wanted.
+
+        v + (wanted − J v) W with W of :meth:`ways` and the rates (c,) [m/s, rad/s].
+        """
         v, ways = self.start.v, self.ways(at, chosen)
         for _ in range(2):  # the second time takes away what is rounded in the first
             v = v + self.evaluate(q, v)["dv"]
@@ -293,7 +327,10 @@ class Leader:
         return v
 
     def drivers(self, q: Array, slopes: Array) -> str:
-        """Drivers that a coordinate follows from, all where they leave nothing free."""
+        """Drivers that a coordinate follows from, all where they leave nothing free.
+
+        ``slopes`` (nv,) is its row of J at q (nq,): by least squares it is Σ share · row of C_q.
+        """
         rows = rates_of_rows(self.evaluate, q, self.sizes)
         wanted = slopes * self.sizes
         shares, _, rank, _ = np.linalg.lstsq(rows, wanted, rcond=DEPENDENT)

@@ -51,6 +51,11 @@ def started(
     initial : InitialValues
         Values of coordinates and rates, or q0 and v0 as written.
 
+    Returns
+    -------
+    q, v : (nq,), (nv,) array
+        On the constraints, in SI units.
+
     Raises
     ------
     SolveError

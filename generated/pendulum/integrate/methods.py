@@ -53,7 +53,7 @@ class RungeKuttaMethod:
 
 
 def row_of(text: str) -> tuple[float, ...]:
-    """Nearest doubles of fractions that are parted by blanks."""
+    """Nearest doubles (n,) [-] of n fractions that are parted by blanks."""
     return tuple(float(Fraction(number)) for number in text.split())
 
 

@@ -203,7 +203,7 @@ class Layout:
         )
 
     def at(self, design: Array) -> Layout:
-        """Layout with numbers of the design in place of their indices."""
+        """Layout with numbers of the design (n,) [SI] in place of their indices."""
 
         def given(values: Sequence[float]) -> tuple[float, ...]:
             return tuple(float(design[x]) if isinstance(x, int) else x for x in values)
@@ -221,7 +221,7 @@ class Layout:
         )
 
     def parts(self, rows: Array) -> dict[str, Array]:
-        """Parts of rows by name."""
+        """Parts (n, size) of rows (n, row_size) by name, in SI units: views."""
         found, first = {}, 0
         for name, size in self.sizes.items():
             found[name] = rows[:, first : first + size]
@@ -229,7 +229,22 @@ class Layout:
         return found
 
     def of_joint(self, joint: ReactionPlaces, q: Array, reactions: Array) -> tuple[Array, Array]:
-        """Force and torque on body j at the joint's point, in frame O [N, N m]."""
+        """Force F and torque A M′ + (r − s) × F on body j at the joint's point s, in frame O.
+
+        Parameters
+        ----------
+        joint : ReactionPlaces
+            Where F (frame O) and M′ (principal frame), which act at the centre of mass r, stand.
+        q : (n, nq) array
+            Coordinates, in SI units.
+        reactions : (n, m) array [N, N m]
+            What rows have of reactions.
+
+        Returns
+        -------
+        force, torque : (n, 3) array [N, N m]
+            The opposite of what acts on body i where body j is the ground.
+        """
         body, sign = self.bodies[joint.body], -1.0 if joint.j < 0 else 1.0
         own = [reactions[:, k] if k >= 0 else np.zeros(len(reactions)) for k in joint.columns]
         force, torque = sign * np.stack(own[:3]), sign * np.stack(own[3:])
@@ -243,7 +258,10 @@ class Layout:
         return force.T, torque.T
 
     def point_of(self, joint: ReactionPlaces, q: Array) -> Array:
-        """Point at which force and torque of a joint are taken, in frame O [m], (3, n)."""
+        """Point r + A s′ (3, n) [m] at which force and torque of a joint are taken, in frame O.
+
+        q (n, nq) is in SI units; of the ground s′ is in frame O itself.
+        """
         point = np.broadcast_to(np.array([joint.point_b]).T, (3, len(q)))
         if joint.j < 0:
             return point
@@ -347,7 +365,7 @@ class Motion(Result):
 
     @property
     def time(self) -> Array:
-        """The times [s]."""
+        """Times (n,) [s]."""
         return self.rows[:, 0]
 
     @property

@@ -23,14 +23,14 @@ BRANCH_ROUNDING = 1e-14
 
 
 def inverse_pivots(work: Work) -> tuple[float, float] | None:
-    """Smallest and largest inverse of the pivots; None unless all are good."""
+    """Smallest and largest element of D⁻¹ (nc,), C_q M⁻¹C_qᵀ = L D Lᵀ; None unless all are good."""
     inverses = work.w.pivots
     least, most = float(inverses.min()), float(inverses.max())
     return (least, most) if least > 0.0 and most < math.inf else None
 
 
 def pivot_ratio(work: Work, state: State) -> float:
-    """Smallest pivot of the factors in the workspace relative to the largest.
+    """Smallest pivot of the factors in the workspace relative to the largest [-].
 
     That is the largest of them and of all steps. 0 if one is not positive; it tends to 0 where rows
     become dependent.
@@ -63,11 +63,11 @@ def note_largest_pivot(work: Work, state: State) -> None:
 
 
 def branch_ratio(work: Work, state: State) -> float:
-    """Ratio that goes with the square of the distance from a place where branches meet.
+    """Ratio [-] that goes with the square of the distance from a place where branches meet.
 
-    That is the pivot ratio. Where drivers lead C_q is square, and all pivots together tell the
-    square of its determinant, beside that at the start: a smooth number that is zero there, and
-    tells of it from afar, where the smallest pivot may be another one.
+    That is the pivot ratio. Where drivers lead C_q is square, and all pivots together, Π dₖ/d₀ₖ,
+    tell the square of its determinant, beside that at the start: a smooth number that is zero
+    there, and tells of it from afar, where the smallest pivot may be another one.
     """
     usual = state.usual_pivots[: work.scene.nc]
     is_square = work.scene.is_driven and len(usual) > 0 and usual[0] > 0.0
@@ -79,7 +79,7 @@ def branch_ratio(work: Work, state: State) -> float:
 
 
 def blur_of(work: Work, state: State) -> float:
-    """Error that rounding may leave of a position, in lengths of the scene and radians."""
+    """Error [-] that rounding may leave of a position, in lengths of the scene and radians."""
     ratio = larger(pivot_ratio(work, state), branch_ratio(work, state))
     return BRANCH_ROUNDING / math.sqrt(larger(ratio, BRANCH_ROUNDING))
 

@@ -36,7 +36,7 @@ MOST_REFINEMENTS = 4
 
 
 def correct_position(work: Work) -> None:
-    """Find the correction of q."""
+    """Find the correction dq = −M⁻¹C_qᵀ (C_q M⁻¹C_qᵀ)⁻¹ C (nv,) [m, rad] of q."""
     if work.all is not None and work.all.is_on:
         solve_rows(work.w.all_C, work.all, work, work.w.dq)
     else:
@@ -44,7 +44,7 @@ def correct_position(work: Work) -> None:
 
 
 def correct_velocity(work: Work) -> None:
-    """Find the correction of v."""
+    """Find the correction dv = −M⁻¹C_qᵀ (C_q M⁻¹C_qᵀ)⁻¹ (C_q v − ν) (nv,) [m/s, rad/s] of v."""
     if work.all is not None and work.all.is_on:
         work.w.run("check")
         solve_rows(work.w.C_dot, work.all, work, work.w.dv)
@@ -53,7 +53,10 @@ def correct_velocity(work: Work) -> None:
 
 
 def refine(work: Work) -> None:
-    """Refine accelerations with the factors in the workspace until what is left is rounding."""
+    """Refine accelerations with the factors in the workspace until what is left is rounding.
+
+    v̇ − M⁻¹C_qᵀ (C_q M⁻¹C_qᵀ)⁻¹ (C_q v̇ − γ), again and again.
+    """
     w, before = work.w, math.inf
     for _ in range(MOST_REFINEMENTS):
         w.run("refinement")
@@ -69,7 +72,7 @@ def refine(work: Work) -> None:
 
 
 def lost_part(work: Work) -> float:
-    """Part of accelerations in the workspace that rows do not ask for."""
+    """Part [-] of accelerations in the workspace that rows do not ask for."""
     w = work.w
     w.run("refinement")
     return float(np.divide(w.size_of(w.dv), w.size_of(w.v_dot)))
@@ -78,7 +81,7 @@ def lost_part(work: Work) -> float:
 def begin_refining(f: Array, work: Work, state: State) -> None:
     """Have accelerations refined all along from here on, and those in the workspace.
 
-    Their derivative goes to f.
+    Their derivative ẏ = (q̇, v̇) goes to f (ny,).
     """
     state.is_refined = 1.0
     accelerate(work, state)
@@ -109,7 +112,10 @@ def note_lost_digits(work: Work, state: State) -> None:
 
 
 def check_digits(f: Array, work: Work, state: State) -> None:
-    """Check accelerations in the workspace, where some digits were lost before."""
+    """Check accelerations in the workspace, where some digits were lost before.
+
+    Better ones go to f (ny,), the derivative of y per second.
+    """
     if not work.scene.has_refinement or state.is_refined != LOOKED_AT:
         return
     if work.all is not None and work.all.is_on:
@@ -119,10 +125,10 @@ def check_digits(f: Array, work: Work, state: State) -> None:
 
 
 def accelerate(work: Work, state: State) -> None:
-    """Find q_dot, v_dot and the multipliers.
+    """Find q_dot (nq,), v_dot (nv,) [m/s², rad/s²] and the multipliers (nc,).
 
-    Where much of them was lost, they are brought nearer by what is left of C_q v̇ = γ:
-    S = C_q M⁻¹ C_qᵀ squares the condition of C_q, which this takes back.
+    M v̇ + C_qᵀλ = f and C_q v̇ = γ. Where much of them was lost, they are brought nearer by what is
+    left of the latter: S = C_q M⁻¹ C_qᵀ squares the condition of C_q, which this takes back.
     """
     all_rows = work.all if work.all is not None and work.all.is_on else None
     if all_rows is None:
@@ -154,7 +160,24 @@ def project_position(enough: float, work: Work, low: Array | None, state: State)
     """Newton on C(q) = 0, from the q in the workspace, until what is left is rounding, or enough.
 
     What is left is the square of the correction before. The geometry in the workspace is then that
-    of q. Returns the first correction, negative if it does not converge.
+    of q.
+
+    Parameters
+    ----------
+    enough : float [-]
+        A correction that may be left, lengths relative to that of the scene.
+    work : Work
+        Memory for work, with t and q.
+    low : (ny,) array or None
+        What rounding leaves over is added to it.
+    state : State
+        Counts what is evaluated.
+
+    Returns
+    -------
+    float [-]
+        The first correction, lengths relative to that of the scene; negative if it does not
+        converge.
     """
     w, first, before = work.w, 0.0, math.inf
     w.dq[:] = 0.0
@@ -193,14 +216,16 @@ def project(
 ) -> float:
     """Bring y to the manifold, or near enough to it, and give its derivative if f is not None.
 
+    Then C(q) = 0 and C_q v = ν, and f has q̇ and the v̇ with C_q v̇ = γ.
+
     Parameters
     ----------
     t : float [s]
         Time.
-    enough : float
+    enough : float [-]
         A correction that may be left, relative to a length of the scene.
     y : (ny,) array
-        Coordinates and velocities.
+        Coordinates and velocities, in SI units.
     low : (ny,) array or None
         What rounding leaves over is added to it.
     f : (ny,) array or None
@@ -212,8 +237,8 @@ def project(
 
     Returns
     -------
-    float
-        The first correction, negative where that is impossible.
+    float [-]
+        The first correction, relative to a length of the scene, negative where that is impossible.
     """
     w, nq = work.w, work.scene.nq
     w.place(t, y)
@@ -241,9 +266,9 @@ def project(
 def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
     """Take a part of what is normal to the constraints from u (nv,), a displacement or change of v.
 
-    It is normal at the geometry in the workspace; without all of it u is in the tangent space.
-    Where drivers lead it is added to v as large as v is, so that it is not lost in the rounding of
-    fast motions.
+    It is normal at the geometry in the workspace, M⁻¹C_qᵀ (C_q M⁻¹C_qᵀ)⁻¹ C_q u; without all of it
+    u is in the tangent space. Where drivers lead it is added to v (nv,) [m/s, rad/s] as large as v
+    is, so that it is not lost in the rounding of fast motions.
     """
     scene, w = work.scene, work.w
     if scene.nc == 0 and not scene.fits:
@@ -268,7 +293,10 @@ def displacement_of(scene: SceneTables, q: Array, dq: Array, u: Array) -> None:
 
 
 def ratio_at(q: Array, work: Work, state: State) -> float:
-    """Pivot ratio at a q that need not be on the constraints; the workspace gets its geometry."""
+    """Pivot ratio [-] at a q (nq,) that need not be on the constraints.
+
+    The workspace gets its geometry.
+    """
     work.w.q[:] = q
     work.w.dq[:] = 0.0
     work.w.displace(None)

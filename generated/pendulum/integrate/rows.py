@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def are_closed(misses: Array, times: float, scene: SceneTables) -> bool:
-    """Whether rows miss so many times the closure tolerance at most.
+    """Whether rows (n,) [m, rad] miss so many times the closure tolerance at most.
 
     Those that are left out do, and others where these took over.
     """
@@ -50,9 +50,10 @@ def note_checks(work: Work, state: State) -> None:
 def interpolate_position(
     m: RungeKuttaMethod, t: float, x: float, y: Array, work: Work, state: State
 ) -> bool:
-    """Put what the polynomial says of a time into the workspace, if rows are dependent there.
+    """Put what the polynomial says of a time t [s] into the workspace, if rows are dependent there.
 
-    Neither a projection nor the accelerations can be had from them.
+    x [-] is the part of the step, y (ny,) gets the state. Neither a projection nor the
+    accelerations can be had from them.
     """
     interpolate(m, x, state, y)
     nq = work.scene.nq
@@ -74,7 +75,7 @@ def interpolate_accelerations(
 
 
 def note_not_finite(row: Array, state: State) -> None:
-    """Note that a row has numbers that are not finite, and when the first such row is."""
+    """Note that a row (row_size,) has numbers that are not finite, and when [s] the first is."""
     if bool(np.isfinite(row).all()):
         return
     if state.not_finite == 0.0:
@@ -104,7 +105,10 @@ def find_reactions(work: Work, *, is_passed: bool) -> None:
 def write_row(
     m: RungeKuttaMethod, s: Settings, t: float, state: State, work: Work, row: Array
 ) -> Status:
-    """Write the state at a time of the last step: on the manifold, as all that is asked for."""
+    """Write the state at a time t [s] of the last step: on the manifold, as all that is asked for.
+
+    ``row`` (row_size,) gets time, q, v and the parts of the scene, in SI units.
+    """
     scene, w, y = work.scene, work.w, work.k[0]
     forget_trials(work)
     h, is_passed = state.time - state.time_before, False

@@ -90,7 +90,7 @@ def require_numbers(
 
 
 def numbers_of(scene: str, name: str, given: object) -> Array:
-    """Numbers as an array.
+    """Numbers as an array of the shape in which they are given, in their unit.
 
     Raises
     ------

@@ -62,7 +62,7 @@ class SceneSolver:
         time : float [s]
             Where the motion begins.
         q, v : (nq,), (nv,) array
-            Coordinates and velocities.
+            Coordinates and velocities, in SI units.
         parameters : (n,) array or None
             None for those of the scene.
         state : (state_size,) array
@@ -285,8 +285,8 @@ class SceneSolver:
     ) -> Status:
         """Compute all that the scene has at a state as it is, not projected.
 
-        It is left in the workspace: what is where stands in ``motion.json``. Arguments as of
-        :meth:`start`.
+        It is left in the workspace (work_size,): what is where stands in ``motion.json``. Arguments
+        as of :meth:`start`, q (nq,) and v (nv,) in SI units, the time in [s].
         """
         given = self.scene.parameters if parameters is None else parameters
         if not _are_numbers(time, q, v, given):
@@ -307,11 +307,14 @@ class SceneSolver:
         return Status.GOOD
 
     def residuals(self, workspace: Array, left: Array) -> None:
-        """Write what is left of the constraints where they were evaluated last."""
+        """Write C(q) to ``left`` (nc,) [m, rad] where it was evaluated last, in the workspace."""
         left[: self.scene.nc] = Workspace(self.scene, workspace).C
 
     def pivots(self, state: Array, workspace: Array, found: Array) -> Status:
-        """Write the pivots of the factors at the state, small where rows are nearly dependent."""
+        """Write D (nc,), C_q M⁻¹C_qᵀ = L D Lᵀ, at the state: small where rows are nearly dependent.
+
+        In SI units, such as [1/kg] of a row that is a length.
+        """
         s, w = state_of(self.scene, state), Workspace(self.scene, workspace)
         if abs(s.key) != self.scene.key:
             return Status.WRONG_STATE

@@ -368,21 +368,21 @@ class Workspace:
         run_tasks(self.slots, self.scene.segments.get(segment, []))
 
     def prepare(self, parameters: Array) -> None:
-        """Write what no step changes: the numbers of the scene, and the parameters of the run."""
+        """Write what no step changes: the numbers of the scene, and parameters (n,) of the run."""
         self.constants[:] = self.scene.constants
         self.parameters[:] = parameters
         self.run("setup")
 
     def place(self, t: float, y: Array) -> None:
-        """Put a state into the workspace."""
+        """Put a state y (ny,) at a time t [s] into the workspace: q, then v, in SI units."""
         self.t[0] = t
         self.q[:] = y[: self.scene.nq]
         self.v[:] = y[self.scene.nq :]
 
     def displace(self, low: Array | None) -> None:
-        """Move q by the correction and bring Euler parameters back to norm one.
+        """Move q by the correction dq (nv,) [m, rad], Euler parameters back to norm one.
 
-        What rounding leaves over of lengths is added to low if it is not None.
+        What rounding leaves over of lengths is added to low (ny,) [m] if it is not None.
         """
         self.run("move")
         if low is not None:
@@ -391,11 +391,14 @@ class Workspace:
         self.q[:] = self.q_moved
 
     def size_of(self, u: Array) -> float:
-        """Largest element of a correction, lengths relative to that of the scene."""
+        """Largest element of a correction u (nv,) [-], lengths relative to that of the scene."""
         return float(np.max(np.abs(u) / self.scene.lengths))  # a NaN stays
 
     def way_of(self, h: float, y: Array, end: Array) -> float:
-        """Distance that bodies move in a step of length h to an end, in lengths and radians."""
+        """Distance [-] that bodies move in a step of length h [s], in lengths and radians.
+
+        It is the larger of h |v| at y (ny,) and at the end (ny,).
+        """
         nq = self.scene.nq
         return h * larger(self.size_of(y[nq:]), self.size_of(end[nq:]))
 
@@ -442,5 +445,5 @@ class RowMemory:
 
 
 def state_of(scene: SceneTables, numbers: Array) -> State:
-    """State with its fields by name."""
+    """State (state_size,) with its fields by name."""
     return State(numbers, scene.state_sizes)

@@ -26,13 +26,13 @@ def evaluated(
     work_size: int,
     places: Mapping[str, Sequence[int]],
 ) -> Evaluate:
-    """Evaluation of a scene at time 0.
+    """Evaluation of a scene at time 0 of q (nq,) and v (nv,), in SI units.
 
     Parameters
     ----------
     call : callable
         ``evaluate`` of a solver: time, q, v, parameters, and the memory for work.
-    parameters : array
+    parameters : (n,) array
         Those of the run.
     work_size : int
         How many numbers that memory has.
@@ -49,6 +49,9 @@ def evaluated(
 
 
 def rates_of_rows(evaluate: Evaluate, q: Array, sizes: Array) -> Array:
-    """Jacobian C_q (nv, n) of all constraints, a row for each velocity, times its size."""
+    """Jacobian C_q (nv, n) of all n constraints, a row for each velocity, times its size.
+
+    It is transposed: C_q times each of ``sizes`` (nv,) [m, 1], at q (nq,), in m or rad.
+    """
     still = evaluate(q, np.zeros(len(sizes)))["C_dot"]
     return np.array([evaluate(q, u)["C_dot"] - still for u in np.diag(sizes)])

@@ -45,7 +45,7 @@ class Field(NamedTuple):
         return tuple(max(count, 1) for count in self.shape)
 
     def view(self, numbers: Array) -> Array:
-        """Part of a state that the field is, in its shape."""
+        """Part of a state (state_size,) that the field is, in its shape and unit: a view."""
         size = math.prod(self.room)
         whole = numbers[self.place : self.place + size].reshape(self.room)
         return whole[tuple(slice(count) for count in self.shape)] if self.shape else whole

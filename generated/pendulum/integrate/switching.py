@@ -64,14 +64,17 @@ PIECES = 4
 
 
 def bounds_between(first: float, last: float, w: Workspace) -> tuple[Array, Array]:
-    """Least and most value, slowest and fastest rate of switching functions and varying parts."""
+    """Bounds (4, n) of switching functions and (4, m) of varying parts between two times [s].
+
+    Least and most value in the unit of the formula, slowest and fastest rate per second.
+    """
     w.span[:] = first, last
     w.run("switching")
     return w.switches.reshape(-1, 4).T, w.features.reshape(-1, 4).T
 
 
 def switches_at(time: float, w: Workspace) -> Array:
-    """Values (switches,) of switching functions at a time [s]."""
+    """Values (n,) of switching functions at a time [s], in the units of their formulas."""
     switches, _ = bounds_between(time, time, w)
     there: Array = switches[0].copy()
     return there
@@ -82,6 +85,15 @@ def are_rootless(bounds: Array, before: Array, after: Array, h: float) -> bool:
 
     Those that are zero all along have none, nor have those that rise or fall all along between
     values of one sign. Else each is no less than lines from both ends as steep as its bounds.
+
+    Parameters
+    ----------
+    bounds : (4, n) array
+        As of :func:`bounds_between`.
+    before, after : (n,) array
+        Values at both ends, in the units of the formulas.
+    h : float [s]
+        The length of the interval.
     """
     least, most, slowest, fastest = bounds
     is_far = (least > 0.0) | (most < 0.0) | ((least == 0.0) & (most == 0.0))
@@ -96,7 +108,10 @@ def are_rootless(bounds: Array, before: Array, after: Array, h: float) -> bool:
 
 
 def bound_laws(first: float, last: float, w: Workspace) -> Array:
-    """Laws of drivers between two times, each with two derivatives, and bounds of rates."""
+    """Bounds (laws, 3, 4) of laws of drivers between two times [s], and of two derivatives.
+
+    Least and most of each, in the unit of the law per s⁰, s¹, s², then of its rate.
+    """
     w.law_span[:] = first, last
     w.run("bending")
     return w.laws.reshape(-1, 3, 4)
@@ -124,13 +139,16 @@ def are_unbent(first: float, last: float, span: float, w: Workspace) -> bool:
 
 
 def laws_at(time: float, w: Workspace) -> Array:
-    """Laws of drivers at a time, each with two derivatives, and a third."""
+    """Laws of drivers (laws, 4) at a time [s], each with two derivatives, and a third.
+
+    In the unit of the law per s⁰ to s³.
+    """
     found = bound_laws(time, time, w)
     return np.column_stack((found[:, :, 0], found[:, 2, 2]))
 
 
 def law_rounding(time: float, span: float, w: Workspace) -> Array:
-    """Error that rounding may leave of laws and their derivatives at a time.
+    """Error (laws, 3) that rounding may leave of laws and two derivatives at a time [s].
 
     They may be differences of what is much larger: bounds over a time that is none tell it.
     """
@@ -190,9 +208,9 @@ def is_even(
     *,
     follows: bool,
 ) -> bool:
-    """Whether there is no root of a switching function between two times, nor bends a law.
+    """Whether there is no root of a switching function between two times [s], nor bends a law.
 
-    Functions have values before and after. Laws count where they are followed.
+    Functions have values before and after (n,), in their units. Laws count where they are followed.
     """
     if work.scene.has_switches:
         bounds, _ = bounds_between(first, last, work.w)

@@ -34,7 +34,7 @@ COMMENT = re.compile("#.*")
 
 
 def numbers(text: str) -> list[float]:
-    """Numbers of a table."""
+    """Numbers (n,) of a table, in its units."""
     return [float(number) for number in COMMENT.sub("", text).split()]
 
 
@@ -200,7 +200,10 @@ def _picker(at: list[int]) -> Callable[[Any], Any]:
 
 
 def run_tasks(w: Array, segment: Segment) -> None:
-    """Run a segment: what its tasks read is gathered, what they give is scattered."""
+    """Run a segment on the workspace w (work_size,), in SI units.
+
+    What its tasks read is gathered, what they give is scattered.
+    """
     for tasks in segment:
         if isinstance(tasks, Together):
             for slots, values in zip(

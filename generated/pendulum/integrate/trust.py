@@ -364,9 +364,10 @@ def trust_of(
 def below_tolerance(
     state: Mapping[str, Array], layout: Layout, settings: Settings, limit: float
 ) -> dict[str, float]:
-    """Coordinates and bodies that move by no more than steps may lose, as in :class:`Trust`.
+    """Coordinates and bodies that move by no more [-] than steps may lose, as in :class:`Trust`.
 
-    Where drivers lead, bodies are left out: some are exact, and which of them is not known.
+    Ranges of coordinates, lengths relative to that of the scene. Where drivers lead, bodies are
+    left out: some are exact, and which of them is not known.
     """
     if settings.fixed_step > 0.0 or settings.method == len(METHODS):
         return {}
@@ -418,7 +419,10 @@ class Missed(NamedTuple):
 
 
 def missed_by(worst: Array, rows: CheckedRows, layout: Layout) -> dict[str, Missed]:
-    """Largest misses of rows that are left out, by joint, the worst first."""
+    """Largest misses of rows that are left out, by joint, the worst first.
+
+    ``worst`` (rows,) [m, rad] has those of all rows: solved for, left out, satisfied.
+    """
     first = len(rows.rows)
     found: dict[str, list[float]] = {}
     for (joint, unit), size in zip(rows.left_out, worst[first:].tolist(), strict=False):
