@@ -25,6 +25,7 @@ ANSWERS = {
     },
     "generated/kinds/*/kernels_batch.c": {
         "'*' -> '/' in 'vec *C = out[0] ? (vec *)out[0] + block * 1": "n * 1 is n / 1",
+        "'1' -> '(2 * 1)' in 'rates_wanted(": "true as well",
         "'9' -> '(2 * 9)' in 'load_rows(in[2], i, stride[2], 9, I_A_b);'": (
             "more is written than there is room for, over what is written next: no number"
             " tells, but sanitizers do (question compilers), and generate --check"
