@@ -333,8 +333,7 @@ def _gaps(
 
 def _lost_digits(found: Matrices, v_dot: Array, left: Array, length: float) -> Iterator[str]:
     """Digits of accelerations that are lost: what rows that are no redundant ones leave of them."""
-    arms = np.array([length if unit == "rad" else 1.0 for unit in found.units])
-    columns = np.array([length if is_turn(name) else 1.0 for name in found.columns])
+    arms, columns = _arms(found, length)
     force, mass, size, asked = (
         np.abs(part).max(initial=0.0)
         for part in (
@@ -429,12 +428,19 @@ def _accelerations(equations: SceneEquations, solver: DynamicsSolver, state: Che
     return np.concatenate([np.zeros(0), *parts])
 
 
+def _arms(found: Matrices, length: float) -> tuple[Array, Array]:
+    """Length of the scene at which rows and columns are that are angles, 1 at all others."""
+    rows = np.array([length if unit == "rad" else 1.0 for unit in found.units])
+    columns = np.array([length if is_turn(name) else 1.0 for name in found.columns])
+    return rows, columns
+
+
 def _multipliers(
     found: Matrices, inertia: Array, length: float
 ) -> tuple[Array, npt.NDArray[np.bool_]]:
     """Shortest λ with C_qᵀλ = f − M v̇, and which of its elements are unique."""
-    rows = np.array([length if unit == "rad" else 1.0 for unit in found.units])
-    columns = np.array([1 / length if is_turn(name) else 1.0 for name in found.columns])
+    rows, arms = _arms(found, length)
+    columns = 1 / arms
     scaled = rows[:, np.newaxis] * found.C_q * columns
     wanted = columns * (found.f - inertia)
     left, sizes, right = np.linalg.svd(scaled, full_matrices=False)
