@@ -178,7 +178,7 @@ def to_vector(values: Triple, size: High = 0) -> Vector:
 
 
 def not_negative(moments: Vector) -> Vector:
-    """Principal moments (3,), in their unit [kg m²], in which rounding left none below zero."""
+    """Principal moments (3,), in their unit, in which rounding left none below zero."""
     x, y, z = (x if isinstance(x, Varying) else max(0.0, x) for x in moments)
     return x, y, z
 

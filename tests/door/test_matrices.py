@@ -9,7 +9,6 @@ from __future__ import annotations
 import pickle
 import subprocess
 import sys
-from copy import deepcopy
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -424,40 +423,6 @@ def test_joints_that_a_state_leaves_open_are_told(bodies_folder: Callable[..., P
     v[0] += 0.3
     with pytest.warns(UserWarning, match="joints come apart: joints.a by 0.3 m/s"):
         mechanism.evaluate(0.0, q, v)
-
-
-#: Three bars, joined by hinges whose axes cross; the first is on the ground.
-CHAIN: dict[str, Any] = {
-    "name": "chain",
-    "unit": "m",
-    "gravity": [0.5, -0.3, -9.81],
-    "bodies": {
-        f"b{k}": {
-            "position": [k, 0, 0],
-            "mass": 1.0,
-            "center": [0.5, 0.05, 0.02],
-            "inertia": {"xx": 0.01, "yy": 0.09, "zz": 0.095},
-        }
-        for k in range(3)
-    },
-    "joints": {
-        "j0": {"type": "revolute", "bodies": ["ground", "b0"], "at": [0, 0, 0], "axis": [0, 5, 1]},
-        "j1": {"type": "revolute", "bodies": ["b0", "b1"], "at": [1, 0, 0], "axis": [1, 3, 10]},
-        "j2": {"type": "spherical", "bodies": ["b1", "b2"], "at": [2, 0, 0]},
-    },
-}
-
-
-def test_digits_that_accelerations_lose_are_told(bodies_folder: Callable[..., Path]) -> None:
-    light = deepcopy(CHAIN)
-    light["bodies"]["b1"] |= {"mass": 1e-12, "inertia": {"xx": 1e-14, "yy": 9e-14, "zz": 9.5e-14}}
-    for given, lost in ((CHAIN, False), (light, True)):
-        scene = scene_from_dict(given)
-        solver = load_dynamics(bodies_folder(scene, ("accelerations",)), target="numpy")
-        q, v = written_state(solver.bodies, solver.q, solver.v, solver.unit)
-        found = evaluate(scene, solver, 0.0, q, v)
-        told = "chain: at this state digits of accelerations are lost: constraints ask for others"
-        assert [note.startswith(told) for note in found.notes] == [True] * lost
 
 
 def test_scenes_without_all_masses_have_all_but_m_and_f() -> None:

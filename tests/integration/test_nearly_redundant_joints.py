@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.model.errors import SolveError
+from kousoku.codegen.dynamics import choose
+from kousoku.model.errors import SceneError, SolveError
 from kousoku.model.reading.read import scene_from_dict
 from kousoku.runtime.messages import shortly
 
@@ -111,6 +112,22 @@ def test_door_that_is_shut_stays_and_says_so(mover: Callable[..., Any], by: floa
         if name.startswith(("d.v", "d.omega", "d.alpha")):
             assert np.abs(columns[name]).max() < 1e-6
     assert all(np.isfinite(shut.force[joint]).all() for joint in "hg")
+
+
+def test_what_space_refuses_of_a_plane_is_not_computed_and_told(
+    mover: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: object) -> None:
+        raise SceneError("holds beyond joints.g no more than so much", key="joints.h")
+
+    monkeypatch.setattr(choose, "_in_space", refused)
+    shut = mover(door(0.0123), ("accelerations", "reactions")).simulate(1.0, samples=2)
+
+    forces = np.array([shut.force[joint] for joint in "hg"])
+    assert np.isfinite(forces[..., :2]).all()
+    assert np.isnan(forces).any()
+    (told,) = (note for note in shut.notes if "not computed, and NaN: what leads out" in note)
+    assert "in space joints.h: holds beyond joints.g no more than" in told
 
 
 @pytest.mark.parametrize(("by", "told"), [(1e-8, "redundant within"), (5e-3, "nothing can move")])

@@ -228,13 +228,6 @@ def test_file_and_parameters_decide_alike(bodies_folder: Callable[..., Path]) ->
             assert runs == holds, (name, value)
 
 
-@pytest.mark.parametrize("e", [2e-4, 7e-4, 8e-4, 1.1e-3])
-def test_a_hinge_between_the_limits_is_refused_in_the_plane_as_in_space(e: float) -> None:
-    text = DOOR.replace("parameters = { e = 5e-3 }\n", "").replace('"e"', repr(e))
-    with pytest.raises(SceneError, match=r"beyond joints\.[hg] no more than"):
-        generate_dynamics(scene_from_toml(text), ("positions",))
-
-
 def given(value: float, text: str, key: str) -> str:
     """Value of a parameter as a text writes it."""
     found = text.partition(f"{{ {key} = ")[2].partition(" }")[0]

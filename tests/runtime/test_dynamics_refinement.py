@@ -25,7 +25,9 @@ from kousoku.model.reading.families import chain, n_four_bar
 from kousoku.model.reading.read import scene_from_dict, scene_from_toml
 from kousoku.model.reading.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.integrate.body_tables import written_state
 from kousoku.runtime.integrate.motion import Motion
+from kousoku.state_matrices import evaluate
 from tests.analysed import independent
 from tests.stress import extremes
 
@@ -345,6 +347,18 @@ def test_a_light_body_between_heavy_ones_costs_no_digits(
         exact = in_fifty_digits(q, v, scene)
         assert worst(v_dot, exact["v_dot"]) < 1e-13
         assert worst(reactions, exact["reactions"]) < 1e-12
+
+
+@pytest.mark.parametrize(("light", "lost"), [(1.0, False), (1e-12, True)])
+def test_digits_that_accelerations_of_a_state_lose_are_told(
+    bodies_folder: Callable[..., Path], light: float, lost: bool
+) -> None:
+    scene = scene_from_toml(uneven_chain(1.0, light))
+    solver = load_dynamics(bodies_folder(scene, OUTPUTS), target="numpy")
+    q, v = written_state(solver.bodies, solver.q, solver.v, solver.unit)
+    found = evaluate(scene, solver, 0.0, q, v)
+    told = "uneven: at this state digits of accelerations are lost: constraints ask for others"
+    assert [note.startswith(told) for note in found.notes] == [True] * lost
 
 
 def test_a_chain_that_rests_before_a_force_begins_is_refined_too(
