@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
 
 #: The segments that every stage of a step runs: what they cost decides, whatever is wanted beside.
-OFTEN = frozenset({"geometry", "position", "move", "velocity", "acceleration"})
+STAGE_SEGMENTS = frozenset({"geometry", "position", "move", "velocity", "acceleration"})
 #: Rows are dependent when one pivot is smaller than this part of another: of the sixteen digits of
 #: a double such a pivot has four at most.
 DEPENDENT_PIVOT_RATIO = 1e-12
@@ -112,7 +112,7 @@ def cheaper(
 
 
 def _cost(program: Program) -> int:
-    return sum(one.operations for one in counts(program) if one.segment in OFTEN)
+    return sum(one.operations for one in counts(program) if one.segment in STAGE_SEGMENTS)
 
 
 def with_reactions(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Program]:

@@ -238,7 +238,7 @@ def given(value: float, text: str, key: str) -> str:
 def test_rows_that_are_too_many_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = scene_from_toml(FOUR_BAR)
     assert "HAS_RANK" in generate_dynamics(scene, ("positions",))["solver.c"]
-    monkeypatch.setattr(varying_rank, "MOST_DENSE", 5)
+    monkeypatch.setattr(varying_rank, "MOST_ROWS_AT_ONCE", 5)
     tree = generate_dynamics(scene, ("positions",))
     assert "HAS_RANK" not in tree["solver.c"] and "integrate/rank.h" not in tree
     assert "which no run looks at: they are 20, more than 5" in tree["motion.json"]

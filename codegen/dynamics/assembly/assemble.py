@@ -18,11 +18,16 @@ import numpy as np
 from kousoku.codegen.dynamics.assembly.excess import excess_of_drivers
 from kousoku.codegen.dynamics.assembly.minimum_norm import THINNEST, Metric, MinimumNormSolver
 from kousoku.codegen.dynamics.assembly.near_origin import brought_near
-from kousoku.codegen.dynamics.assembly.newton_mp import ROUNDING, nearest_pose
+from kousoku.codegen.dynamics.assembly.newton_mp import ROUNDING_OF_STATES, nearest_pose
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals, remark_on_ratios
 from kousoku.codegen.dynamics.assembly.unwrap import unwrapped, wound_as_driven
-from kousoku.codegen.dynamics.assembly.violations import CLOSED, key_of, sizes_of, worst_first
+from kousoku.codegen.dynamics.assembly.violations import (
+    CONSTRAINT_TOLERANCE,
+    key_of,
+    sizes_of,
+    worst_first,
+)
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.model.errors import AssemblyError
 from kousoku.model.lowering.parametric import fixed_system
@@ -34,13 +39,13 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import MovingBody, System
     from kousoku.model.numbers.precise import High, Quadruple, Triple
 
-MOST_ROWS = 6000
+MOST_ASSEMBLED_ROWS = 6000
 """Rows of the largest system whose positions are moved."""
 
 STEEP = 1e5
 """Ratios of couplings from which on rank is not always told in S, where they are squared."""
 
-NOISE = 1e-20
+ROUNDING_OF_ITERATIONS = 1e-20
 """Components below this part of the size of the system are zeros that iterations left."""
 
 
@@ -102,10 +107,11 @@ def _assembled(system: System, left_out: Collection[tuple[int, int]]) -> System:
     moves = _moves(system, speeds, metric)
     if fits and moves:
         return unwrapped(system)
-    if max(positions.rows, speeds.rows) > MOST_ROWS:
+    if max(positions.rows, speeds.rows) > MOST_ASSEMBLED_ROWS:
         raise AssemblyError(
             f"{system.name}: the positions and velocities of the scene do not fit, and it has "
-            f"{positions.rows} rows; assembly moves at most {MOST_ROWS}: give those that fit"
+            f"{positions.rows} rows; assembly moves at most {MOST_ASSEMBLED_ROWS}: "
+            "give those that fit"
         )
     pose = Pose.of(system.bodies, system.coordinates)
     if not fits:
@@ -127,7 +133,7 @@ def _fits(system: System, rows: Residuals, metric: Metric) -> bool:
     """Whether all rows hold to rounding."""
     c, _ = rows.fast(system.bodies)
     far = max((max(map(abs, body.r)) for body in system.bodies), default=0.0)
-    limits = ROUNDING * (np.where(rows.in_metres, metric.size + far, 1.0) + rows.sizes)
+    limits = ROUNDING_OF_STATES * (np.where(rows.in_metres, metric.size + far, 1.0) + rows.sizes)
     return bool(np.all(np.abs(c) <= limits))
 
 
@@ -137,7 +143,7 @@ def _moves(system: System, rows: Residuals, metric: Metric) -> bool:
     kept = rows.first[len(system.constraints)]
     fastest = max((max(map(abs, body.omega_b)) for body in system.bodies), default=0.0)
     speed = max((max(map(abs, body.v)) for body in system.bodies), default=0.0)
-    limits = ROUNDING * np.where(rows.in_metres, speed + fastest * metric.size, fastest)
+    limits = ROUNDING_OF_STATES * np.where(rows.in_metres, speed + fastest * metric.size, fastest)
     return bool(np.all(np.abs(rates) <= limits, where=np.arange(rows.rows) < kept))
 
 
@@ -160,14 +166,16 @@ def _placed(
     size, fastest = sizes
     vx, vy, vz = v[COLUMNS * k : COLUMNS * k + 3]
     turning = v[COLUMNS * k + 3 : COLUMNS * k + COLUMNS]
-    vx, vy, vz = precise.rounded((vx, vy, vz), fastest, NOISE)
-    wx, wy, wz = precise.rounded(turning, fastest / size, NOISE)
+    vx, vy, vz = precise.rounded((vx, vy, vz), fastest, ROUNDING_OF_ITERATIONS)
+    wx, wy, wz = precise.rounded(turning, fastest / size, ROUNDING_OF_ITERATIONS)
     moving = replace(body, v=(vx, vy, vz), omega_b=(wx, wy, wz))
     if not is_moved:
         return moving
-    x, y, z = precise.rounded(pose.r[k], size, NOISE)
+    x, y, z = precise.rounded(pose.r[k], size, ROUNDING_OF_ITERATIONS)
     norm = precise.length(pose.p[k])
-    w, e1, e2, e3 = precise.rounded([component / norm for component in pose.p[k]], 1, NOISE)
+    w, e1, e2, e3 = precise.rounded(
+        [component / norm for component in pose.p[k]], 1, ROUNDING_OF_ITERATIONS
+    )
     return replace(moving, r=(x, y, z), p=(w, e1, e2, e3))
 
 
@@ -226,7 +234,7 @@ def _check_velocities(
         for row in range(first, end):
             unit = 0 if rows.in_metres[row] else 1
             worst[unit] = max(worst[unit], abs(float(missing[row])))
-    if named := worst_first(torn, CLOSED * speed, length):
+    if named := worst_first(torn, CONSTRAINT_TOLERANCE * speed, length):
         is_driven = any(one.is_driver and key_of(one) in named for one in system.constraints)
         advice = (
             "the joints, or other drivers, do not allow what drivers prescribe, or it stands at a"

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.precise import Quadruple, Triple
 
 #: A speed below this part of the scene's is rounding.
-ROUNDING = 1e-12
+ROUNDING_OF_SPEEDS = 1e-12
 
 
 def changes_of_assembly(given: System, placed: System) -> list[Change]:
@@ -40,7 +40,8 @@ def _change(before: MovingBody, after: MovingBody, size: float) -> Change:
     v, omega = _velocity(before), precise.triple(before.omega_b)
     spin, speed = _length(omega), _length(v)
     fastest = speed + spin * size
-    is_given = speed > ROUNDING * fastest  # what is at rest turns about an origin off its centre
+    # what is at rest turns about an origin off its centre
+    is_given = speed > ROUNDING_OF_SPEEDS * fastest
     change = _length(precise.subtract(_velocity(after), v)) if is_given else 0.0
     omega_after = precise.triple(after.omega_b)
     if before.spins_in_o:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 #: Of one formula: itself and its derivatives by the time.
 LEVELS = ("value", "rate", "second")
 #: What is smaller is what rounding left of a zero, such as sin(pi).
-NOISE = 1e-30
+ROUNDING_OF_FORMULAS = 1e-30
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) ->
                 " give a formula with two derivatives by t there",
                 [f"drivers.{instance.joint}"],
             )
-        found.append(unit * number if abs(number) > NOISE else precise.ZERO[0])
+        found.append(unit * number if abs(number) > ROUNDING_OF_FORMULAS else precise.ZERO[0])
     return LawStart(*found)
 
 

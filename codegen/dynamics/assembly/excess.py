@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.assembly.pose import Pose
     from kousoku.model.mechanics.multibody import System
 
-MOST_ROWS = 1000
+MOST_COUNTED_ROWS = 1000
 """Rows of the largest system whose freedoms are counted here."""
 
-CLOSED = 1e-9
+LARGEST_JOINT_GAP = 1e-9
 """Joints fit when they are open by less than this part of the size of the system."""
 
 SINGULAR_VALUE_TOLERANCE = 1e-6
@@ -41,13 +41,13 @@ def excess_of_drivers(system: System, pose: Pose) -> str:
     """
     drivers = [one for one in system.constraints if one.is_driver]
     rows = Residuals.of(system, [one for one in system.constraints if not one.is_driver])
-    if not drivers or rows.rows > MOST_ROWS:
+    if not drivers or rows.rows > MOST_COUNTED_ROWS:
         return ""
     metric = Metric(system)
     search = GaussNewton(rows, metric)
     place = search.solve(DoublePose.of(pose))
     missing = search.missing(place)
-    if float(missing @ missing) ** 0.5 > CLOSED * metric.size:
+    if float(missing @ missing) ** 0.5 > LARGEST_JOINT_GAP * metric.size:
         return ""
     _, matrix = rows.doubles(place.r, place.p, place.near)
     matrix[:, np.arange(matrix.shape[1]) % COLUMNS > 2] /= metric.size

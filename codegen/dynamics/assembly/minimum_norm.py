@@ -27,7 +27,7 @@ SQUARED_RANK_TOLERANCE = 1e-11
 """Squares of singular values of C_q, in lengths, that belong to rows that depend on others: S has
 these squares, and in doubles the smaller ones are rounding of the largest."""
 
-MOST_DENSE = 2000
+MOST_DENSE_ROWS = 2000
 """Rows that may depend on each other: S is dense then."""
 
 PASSES = 6
@@ -169,11 +169,11 @@ class MinimumNormSolver:
         Which rows depend on others is no matter of masses: lengths alone tell it. Singular values
         of C_q W^{-1/2} have the digits that S, in which they are squared, has lost.
         """
-        if len(self._factors) > MOST_DENSE:
+        if len(self._factors) > MOST_DENSE_ROWS:
             raise AssemblyError(
                 f"{len(self._factors)} rows are put together, and some depend on others; at most"
-                f" {MOST_DENSE} can: give positions and velocities that fit, or leave out joints"
-                " that repeat others"
+                f" {MOST_DENSE_ROWS} can: give positions and velocities that fit, or leave out"
+                " joints that repeat others"
             )
         if self._parts is None:
             rows = self._factors[:, None] * self._jacobian.dense()

@@ -38,7 +38,7 @@ linear in, still is the angle to 4 %."""
 CLOSE = 1e-12
 """What is left of rows, as a part of the size of the system, where doubles have done their part."""
 
-MOST_STEPS = 60
+MOST_DOUBLE_STEPS = 60
 """Steps on the way to the nearest positions."""
 
 HOPELESS = 1e3
@@ -160,7 +160,7 @@ class GaussNewton:
         """
         moved, d = place, place.since(start)
         accelerated = Accelerated(1 / self._roots)
-        for _ in range(MOST_STEPS):
+        for _ in range(MOST_DOUBLE_STEPS):
             nearest = self._nearest(moved, d)
             away = self._away(nearest - d)
             if away <= CLOSE * self._size:
@@ -182,7 +182,7 @@ class GaussNewton:
         scale = DIFFERENCE * self._size / (self._away(change) or 1.0)
         accelerated = Accelerated(1 / self._roots)
         x = change
-        for _ in range(MOST_STEPS):
+        for _ in range(MOST_DOUBLE_STEPS):
             moved = DoublePose(start.r, start.p, place.near).moved(d + scale * x)
             value = change + (self._nearest(moved, d + scale * x) - here) / scale
             away = self._away(value - x)

@@ -23,7 +23,12 @@ from kousoku.codegen.dynamics.assembly.newton_double import (
 )
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.assembly.violations import CLOSED, key_of, sizes_of, violations
+from kousoku.codegen.dynamics.assembly.violations import (
+    CONSTRAINT_TOLERANCE,
+    key_of,
+    sizes_of,
+    violations,
+)
 from kousoku.model.errors import AssemblyError
 from kousoku.model.numbers import precise
 
@@ -35,26 +40,26 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.precise import High
     from kousoku.model.numbers.real import Array
 
-EXACT = 1e-22
+CONVERGED = 1e-22
 """Where iterations stop, far beyond the digits of doubles."""
 
 ON_THE_WAY = 1e-9
 """Where they stop between the positions of the scene and those that drivers prescribe."""
 
-MOST_STEPS = 12
+MOST_PRECISE_STEPS = 12
 """Steps in 50 digits on the way to the nearest positions; each adds some digits."""
 
 MOST_SLIDES, SLID = 60, 1e-16
 """Steps along positions that fit, and the last of them, as a part of the size of the system."""
 
-ROUNDING = 16 * 2.0**-52
+ROUNDING_OF_STATES = 16 * 2.0**-52
 """What fits to this part of the size of the system is taken as it is."""
 
 NEARLY = 1e-5
 """What is violated by less, and yet not closed, was stopped by rows that lose rank, where
 Newton's method converges linearly."""
 
-FAR = 0.25
+LONGEST_DRIVER_STEP = 0.25
 """Drivers go at most this far at once, in radians or sizes of the system: near enough that Newton's
 method stays on the branch that the scene is on."""
 
@@ -135,7 +140,7 @@ class _PreciseGaussNewton:
         damping, slow = 0.0, 0
         c, jacobian = self.rows.at(pose)
         size = self.size(c)
-        while EXACT * self.metric.size < size <= NEARLY * self.metric.size and slow < PATIENCE:
+        while CONVERGED * self.metric.size < size <= NEARLY * self.metric.size and slow < PATIENCE:
             solver = MinimumNormSolver(jacobian, self.metric, self.rows)
             moved = pose.moved(solver.step([-x for x in c], damping))
             moved_c, moved_jacobian = self.rows.at(moved)
@@ -189,7 +194,7 @@ def _led_by_drivers(
 def _stages(missing: Array, drives: Array, size: float) -> int:
     """Number of stages in which drivers reach their prescribed values."""
     largest = float(np.abs(missing[drives]).max(initial=0.0))
-    return max(1, math.ceil(largest / (FAR * size)))
+    return max(1, math.ceil(largest / (LONGEST_DRIVER_STEP * size)))
 
 
 def _project_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Pose:
@@ -207,7 +212,7 @@ def _project_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Po
     moved = replace(place.pose(), near=pose.near)
     d = moved.since(start)
     solver: MinimumNormSolver | None = None
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_PRECISE_STEPS):
         c, jacobian = search.rows.at(moved)
         jacobian = jacobian.of_displacement(d)
         solver = (
@@ -218,12 +223,16 @@ def _project_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Po
         towards = solver.displacement(_less(jacobian.times(d), c))
         missing = _less(towards, d)
         change = metric.norm(missing)
-        if change <= EXACT * metric.size:
+        if change <= CONVERGED * metric.size:
             return search.rows.counted(replace(start.moved(towards), near=moved.near))
         left = doubles.implicit_correction(begin, place, np.array([float(x) for x in missing]))
         d = [x + precise.number(y) for x, y in zip(d, left.tolist(), strict=True)]
         moved = search.rows.counted(replace(start.moved(d), near=moved.near))
-    return moved if change <= ROUNDING * metric.size else _stepwise_nearest(start, pose, search)
+    return (
+        moved
+        if change <= ROUNDING_OF_STATES * metric.size
+        else _stepwise_nearest(start, pose, search)
+    )
 
 
 def _stepwise_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Pose:
@@ -242,7 +251,7 @@ def _stepwise_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> P
         if size <= SLID * metric.size:
             return here
         if not size < last:
-            return here if size <= CLOSED * metric.size else pose
+            return here if size <= CONSTRAINT_TOLERANCE * metric.size else pose
         moved = rows.counted(replace(start.moved(normal), near=here.near))
         here, last = search.solve(search.doubles.solve(DoublePose.of(moved)).pose()), size
         if violations(rows, here, metric.size):

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.real import Array
     from kousoku.model.operations.kernel import Kernel
 
-WIDTH = 2 * COLUMNS
+PAIR_COLUMNS = 2 * COLUMNS
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,7 +178,7 @@ class Residuals:
             for row, value in enumerate(result["C"], piece.first):
                 values[row] += factor * self._counted(value, piece.coordinate, pose.near)
             for place, value in enumerate(result["C_q"]):
-                row, column = divmod(place, WIDTH)
+                row, column = divmod(place, PAIR_COLUMNS)
                 column = self._column(piece.source, column)
                 if value and column >= 0 and not self.is_left_out[piece.first + row]:
                     elements.append((piece.first + row, column, factor * value))
@@ -254,7 +254,7 @@ class Residuals:
             shape = (len(elements), len(stack.first))
             values = stack.factors * np.array([np.broadcast_to(x, shape[1:]) for x in elements])
             at = np.broadcast_to(np.arange(len(elements))[:, np.newaxis], shape)
-            row, column = stack.first + at // WIDTH, np.resize(stack.columns, shape)
+            row, column = stack.first + at // PAIR_COLUMNS, np.resize(stack.columns, shape)
             there = (values != 0) & (column >= 0) & ~self.is_left_out[row]
             rows.append(row[there])
             columns.append(column[there])
@@ -300,7 +300,7 @@ class Residuals:
             factors=np.array([piece.factor for piece in pieces]),
             coordinates=np.array([piece.coordinate for piece in pieces]),
             columns=np.array(
-                [[self._column(source, k) for source in sources] for k in range(WIDTH)]
+                [[self._column(source, k) for source in sources] for k in range(PAIR_COLUMNS)]
             ),
         )
 

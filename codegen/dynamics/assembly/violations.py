@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import Instance
     from kousoku.model.numbers.precise import High, Triple
 
-CLOSED = 1e-12
+CONSTRAINT_TOLERANCE = 1e-12
 """What is violated by less than this part of the size of the system fits, and smaller steps along
 positions that fit are no steps."""
 
@@ -54,7 +54,7 @@ def violations(rows: Residuals, pose: Pose, length: float) -> dict[str, tuple[fl
             size, unit = _size(instance, pose)
         worst = found.setdefault(key_of(instance), [0.0, 0.0])
         worst[unit] = max(worst[unit], float(size))
-    return worst_first(found, CLOSED, length)
+    return worst_first(found, CONSTRAINT_TOLERANCE, length)
 
 
 def key_of(instance: Instance) -> str:

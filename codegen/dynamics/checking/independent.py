@@ -42,9 +42,9 @@ TRIALS = ((2.0**-5, 0.3), (2.0**-6, 0.04), (2.0**-8, 2.0**-8), (2.0**-12, 2.0**-
 #: States that move and are wanted beside the start.
 STATES = 1
 #: Singular values that are zero, and the least that a state may have, as parts of the largest.
-ZERO, WEAK = 1e-10, 1e-4
+STATE_RANK_TOLERANCE, WEAK = 1e-10, 1e-4
 #: Steps onto the constraints at most, and what may be left of them.
-MOST_STEPS, CLOSED = 20, 1e-13
+MOST_CLOSING_STEPS, CLOSING_TOLERANCE = 20, 1e-13
 #: Steps of refinement: the residuals have 50 digits, the factors are doubles.
 REFINED = 4
 #: What changes by less along a null direction, as a part of what it is made of, is unique.
@@ -55,7 +55,7 @@ MOST_ANGLE_DIFFERENCE = 2.5
 UNIT = 2.0**-42
 #: What is smaller, as a part of that unit, is rounding of 50 digits, which is another one beside
 #: other factors in doubles: zero.
-NOTHING = 2.0**-40
+NEGLIGIBLE_ERROR = 2.0**-40
 
 
 class _UnsuitableError(Exception):
@@ -203,7 +203,7 @@ class _States:
 
     def _onto(self, time: float, q: Array, v: Array) -> tuple[Array, Array]:
         """State that is on all joints and drivers."""
-        for _ in range(MOST_STEPS):
+        for _ in range(MOST_CLOSING_STEPS):
             lines = self.equations.lines(self.poses(q, v, FLOAT), time)
             if not lines:
                 return q, v
@@ -211,8 +211,8 @@ class _States:
             jacobian = dense(lines, self.equations.count) @ self.velocities(q)
             if not np.isfinite(jacobian).all():
                 raise _UnsuitableError
-            inverse = np.linalg.pinv(jacobian * self.sizes, rcond=ZERO)
-            if np.abs(residual).max() <= CLOSED * max(self.length, 1.0):
+            inverse = np.linalg.pinv(jacobian * self.sizes, rcond=STATE_RANK_TOLERANCE)
+            if np.abs(residual).max() <= CLOSING_TOLERANCE * max(self.length, 1.0):
                 rates = jacobian @ v - np.array([line.nu for line in lines])
                 return q, v - self.sizes * (inverse @ rates)
             q = self.moved(q, -self.sizes * (inverse @ residual))
@@ -284,7 +284,7 @@ class _Solved:
         jacobian = dense(lines, count)
         sizes = np.sqrt(((jacobian * columns) ** 2).sum(axis=1)) if lines else np.zeros(0)
         # A row of a cross product may be rounding, where an axis lies along a coordinate.
-        sizes = np.where(sizes > ZERO * sizes.max(initial=0.0), sizes, 0.0)
+        sizes = np.where(sizes > STATE_RANK_TOLERANCE * sizes.max(initial=0.0), sizes, 0.0)
         jacobian[sizes == 0] = 0.0
         rows = 1 / np.where(sizes > 0, sizes, 1.0)
         scaled = rows[:, np.newaxis] * jacobian * columns
@@ -296,7 +296,7 @@ class _Solved:
         if not np.isfinite(matrix).all():
             raise _UnsuitableError
         values, vectors = np.linalg.eigh(matrix)
-        keep = np.abs(values) > ZERO * np.abs(values).max(initial=0.0)
+        keep = np.abs(values) > STATE_RANK_TOLERANCE * np.abs(values).max(initial=0.0)
         scale = np.concatenate([columns, rows])
         inverse = (vectors[:, keep] / values[keep]) @ vectors[:, keep].T
         self.free = vectors[:, ~keep].T * scale
@@ -325,7 +325,7 @@ def _condition(scaled: Array) -> float:
     if not scaled.size:
         return 1.0
     values = np.linalg.svd(scaled, compute_uv=False)
-    live = values[values > ZERO * values[0]]
+    live = values[values > STATE_RANK_TOLERANCE * values[0]]
     if live[-1] < WEAK * values[0]:
         raise _UnsuitableError
     return float(values[0] / live[-1])
@@ -406,7 +406,7 @@ class _Values:
         unit = self.error * size
 
         def written(x: Real) -> float:
-            return float(x) if abs(x) > NOTHING * unit else 0.0
+            return float(x) if abs(x) > NEGLIGIBLE_ERROR * unit else 0.0
 
         high = [None if x is None else written(x) for x in numbers]
         return {"names": list(names), "high": high, "unit": float(f"{unit:.3e}")}

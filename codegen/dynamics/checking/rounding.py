@@ -29,13 +29,13 @@ if TYPE_CHECKING:
     from kousoku.model.operations.kernel import Kernel
 
 #: u, the rounding of a double.
-ROUNDING = 2.0**-53
+UNIT_ROUNDOFF = 2.0**-53
 #: Results that are looked at together.
-TOGETHER = 512
+SLOTS_AT_ONCE = 512
 #: Operations that libraries round to within two units or so.
 FUNCTIONS = frozenset({Op.SIN, Op.COS, Op.ATAN2, Op.EXP, Op.LOG})
 #: Operations that are not rounded.
-EXACT = frozenset({Op.NEG, Op.ABS, Op.MAX, Op.INPUT})
+UNROUNDED = frozenset({Op.NEG, Op.ABS, Op.MAX, Op.INPUT})
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,8 +75,8 @@ def units(
         The results.
     """
     found: list[float] = []
-    for first in range(0, len(slots), TOGETHER):
-        found += _units(workspace, steps, slots[first : first + TOGETHER])
+    for first in range(0, len(slots), SLOTS_AT_ONCE):
+        found += _units(workspace, steps, slots[first : first + SLOTS_AT_ONCE])
     return found
 
 
@@ -91,7 +91,7 @@ def _units(
         _go_back(workspace.program.kernels[step.task.kernel], step, adjoints, total)
     for slot, adjoint in adjoints.items():
         total += np.abs(adjoint) * abs(float(workspace.values[slot]))
-    return [float(x) for x in ROUNDING * total]
+    return [float(x) for x in UNIT_ROUNDOFF * total]
 
 
 def _go_back(kernel: Kernel, step: ExecutedTask, adjoints: dict[int, Array], total: Array) -> None:
@@ -126,7 +126,7 @@ def _roundings(node: OperationNode[int]) -> int:
     """Number of roundings that a node costs."""
     if node.op is Op.CONST:
         return int(node.value is not None and float(node.value) != node.value)
-    if node.op in EXACT:
+    if node.op in UNROUNDED:
         return 0
     return 2 if node.op in FUNCTIONS else 1
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 ORIGIN = (0.0, 0.0, 0.0)
 #: Rows of a set that are shared out at most: what it takes grows with their cube.
-MOST_ROWS = 60
+MOST_SHARED_ROWS = 60
 #: What multipliers of rows that carry nothing count beside forces: their squares tell those apart
 #: that give the same forces, and change the least ones by 10⁻¹² of them.
 LITTLE = Fraction(1, 2**20)
@@ -172,12 +172,13 @@ class LeastNorm:
         """Record the multipliers λ (n,) of the joints of one set."""
         left_out = [one.left_out for one in reactions if one.left_out]
         count = sum(rows.count for rows in left_out)
-        if count > MOST_ROWS:
+        if count > MOST_SHARED_ROWS:
             names = ", ".join(f"joints.{one.name}" for one in reactions[:MOST_NAMES_SHOWN])
             raise SceneError(
                 f"asks for reactions, which are not unique at {names} and others: {count} rows"
-                f" depend on each other, and what they carry is shared out for {MOST_ROWS} at most;"
-                " leave reactions out, or free what is held twice (kousoku explain lists it)",
+                f" depend on each other, and what they carry is shared out for {MOST_SHARED_ROWS}"
+                " at most; leave reactions out, or free what is held twice (kousoku"
+                " explain lists it)",
                 key="outputs",
             )
         ways = [self._ways(rows) for rows in left_out]

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.simplification.body_blocks import BodyBlocks
     from kousoku.model.mechanics.multibody import RelativeCoordinate, System
 
-NOTHING = column(())
+ABSENT_BLOCK = column(())
 
 
 class CoordinateRecorder:
@@ -132,7 +132,7 @@ class CoordinateRecorder:
         """Position r, p of a body where another region holds its position; A is not known."""
         there = dict(zip(self._q.entries, region.entries, strict=True))
         r, p = (column([there.get(x, x) for x in block.entries]) for block in (body.r, body.p))
-        return r, p, NOTHING
+        return r, p, ABSENT_BLOCK
 
     def _once(
         self, what: str, place: int, record: Callable[[RelativeCoordinate], tuple[SlotMatrix, ...]]
@@ -149,21 +149,21 @@ class CoordinateRecorder:
 
     def _value(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
         counts = one.counts_turns
-        turns = self._auxiliary.of(self._q, TURNS, one.name) if counts else NOTHING
+        turns = self._auxiliary.of(self._q, TURNS, one.name) if counts else ABSENT_BLOCK
         operation = CoordinateValue(one.kind, _names(one), counts)
         return self._recorder.call(operation, *self._ends(one), turns, *self._constants(one))
 
     def _jacobian(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
         columns = (self._body(k).columns for k in (one.i, one.j))
         operation = CoordinateJacobian(one.kind, _names(one), *columns)
-        return self._recorder.call(operation, *self._ends(one), NOTHING, *self._constants(one))
+        return self._recorder.call(operation, *self._ends(one), ABSENT_BLOCK, *self._constants(one))
 
     def _gamma(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
         i, j = self._body(one.i), self._body(one.j)
         return self._recorder.call(
             CoordinateGamma(one.kind, _names(one)),
             *self._ends(one),
-            NOTHING,
+            ABSENT_BLOCK,
             *self._constants(one),
             *(i.v_r, i.omega_b, j.v_r, j.omega_b),
         )
@@ -175,7 +175,7 @@ class CoordinateRecorder:
         return [
             block
             for body in (self._body(one.i), self._body(one.j))
-            for block in (body.r, body.p, body.orientation if has_orientation else NOTHING)
+            for block in (body.r, body.p, body.orientation if has_orientation else ABSENT_BLOCK)
         ]
 
     def _constants(self, one: RelativeCoordinate) -> list[SlotMatrix]:

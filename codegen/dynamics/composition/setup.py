@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from kousoku.model.operations.expression import Expression
 
 #: Numbers that one task computes: what they share is computed once.
-TOGETHER = 128
+EXPRESSIONS_AT_ONCE = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +69,8 @@ def record_setup(
     expressions = [one.expression for _, one in recorder.design.values()]
     if expressions:
         recorder.begin("setup")
-    for first in range(0, len(expressions), TOGETHER):
-        own = expressions[first : first + TOGETHER]
+    for first in range(0, len(expressions), EXPRESSIONS_AT_ONCE):
+        own = expressions[first : first + EXPRESSIONS_AT_ONCE]
         target = recorder.design_part(first, len(own))
         recorder.call(ParameterFormulas(own, names), parameters, into=(target,))
     found = {name for one in expressions for name in names_of(one)}

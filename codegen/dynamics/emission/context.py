@@ -72,7 +72,7 @@ COME_WITH = {
     ("HAS_DISTANCE",): ("N_LENGTHS", "N_DISTANCES", "W_LENGTHS", "W_DISTANCES"),
 }
 #: How wide lines of tables are.
-WIDTH = 92
+TABLE_WIDTH = 92
 #: The longest table that stands in the line of its name.
 LONGEST_INLINE_TABLE = 50
 
@@ -317,7 +317,7 @@ def _pointers(pointers: Iterable[tuple[str, str]]) -> tuple[str, ...]:
     return tuple(
         f"{kind} {line.rstrip(',')};"
         for kind, own in groupby(pointers, key=itemgetter(0))
-        for line in in_lines((f"{text}," for _, text in own), WIDTH - 14).splitlines()
+        for line in in_lines((f"{text}," for _, text in own), TABLE_WIDTH - 14).splitlines()
     )
 
 
@@ -498,7 +498,7 @@ def segment_text(program: Program, segment: Segment, slots: Slots) -> SegmentTex
 
 def contents_of(segment: Segment) -> tuple[str, ...]:
     """Contents of a segment that was inlined, in lines."""
-    return tuple(wrap("; ".join(segment.contents), WIDTH, break_on_hyphens=False))
+    return tuple(wrap("; ".join(segment.contents), TABLE_WIDTH, break_on_hyphens=False))
 
 
 def method_text(method: RungeKuttaMethod) -> MethodText:
@@ -524,7 +524,7 @@ def method_text(method: RungeKuttaMethod) -> MethodText:
 
 def enumerators(values: Mapping[str, int]) -> str:
     """Enumerators of C, in lines."""
-    return in_lines((f"{name} = {value}," for name, value in values.items()), WIDTH)
+    return in_lines((f"{name} = {value}," for name, value in values.items()), TABLE_WIDTH)
 
 
 def _table(table: Table, has_rows: bool) -> str:
@@ -548,7 +548,7 @@ def _rows(rows: Iterable[tuple[str, str]]) -> str:
     """Rows in lines: neighbours with one owner share a line, which names it."""
     lines = []
     for owner, run in groupby(rows, key=lambda row: row[0]):
-        text = in_lines((text for _, text in run), WIDTH - 12)
+        text = in_lines((text for _, text in run), TABLE_WIDTH - 12)
         lines.append(f"{text} /* {owner} */" if owner else text)
     return "\n".join(lines)
 

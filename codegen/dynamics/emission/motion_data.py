@@ -36,10 +36,14 @@ if TYPE_CHECKING:
 
 #: Regions that hold what is given, or what no evaluation finds.
 GIVEN = ("t", "parameters", "constants", "q", "v", *ON_DEMAND_REGIONS)
-ZERO = CoordinatePlace(-1, 0.0)
+ZERO_PLACE = CoordinatePlace(-1, 0.0)
 #: Where the ground is, for bodies that it carries.
 STILL = BodyCoordinates(
-    "", (ZERO,) * 3, (CoordinatePlace(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3
+    "",
+    (ZERO_PLACE,) * 3,
+    (CoordinatePlace(-1, 1.0), ZERO_PLACE, ZERO_PLACE, ZERO_PLACE),
+    (ZERO_PLACE,) * 3,
+    (ZERO_PLACE,) * 3,
 )
 
 

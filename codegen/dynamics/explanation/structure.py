@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import System
 
 #: What is smaller at a position without a pattern is zero everywhere.
-ZERO = 1e-13
+NEGLIGIBLE_ENTRY = 1e-13
 #: Multiples of it, less whole numbers, have no pattern: none is 0 or 1, and no two are equal.
 GOLDEN = 0.6180339887498949
 
@@ -162,7 +162,7 @@ def _elements(system: System, program: Program, free: Mapping[int, int]) -> int:
         kept_rows[residuals.first[row.instance] + row.row] = True
     kept_columns = np.zeros(residuals.columns, bool)
     kept_columns[_columns(program)] = True
-    there = kept_rows[rows] & kept_columns[columns] & (np.abs(values) > ZERO)
+    there = kept_rows[rows] & kept_columns[columns] & (np.abs(values) > NEGLIGIBLE_ENTRY)
     places = np.unique(rows[there] * residuals.columns + columns[there])  # bodies may be shared
     blocks, counts = np.unique(places // COLUMNS, return_counts=True)
     bodies = (blocks % (residuals.columns // COLUMNS)).tolist()

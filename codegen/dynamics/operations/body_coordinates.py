@@ -20,7 +20,7 @@ PLANAR_POINT = ((0, 1), (0, 1))
 
 NO_TURN = (1.0, 0.0, 0.0, 0.0)
 #: How many joints a moving body may have.
-MOST_JOINTS = 64
+MOST_JOINTS_OF_BODY = 64
 
 
 def shape(body: MovingBody, *, is_planar: bool) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -100,14 +100,15 @@ def require_few_joints(system: System) -> None:
     Raises
     ------
     SceneError
-        A body has more than :data:`MOST_JOINTS`.
+        A body has more than :data:`MOST_JOINTS_OF_BODY`.
     """
     joints = dict.fromkeys((x.joint, body) for x in system.constraints for body in x.bodies)
     counts = Counter(body for _, body in joints if body != GROUND_INDEX)
     for body, count in counts.items():
-        if count > MOST_JOINTS:
+        if count > MOST_JOINTS_OF_BODY:
             raise SceneError(
-                f"has {count} joints; at most {MOST_JOINTS} are possible on one body that moves,"
-                " because the cost grows with their cube: divide it into bodies with fixed joints",
+                f"has {count} joints; at most {MOST_JOINTS_OF_BODY} are possible on one body that"
+                " moves, because the cost grows with their cube: divide it into bodies"
+                " with fixed joints",
                 key=f"bodies.{system.bodies[body].name}",
             )

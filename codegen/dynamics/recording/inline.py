@@ -34,7 +34,7 @@ LIMIT = 2_500
 #: Statements in one function.
 STATEMENTS = 500
 #: Segments after the geometry that every stage of a step runs; the others run for rows.
-OFTEN = frozenset({"position", "velocity", "acceleration"})
+RUN_AT_STAGES = frozenset({"position", "velocity", "acceleration"})
 
 
 def inline(program: Program, *, limit: int = LIMIT, statements: int = STATEMENTS) -> Program:
@@ -152,8 +152,8 @@ class _Inliner:
         What rows alone need, such as the matrix of a momentum, their segments compute themselves.
         """
         found: dict[int, None] = {}
-        often = (wanted[name].values() for name in wanted if name in OFTEN)
-        rows = (wanted[name].values() for name in wanted if name in AFTER_GEOMETRY - OFTEN)
+        often = (wanted[name].values() for name in wanted if name in RUN_AT_STAGES)
+        rows = (wanted[name].values() for name in wanted if name in AFTER_GEOMETRY - RUN_AT_STAGES)
         for outputs in often:
             order = self._order(outputs, lambda x: self._is_passed(x, shared))
             found |= dict.fromkeys(node for node in order if self._is_passed(node, shared))

@@ -43,7 +43,7 @@ DESIGN = 1 << 41
 #: How many traces are kept for the next program.
 MOST_TRACES = 1024
 #: The kernel of a call that computes nothing.
-NOTHING = -1
+NO_KERNEL = -1
 
 
 @dataclass(frozen=True, slots=True)
@@ -291,7 +291,7 @@ class Recorder:
         pinned: tuple[bool, ...],
     ) -> _CallLayout:
         kernel, used, fresh, codes = _traced_kernel(operation, pattern, tuple(lengths), pinned)
-        number = self._kernel_id(kernel) if kernel.outputs else NOTHING
+        number = self._kernel_id(kernel) if kernel.outputs else NO_KERNEL
         return _CallLayout(number, used, fresh, codes)
 
     def _kernel_id(self, kernel: Kernel) -> int:

@@ -35,9 +35,9 @@ STEP = 0.25
 HALVINGS = 4
 #: What holds to this part of the length of the scene, or so many radians, is on the branch, and a
 #: row that nothing changes is met: ten times what assembly leaves open, so that the start is.
-HOLDS = 1e-11
+BRANCH_TOLERANCE = 1e-11
 #: Steps back to the branch.
-MOST_STEPS, MOST_DAMPED_STEPS = 40, 60
+MOST_BRANCH_STEPS, MOST_DAMPED_STEPS = 40, 60
 #: The least damping, where rows depend on each other on the branch: without any, what is singular
 #: there to rounding would be solved with.
 LEAST_DAMPING = 1e-13
@@ -182,12 +182,12 @@ class Branch:
         rest = np.array([factors.null_part(row) for row in matrix])
         motions = np.sqrt(((rest * self._steps_by) ** 2).sum(axis=1))
         missed: Array = (rest * rest).sum(axis=1) * self._all_missed_by[list(rows)]
-        return missed / np.where(motions > HOLDS, motions, np.inf)
+        return missed / np.where(motions > BRANCH_TOLERANCE, motions, np.inf)
 
     def rate_of_last(self, position: BranchPosition) -> float:
         """Rate at which the row that was taken last is missed, where only those before it hold."""
         _, matrix = self._at(position.r, position.p, position.near)
-        before = factorise(matrix, HOLDS, position.factors.rank - 1)
+        before = factorise(matrix, BRANCH_TOLERANCE, position.factors.rank - 1)
         return float(self.rates(before, matrix, self._rows)[position.factors.taken[-1]])
 
     def _ranks(self, matrix: Array, rows: Sequence[int]) -> tuple[LQFactors, int, Array]:
@@ -199,12 +199,14 @@ class Branch:
         if not self.tolerance:
             factors = factorise(matrix)
             return factors, factors.rank, factors.pivots
-        every = factorise(matrix, HOLDS)
+        every = factorise(matrix, BRANCH_TOLERANCE)
         limits, ranks = (CLEARLY * self.tolerance, self.tolerance), []
-        factors = factorise(matrix, HOLDS, int((every.pivots > BEYOND_DOUBT * limits[0]).sum()))
+        factors = factorise(
+            matrix, BRANCH_TOLERANCE, int((every.pivots > BEYOND_DOUBT * limits[0]).sum())
+        )
         for limit in limits:
             while factors.rank < every.rank and self.rates(factors, matrix, rows).max() > limit:
-                factors = factorise(matrix, HOLDS, factors.rank + 1)
+                factors = factorise(matrix, BRANCH_TOLERANCE, factors.rank + 1)
             ranks.append(factors.rank)
         return factors, ranks[0], every.pivots
 
@@ -297,14 +299,14 @@ class Branch:
         """Position after a step, back on the rows that were independent before it."""
         r, p = self._moved(here.r, here.p, step)
         before = np.inf
-        for _ in range(MOST_STEPS):
+        for _ in range(MOST_BRANCH_STEPS):
             c = self._residuals.residuals(r * self.length, p, here.near)[self._rows]
             c = c * self._rows_by
             size = float(np.abs(c).max(initial=0))
-            if size <= HOLDS:
+            if size <= BRANCH_TOLERANCE:
                 return r, p
             kept = float(np.abs(c[list(here.factors.taken)]).max(initial=0))
-            if kept <= HOLDS / 10:
+            if kept <= BRANCH_TOLERANCE / 10:
                 return (r, p) if self._may_miss(here, c, step) else None
             if kept > before:
                 return None
@@ -331,7 +333,7 @@ class Branch:
         for _ in range(MOST_DAMPED_STEPS):
             c, matrix = self._at(r, p, here.near)
             size = float(np.abs(c).max(initial=0))
-            if size <= HOLDS:
+            if size <= BRANCH_TOLERANCE:
                 return r, p
             if size > before:
                 return None

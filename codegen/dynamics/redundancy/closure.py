@@ -22,7 +22,12 @@ from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.elements.constraints import RelativeMotion, held_by
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
-from kousoku.codegen.dynamics.redundancy.branch import BEYOND_DOUBT, HOLDS, Branch, Scales
+from kousoku.codegen.dynamics.redundancy.branch import (
+    BEYOND_DOUBT,
+    BRANCH_TOLERANCE,
+    Branch,
+    Scales,
+)
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
 from kousoku.model.errors import SceneError
 from kousoku.model.lowering.parametric import fixed_system
@@ -46,7 +51,7 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.real import Array
 
 #: Pivots below it are rounding: rows have size one, and some hundred are eliminated.
-ROUNDING = 1e-12
+ROUNDING_OF_PIVOTS = 1e-12
 #: What rows miss at the start, of which assembly refuses more than ten times as much, and the same
 #: for each length that a scene is from the origin: more is no rounding.
 OPEN, OPEN_FAR = 1e-13, 2.0**-44
@@ -113,7 +118,7 @@ def near_branch(
 def is_near(branch: Branch, bodies: Sequence[MovingBody]) -> bool:
     """Whether rows may depend on each other nearly where bodies are, not to rounding."""
     c, matrix = branch.start(bodies)
-    pivots = factorise(matrix, ROUNDING).pivots
+    pivots = factorise(matrix, ROUNDING_OF_PIVOTS).pivots
     is_small = len(pivots) > 0 and pivots.min() <= BEYOND_DOUBT * CLEARLY * branch.tolerance
     far = max(max(map(abs, body.r)) for body in bodies) / branch.length
     return bool(is_small or np.abs(c).max(initial=0.0) > _open_from(far))
@@ -121,7 +126,7 @@ def is_near(branch: Branch, bodies: Sequence[MovingBody]) -> bool:
 
 def _open_from(far: float) -> float:
     """Residual at the start that is no rounding, so many lengths from the origin."""
-    return min(HOLDS, max(OPEN, OPEN_FAR * far))
+    return min(BRANCH_TOLERANCE, max(OPEN, OPEN_FAR * far))
 
 
 def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
@@ -247,7 +252,7 @@ def _leaning(system: System, joints: Sequence[str]) -> str:
         name: [_between(axis, other) for key, other in axes.items() if key != name]
         for name, axis in axes.items()
     }
-    if not HOLDS < max(map(max, angles.values())) <= NEARLY_PARALLEL:
+    if not BRANCH_TOLERANCE < max(map(max, angles.values())) <= NEARLY_PARALLEL:
         return ""
     if len(axes) == 2:
         both = " and ".join(f"joints.{name}" for name in axes)
@@ -277,7 +282,7 @@ def closed_rows(
     regular = [position for position in positions if position.factors.rank == rank]
     regular = [position for position in regular if _is_good(position, places)] or regular
     pivots = branch.left_over(regular[0], places).tolist()
-    limit = HOLDS  # of positions that were searched for
+    limit = BRANCH_TOLERANCE  # of positions that were searched for
     if regular[0] is positions[0]:
         limit = _open_from(float(np.abs(positions[0].r).max()))
     is_open = np.abs(_missed_alone(branch, regular[0], places)) > limit
@@ -289,7 +294,7 @@ def closed_rows(
     return tuple(
         Closed(*one)
         for one, starts_open in zip(found, is_open.tolist(), strict=True)
-        if one[2] > ROUNDING or one[3] > HOLDS or starts_open
+        if one[2] > ROUNDING_OF_PIVOTS or one[3] > BRANCH_TOLERANCE or starts_open
     )
 
 
@@ -316,7 +321,7 @@ def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
     for one in freedom.closed:
         key = (key_of(system.constraints[one.row.instance]), one.is_length)
         worst[key] = max(worst.get(key, 0.0), one.missed)
-    if max(worst.values(), default=0.0) > HOLDS:
+    if max(worst.values(), default=0.0) > BRANCH_TOLERANCE:
         size, unit = (
             characteristic_length(fixed) / system.unit,
             UNIT_NAMES[system.unit],

@@ -9,7 +9,7 @@ from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
-from kousoku.codegen.dynamics.redundancy.branch import HOLDS
+from kousoku.codegen.dynamics.redundancy.branch import BRANCH_TOLERANCE
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def require_constant_rows_hold(system: System, outline: Outline) -> None:
                 )
             is_length = bool(rows.in_metres[first + row])
             size, unit = abs(float(values[first + row])), "m" if is_length else "rad"
-            if not size <= HOLDS * (length if is_length else 1.0):
+            if not size <= BRANCH_TOLERANCE * (length if is_length else 1.0):
                 raise SceneError(
                     f"is violated by {size:.3g} {unit}, and no body that it connects can change"
                     " that; give points and axes that fit",

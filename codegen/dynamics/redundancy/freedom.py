@@ -51,12 +51,12 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import System
 
 #: Rows of the largest part whose dependent rows are looked for; the time grows with their cube.
-MOST_ROWS = 700
+MOST_SEARCHED_ROWS = 700
 #: Positions that are looked at, where they are cheap, and rows times positions where not.
 POSITIONS, ROWS_AND_POSITIONS = 24, 6000
 #: From so many lengths of the system on its bodies are far from the origin of frame O: coordinates
 #: have lost four of the digits that tell dependent rows.
-FAR = 1e4
+FAR_FROM_ORIGIN = 1e4
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,7 +180,7 @@ def freedom_of(system: System, outline: Outline) -> Freedom:
         by_instance.setdefault(row.instance, []).append(row)
     for part in loops_of(system):
         rows = [row for place in part.instances for row in by_instance.get(place, ())]
-        if len(rows) > MOST_ROWS:
+        if len(rows) > MOST_SEARCHED_ROWS:
             if not _is_independent(system, outline, part, rows):
                 total = replace(total, unknown=(*total.unknown, *_joints(rows)))
             continue
@@ -207,7 +207,7 @@ def near_origin(system: System) -> System:
     digits that tell which rows depend on others.
     """
     origin = system.bodies[0].r if system.bodies else (0.0, 0.0, 0.0)
-    is_far = max(map(abs, origin)) > FAR * Metric(system).size
+    is_far = max(map(abs, origin)) > FAR_FROM_ORIGIN * Metric(system).size
     return seen_from(system, origin) if is_far else system
 
 

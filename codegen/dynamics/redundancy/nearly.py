@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.codegen.dynamics.assembly.assemble import MOST_ROWS, assemble
+from kousoku.codegen.dynamics.assembly.assemble import MOST_ASSEMBLED_ROWS, assemble
 from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
 from kousoku.codegen.dynamics.assembly.near_origin import brought_near
 from kousoku.codegen.dynamics.assembly.newton_double import CLOSE, DoublePose, GaussNewton
@@ -20,10 +20,13 @@ from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.unwrap import wound_as_driven
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
-from kousoku.codegen.dynamics.redundancy.branch import HOLDS
+from kousoku.codegen.dynamics.redundancy.branch import BRANCH_TOLERANCE
 from kousoku.codegen.dynamics.redundancy.closure import is_near, near_branch
-from kousoku.codegen.dynamics.redundancy.freedom import MOST_ROWS as MOST_OF_PART
-from kousoku.codegen.dynamics.redundancy.freedom import freedom_of, part_residuals
+from kousoku.codegen.dynamics.redundancy.freedom import (
+    MOST_SEARCHED_ROWS,
+    freedom_of,
+    part_residuals,
+)
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.codegen.dynamics.simplification.planarity import plane_of
@@ -76,7 +79,7 @@ def _holds(system: System) -> bool:
     rows = Residuals.of(system, system.constraints + system.held)
     c, _ = rows.fast(system.bodies)
     lengths = np.where(rows.in_metres, Metric(system).size, 1.0)
-    return bool((np.abs(c) <= HOLDS * lengths).all())
+    return bool((np.abs(c) <= BRANCH_TOLERANCE * lengths).all())
 
 
 def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
@@ -99,7 +102,7 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
     metric = Metric(system)
     system, _ = brought_near(system, metric.size)
     rows = Residuals.of(system, system.constraints + system.held)
-    if rows.rows > MOST_ROWS:
+    if rows.rows > MOST_ASSEMBLED_ROWS:
         return ()
     damping = system.closure_tolerance**2  # what is stiff by less stays where it is
     start = DoublePose.of(Pose.of(system.bodies, system.coordinates))
@@ -119,7 +122,7 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
 def _of_part(system: System, part: LoopPart, *, is_open: bool) -> Iterator[tuple[int, int]]:
     """Rows of a part, unless all fit and none is nearly implied."""
     residuals, first = part_residuals(system, part)
-    if residuals.rows > MOST_OF_PART:
+    if residuals.rows > MOST_SEARCHED_ROWS:
         return
     rows = [
         (place, row)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.real import Array
 
 #: Rows of the largest part that is looked at; the time grows with their cube.
-MOST_ROWS = 2000
+MOST_OUT_OF_PLANE_ROWS = 2000
 #: How far the second position is from the first, and how often it is corrected.
 AWAY, CORRECTIONS = 2.0**-5, 8
 
@@ -74,7 +74,7 @@ def _of_part(
         for row in range(residuals.count(instance))
         if (place, row) not in solved
     ]
-    if len(rows) > MOST_ROWS:
+    if len(rows) > MOST_OUT_OF_PLANE_ROWS:
         yield from (joint for _, joint in rows)
         return
     for r, p in positions:

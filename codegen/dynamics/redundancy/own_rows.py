@@ -35,9 +35,9 @@ STEP, DIRECTIONS = 0.1, 3
 #: misses half of it, and a row that others imply what is left of them.
 MISSED = 1e-3
 #: Singular values that are zero, as parts of the largest.
-ZERO = 1e-9
+ROW_RANK_TOLERANCE = 1e-9
 #: Steps back onto the other rows at most, and what is left of them then.
-MOST_STEPS, CLOSED = 20, 1e-12
+MOST_RETURN_STEPS, RETURN_TOLERANCE = 20, 1e-12
 
 
 def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: bool) -> None:
@@ -101,7 +101,7 @@ def repeated_rows(system: System, freedom: Freedom) -> tuple[ConstraintEquation,
 
 def _rank(matrix: Array) -> int:
     values = np.linalg.svd(matrix, compute_uv=False)
-    return int((values > ZERO * values.max(initial=0.0)).sum())
+    return int((values > ROW_RANK_TOLERANCE * values.max(initial=0.0)).sum())
 
 
 class _Moves:
@@ -129,17 +129,17 @@ class _Moves:
             pairs = [(self._stream.sign(), self._stream.magnitude()) for _ in self._columns]
             wish = np.array([sign * size for sign, size in pairs])
             _, kept = self._at(*self._start)
-            change = wish - np.linalg.pinv(kept, rcond=ZERO) @ (kept @ wish)
+            change = wish - np.linalg.pinv(kept, rcond=ROW_RANK_TOLERANCE) @ (kept @ wish)
             largest = np.abs(change).max(initial=0.0)
             if largest < STEP**2:
                 return
             places = self._moved(*self._start, STEP * change / largest)
-            for _ in range(MOST_STEPS):
+            for _ in range(MOST_RETURN_STEPS):
                 c, kept = self._at(*places)
-                if np.abs(c[self._kept]).max(initial=0.0) <= CLOSED:
+                if np.abs(c[self._kept]).max(initial=0.0) <= RETURN_TOLERANCE:
                     yield np.abs(c)
                     break
-                back = np.linalg.pinv(kept, rcond=ZERO) @ c[self._kept]
+                back = np.linalg.pinv(kept, rcond=ROW_RANK_TOLERANCE) @ c[self._kept]
                 places = self._moved(*places, -back)
 
     def _at(self, r: Array, p: Array) -> tuple[Array, Array]:

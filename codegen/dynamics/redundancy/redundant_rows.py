@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 #: Rows up to which all of them are solved for at once: memory grows with their square, and the time
 #: of a step with their cube.
-MOST_DENSE = 200
+MOST_ROWS_AT_ONCE = 200
 #: Products of the numbers of rows that are kept and left out up to which forces of joints are
 #: found by code of the scene: more would be longer to compile than the loops are slower.
 MOST_UNROLLED = 2000
@@ -19,7 +19,7 @@ MOST_UNROLLED = 2000
 
 def take_over(kept: int, left_out: int) -> bool:
     """Whether rows that are left out take over where those that are kept lose rank."""
-    return left_out > 0 and kept + left_out <= MOST_DENSE
+    return left_out > 0 and kept + left_out <= MOST_ROWS_AT_ONCE
 
 
 def shares_out(kept: int, left_out: int) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
-from kousoku.codegen.dynamics.redundancy.redundant_rows import MOST_DENSE
+from kousoku.codegen.dynamics.redundancy.redundant_rows import MOST_ROWS_AT_ONCE
 from kousoku.model.lowering.parametric import fixed_system
 from kousoku.runtime.messages import listed
 
@@ -24,17 +24,17 @@ def rank_rows(program: Program, system: System) -> list[tuple[str, tuple[int, in
     are too many none is looked at.
     """
     found = _rows_of_varying_loops(program, system)
-    return found if len(found) <= MOST_DENSE else []
+    return found if len(found) <= MOST_ROWS_AT_ONCE else []
 
 
 def notes_of_rank(program: Program, system: System) -> Iterator[str]:
     """Note where rows are too many for a run with other parameters to look at them."""
     found = _rows_of_varying_loops(program, system)
-    if len(found) > MOST_DENSE:
+    if len(found) > MOST_ROWS_AT_ONCE:
         names = [f"joints.{joint}" for joint in dict.fromkeys(joint for joint, _ in found)]
         yield (
             f"with other parameters rows of {listed(names)} may become redundant,"
-            f" which no run looks at: they are {len(found)}, more than {MOST_DENSE}"
+            f" which no run looks at: they are {len(found)}, more than {MOST_ROWS_AT_ONCE}"
         )
 
 

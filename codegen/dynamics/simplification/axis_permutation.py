@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     Triple = tuple[T, T, T]
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
 
-AXES = "xyz"
+AXIS_LETTERS = "xyz"
 #: The axis across the xy-plane.
 NORMAL = 2
 
@@ -164,4 +164,4 @@ def _permuted_constants(constants: Constants, shift: int) -> Constants:
 
 def _permuted_kind(kind: str, shift: int) -> str:
     base, axis = base_and_axis(kind)
-    return f"{base}_{AXES[(AXES.index(axis) - shift) % 3]}" if axis else kind
+    return f"{base}_{AXIS_LETTERS[(AXIS_LETTERS.index(axis) - shift) % 3]}" if axis else kind

@@ -70,10 +70,10 @@ class BodyBlocks:
 
 
 IDENTITY = SlotMatrix((1, 0, 0, 0, 1, 0, 0, 0, 1), 3, 3)
-NOTHING = column((0, 0, 0))
+ZEROS = column((0, 0, 0))
 #: The ground has no columns.
 GROUND = BodyBlocks(
-    (), (), 0, 0, NOTHING, column((1, 0, 0, 0)), NOTHING, NOTHING, IDENTITY, SlotMatrix((), 1, 0)
+    (), (), 0, 0, ZEROS, column((1, 0, 0, 0)), ZEROS, ZEROS, IDENTITY, SlotMatrix((), 1, 0)
 )
 
 

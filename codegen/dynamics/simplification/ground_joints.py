@@ -48,8 +48,8 @@ FREEDOMS = {
 #: Of so many rows one must go at least, or a second program takes longer than it will ever save.
 WORTH = 8
 #: Sines of angles between vectors that count as parallel are smaller: axes are rounded to doubles.
-PARALLEL = 1e-12
-NORMAL: Triple = (CONTEXT.mpf(0), CONTEXT.mpf(0), CONTEXT.mpf(1))
+AXIS_TOLERANCE = 1e-12
+PLANE_NORMAL: Triple = (CONTEXT.mpf(0), CONTEXT.mpf(0), CONTEXT.mpf(1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,7 +281,7 @@ def _axes(
 ) -> tuple[Triple, Triple]:
     """Axis of a joint in frame O and in the body, both in one direction."""
     if not parallel:
-        return NORMAL, NORMAL
+        return PLANE_NORMAL, PLANE_NORMAL
     axis = precise.unit(precise.triple(parallel[f"a_{ground}_b"]))
     axis_b = precise.unit(precise.triple(parallel[f"a_{own}_b"]))
     is_turned = precise.dot(axis, precise.rotate(p, axis_b)) < 0
@@ -329,7 +329,10 @@ def _along(found: VelocityTransformation, coordinate: RelativeCoordinate) -> int
     is_own = coordinate.i == found.body
     axis = precise.triple(found.axis_b if is_own else found.axis)
     cosine = precise.dot(direction, axis)
-    if precise.length(precise.cross(direction, axis)) > PARALLEL or abs(abs(cosine) - 1) > PARALLEL:
+    if (
+        precise.length(precise.cross(direction, axis)) > AXIS_TOLERANCE
+        or abs(abs(cosine) - 1) > AXIS_TOLERANCE
+    ):
         return 0
     return (-1 if is_own else 1) * (1 if cosine > 0 else -1)
 

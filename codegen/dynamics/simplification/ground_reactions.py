@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     Numbers = tuple[float, ...]
 
-PARALLEL = 1e-9
+COINCIDENCE_TOLERANCE = 1e-9
 """Vectors whose angle is smaller count as parallel [rad]; points that are so near, as one."""
 
 
@@ -173,7 +173,7 @@ def _apart(points: list[Triple]) -> Iterator[Triple]:
     first = points[0]
     for other in points[1:]:
         size = precise.length(first) + precise.length(other)
-        if precise.length(precise.subtract(other, first)) > PARALLEL * size:
+        if precise.length(precise.subtract(other, first)) > COINCIDENCE_TOLERANCE * size:
             yield other
 
 
@@ -183,9 +183,9 @@ def _parallel(along: list[Triple], twists: list[Triple]) -> tuple[Vector, ...]:
     if not given:
         return across(twists)
     first, *others = given
-    if any(precise.length(precise.cross(first, other)) > PARALLEL for other in others):
+    if any(precise.length(precise.cross(first, other)) > COINCIDENCE_TOLERANCE for other in others):
         return ()
-    if any(abs(precise.dot(first, x)) > PARALLEL * precise.length(x) for x in twists):
+    if any(abs(precise.dot(first, x)) > COINCIDENCE_TOLERANCE * precise.length(x) for x in twists):
         return ()
     return (_rounded(first),)
 
@@ -201,7 +201,7 @@ def across(vectors: Iterable[Triple]) -> tuple[Vector, ...]:
         size = precise.length(rest)
         for one in span:
             rest = precise.without(rest, one)
-        if size and precise.length(rest) > PARALLEL * size:
+        if size and precise.length(rest) > COINCIDENCE_TOLERANCE * size:
             span.append(precise.unit(rest))
     if not span:
         return AXES

@@ -55,7 +55,7 @@ OUT = (2, 3, 4)
 #: where it lies d metres, and more than 1, from the origin of the body frame: it may be a thousand
 #: kilometres away. Rows that do not hold have 1e-16 by rounding, those of the committed scenes 0.69
 #: or more.
-HOLDS = 1e-6
+LEAST_HOLDING_SINGULAR_VALUE = 1e-6
 ALONG_Z = {(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)}
 
 
@@ -148,7 +148,7 @@ class _Joint:
         rows = np.vstack([self._out(rows, side) for rows in self.dropped])
         if not self.turns_about_z or len(rows) < len(OUT):
             return False
-        return bool(np.linalg.svd(rows, compute_uv=False)[-1] > HOLDS)
+        return bool(np.linalg.svd(rows, compute_uv=False)[-1] > LEAST_HOLDING_SINGULAR_VALUE)
 
     @staticmethod
     def _out(rows: Any, side: int) -> Any:

@@ -10,7 +10,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.joint_projections import NOTHING, POINT
-from kousoku.codegen.dynamics.simplification.ground_joints import PARALLEL
+from kousoku.codegen.dynamics.simplification.ground_joints import AXIS_TOLERANCE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,7 +77,7 @@ def is_principal(one: VelocityTransformation, body: MovingBody) -> bool:
     x, y, z = (Fraction(x) for x in one.axis_b)
     a, b, c = (Fraction(value) for value in body.inertia)
     off = (y * z * (c - b), z * x * (a - c), x * y * (b - a))  # a′ × I′a′
-    return all(abs(value) <= PARALLEL * max(a, b, c) for value in off)
+    return all(abs(value) <= AXIS_TOLERANCE * max(a, b, c) for value in off)
 
 
 def transposed(rows: Sequence[Sequence[Fraction]]) -> Square:

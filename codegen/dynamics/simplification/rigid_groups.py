@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 RIGID = sorted(part.kind for part in JOINTS["fixed"].parts)
 #: Joints of a body that is made of two that move: the rows of each are coupled with all others, and
 #: with six revolute joints that costs more than the fixed joint.
-MOST_JOINTS = 4
+MOST_JOINTS_OF_PAIR = 4
 
 
 def grouped(system: System) -> tuple[tuple[int, ...], ...]:
@@ -33,7 +33,7 @@ def grouped(system: System) -> tuple[tuple[int, ...], ...]:
     told or whose energy depends on parameters; so does a body with a force or constraint that is
     not known to mean the same in another frame, and the ground where gravity depends on parameters.
     All bodies do where nothing else would move. Two that move are not made one where that one would
-    have more than :data:`MOST_JOINTS` joints: it would cost more than it saves.
+    have more than :data:`MOST_JOINTS_OF_PAIR` joints: it would cost more than it saves.
     """
     fixed = fixed_joints(system)
     edges = [edge for edge in fixed if not (GROUND_INDEX in edge and any(system.gravity_law))]
@@ -64,7 +64,7 @@ def _joined(count: int, edges: Sequence[Edge], counts: Mapping[int, int]) -> Dis
     joints = dict(counts)
     for i, j in edges:
         a, b = leaders.of(i), leaders.of(j)
-        if a != b and joints[a] + joints[b] <= MOST_JOINTS:
+        if a != b and joints[a] + joints[b] <= MOST_JOINTS_OF_PAIR:
             leaders.join(a, b)
             joints[leaders.of(a)] = joints[a] + joints[b]
     return leaders

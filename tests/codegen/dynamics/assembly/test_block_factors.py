@@ -58,7 +58,7 @@ def test_factors_see_rows_that_depend_on_others(mechanisms: SimpleNamespace) -> 
 def test_large_loops_are_known_where_sparse_factors_show_that_no_row_depends(
     mechanisms: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(freedom, "MOST_ROWS", 10)
+    monkeypatch.setattr(freedom, "MOST_SEARCHED_ROWS", 10)
     system = mechanisms.four_bars(5)
     in_plane = freedom_of(system, all_rows(system).outline)
     again = replace(system.constraints[0], joint="again")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.checking.rounding import ROUNDING, run_and_keep, units
+from kousoku.codegen.dynamics.checking.rounding import UNIT_ROUNDOFF, run_and_keep, units
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.recording.matrix import Matrix
@@ -71,9 +71,9 @@ def test_unit_counts_every_number_once() -> None:
     found = units(work, steps, [base, base + 1])
 
     # a, b, a b of 15 each, c of 16, and the difference of −1
-    assert found[0] == pytest.approx((15 + 15 + 15 + 16 + 1) * ROUNDING)
+    assert found[0] == pytest.approx((15 + 15 + 15 + 16 + 1) * UNIT_ROUNDOFF)
     # √c = 4, and c ∂√c/∂c = 2
-    assert found[1] == pytest.approx(6 * ROUNDING)
+    assert found[1] == pytest.approx(6 * UNIT_ROUNDOFF)
     assert [float(x) for x in work["dq"]] == [-1.0, 4.0]
 
 

@@ -255,7 +255,7 @@ def test_forces_of_a_four_bar_in_a_plane_that_leans_are_the_least_ones(
 def test_more_rows_than_can_be_shared_out_are_refused_by_name(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(least_norm, "MOST_ROWS", 4)
+    monkeypatch.setattr(least_norm, "MOST_SHARED_ROWS", 4)
     with pytest.raises(
         SceneError, match=r"not unique at joints\.hinge_0, joints\.hinge_1.* 5 rows"
     ):
@@ -272,7 +272,7 @@ def test_scene_in_a_plane_keeps_to_it_where_too_many_rows_hold_it_there(
     _, in_space = with_reactions(found, OUTPUTS)
     assert not in_space.is_planar
     assert (in_space.not_unique, in_space.unique_in_plane) == ((), joints)
-    monkeypatch.setattr(least_norm, "MOST_ROWS", 2)
+    monkeypatch.setattr(least_norm, "MOST_SHARED_ROWS", 2)
     _, in_plane = with_reactions(found, OUTPUTS)
     assert in_plane.is_planar
     assert (in_plane.not_unique, in_plane.unique_in_plane) == ((), joints)
