@@ -74,12 +74,18 @@ def dip_between(first: float, slope: float, last: float, rise: float) -> float:
 
 
 def largest_of(nodes: Array) -> float:
-    """Largest square [m²] of a distance at the ends and in the middle of a step."""
+    """Largest square [m²] of a distance at both ends and in the middle of a step.
+
+    Nodes (6,) [m²] are its squares at :data:`NODES`.
+    """
     return larger(larger(float(nodes[0]), float(nodes[5])), float(nodes[2]))
 
 
 def falls_in(half: int, nodes: Array) -> bool:
-    """Whether the square of a distance may fall in the first or second half of a step."""
+    """Whether the square of a distance may fall in the first or second half of a step.
+
+    Nodes (6,) [m²] are its squares at :data:`NODES`.
+    """
     first, beside, middle, behind, before, last = nodes.tolist()
     slope = (behind - middle) * (0.5 / DIFFERENCE)
     if half == 0:
@@ -94,7 +100,7 @@ def falls_in(half: int, nodes: Array) -> bool:
 
 
 def may_reverse(h: float, y: Array, f: Array, search: Search) -> bool:
-    """Whether a distance may fall in a step of length h from the state to y, with derivative f.
+    """Whether a distance may fall in a step of h [s] from the state to y (ny,), f = ẏ (ny,) there.
 
     A cubic polynomial tells what is in it.
     """
@@ -147,7 +153,8 @@ def no_way(search: Search) -> float:
 def cut_end(k: int, time: float, nodes: Array, end: float, search: Search) -> float:
     """Time [s] at which a step to an end must end by a distance that is least at a time.
 
-    Before the place, or behind it if that is no way; infinite where it need not.
+    Before the place, or behind it if that is no way; infinite where it need not. Nodes (6,) [m²]
+    are the squares of the distance at :data:`NODES`.
     """
     tiny = ONWARD * SMALLEST * larger(abs(search.start), abs(end))
     before, far = float(nodes[0]), largest_of(nodes)
@@ -167,7 +174,10 @@ def cut_end(k: int, time: float, nodes: Array, end: float, search: Search) -> fl
 
 
 def first_reversal(k: int, nodes: Array, end: float, search: Search) -> tuple[float, float]:
-    """Time [s] at which a step must end by the first such place of a distance, and that [s]."""
+    """Time [s] at which a step must end by the first such place of a distance, and that [s].
+
+    Nodes (6,) [m²] are its squares at :data:`NODES`.
+    """
     time, before, there = search.start, math.inf, float(nodes[0])
     earlier = time
     for number in range(2 * DOUBLED):
