@@ -1,4 +1,9 @@
-"""The segments ``switching``, ``bending``, ``measure``, ``distance``, ``crossing``: formulas."""
+"""Segments of formulas that switch, or that are watched for where they cross zero.
+
+``switching`` bounds formulas of time between two times, ``bending`` laws of drivers. ``measure``
+evaluates what formulas read of a state, ``distance`` the squares of distances in them, and
+``crossing`` bounds them between two times of a step.
+"""
 
 from __future__ import annotations
 
