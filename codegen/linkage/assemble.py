@@ -92,7 +92,9 @@ class LinkElement:
 
 @dataclass(frozen=True, slots=True)
 class Assembly:
-    """An assembled linkage.
+    """A linkage whose links share coordinates, as in the assembly of finite elements.
+
+    Its position is found later, by the assembly of a run (``runtime/kinematics/assembly``).
 
     Parameters
     ----------
