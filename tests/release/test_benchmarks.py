@@ -113,6 +113,14 @@ def test_what_the_time_is_over_for_is_left_out_and_says_so(workers: Workers) -> 
 
 
 @pytest.fixture
+def one_question(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Let the command know one question, and write to a folder of the test."""
+    monkeypatch.setattr(command, "BUILD", tmp_path)
+    monkeypatch.setattr(command, "journal_of", lambda _: tmp_path / "journal")
+    monkeypatch.setattr(command, "questions", lambda: {"bench_question": bench_question.QUESTION})
+
+
+@pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Let contests be answered at once; the list tells which ones ran."""
     ran: list[str] = []
@@ -245,15 +253,13 @@ def test_what_may_end_otherwise_is_asked_again(
     assert asked == ["quick"] * (1 + is_again)
 
 
+@pytest.mark.usefixtures("one_question")
 def test_times_that_a_journal_has_keep_their_date_and_are_told(
     asked: list[str],
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
 ) -> None:
-    monkeypatch.setattr(command, "BUILD", tmp_path)
-    monkeypatch.setattr(command, "journal_of", lambda _: tmp_path / "journal")
-    monkeypatch.setattr(command, "questions", lambda: {"bench_question": bench_question.QUESTION})
     monkeypatch.setattr(command, "today", lambda: "2026-11-20")
     assert command.main([]) == 0
     assert "was measured" not in capsys.readouterr().err
@@ -266,47 +272,38 @@ def test_times_that_a_journal_has_keep_their_date_and_are_told(
     assert json.loads((tmp_path / "results.json").read_text())["date"] == "2026-11-20 to 2026-11-26"
 
 
+@pytest.mark.usefixtures("one_question")
 def test_a_second_run_at_the_same_time_is_refused(
     asked: list[str],
     capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
 ) -> None:
-    monkeypatch.setattr(command, "BUILD", tmp_path)
-    monkeypatch.setattr(command, "journal_of", lambda _: tmp_path / "journal")
-    monkeypatch.setattr(command, "questions", lambda: {"bench_question": bench_question.QUESTION})
     with command.alone():
         assert command.main([]) == 2
     assert "another run" in capsys.readouterr().err and not asked
     assert command.main([]) == 0
 
 
+@pytest.mark.usefixtures("one_question")
 def test_a_run_that_is_cut_by_hand_says_in_a_line_that_it_goes_on(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def run(*_: object) -> list[Record]:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(command, "BUILD", tmp_path)
-    monkeypatch.setattr(command, "journal_of", lambda _: tmp_path / "journal")
-    monkeypatch.setattr(command, "questions", lambda: {"bench_question": bench_question.QUESTION})
     monkeypatch.setattr(command, "run", run)
     assert command.main([]) == 130
     assert "goes on" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("one_question")
 def test_a_disk_that_is_full_is_one_line(
     asked: list[str],
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
 ) -> None:
     def full(path: Path, data: bytes) -> None:
         raise OSError(28, "No space left on device", str(path))
 
-    monkeypatch.setattr(command, "BUILD", tmp_path)
-    monkeypatch.setattr(command, "journal_of", lambda _: tmp_path / "journal")
-    monkeypatch.setattr(command, "questions", lambda: {"bench_question": bench_question.QUESTION})
     monkeypatch.setattr(command, "write_atomically", full)
     assert command.main([]) == 2
     said = capsys.readouterr().err

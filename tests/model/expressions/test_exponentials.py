@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-import operator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import numpy as np
 import pytest
 
 from kousoku.model.expressions.derivative import derivative
@@ -14,27 +12,13 @@ from kousoku.model.expressions.enclosure import Bounds, enclosure
 from kousoku.model.expressions.exponentials import without_overflow
 from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.values import value_of
-from kousoku.model.operations.expression import Expression, ordered, symbol
-from kousoku.model.operations.graph import Op
+from kousoku.model.operations.expression import symbol
+from tests.in_doubles import in_doubles
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from kousoku.model.operations.expression import Expression
 
 SPANS = {"t": Bounds(symbol("first"), symbol("last"))}
-CALLS: dict[Op, Callable[..., Any]] = {
-    Op.ADD: lambda *terms: sum(terms),
-    Op.MUL: operator.mul,
-    Op.DIV: operator.truediv,
-    Op.NEG: operator.neg,
-    Op.POW: operator.pow,
-    Op.EXP: np.exp,
-    Op.LOG: np.log,
-    Op.ABS: np.abs,
-    Op.MIN: np.minimum,
-    Op.MAX: np.maximum,
-}
 #: Each is positive, at most 1, and less than 1e-12 where t is beyond 40.
 HILLS = (
     "2/(exp(t) + exp(-t))",
@@ -53,18 +37,6 @@ def bounds_of(formula: Expression, first: float, last: float) -> tuple[float, fl
     bounds = enclosure(formula, SPANS)
     values = {"first": first, "last": last}
     return in_doubles(bounds.least, values), in_doubles(bounds.most, values)
-
-
-def in_doubles(expression: Expression, values: dict[str, float]) -> float:
-    """Value as solvers compute it, where exponentials may be infinite."""
-    known: dict[int, np.float64] = {}
-    with np.errstate(all="ignore"):
-        for part in ordered(expression):
-            if part.args:
-                known[id(part)] = CALLS[part.op](*(known[id(arg)] for arg in part.args))
-            else:
-                known[id(part)] = np.float64(value_of(part, values))
-    return float(known[id(expression)])
 
 
 @pytest.mark.parametrize("text", HILLS)

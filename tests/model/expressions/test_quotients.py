@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import operator
-from typing import TYPE_CHECKING, Any
-
 import numpy as np
 import pytest
 
@@ -12,31 +9,12 @@ from kousoku.model.expressions.derivative import derivative
 from kousoku.model.expressions.enclosure import Bounds
 from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.quotients import coefficients, without_quotients
-from kousoku.model.expressions.values import value_of
 from kousoku.model.numbers.digits import CONTEXT
 from kousoku.model.numbers.traced import traced
-from kousoku.model.operations.expression import ZERO, Expression, mul, ordered, symbol
-from kousoku.model.operations.graph import Op
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from kousoku.model.operations.expression import Expression
+from kousoku.model.operations.expression import ZERO, mul, symbol
+from tests.in_doubles import in_doubles
 
 SPANS = {"t": Bounds(symbol("first"), symbol("last"))}
-CALLS: dict[Op, Callable[..., Any]] = {
-    Op.ADD: lambda *terms: sum(terms),
-    Op.MUL: operator.mul,
-    Op.DIV: operator.truediv,
-    Op.NEG: operator.neg,
-    Op.POW: operator.pow,
-    Op.SIN: np.sin,
-    Op.COS: np.cos,
-    Op.EXP: np.exp,
-    Op.ABS: np.abs,
-    Op.MIN: np.fmin,
-    Op.MAX: np.fmax,
-}
 #: Each with the power of what is zero at 5 that it is divided by.
 LIMITS = {
     "sin(t - 5)/(t - 5)": 1,
@@ -49,18 +27,6 @@ LIMITS = {
 }
 
 
-def in_doubles(expression: Expression, first: float, last: float) -> float:
-    """Bound as solvers compute it."""
-    known: dict[int, np.float64] = {}
-    with np.errstate(all="ignore"):
-        for part in ordered(expression):
-            if part.args:
-                known[id(part)] = CALLS[part.op](*(known[id(arg)] for arg in part.args))
-            else:
-                known[id(part)] = np.float64(value_of(part, {"first": first, "last": last}))
-    return float(known[id(expression)])
-
-
 @pytest.mark.parametrize("text", LIMITS)
 def test_bounds_are_those_of_the_limit(text: str) -> None:
     formula = parse_expression(text, ["t"])
@@ -71,7 +37,9 @@ def test_bounds_are_those_of_the_limit(text: str) -> None:
     for first, last in ((4.9, 5.2), (4.99, 5.0), (5.0, 5.001), (4.8, 4.81), (5.05, 5.06)):
         times = [CONTEXT.mpf(time) for time in np.linspace(first, last, 8)[1:-1]]
         for name, one in ((quotient.name, formula), (quotient.rate, rate)):
-            least, most = (in_doubles(bound, first, last) for bound in bounds[name])
+            least, most = (
+                in_doubles(bound, {"first": first, "last": last}) for bound in bounds[name]
+            )
             values = [float(traced(one, {"t": time})) for time in times]
             assert least - 1e-9 <= min(values) <= max(values) <= most + 1e-9
             assert most - least < 30.0 * (last - first)
