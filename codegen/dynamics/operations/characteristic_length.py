@@ -12,7 +12,7 @@ from kousoku.model.records.own_kind import ORIGINS
 if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import ForceElement, Instance, RelativeCoordinate, System
 
-LEAST = 2.0**-18
+LEAST_LENGTH = 2.0**-18
 """The least length, as a part of the distance from the origin: doubles know a position to 6e-11 of
 it, which is less than what corrections settle at, and what is left of constraints may be."""
 
@@ -43,7 +43,7 @@ def characteristic_length(system: System) -> float:
                 lengths += map(abs, numbers)
     lengths += (max(along) - min(along) for along in zip(*ground, strict=True))
     places = (*chain.from_iterable(ground), *chain.from_iterable(one.r for one in system.bodies))
-    return max(max(lengths) or extent(system), LEAST * max(map(abs, places), default=0.0))
+    return max(max(lengths) or extent(system), LEAST_LENGTH * max(map(abs, places), default=0.0))
 
 
 def extent(system: System) -> float:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 #: How far the fastest body moves from one position to the next, in radians or lengths: far enough
 #: to leave what is special of a position, near enough that Newton's method comes back.
-STEP = 0.25
+BRANCH_STEP = 0.25
 #: How often a step that fails is halved.
 HALVINGS = 4
 #: What holds to this part of the length of the scene, or so many radians, is on the branch, and a
@@ -40,7 +40,7 @@ BRANCH_TOLERANCE = 1e-11
 MOST_BRANCH_STEPS, MOST_DAMPED_STEPS = 40, 60
 #: The least damping, where rows depend on each other on the branch: without any, what is singular
 #: there to rounding would be solved with.
-LEAST_DAMPING = 1e-13
+LEAST_BRANCH_DAMPING = 1e-13
 #: How many times the limit of what rows miss a pivot must be to count without that: a hinge that is
 #: aside and leans has pivots of 1.6 times what it misses in the plane, and of 0.8 times in space.
 BEYOND_DOUBT = 2.0
@@ -283,7 +283,7 @@ class Branch:
     def _next(self, here: BranchPosition, direction: Array) -> BranchPosition | None:
         """Position near, in a direction or as near to it as the rows allow."""
         for halvings in range(HALVINGS + 1):
-            step = STEP / 2**halvings
+            step = BRANCH_STEP / 2**halvings
             for settle in (self._settled, self._settled_damped):
                 found = settle(here, step * direction)
                 if found is not None and self._far(here, *found) > MOVED * step:
@@ -322,7 +322,7 @@ class Branch:
         """
         c = c * self._missed_by
         more = float(np.abs(c - self.missed(here))[list(here.factors.left)].max(initial=0.0))
-        part = float(np.abs(step * self._steps_by).max()) / STEP
+        part = float(np.abs(step * self._steps_by).max()) / BRANCH_STEP
         most = CLEARLY * self.tolerance
         return bool(np.abs(c).max() <= most and more <= most * part)
 
@@ -338,7 +338,7 @@ class Branch:
             if size > before:
                 return None
             before = size
-            r, p = self._moved(r, p, damped_change(matrix, -c, max(size**2, LEAST_DAMPING)))
+            r, p = self._moved(r, p, damped_change(matrix, -c, max(size**2, LEAST_BRANCH_DAMPING)))
         return None
 
     def _moved(self, r: Array, p: Array, step: Array) -> tuple[Array, Array]:

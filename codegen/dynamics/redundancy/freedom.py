@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 #: Rows of the largest part whose dependent rows are looked for; the time grows with their cube.
 MOST_SEARCHED_ROWS = 700
 #: Positions that are looked at, where they are cheap, and rows times positions where not.
-POSITIONS, ROWS_AND_POSITIONS = 24, 6000
+MOST_POSITIONS, ROWS_AND_POSITIONS = 24, 6000
 #: From so many lengths of the system on its bodies are far from the origin of frame O: coordinates
 #: have lost four of the digits that tell dependent rows.
 FAR_FROM_ORIGIN = 1e4
@@ -221,7 +221,7 @@ def _freedom_of_part(
     pairs = list(zip(joints, chosen, strict=True))
     bodies = [system.bodies[k] for k in part.bodies]
     columns, length = _columns(outline, part), Metric(system).size
-    count = max(2, min(POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
+    count = max(2, min(MOST_POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
     few = min(len(joints), len(columns))
 
     def looked(branch: Branch) -> tuple[list[BranchPosition], Drivers]:

@@ -14,6 +14,7 @@ from kousoku.codegen.dynamics.assembly.residuals import Residuals, places_of
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import displaced
+from kousoku.codegen.dynamics.simplification.planarity import OUT
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.errors import SceneError
 from kousoku.model.records.own_kind import is_own, kind_name
@@ -27,10 +28,8 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import System
     from kousoku.model.numbers.real import Array
 
-#: Columns of a body that lead out of the xy-plane.
-OUT = (2, 3, 4)
 #: How far bodies are moved, in lengths of the scene and radians, and in how many directions.
-STEP, DIRECTIONS = 0.1, 3
+TRIAL_MOVE, DIRECTIONS = 0.1, 3
 #: What a row misses then that others do not imply, as a part of the square of the step: 1 − cos θ
 #: misses half of it, and a row that others imply what is left of them.
 MISSED = 1e-3
@@ -60,7 +59,7 @@ def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: boo
     left = [row for row in freedom.dropped if is_own(system.constraints[row.instance].kind)]
     if not left:
         return
-    nearly = CLEARLY * system.closure_tolerance * STEP if freedom.closed else 0.0
+    nearly = CLEARLY * system.closure_tolerance * TRIAL_MOVE if freedom.closed else 0.0
     rows = Residuals.of(system, system.constraints)
     length = characteristic_length(system)
     place = {(row.instance, row.row): rows.first[row.instance] + row.row for row in freedom.dropped}
@@ -68,7 +67,7 @@ def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: boo
     moves = _Moves(system, rows, sorted(place.values()), columns, length)
     for missed in moves.missed():
         worst = max(left, key=lambda row: missed[place[row.instance, row.row]])
-        if not missed[place[worst.instance, worst.row]] <= max(MISSED * STEP**2, nearly):
+        if not missed[place[worst.instance, worst.row]] <= max(MISSED * TRIAL_MOVE**2, nearly):
             kind = kind_name(system.constraints[worst.instance].kind)
             raise SceneError(
                 f"C of {kind} has no Jacobian of its own where the scene starts: no force can hold"
@@ -131,9 +130,9 @@ class _Moves:
             _, kept = self._at(*self._start)
             change = wish - np.linalg.pinv(kept, rcond=ROW_RANK_TOLERANCE) @ (kept @ wish)
             largest = np.abs(change).max(initial=0.0)
-            if largest < STEP**2:
+            if largest < TRIAL_MOVE**2:
                 return
-            places = self._moved(*self._start, STEP * change / largest)
+            places = self._moved(*self._start, TRIAL_MOVE * change / largest)
             for _ in range(MOST_RETURN_STEPS):
                 c, kept = self._at(*places)
                 if np.abs(c[self._kept]).max(initial=0.0) <= RETURN_TOLERANCE:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 #: Names of the components of force and torque.
 COLUMNS = tuple(chain.from_iterable(JOINT.values()))
 #: Positions that are looked at: where a scene starts, directions may be special.
-POSITIONS = 3
+POSITIONS_LOOKED_AT = 3
 
 
 def undetermined(
@@ -71,7 +71,7 @@ def undetermined(
         frame O, as results have them.
     """
     points, length = points_of(system), branch.length
-    steps = range(0, len(positions), max(1, (len(positions) - 1) // (POSITIONS - 1)))
+    steps = range(0, len(positions), max(1, (len(positions) - 1) // (POSITIONS_LOOKED_AT - 1)))
     found: dict[str, tuple[str, ...]] = {}
     for joint in joints:
         places = [k for k, row in enumerate(rows) if row.joint == joint]
