@@ -293,9 +293,11 @@ def test_what_is_not_known_beside_an_infinite_force_is_told(
     off = abs(run.velocity["block"][-1, 0] / speed - 1.0)
     assert off > 1e-8
     assert off / 2.0 < trust.impulse < 4.0 * off
-    assert f"as a force is infinite at t = {place} s" in str(trust)
+    assert f"as a force is infinite, or infinitely steep, at t = {place} s" in str(trust)
     assert trust.is_trusted == is_trusted
-    assert is_trusted or trust.why.startswith(f"a force is infinite at t = {place} s")
+    assert is_trusted or trust.why.startswith(
+        f"a force is infinite, or infinitely steep, at t = {place} s"
+    )
     assert trust.as_data()["impulse_time"] == pytest.approx(float(place), rel=1e-12)
 
 
@@ -315,6 +317,64 @@ def test_nothing_is_said_of_forces_that_are_finite_or_hardly_infinite(
     solver_of: Callable[..., Any], target: Any, law: str
 ) -> None:
     run = solver_of(block_under(law), target).simulate(END, samples=2)
+    assert run.ledger.trust.is_trusted
+    assert run.ledger.trust.impulse is None
+
+
+UNTURNED = (1.0, 0.0, 0.0, 0.0)
+#: Two blocks on slides. The first is pulled, and a force that reads where the other one is acts on
+#: one of them.
+STEEP = """
+name = "blocks"
+unit = "m"
+[bodies]
+pulled = { position = [0.0, 0.0, 0.0], mass = 1.0, inertia = { xx = 1.0, yy = 1.0, zz = 1.0 } }
+other = { position = [0.0, 1.0, 0.0], mass = 1.0, inertia = { xx = 1.0, yy = 1.0, zz = 1.0 } }
+[joints]
+first = { type = "prismatic", bodies = ["ground", "pulled"], at = [0, 0, 0], axis = [1, 0, 0] }
+second = { type = "prismatic", bodies = ["ground", "other"], at = [0, 1, 0], axis = [1, 0, 0] }
+[coordinates]
+x = { joint = "first" }
+u = { joint = "second" }
+[forces]
+pull = { type = "along", coordinate = "x", force = "1" }
+steep = { type = "along", coordinate = "%s", force = "%s" }
+"""
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("law", ["sqrt(abs(u))", "sign(u_dot)*sqrt(abs(u))", "abs(u)^0.4"])
+def test_what_rounding_makes_of_a_force_that_is_infinitely_steep_is_told(
+    solver_of: Callable[..., Any], target: Any, law: str
+) -> None:
+    solver = solver_of(STEEP % ("x", law), target)
+    run = solver.simulate(1.0, samples=2, tolerance=1e-11)
+    trust = run.ledger.trust
+    assert trust.why.startswith("a force is infinite, or infinitely steep, at t = ")
+    q0 = [*(0.0, 0.0, 0.0), *UNTURNED, *(1e-15, 1.0, 0.0), *UNTURNED]
+    moved = solver.simulate(1.0, samples=2, tolerance=1e-11, q0=q0, v0=[0.0] * 12)
+    off = abs(moved.velocity["pulled"][-1, 0] / run.velocity["pulled"][-1, 0] - 1.0)
+    assert off / 4.0 < trust.impulse < 4.0 * off or "sign" in law
+    assert solver.simulate(1.0, samples=2, tolerance=1e-6).ledger.trust.is_trusted
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize(
+    "law",
+    [
+        "-sign(u)*sqrt(abs(u))",
+        "-sign(u)*abs(u)^0.4",
+        "-1e4*max(0, u)^1.5",
+        "-u*exp(-u^2/1e-6)",
+        "-u/(abs(u) + 1e-6)",
+    ],
+)
+def test_nothing_is_said_where_steep_forces_push_back_what_they_read(
+    solver_of: Callable[..., Any], target: Any, law: str
+) -> None:
+    run = solver_of(STEEP % ("u", law), target).simulate(1.0, samples=2, tolerance=1e-11)
     assert run.ledger.trust.is_trusted
     assert run.ledger.trust.impulse is None
 
