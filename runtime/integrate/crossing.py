@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from .arithmetic import Array
     from .methods import RungeKuttaMethod
-    from .scene_tables import Work, Workspace
+    from .scene_tables import SceneTables, Work, Workspace
     from .settings import Settings
     from .state import State
 
@@ -86,6 +86,9 @@ HALF = 0.5
 #: What gets further than so many times what it is known to passes by, as fast as it is at a time:
 #: in the longest step, and before it comes to rest. So it is with rates, as fast as they change.
 PASSING = 16.0
+#: Bodies that are so many lengths of the scene from the origin of frame O are far: what rounding
+#: leaves of their positions counts.
+FAR_AWAY = 100.0
 
 
 def largest(a: Array, b: Array) -> Array:
@@ -152,6 +155,8 @@ class Search:
     noise, rounding : (n, 2) array
         What values are known to, in the motion and in its polynomial: of each number that is read
         and of its rate.
+    sizes : (n,) array
+        Of the numbers that each is made of: rounding is of these, however small it is.
     second_mean, second_rise, second_bound : (n,) array
         Second derivatives of what is read: in the mean, by how much more at the end, at most.
     rate_noise : (n,) array
@@ -190,6 +195,7 @@ class Search:
     slack: float = 0.0
     noise: Array = field(init=False)
     rounding: Array = field(init=False)
+    sizes: Array = field(init=False)
     second_mean: Array = field(init=False)
     second_rise: Array = field(init=False)
     second_bound: Array = field(init=False)
@@ -337,23 +343,34 @@ def begin_search(
     first, last = read_at(state.time, search), read_at(state.time + h, search)
     most = largest(np.abs(first), np.abs(last))
     search.second_mean = (last[:, 1] - first[:, 1]) / h
-    search.second_rise = second_rise_of(sizes, first, last, h)
+    at_start = distance_from_origin(state.y, search.work.scene)  # y may be thrown off
+    search.sizes = sizes * at_start
+    search.second_rise = second_rise_of(search.sizes, first, last, h)
     search.second_bound = np.abs(search.second_mean) + np.abs(search.second_rise)
     fast = most[:, 1] + SLOW * sizes / larger(state.stride, h)
-    search.noise = np.empty_like(most)
-    search.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
-    search.noise[:, 1] = s.tolerance * fast
     search.rounding = np.empty_like(most)
-    search.rounding[:, 0] = SMALLEST * (sizes + most[:, 0])
+    search.rounding[:, 0] = SMALLEST * (search.sizes + most[:, 0])
     search.rounding[:, 1] = SMALLEST * fast
+    search.noise = np.empty_like(most)
+    known = s.tolerance * sizes + SMALLEST * most[:, 0]
+    search.noise[:, 0] = largest(known, search.rounding[:, 0])
+    search.noise[:, 1] = s.tolerance * fast
     search.rate_noise = smallest(search.noise[:, 1], most[:, 1] + sizes * state.fastest)
+
+
+def distance_from_origin(y: Array, scene: SceneTables) -> float:
+    """Distance of bodies from the origin of frame O, in lengths of the scene, 1 if none is far.
+
+    Joints bring what rounding leaves of positions there into angles and distances, too.
+    """
+    farthest = float(np.max(np.abs(y[scene.shifts[:, 0]]), initial=0.0))
+    return farthest / scene.length if farthest > FAR_AWAY * scene.length else 1.0
 
 
 def second_rise_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
     """By how much second derivatives (n,) at the end of h [s] are above their mean, as of cubics.
 
-    Values and rates (n, 2) at both ends tell. What reads a coordinate are numbers as large as its
-    size (n,), however small it is.
+    Values and rates (n, 2) at both ends tell, but for rounding.
     """
     (x, v), (y, u) = a.T, b.T
     rounding = 6.0 * SMALLEST * (sizes + np.abs(x) + np.abs(y)) / h
@@ -370,7 +387,7 @@ def bound_functions(a: TimeNode, b: TimeNode, search: Search) -> Array:
     w.ranges[:2] = a.time, b.time
     mean, rise = (
         (u - v) / h,
-        np.abs(second_rise_of(search.work.scene.measure_sizes, a.read, b.read, h)),
+        np.abs(second_rise_of(search.sizes, a.read, b.read, h)),
     )
     own[:, 4], own[:, 5] = mean - DOUBT * rise, mean + DOUBT * rise
     reach_between(v, u, own[:, 4], own[:, 5], h, own[:, 2:4])

@@ -176,3 +176,49 @@ def test_friction_that_turns_round_is_passed(
     centre = math.copysign(0.0125, x)
     wanted = centre + (x - centre) * math.cos(2.0 * (20.0 - time))
     assert run.position["bead"][-1, 0] == pytest.approx(wanted, abs=1e-8)
+
+
+#: Two bodies that are hinged, and pulled by a third as the angle between them tells.
+FAR_HINGE = """
+name = "far_hinge"
+unit = "m"
+gravity = [0.0, 0.0, -9.81]
+[bodies]
+one = { position = [-0.25, 1.0, -0.75], orientation = { rotation_vector = [0, 3, 4] }, \
+boxes = [{ mass = 1.8125, size = [0.4375, 0.484375, 0.953125] }], velocity = [0.5, -0.5, -1.0] }
+two = { position = [-0.75, 0.25, -0.75], mass = 1.0, center = [0, 0.1, 0], \
+inertia = { xx = 0.59375, yy = 0.7421875, zz = 0.4453125, about = [0.1, 0, 0] }, \
+hold = ["orientation"] }
+ball = { position = [0.75, -0.75, -0.25], point = true, mass = 0.96875 }
+[joints]
+hinge = { type = "hinge", bodies = ["one", "two"], at = [0.25, 0.0, 0.0], axis = [0, 0, 1], \
+zero = [[-0.7671394197305109, 0.5415437986964646, 0.34384215097765153], [0.0, 1.0, 0.0]] }
+[coordinates]
+angle = { joint = "hinge" }
+[forces]
+spring = { type = "spring_damper", bodies = ["one", "ball"], \
+points = [[0.0, 1.0, 0.0], [0, 0, 0]], stiffness = 20, damping = 0.5 }
+pull = { type = "force", body = "ball", \
+force = ["-0.5*sign(angle_dot)*sqrt(abs(angle))", 0.0, "sin(5*t)"] }
+"""
+FAR = 1e6
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_rounding_far_from_the_origin_is_no_crossing(
+    solver_of: Callable[..., DynamicsSolver],
+) -> None:
+    """Angles of joints are rounded as positions are: at t = 0.109 s steps became 1e-12 s long."""
+    text = FAR_HINGE
+    for x in ("-0.25, 1", "-0.75, 0.25", "0.75, -0.75", "0.25, 0.0, 0.0]"):
+        own = x.split(",")[0]
+        text = text.replace(f"[{x}", f"[{float(own) + FAR}{x.removeprefix(own)}", 1)
+    near = solver_of(FAR_HINGE).simulate(0.25, samples=2, tolerance=1e-11)
+    far = [
+        solver_of(text, target).simulate(0.25, samples=2, tolerance=2.0**-32, most_steps=300)
+        for target in ("c", "numpy")
+    ]
+    moved = far[0].position["ball"][-1] - [FAR, 0.0, 0.0]
+    assert moved == pytest.approx(near.position["ball"][-1], abs=1e-7)
+    assert np.array_equal(far[0].rows, far[1].rows)
+    assert far[0].ledger.derivatives == far[1].ledger.derivatives
