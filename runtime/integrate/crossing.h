@@ -14,7 +14,7 @@
 /* a step, or an interval of one, that comes within 1e-7 of its length to the last time ends there:
  * no sliver is left */
 #define STRETCH_TO_END 1.0000001
-/* how many smallest steps a cut is behind the start at least */
+/* how many smallest steps a cut is behind the start at least, and the first trial of a step */
 #define ONWARD 8.0
 /* in how many parts a step is searched, and how many nodes there are at most */
 #define CELLS 4

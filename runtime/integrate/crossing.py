@@ -37,7 +37,7 @@ SMALLEST = 1e-15
 #: A step, or an interval of one, that comes within 1e-7 of its length to the last time ends there:
 #: no sliver is left.
 STRETCH_TO_END = 1.0000001
-#: How many smallest steps a cut is behind the start at least.
+#: How many smallest steps a cut is behind the start at least, and the first trial of a step.
 ONWARD = 8.0
 #: In how many parts a step is searched, and how many nodes there are at most.
 CELLS = 4

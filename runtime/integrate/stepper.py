@@ -11,6 +11,7 @@ import numpy as np
 from .arithmetic import larger, mean_square, rounding_of_sum, smaller
 from .branches import LEAPS, STAYS, follow_branch, note_branch
 from .crossing import (
+    ONWARD,
     SMALLEST,
     STRETCH_TO_END,
     Search,
@@ -630,6 +631,9 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     way, speed = longest_way(tried, trial, work, state), work.w.size_of(work.y[work.scene.nq :])
     if work.scene.is_driven and way < math.inf and speed > 0.0:  # what is longer is made in vain
         following = smaller(following, LIMITED_STEP_PART * way / speed)
+    # over a jump its error tells nothing of what is behind: that is tried before a run stops
+    least = ONWARD * SMALLEST * larger(abs(trial.end), abs(tried.limit))
+    following = larger(following, least)
     if not trial.is_last or following < state.step_size:
         state.step_size = following
     state.error = larger(error, LEAST_EARLIER_ERROR)

@@ -20,6 +20,7 @@ from .crossing import (
     FURTHER,
     NEGLIGIBLE_VARIATION,
     SMALLEST,
+    distance_from_origin,
     evaluate_node,
     half_width,
     largest,
@@ -307,8 +308,9 @@ def is_displaced(y: Array, f: Array, state: State, work: Work) -> bool:
     Returns whether there is one.
     """
     scene = work.scene
+    length = scene.length * distance_from_origin(state.y, scene)
     y[:] = state.y
-    y[scene.shifts[:, 0]] += signed_rounding(len(scene.shifts)) * scene.length
+    y[scene.shifts[:, 0]] += signed_rounding(len(scene.shifts)) * length
     for place, _, count in scene.turns.tolist():
         y[place : place + count] += signed_rounding(count)
     y[scene.nq :] += signed_rounding(scene.nv) * (state.fastest * scene.lengths)
@@ -335,8 +337,8 @@ def change_by_rounding(state: State, work: Work) -> float:
     """
     w, nq, y, f = work.w, work.scene.nq, work.y, work.k[0]
     read = read_of(state.time, state.y, w)
-    sizes = work.scene.measure_sizes
-    rounding = SMALLEST * (np.stack((sizes, sizes * state.fastest), axis=1) + np.abs(read))
+    sizes, far = work.scene.measure_sizes, distance_from_origin(state.y, work.scene)
+    rounding = SMALLEST * (np.stack((sizes * far, sizes * state.fastest), axis=1) + np.abs(read))
     if not is_steep(read, rounding, state.time, w) or not is_displaced(y, f, state, work):
         return 0.0
     change = w.size_of(f[nq:] - state.f[nq:])

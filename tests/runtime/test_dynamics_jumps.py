@@ -131,6 +131,43 @@ def test_two_jumps_in_one_step_are_both_met(
     assert run.ledger.steps < 40
 
 
+#: Strips that brake a bead which comes at 10 m/s: their places, widths and strengths.
+STRIPS = [
+    (48.87788701425917, 8.969049722832875e-05, 12818.682041262886),
+    (47.27474840752924, 0.00019629634198124786, 5112.175093425653),
+    (28.29637236269579, 0.00016292610414051512, 13173.10555805594),
+    (24.07645021261374, 0.0010694523481605952, 3592.446759702387),
+]
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("samples", [2, 101])
+@pytest.mark.parametrize(("place", "near", "strong"), STRIPS)
+def test_no_run_stops_behind_a_jump_over_which_a_step_has_led(
+    solver_of: Callable[..., DynamicsSolver],
+    place: float,
+    near: float,
+    strong: float,
+    samples: int,
+) -> None:
+    """Its error made the next step too small, which was not tried: forces are smooth there."""
+    law = "-strong*x_dot*(sign(x - place) + 1)*(sign(place + near - x) + 1)/4"
+    text = BEAD.replace("LAW", law).replace("[2, 0, 0]", "[10, 0, 0]")
+    text = text.replace("near = 1e-8", "place = 1.0, near = 1e-8")
+    given = {"place": place, "near": near, "strong": strong}
+    runs = [
+        solver_of(text, target).simulate(
+            10.0, samples=samples, method="dop853", tolerance=1e-12, parameters=given
+        )
+        for target in ("c", "numpy")
+    ]
+    assert np.array_equal(runs[0].rows, runs[1].rows)
+    for run in runs:
+        assert run.velocity["bead"][-1, 0] == pytest.approx(10.0 - strong * near, abs=1e-9)
+        assert run.ledger.trust.is_trusted
+        assert run.ledger.steps < 200
+
+
 @pytest.mark.usefixtures("numpy_solver")
 def test_both_targets_pass_jumps_with_the_same_bits(
     solver_of: Callable[..., DynamicsSolver],
