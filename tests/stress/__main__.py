@@ -246,6 +246,8 @@ def main(words: list[str] | None = None) -> int:
     is_whole = given.case is None and given.plant is None
     with tempfile.TemporaryDirectory(prefix="kousoku-stress-") as cache:
         os.environ.setdefault("KOUSOKU_CACHE", cache)
+        # Each processor has a process: more threads for the products of its matrices only wait.
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         if is_whole:
             answers, seconds = ask(given.known, size, journal_of(size), given.processes)
         else:

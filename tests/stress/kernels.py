@@ -77,13 +77,42 @@ BESIDE = {
     "rotation": ("dr_P",),
     "spring_damper": ("l_dot", "force"),
 }
+SCALES = "scales of 1e-150 to 1e150"
+#: Other outputs: the sort of points, how many digits they lose there, and why.
+LOST = {
+    "gamma of angle": (CLIMBING, 2, "a_i and b_i are nearly opposite, as no machine has them."),
+    "reaction_q of angle": (
+        CLIMBING,
+        2,
+        "What is left of terms that cancel is off by little more than a unit of the largest"
+        " element.",
+    ),
+    "h of mass_points": (
+        CLIMBING,
+        1,
+        "Torques of forces along axes cancel; it is off by three units of the largest element.",
+    ),
+    "D_dot_x_dot of link": (
+        SCALES,
+        7,
+        "2 β̇ l̇ l0 is below the normal doubles before it is divided by l: a link of 1e-110 m.",
+    ),
+}
 KNOWN = {
     f"{output} of {kind} is up to {most} units off: {CLIMBING}": "A form that keeps all digits"
     " there loses them at points that machines pass through. One that is further off is found."
     for kind, outputs in BESIDE.items()
     for output in outputs
     for most in (10, 100, 1000)
+} | {
+    f"{output} is up to {10**lost:g} units off: {sort}": f"{why} One that is further off is found."
+    for output, (sort, digits, why) in LOST.items()
+    for lost in range(1, digits + 1)
 }
+#: Kinds whose reaction_q is told by its blocks where each element of the inputs has a scale of its
+#: own: an element that is small beside others of its block is what is left of them.
+BY_BLOCKS = ("angle", "length")
+SCALED_ELEMENTS = "badly scaled elements"
 #: Kinds that are asked at points of all sorts also when there is little time: with roots and poles.
 SINGULAR = ("length", "distance", "spring_damper", "angle", "link")
 #: Sorts of points, and how many of them or how many rounds of climbing, quick and full.
@@ -197,6 +226,8 @@ def check(
     with CONTEXT.workdps(WORKING_DIGITS):
         known = [values_at(subject.graph, subject.function, subject.components, x) for x in points]
     found = [raised(subject, x) if sort == CLIMBING else x for x in known if x is not None]
+    if kind in BY_BLOCKS:
+        found = [by_blocks(subject, x) for x in found]
     outcome.count("points", len(found))
     worst: dict[str, float] = {}
     if not found:
@@ -234,6 +265,21 @@ def raised(subject: Subject, point: dict[str, Any]) -> dict[str, Any]:
     return point | {"outputs": outputs}
 
 
+def by_blocks(subject: Subject, point: dict[str, Any]) -> dict[str, Any]:
+    """Point with units of reaction_q by its (3, 3) blocks, where elements are badly scaled."""
+    names = [output.name for output in subject.components.outputs]
+    if point["label"] != SCALED_ELEMENTS or "reaction_q" not in names:
+        return point
+    place = names.index("reaction_q")
+    columns, width = point["outputs"]["reaction_q"], subject.components.outputs[place].shape[1]
+    blocks = [(x // width // 3, x % width // 3) for x in subject.graph.nonzero(place)]
+    largest: dict[tuple[int, int], float] = {}
+    for block, unit in zip(blocks, columns["unit"], strict=True):
+        largest[block] = max(largest.get(block, 0.0), unit)
+    units = [largest[block] for block in blocks]
+    return point | {"outputs": point["outputs"] | {"reaction_q": columns | {"unit": units}}}
+
+
 def rounded_up(units: float) -> str:
     """Lost units, rounded up, as the title of a finding has them."""
     if not math.isfinite(units):
@@ -263,7 +309,7 @@ def at_all_scales(outcome: Outcome, kind: str, name: str, number: int) -> None:
                 exponents = rng.integers(-LARGEST_EXPONENT, LARGEST_EXPONENT + 1, (number, 1))
                 places = subject.places[quantity.name]
                 rows[:, places] = np.ldexp(rows[:, places], exponents)
-        check_worst(outcome, kind, subject, rows, "scales of 1e-150 to 1e150")
+        check_worst(outcome, kind, subject, rows, SCALES)
 
 
 def in_states(outcome: Outcome, kind: str, name: str, number: int) -> None:

@@ -25,11 +25,12 @@ from hypothesis import strategies as st
 import kousoku as ks
 from kousoku.cli.app import main
 from kousoku.loading import generated
-from kousoku.model.errors import KousokuError, printable
+from kousoku.model.errors import KousokuError, SceneError
 from kousoku.model.files.manifest import Manifest
 from kousoku.model.operations.expression import Expression
 from kousoku.model.operations.graph import Op
 from kousoku.model.reading.read import scene_from_dict, scene_from_toml
+from kousoku.model.records.dotted_keys import join
 from tests.stress import strange_inputs as strange
 from tests.stress import strange_runs
 from tests.stress.force_laws import BUMP
@@ -207,8 +208,9 @@ def try_scenes(case: str) -> Outcome:
     return Tried("scenes").each(some, check, case)
 
 
-#: What a scene may lack, so that a message begins with it though it is not there.
-NEEDED = ("name", "unit", "nodes", "links")
+#: What a message begins with that names a table of a scene, also one that is not there, or the
+#: scene as a whole.
+PLACES = (*ks.Scene.__struct_fields__, "has no mechanism")
 
 
 def try_tables(case: str) -> Outcome:
@@ -217,8 +219,8 @@ def try_tables(case: str) -> Outcome:
 
     def check(of: tuple[dict[str, Any], bool]) -> bool:
         tree, emit = of
-        tables = [printable(key) for key in tree if key]
-        return taken(lambda: scene_from_dict(tree), emit, *tables, *NEEDED)
+        tables = [join("", key) for key in tree]
+        return taken(lambda: scene_from_dict(tree), emit, *tables, *PLACES)
 
     return Tried("tables").each(some, check, case)
 
@@ -621,6 +623,11 @@ def raw() -> AbstractContextManager[object]:
     return patch.object(saved, "_require_places", lambda _: None)
 
 
+def placeless() -> AbstractContextManager[object]:
+    """Leave the dotted key out of each line of a message."""
+    return patch.object(SceneError, "_line", lambda _, one: one.problem)
+
+
 QUESTION = Question(
     asks="strangers' scenes, formulas, manifests, saved runs, names and options: does one run code,"
     " raise what is not kousoku's, or take more than 5 s or 1 GiB?",
@@ -630,5 +637,6 @@ QUESTION = Question(
         Fault("a reader that runs formulas as Python", evaluated, "formulas 1 0 20"),
         Fault("manifests whose digest is believed", believed, "manifests 1 0 30"),
         Fault("saved runs whose layout is believed", raw, "runs 1 0 300"),
+        Fault("messages that name no place", placeless, "tables 1 0 40"),
     ),
 )
