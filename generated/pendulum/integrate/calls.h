@@ -93,6 +93,7 @@ static int advance(
     const int is_fixed = settings->fixed_step > 0.0;
     double target = end;
     s->method = 1.0 + settings->method;
+    if (N_NARROW > 0 && settings->method < METHODS) note_steepness(s, work);
     if (N_SWITCHES > 0 || N_LAWS > 0) {
         status = meet_switches(end, s, work);
         if (status != GOOD || asked <= s->time) return status;

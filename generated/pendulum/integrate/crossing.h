@@ -14,7 +14,7 @@
 /* a step, or an interval of one, that comes within 1e-7 of its length to the last time ends there:
  * no sliver is left */
 #define STRETCH_TO_END 1.0000001
-/* how many smallest steps a cut is behind the start at least */
+/* how many smallest steps a cut is behind the start at least, and the first trial of a step */
 #define ONWARD 8.0
 /* in how many parts a step is searched, and how many nodes there are at most */
 #define CELLS 4
@@ -63,6 +63,9 @@
 /* what gets further than so many times what it is known to passes by, as fast as it is at a time:
  * in the longest step, and before it comes to rest. So it is with rates, as fast as they change */
 #define PASSING 16.0
+/* bodies that are so many lengths of the scene from the origin of frame O are far: what rounding
+ * leaves of their positions counts */
+#define FAR_AWAY 100.0
 
 enum {
     N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
@@ -105,6 +108,8 @@ typedef struct {
     /* what values are known to, in the motion and in its polynomial: the noise and rounding of each
      * number that is read and of its rate */
     double noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
+    /* of the numbers that each is made of: rounding is of these, however small it is */
+    double sizes[ROOM(N_MEASURES)];
     /* second derivatives of what is read: in the mean, by how much more at the end, at most */
     double second_mean[ROOM(N_MEASURES)];
     double second_rise[ROOM(N_MEASURES)];
@@ -260,9 +265,17 @@ static double stage_beyond(double seen, const Search *search, const State *s, Wo
     return seen;
 }
 
+/* how far bodies are from the origin of frame O, in lengths of the scene, or 1 if none is far away.
+ * Joints bring what rounding leaves of positions there into angles and distances, too */
+static double distance_from_origin(const double *y)
+{
+    double farthest = 0.0;
+    for (size_t k = 0; k != SHIFTS; ++k) farthest = larger(fabs(y[shifts[k][0]]), farthest);
+    return farthest > FAR_AWAY * LENGTH ? farthest / LENGTH : 1.0;
+}
+
 /* by how much a second derivative at the end of h is above its mean, as that of a cubic polynomial
- * that value and rate at both ends tell. What reads a coordinate are numbers as large as its size,
- * however small it is */
+ * that value and rate at both ends tell, but for rounding */
 static double second_rise_of(double size, const double *a, const double *b, double h)
 {
     const double rounding = 6.0 * SMALLEST * (size + fabs(a[0]) + fabs(b[0])) / h;
@@ -287,18 +300,21 @@ static void begin_search(const Settings *settings, const Method *m, int has_stag
     if (has_stages) add_dense_rows(m, h, s, work);
     read_at(s->time, search, s, work, first);
     read_at(s->time + h, search, s, work, last);
+    const double at_start = distance_from_origin(s->y); /* y may be thrown off */
     for (size_t k = 0; k != N_MEASURES; ++k) {
         const double size = measure_sizes[k], *a = first + 2 * k, *b = last + 2 * k;
         const double most = larger(fabs(a[0]), fabs(b[0]));
-        search->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
+        const double known = settings->tolerance * size + SMALLEST * most;
+        search->sizes[k] = size * at_start;
+        search->rounding[2 * k] = SMALLEST * (search->sizes[k] + most);
+        search->noise[2 * k] = larger(known, search->rounding[2 * k]);
         const double speed = larger(fabs(a[1]), fabs(b[1])), longest = larger(s->stride, h);
         const double fast = speed + SLOW * size / longest;
         search->noise[2 * k + 1] = settings->tolerance * fast;
         search->rate_noise[k] = smaller(search->noise[2 * k + 1], speed + size * s->fastest);
         search->second_mean[k] = (b[1] - a[1]) / h;
-        search->second_rise[k] = second_rise_of(size, a, b, h);
+        search->second_rise[k] = second_rise_of(search->sizes[k], a, b, h);
         search->second_bound[k] = fabs(search->second_mean[k]) + fabs(search->second_rise[k]);
-        search->rounding[2 * k] = SMALLEST * (size + most);
         search->rounding[2 * k + 1] = SMALLEST * fast;
     }
 }
@@ -316,7 +332,7 @@ static void reach_between(
 }
 
 /* bounds of the functions between two times, to the workspace */
-static void bound_functions(const TimeNode *a, const TimeNode *b, double *w)
+static void bound_functions(const TimeNode *a, const TimeNode *b, const Search *search, double *w)
 {
     const double h = b->time - a->time;
     double *ranges = w + W_RANGES;
@@ -326,7 +342,7 @@ static void bound_functions(const TimeNode *a, const TimeNode *b, double *w)
         const double *p = a->read + 2 * k, *q = b->read + 2 * k;
         double *own = ranges + 2 + 6 * k;
         const double mean = (q[1] - p[1]) / h;
-        const double rise = fabs(second_rise_of(measure_sizes[k], p, q, h));
+        const double rise = fabs(second_rise_of(search->sizes[k], p, q, h));
         own[4] = mean - DOUBT * rise;
         own[5] = mean + DOUBT * rise;
         reach_between(p[1], q[1], own[4], own[5], h, own + 2);
@@ -709,7 +725,7 @@ static double crossing_end(double end, Search *search, State *s, Work *work)
                 return smaller(larger(valued, nearest), end);
             }
         }
-        bound_functions(&a, &b, work->w);
+        bound_functions(&a, &b, search, work->w);
         memcpy(bounds, work->w + W_FUNCTIONS, 4 * N_CROSSINGS * sizeof *bounds);
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
             int side = (int)s->sides[k];
@@ -902,7 +918,7 @@ static int are_narrow_resolved(
     }
     for (int cell = 1; cell <= CELLS; ++cell) {
         node_at(start + cell * h, search, s, work, &b);
-        bound_functions(&a, &b, work->w);
+        bound_functions(&a, &b, search, work->w);
         for (size_t k = 0; k != N_NARROW; ++k) {
             const double *bounds = work->w + W_NARROW + 4 * k;
             const double there = middle(&b, N_CROSSINGS + k);

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from .arithmetic import Array
     from .methods import RungeKuttaMethod
-    from .scene_tables import Work, Workspace
+    from .scene_tables import SceneTables, Work, Workspace
     from .settings import Settings
     from .state import State
 
@@ -37,7 +37,7 @@ SMALLEST = 1e-15
 #: A step, or an interval of one, that comes within 1e-7 of its length to the last time ends there:
 #: no sliver is left.
 STRETCH_TO_END = 1.0000001
-#: How many smallest steps a cut is behind the start at least.
+#: How many smallest steps a cut is behind the start at least, and the first trial of a step.
 ONWARD = 8.0
 #: In how many parts a step is searched, and how many nodes there are at most.
 CELLS = 4
@@ -86,6 +86,9 @@ HALF = 0.5
 #: What gets further than so many times what it is known to passes by, as fast as it is at a time:
 #: in the longest step, and before it comes to rest. So it is with rates, as fast as they change.
 PASSING = 16.0
+#: Bodies that are so many lengths of the scene from the origin of frame O are far: what rounding
+#: leaves of their positions counts.
+FAR_AWAY = 100.0
 
 
 def largest(a: Array, b: Array) -> Array:
@@ -99,9 +102,9 @@ def smallest(a: Array, b: Array) -> Array:
 
 
 def stays_positive(a: Array, b: Array, falls: Array, rises: Array, h: float) -> Flags:
-    """Whether what is a at the start of h and b at its end is positive between.
+    """Whether what is a (n,) at the start of h [s] and b (n,) at its end is positive between (n,).
 
-    It is no less than lines from both ends as steep as it falls and rises at most.
+    It is no less than lines from both ends as steep as it falls and rises (n,) at most, per second.
     """
     found: Flags = a * rises - b * falls + falls * rises * h > 0.0
     return found
@@ -152,6 +155,8 @@ class Search:
     noise, rounding : (n, 2) array
         What values are known to, in the motion and in its polynomial: of each number that is read
         and of its rate.
+    sizes : (n,) array
+        Of the numbers that each is made of: rounding is of these, however small it is.
     second_mean, second_rise, second_bound : (n,) array
         Second derivatives of what is read: in the mean, by how much more at the end, at most.
     rate_noise : (n,) array
@@ -190,6 +195,7 @@ class Search:
     slack: float = 0.0
     noise: Array = field(init=False)
     rounding: Array = field(init=False)
+    sizes: Array = field(init=False)
     second_mean: Array = field(init=False)
     second_rise: Array = field(init=False)
     second_bound: Array = field(init=False)
@@ -255,7 +261,7 @@ def node_at(time: float, search: Search) -> TimeNode:
 
 
 def noise_at(time: float, read: Array, search: Search) -> Array:
-    """Noise (n, 2) of what formulas read at a time [s]: of what passes by there only rounding."""
+    """Noise (n, 2) of what formulas read (n, 2) at a time [s]: of what passes by only rounding."""
     third = 2.0 * np.abs(search.second_rise) / search.h
     accelerations = np.column_stack((search.second_bound, third))
     speeds = np.column_stack((np.abs(read[:, 1]), second_at(time, search)))
@@ -263,7 +269,10 @@ def noise_at(time: float, read: Array, search: Search) -> Array:
 
 
 def passes_by(speeds: Array, accelerations: Array, search: Search) -> Flags:
-    """Whether what is as fast, and accelerates at most so much, gets beyond what it is known to."""
+    """Whether what is as fast, and accelerates at most so much, gets beyond what it is known to.
+
+    Of values and of rates (n, 2), per second and per second squared.
+    """
     far = PASSING * np.column_stack((search.noise[:, 0], search.rate_noise))
     found: Flags = speeds * larger(search.state.stride, search.h) > far
     return found & (speeds * speeds > far * accelerations)
@@ -278,12 +287,12 @@ def second_at(time: float, search: Search) -> Array:
 
 
 def node_with_noise(noise: Array, time: float, search: Search) -> TimeNode:
-    """Node at a time, where values are known to a given noise."""
+    """Node at a time [s], where values and rates are known to a given noise (n, 2)."""
     return evaluate_node(read_at(time, search), noise, time, search.work.w)
 
 
 def evaluate_node(read: Array, noise: Array, time: float, w: Workspace) -> TimeNode:
-    """Node at a time where formulas read this, known to a noise."""
+    """Node at a time [s] where formulas read this (n, 2), known to a noise (n, 2)."""
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = time
     own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - noise, read + noise, 0.0
@@ -322,7 +331,7 @@ def begin_search(
     *,
     has_stages: bool,
 ) -> None:
-    """Make the polynomial of a step from the state to y, where the derivative is f."""
+    """Make the polynomial of a step of h [s] from the state to y (ny,), with f = ẏ (ny,) there."""
     state, sizes = search.state, search.work.scene.measure_sizes
     search.m, search.start, search.h, search.slack = m, state.time, h, s.tolerance * h
     search.is_unresolved, search.breaks = False, np.full(search.work.scene.n_breaks, math.inf)
@@ -334,23 +343,34 @@ def begin_search(
     first, last = read_at(state.time, search), read_at(state.time + h, search)
     most = largest(np.abs(first), np.abs(last))
     search.second_mean = (last[:, 1] - first[:, 1]) / h
-    search.second_rise = second_rise_of(sizes, first, last, h)
+    at_start = distance_from_origin(state.y, search.work.scene)  # y may be thrown off
+    search.sizes = sizes * at_start
+    search.second_rise = second_rise_of(search.sizes, first, last, h)
     search.second_bound = np.abs(search.second_mean) + np.abs(search.second_rise)
     fast = most[:, 1] + SLOW * sizes / larger(state.stride, h)
-    search.noise = np.empty_like(most)
-    search.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
-    search.noise[:, 1] = s.tolerance * fast
     search.rounding = np.empty_like(most)
-    search.rounding[:, 0] = SMALLEST * (sizes + most[:, 0])
+    search.rounding[:, 0] = SMALLEST * (search.sizes + most[:, 0])
     search.rounding[:, 1] = SMALLEST * fast
+    search.noise = np.empty_like(most)
+    known = s.tolerance * sizes + SMALLEST * most[:, 0]
+    search.noise[:, 0] = largest(known, search.rounding[:, 0])
+    search.noise[:, 1] = s.tolerance * fast
     search.rate_noise = smallest(search.noise[:, 1], most[:, 1] + sizes * state.fastest)
+
+
+def distance_from_origin(y: Array, scene: SceneTables) -> float:
+    """Distance of bodies from the origin of frame O, in lengths of the scene, 1 if none is far.
+
+    Joints bring what rounding leaves of positions there into angles and distances, too.
+    """
+    farthest = float(np.max(np.abs(y[scene.shifts[:, 0]]), initial=0.0))
+    return farthest / scene.length if farthest > FAR_AWAY * scene.length else 1.0
 
 
 def second_rise_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
     """By how much second derivatives (n,) at the end of h [s] are above their mean, as of cubics.
 
-    Values and rates at both ends tell. What reads a coordinate are numbers as large as its
-    size, however small it is.
+    Values and rates (n, 2) at both ends tell, but for rounding.
     """
     (x, v), (y, u) = a.T, b.T
     rounding = 6.0 * SMALLEST * (sizes + np.abs(x) + np.abs(y)) / h
@@ -367,7 +387,7 @@ def bound_functions(a: TimeNode, b: TimeNode, search: Search) -> Array:
     w.ranges[:2] = a.time, b.time
     mean, rise = (
         (u - v) / h,
-        np.abs(second_rise_of(search.work.scene.measure_sizes, a.read, b.read, h)),
+        np.abs(second_rise_of(search.sizes, a.read, b.read, h)),
     )
     own[:, 4], own[:, 5] = mean - DOUBT * rise, mean + DOUBT * rise
     reach_between(v, u, own[:, 4], own[:, 5], h, own[:, 2:4])
@@ -385,7 +405,10 @@ def cut_at(end: float, search: Search) -> float:
 def reach_between(
     a: Array, b: Array, slowest: Array, fastest: Array, h: float, found: Array
 ) -> None:
-    """Write least and most between values a and b at the ends of h, where a slope is bounded."""
+    """Write least and most (n, 2) between values a and b (n,) at the ends of h [s].
+
+    The slope is bounded by the slowest and the fastest rate (n,), per second.
+    """
     is_open = (slowest < 0.0) & (fastest > 0.0)
     every, curve = fastest - slowest, slowest * fastest * h
     least, most = smallest(a, b), largest(a, b)
@@ -405,7 +428,10 @@ def band_at(node: TimeNode, search: Search) -> Array:
 
 
 def is_isolated(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, search: Search) -> Flags:
-    """Whether functions cross between two nodes as often as their sides tell: root isolation."""
+    """Whether functions cross between two nodes as often as their sides tell: root isolation.
+
+    Sides (functions,) are those before, bounds (4, functions) those of :func:`bound_functions`.
+    """
     n, is_down = len(sides), sides < 0.0
     low, high, slowest, fastest = bounds[:, :n]
     sign, least = np.where(is_down, -1.0, 1.0), np.where(is_down, -high, low)
@@ -425,7 +451,7 @@ def is_isolated(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, search: S
 
 
 def has_value(node: TimeNode) -> Flags:
-    """Whether each function has a value at a node."""
+    """Whether each function (functions,) has a value at a node."""
     found: Flags = ~(np.isnan(node.least) | np.isnan(node.most))
     return found
 
@@ -478,7 +504,7 @@ def domain_end(a: TimeNode, b: TimeNode, search: Search) -> float:
 
 
 def noise_of(k: int, search: Search) -> Array:
-    """Noise to which values are known where a function is looked for.
+    """Noise (n, 2) to which values and rates are known where a function is looked for.
 
     An event is where the polynomial is zero, and a force is infinite there.
     """
@@ -574,7 +600,8 @@ def note_sides(a: TimeNode, search: Search) -> None:
 def is_still_short(sides: Array, time: float, search: Search) -> Flags:
     """Whether events that a step starts short of are no further from zero than the noise.
 
-    They were noted where that step ended for them: there is nothing to go back from.
+    That is at a time [s], beyond zero as seen from sides (functions,). They were noted where that
+    step ended for them: there is nothing to go back from.
     """
     if not search.is_short.any():
         return search.is_short
@@ -584,7 +611,7 @@ def is_still_short(sides: Array, time: float, search: Search) -> Flags:
 
 
 def are_crossed(sides: Array, b: TimeNode, search: Search) -> Flags:
-    """Whether functions that were on sides are beyond zero at a node."""
+    """Whether functions that were on sides (functions,) are beyond zero at a node."""
     crosses: Flags = (sides != 0.0) & (side_at(b)[: len(sides)] == -sides)
     return crosses & ~is_still_short(sides, b.time, search)
 
@@ -655,7 +682,7 @@ def crossing_end(end: float, search: Search) -> float:
 def find_pole(passes: Flags, a: TimeNode, b: TimeNode, search: Search) -> None:
     """Find the first pole of a force between two nodes, but behind nothing else that crosses there.
 
-    Functions pass zero there, where forces may be infinite.
+    Functions (functions,) pass zero there, where forces may be infinite.
     """
     crossed, first = search.crosses.copy(), math.inf
     if crossed.any():
@@ -670,7 +697,7 @@ def find_pole(passes: Flags, a: TimeNode, b: TimeNode, search: Search) -> None:
 
 
 def node_beside(way: float, time: float, read: Array, noise: Array, search: Search) -> TimeNode:
-    """Node that far from a time where formulas read this, and go on evenly."""
+    """Node that far [s] from a time [s] where formulas read this (n, 2), and go on evenly."""
     there = read.copy()
     there[:, 0] += way * read[:, 1]
     there[:, 1] += way * search.second_mean
@@ -678,7 +705,10 @@ def node_beside(way: float, time: float, read: Array, noise: Array, search: Sear
 
 
 def sizes_beside(way: float, time: float, read: Array, search: Search) -> Array:
-    """Sizes of parts of forces that may be infinite, that far [s] from a time [s]."""
+    """Sizes of parts of forces that may be infinite, that far [s] from a time [s].
+
+    Formulas read this (n, 2) at the time.
+    """
     node = node_beside(way, time, read, np.zeros_like(read), search)
     return np.abs(middle(node)[len(node.least) - len(search.work.w.infinite) // 4 :])
 

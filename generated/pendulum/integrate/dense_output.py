@@ -38,7 +38,7 @@ def combine(n: int, row: Sequence[float], low: Array | None, h: float, k: Array,
 def hermite_cubic(h: float, y: Array, f_before: Array, f: Array, state: State) -> None:
     """Make the cubic polynomial that leads from the state before to y (ny,) in a step of h [s].
 
-    It meets the derivative f (ny,), per second, at both ends.
+    It meets the derivatives f_before and f (ny,), per second, at its ends.
     """
     change = y - state.y_before
     state.dense[0] = change
@@ -68,7 +68,7 @@ def add_driven_rows(state: State, work: Work) -> None:
 
 
 def add_driven_works(x: float, scene: SceneTables, state: State, y: Array) -> None:
-    """Add what the last two of these rows do at the part x of the step."""
+    """Add to works in y (ny,) [J] what the last two of these rows do at the part x of the step."""
     done, rest = slice(scene.nq - scene.works, scene.nq), 1.0 - x
     factor = x * (x * rest) * (x * rest)
     y[done] += factor * (state.dense[4, done] + rest * state.dense[5, done])

@@ -56,7 +56,7 @@ def write_jacobian(all_rows: RowMemory, work: Work) -> None:
 
 
 def exchange(a: npt.NDArray[Any], i: int, j: int) -> None:
-    """Exchange two rows, or two numbers."""
+    """Exchange two rows of a (n, m), or two numbers of a (n,)."""
     a[[i, j]] = a[[j, i]]
 
 
@@ -90,7 +90,11 @@ def factorise_rows(all_rows: RowMemory, work: Work, known: float) -> float:
 
 
 def solve_rows(right: Array, all_rows: RowMemory, work: Work, u: Array) -> Array:
-    """Set u = −M⁻¹ C_qᵀ λ, where C_q M⁻¹ C_qᵀ λ is what the rows have; return λ, in their order."""
+    """Set u (nv,) = −M⁻¹ C_qᵀ λ, where C_q M⁻¹ C_qᵀ λ is what the rows have on the right (rows,).
+
+    Returns λ (nc,), in the order in which rows are solved for. In the units of the right, u is a
+    correction of q [m, rad], of v, or of v̇.
+    """
     a, count = all_rows.matrix, work.scene.nc
     order = all_rows.order[:count]
     x: Array = right[order]
@@ -116,7 +120,7 @@ def drive(all_rows: RowMemory, work: Work) -> None:
 
 
 def null_multipliers(n: int, all_rows: RowMemory, count: int) -> Array:
-    """Multipliers of all rows that move no body, the n-th that was not solved for being 1.
+    """Multipliers (rows,) that move no body, that of the n-th row that was not solved for being 1.
 
     Parameters
     ----------
@@ -138,12 +142,12 @@ def null_multipliers(n: int, all_rows: RowMemory, count: int) -> Array:
 
 
 def inner_product(a: Array, b: Array) -> float:
-    """Inner product, added up in the order of C."""
+    """Inner product of a and b (n,), added up in the order of C."""
     return float(np.cumsum(a * b)[-1])
 
 
 def eliminate(square: Array, right: Array) -> None:
-    """Solve square x = right by elimination; both are used up, and x is in right."""
+    """Solve square (n, n) x = right (n,) by elimination; both are used up, and x is in right."""
     count = len(right)
     for r in range(count):
         factors = square[r + 1 :, r] / square[r, r]

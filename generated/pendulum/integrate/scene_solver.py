@@ -20,7 +20,7 @@ from .run_arguments import LEAST_TOLERANCE
 from .scene_tables import Work, Workspace, state_of
 from .settings import ACTIONS, Status
 from .stepper import energy_balance, first_step, note_extent, step
-from .switching import even_end, meet_switches, resolved_step
+from .switching import even_end, meet_switches, note_steepness, resolved_step
 
 if TYPE_CHECKING:
     from .arithmetic import Array
@@ -252,6 +252,8 @@ class SceneSolver:
         """Make one step towards the time that is asked for."""
         status, target = Status.GOOD, end
         s.method = 1.0 + settings.method
+        if self.scene.has_narrow and settings.method < len(METHODS):
+            note_steepness(s, work)
         if self.scene.has_switches or self.scene.has_laws:
             status = meet_switches(end, s, work)
             if status != Status.GOOD or asked <= s.time:

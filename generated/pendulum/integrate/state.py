@@ -165,8 +165,11 @@ class State:
     short_steps = StateNumber("-", "steps in a row that are very short beside it")
     unresolved = StateNumber("-", "steps over which bounds do not tell how formulas vary")
     unresolved_time = StateNumber("s", "when the last of them was")
-    impulse = StateNumber("1/s", "of forces that are infinite where they switch, what is not known")
+    impulse = StateNumber(
+        "1/s", "of forces that are infinite, or infinitely steep, what is not known"
+    )
     impulse_time = StateNumber("s", "when the last of them was")
+    steepness = StateNumber("1/s^2", "by how much rounding changes accelerations at the last time")
     branch_points = StateNumber("-", "steps that may have ended on another branch")
     branch_point_time = StateNumber("s", "when the first of them was")
     meetings = StateNumber(

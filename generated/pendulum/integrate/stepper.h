@@ -484,6 +484,8 @@ static void accept(const Attempts *tried, const Trial *trial, Work *work, State 
     const double way = longest_way(tried, trial, s); /* what is longer is made in vain */
     if (IS_DRIVEN && way < HUGE_VAL)
         next = smaller(next, LIMITED_STEP_PART * way / size_of(work->y + NQ));
+    /* over a jump its error tells nothing of what is behind: that is tried before a run stops */
+    next = larger(next, ONWARD * SMALLEST * larger(fabs(trial->end), fabs(tried->limit)));
     if (!trial->is_last || next < s->step_size) s->step_size = next;
     s->error = larger(error, LEAST_EARLIER_ERROR);
     s->drift = larger(s->drift, trial->drift);

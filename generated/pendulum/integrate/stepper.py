@@ -11,6 +11,7 @@ import numpy as np
 from .arithmetic import larger, mean_square, rounding_of_sum, smaller
 from .branches import LEAPS, STAYS, follow_branch, note_branch
 from .crossing import (
+    ONWARD,
     SMALLEST,
     STRETCH_TO_END,
     Search,
@@ -261,9 +262,9 @@ def is_kept(trial: Trial) -> bool:
 
 
 def add_to_start(start: Array, y: Array, low: Array | None) -> None:
-    """Add y (ny,) to what it starts from: a small sum, so that y is rounded once.
+    """Add y (ny,) to what it starts from (ny,): a small sum, so that y is rounded once.
 
-    What that leaves over goes to low if it is not None.
+    What that leaves over goes to low (ny,) if it is not None.
     """
     total = start + y
     if low is not None:
@@ -272,7 +273,7 @@ def add_to_start(start: Array, y: Array, low: Array | None) -> None:
 
 
 def fastest(end: Array, state: State, work: Work) -> float:
-    """Largest speed so far and at the end of a step, in lengths and radians [1/s]."""
+    """Largest speed so far and at the end (ny,) of a step, in lengths and radians [1/s]."""
     size_of, nq = work.w.size_of, work.scene.nq
     return larger(larger(state.fastest, size_of(state.y[nq:])), size_of(end[nq:]))
 
@@ -280,20 +281,21 @@ def fastest(end: Array, state: State, work: Work) -> float:
 def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
     """Rate that those of a step are compared with, in lengths of the scene and radians [1/s].
 
-    It is told by the motion: in other units of time it is the same.
+    It is told by the motion up to the end (ny,) of a step of h [s]: in other units of time it is
+    the same.
     """
     known = fastest(end, state, work)
     return smaller(USUAL_STEP_MOTION / h, larger(NOTHING_MOVES / larger(state.stride, h), known))
 
 
 def note_motion(h: float, end: Array, state: State, work: Work) -> None:
-    """Note what later steps are compared with."""
+    """Note what later steps are compared with, at the end (ny,) of one of h [s]."""
     state.fastest = fastest(end, state, work)
     state.stride = larger(state.stride, h)
 
 
 def note_extent(end: Array, work: Work, state: State) -> None:
-    """Note how far coordinates go, those too that rows show, which were found there."""
+    """Note how far coordinates go, those too that rows show, which were found at the end (ny,)."""
     scene, w = work.scene, work.w
     found = np.concatenate((end[: scene.nq], w.coordinates[:: scene.per_shown]))
     state.lowest[:] = np.where(found < state.lowest, found, state.lowest)
@@ -308,8 +310,8 @@ def usual_energy(rate: float, scene: SceneTables) -> float:
 def energy_of_works(h: float, end: Array, moved: float, state: State, work: Work) -> float:
     """Energy [J] that errors of works are compared with, where so much [J] has moved in h [s].
 
-    It is that of all bodies at the usual rate, and may be far less where they move at all: where
-    one of them is fast heavy ones may stand.
+    It is that of all bodies at the usual rate up to the end (ny,), and may be far less where they
+    move at all: where one of them is fast heavy ones may stand.
     """
     usual = usual_energy(usual_rate(h, end, state, work), work.scene)
     least = usual_energy(NOTHING_MOVES / larger(state.stride, h), work.scene)
@@ -327,7 +329,7 @@ def energy_balance(q: Array, work: Work, state: State) -> float:
 def energy_moved(q: Array, work: Work, state: State) -> float:
     """Kinetic energy, change of potential energy since the start, and all works [J].
 
-    Works are in q. That of every step counts, whatever rows are written.
+    Works are in q (nq,). That of every step counts, whatever rows are written.
     """
     kinetic, potential = work.w.energies
     moved = kinetic + abs(potential - state.potential)
@@ -351,7 +353,10 @@ def estimate(
     work: Work,
     tolerance: float,
 ) -> float:
-    """Root mean square of one estimate of the error, in units of the tolerance."""
+    """Root mean square of one estimate of the error, in units of the tolerance.
+
+    A row (stages + 1,) [-] of the method is what derivatives at stages count in it.
+    """
     scene, now, end, error = work.scene, state.y, work.y, work.scratch
     nq, nv = scene.nq, scene.nv
     rate = usual_rate(trial.h, end, state, work)
@@ -413,9 +418,10 @@ def stage(
     work: Work,
     state: State,
 ) -> float:
-    """Make the n-th stage of a step: y on the manifold, or near enough to it, and its derivative.
+    """Make the n-th stage of a step of h [s]: y (ny,) on the manifold, or near enough to it.
 
-    Returns the first correction, negative where that is impossible.
+    Its derivative goes to row n of ``work.k``, what rounding leaves over of y to low (ny,). Returns
+    the first correction [-], relative to a length of the scene, negative where that is impossible.
     """
     combine(n, m.a[n], state.low, h, work.k, y)
     add_to_start(state.y, y, low)
@@ -625,6 +631,9 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     way, speed = longest_way(tried, trial, work, state), work.w.size_of(work.y[work.scene.nq :])
     if work.scene.is_driven and way < math.inf and speed > 0.0:  # what is longer is made in vain
         following = smaller(following, LIMITED_STEP_PART * way / speed)
+    # over a jump its error tells nothing of what is behind: that is tried before a run stops
+    least = ONWARD * SMALLEST * larger(abs(trial.end), abs(tried.limit))
+    following = larger(following, least)
     if not trial.is_last or following < state.step_size:
         state.step_size = following
     state.error = larger(error, LEAST_EARLIER_ERROR)

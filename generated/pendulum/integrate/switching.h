@@ -27,6 +27,8 @@
 /* how far behind a switch a force has a value, in parts of the time, if it has one */
 #define FURTHEST_BEHIND 1e-12
 #define BENDING 4.0
+/* a force pushes what it reads back that gets as much slower as this part of what gets so most */
+#define PUSHED_BACK 1e-3
 /* samples of an interval, by pieces between them */
 #define PIECES 4
 
@@ -252,6 +254,92 @@ static void note_impulse(double before, double acceleration, State *s, Work *wor
     if (!is_there) return;
     const double both = acceleration + size_of(s->f + NQ);
     s->impulse += (s->time - before) * both;
+    s->impulse_time = s->time;
+}
+
+/* whether a part of forces that varies beyond polynomials changes by more than nothing where what
+ * formulas read at a time is known to a noise */
+static int is_steep(const double *read, const double *noise, double time, double *w)
+{
+    TimeNode node;
+    memcpy(node.read, read, sizeof node.read);
+    evaluate_node(noise, time, w, &node);
+    for (size_t k = N_CROSSINGS; k != N_BOUNDED; ++k) {
+        const double least = NEGLIGIBLE_VARIATION * larger(fabs(middle(&node, k)), 1.0);
+        if (half_width(&node, k) > least) return 1;
+    }
+    return 0;
+}
+
+/* puts bodies elsewhere, and makes them faster, by rounding: y, and its derivative if there is one
+ */
+static int is_displaced(double *y, double *f, State *s, Work *work)
+{
+    const double length = LENGTH * distance_from_origin(s->y);
+    memcpy(y, s->y, NY * sizeof *y);
+    for (size_t k = 0; k != SHIFTS; ++k)
+        y[shifts[k][0]] += (k % 2 == 0 ? SMALLEST : -SMALLEST) * length;
+    for (size_t k = 0; k != TURNS; ++k) {
+        for (size_t i = 0; i != turns[k][2]; ++i)
+            y[turns[k][0] + i] += i % 2 == 0 ? SMALLEST : -SMALLEST;
+    }
+    for (size_t k = 0; k != NV; ++k) {
+        const double speed = s->fastest * (is_length[k] ? LENGTH : 1.0);
+        y[NQ + k] += (k % 2 == 0 ? SMALLEST : -SMALLEST) * speed;
+    }
+    forget_trials(work);
+    return project(s->time, 0.0, y, NULL, f, work, s, NULL);
+}
+
+/* the rates at which formulas read y after a time at its derivative, to what they read */
+static void read_ahead(
+    double way, const double *y, const double *f, const State *s, Work *work, double *read)
+{
+    for (size_t k = 0; k != NY; ++k) work->scratch[k] = y[k] + way * f[k];
+    read_of(s->time, work->scratch, work, read);
+}
+
+/* by how much rounding changes accelerations where forces are infinitely steep, as that of
+ * sqrt(abs(x)) where x is zero but for rounding: 0 where they push what they read back, which comes
+ * to rest there whatever rounding makes of it */
+static double change_by_rounding(State *s, Work *work)
+{
+    double rounding[ROOM(N_READ)], alone[ROOM(N_READ)] = { 0.0 };
+    double read[ROOM(N_READ)], ahead[ROOM(N_READ)], beside[ROOM(N_READ)], behind[ROOM(N_READ)];
+    double *y = work->y, *f = work->k[0], change = 0.0;
+    const double far = distance_from_origin(s->y);
+    read_of(s->time, s->y, work, read);
+    for (size_t k = 0; k != N_MEASURES; ++k) {
+        rounding[2 * k] = SMALLEST * (measure_sizes[k] * far + fabs(read[2 * k]));
+        rounding[2 * k + 1] = SMALLEST * (measure_sizes[k] * s->fastest + fabs(read[2 * k + 1]));
+    }
+    if (!is_steep(read, rounding, s->time, work->w) || !is_displaced(y, f, s, work)) return 0.0;
+    for (size_t k = NQ; k != NY; ++k) work->u[k - NQ] = f[k] - s->f[k];
+    change = size_of(work->u);
+    read_of(s->time, y, work, beside);
+    read_ahead(s->stride, y, f, s, work, behind);
+    read_ahead(s->stride, s->y, s->f, s, work, ahead);
+    for (size_t k = 0; k != N_READ; ++k) {
+        const size_t rate = k | 1;
+        const double faster = (behind[rate] - beside[rate]) - (ahead[rate] - read[rate]);
+        const double pushed = beside[k] < read[k] ? faster : -faster;
+        const double most = change * s->stride * measure_sizes[k / 2];
+        alone[k] = rounding[k];
+        if (is_steep(read, alone, s->time, work->w) && !(pushed > PUSHED_BACK * most))
+            return change;
+        alone[k] = 0.0;
+    }
+    return 0.0;
+}
+
+/* notes what rounding changes by that: in a step at whose ends forces are that steep, not in one
+ * that comes to such a place and passes it */
+static void note_steepness(State *s, Work *work)
+{
+    const double before = s->steepness;
+    s->steepness = change_by_rounding(s, work);
+    if (!(smaller(before, s->steepness) > 0.0)) return;
+    s->impulse += (s->time - s->time_before) * smaller(before, s->steepness);
     s->impulse_time = s->time;
 }
 

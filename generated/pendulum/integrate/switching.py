@@ -20,8 +20,11 @@ from .crossing import (
     FURTHER,
     NEGLIGIBLE_VARIATION,
     SMALLEST,
+    distance_from_origin,
     evaluate_node,
+    half_width,
     largest,
+    middle,
     note_unresolved,
     read_of,
     side_at,
@@ -59,6 +62,8 @@ EQUAL = 1e-12
 FURTHEST_BEHIND = 1e-12
 #: How much the third derivative may be beyond that on the sides.
 BENDING = 4.0
+#: A force pushes what it reads back that gets as much slower as this part of what gets so most.
+PUSHED_BACK = 1e-3
 #: Samples of an interval, by pieces between them.
 PIECES = 4
 
@@ -282,6 +287,83 @@ def note_impulse(before: float, acceleration: float, state: State, work: Work) -
     if (there[0] != there[1]).any():
         both = acceleration + w.size_of(state.f[scene.nq :])
         state.impulse += (state.time - before) * both
+        state.impulse_time = state.time
+
+
+def is_steep(read: Array, noise: Array, time: float, w: Workspace) -> bool:
+    """Whether forces change by more than nothing where formulas read this, known to a noise.
+
+    That is asked of parts that vary beyond polynomials.
+    """
+    node, end = evaluate_node(read, noise, time, w), (len(w.functions) - len(w.infinite)) // 4
+    parts = slice(end - len(w.narrow) // 4, end)
+    size = np.abs(middle(node)[parts])
+    least = NEGLIGIBLE_VARIATION * np.where(size > 1.0, size, 1.0)
+    return bool((half_width(node)[parts] > least).any())
+
+
+def is_displaced(y: Array, f: Array, state: State, work: Work) -> bool:
+    """Put bodies elsewhere, and make them faster, by rounding: y and its derivative f (ny,).
+
+    Returns whether there is one.
+    """
+    scene = work.scene
+    length = scene.length * distance_from_origin(state.y, scene)
+    y[:] = state.y
+    y[scene.shifts[:, 0]] += signed_rounding(len(scene.shifts)) * length
+    for place, _, count in scene.turns.tolist():
+        y[place : place + count] += signed_rounding(count)
+    y[scene.nq :] += signed_rounding(scene.nv) * (state.fastest * scene.lengths)
+    forget_trials(work)
+    return project(state.time, 0.0, y, None, f, work, state) >= 0.0
+
+
+def signed_rounding(n: int) -> Array:
+    """Rounding (n,) of both signs in turn."""
+    return np.where(np.arange(n) % 2 == 0, SMALLEST, -SMALLEST)
+
+
+def read_ahead(y: Array, f: Array, state: State, work: Work) -> Array:
+    """Values and rates (n, 2) that formulas read of y (ny,) after the longest step at f (ny,)."""
+    work.scratch[:] = y + state.stride * f
+    return read_of(state.time, work.scratch, work.w)
+
+
+def change_by_rounding(state: State, work: Work) -> float:
+    """Change [1/s^2] of accelerations by rounding where forces are infinitely steep.
+
+    Such is that of sqrt(abs(x)) where x is zero but for rounding. It is 0 where forces push what
+    they read back, which comes to rest there whatever rounding makes of it.
+    """
+    w, nq, y, f = work.w, work.scene.nq, work.y, work.k[0]
+    read = read_of(state.time, state.y, w)
+    sizes, far = work.scene.measure_sizes, distance_from_origin(state.y, work.scene)
+    rounding = SMALLEST * (np.stack((sizes * far, sizes * state.fastest), axis=1) + np.abs(read))
+    if not is_steep(read, rounding, state.time, w) or not is_displaced(y, f, state, work):
+        return 0.0
+    change = w.size_of(f[nq:] - state.f[nq:])
+    beside = read_of(state.time, y, w)
+    behind, ahead = read_ahead(y, f, state, work), read_ahead(state.y, state.f, state, work)
+    faster = (behind - beside)[:, 1] - (ahead - read)[:, 1]
+    for k, n in np.ndindex(*read.shape):
+        pushed = faster[k] if beside[k, n] < read[k, n] else -faster[k]
+        alone = np.zeros_like(read)
+        alone[k, n] = rounding[k, n]
+        is_pushed_back = pushed > PUSHED_BACK * (change * state.stride * sizes[k])
+        if is_steep(read, alone, state.time, w) and not is_pushed_back:
+            return change
+    return 0.0
+
+
+def note_steepness(state: State, work: Work) -> None:
+    """Note what rounding changes by that in a step at both of whose ends forces are that steep.
+
+    One that comes to such a place and passes it is none.
+    """
+    before, state.steepness = state.steepness, change_by_rounding(state, work)
+    both = smaller(before, state.steepness)
+    if both > 0.0:
+        state.impulse += (state.time - state.time_before) * both
         state.impulse_time = state.time
 
 

@@ -45,6 +45,14 @@ static double known_energy(const State *s)
     return larger(KNOWN * known, s->fastest * s->stride < NOTHING_MOVES ? HEAT : 0.0);
 }
 
+/* the largest speed so far, or where nothing moves what counts as none, in lengths of the scene and
+ * radians [1/s] */
+static double fastest_or_nothing(const State *s)
+{
+    const double nothing = s->stride > 0.0 ? NOTHING_MOVES / s->stride : 0.0;
+    return larger(s->fastest, nothing);
+}
+
 /* what speaks against a run; no energy is known of drivers that move what has no mass: they do no
  * work. Where joints hold all that could move what energy there is is rounding */
 static void judge(const Settings *settings, const State *s, Verdict *verdict)
@@ -78,6 +86,6 @@ static void judge(const Settings *settings, const State *s, Verdict *verdict)
     }
     doubts |= beyond(s->branch_points, 0.0, PUBLIC(DOUBT_BRANCH_POINTS));
     doubts |= beyond(s->unresolved, 0.0, PUBLIC(DOUBT_NARROW));
-    doubts |= beyond(s->impulse, limit * s->fastest, PUBLIC(DOUBT_IMPULSE));
+    doubts |= beyond(s->impulse, limit * fastest_or_nothing(s), PUBLIC(DOUBT_IMPULSE));
     *verdict = (Verdict){ doubts, limit, off, energy_limit, work_limit, constraints, missed };
 }

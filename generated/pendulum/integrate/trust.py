@@ -95,9 +95,9 @@ class Trust:
         Steps over which bounds do not tell how formulas vary: what acts for a moment there may be
         passed over.
     impulse, impulse_time : float or None, float or None [s]
-        What forces that are infinite at a time may change velocities by so near to it that times
-        are not told apart, relative to the largest speed, where that is more than the tolerance;
-        when the last of these was.
+        What forces that are infinite, or infinitely steep, may change velocities by where rounding
+        hides times and places, relative to the largest speed, where that is more than the
+        tolerance; when the last of these was.
     stillness : float or None
         How far bodies move in the longest step at most, in lengths of the scene or radians, where
         that is so little that the tolerance does not tell the energy that moves from what steps
@@ -170,8 +170,8 @@ class Trust:
             yield f"smallest pivot {shortly(self.pivot_ratio)}"
         if self.impulse is not None and self.impulse_time is not None:
             yield (
-                f"velocities known to {shortly(self.impulse)}, as a force is infinite at"
-                f" t = {shortly(self.impulse_time, 9)} s"
+                f"velocities known to {shortly(self.impulse)}, as a force is infinite, or"
+                f" infinitely steep, at t = {shortly(self.impulse_time, 9)} s"
             )
         if self.stillness is not None:
             part = shortly(self.stillness)
@@ -225,6 +225,15 @@ def known_energy(single: Mapping[str, float]) -> float:
     return larger(KNOWN * known, HEAT * is_still)
 
 
+def fastest_or_nothing(single: Mapping[str, float]) -> float:
+    """Largest speed so far [1/s], in lengths of the scene and radians.
+
+    Where nothing moves it is what counts as none.
+    """
+    stride = single["stride"]
+    return larger(single["fastest"], NOTHING_MOVES / stride if stride > 0.0 else 0.0)
+
+
 def judge(
     state: Mapping[str, Array],
     rows: CheckedRows,
@@ -266,7 +275,7 @@ def judge(
         doubts |= beyond(single["row_drift"], off, Doubt.ROW_DRIFT)
     doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
     doubts |= beyond(single["unresolved"], 0.0, Doubt.NARROW)
-    doubts |= beyond(single["impulse"], limit * single["fastest"], Doubt.IMPULSE)
+    doubts |= beyond(single["impulse"], limit * fastest_or_nothing(single), Doubt.IMPULSE)
     return RunVerdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
 
 
@@ -308,7 +317,7 @@ def trust_of(
     advice = "a smaller largest_step, or more rows" if is_led else advice
     opened = map(scene_key, released(missed_by(state["violations"][0], rows, layout), layout))
     moved, count = shortly(single["energy_moved"], 2), single["branch_points"]
-    impulse = single["impulse"] / single["fastest"] if single["fastest"] > 0.0 else 0.0
+    impulse = single["impulse"] / fastest_or_nothing(single) if single["impulse"] > 0.0 else 0.0
     has_impulse = impulse > (FIXED if settings.fixed_step > 0.0 else settings.tolerance)
     far = f"of a length of the scene, wanted at most {shortly(verdict.correction_limit)}"
     reasons = {
@@ -330,10 +339,11 @@ def trust_of(
         f" configuration, the first to t = {single['branch_point_time']:.6g} s: the motion may be"
         f" that of another branch, try {advice}",
         Doubt.NARROW: untold(single, advice),
-        Doubt.IMPULSE: f"a force is infinite at t = {single['impulse_time']:.9g} s, and what it"
-        f" does so near to it that times are not told apart may be {shortly(impulse)} of the"
-        f" largest speed, wanted at most {shortly(verdict.limit)}: no tolerance tells more, write"
-        " it so that it is finite",
+        Doubt.IMPULSE: "a force is infinite, or infinitely steep, at"
+        f" t = {single['impulse_time']:.9g} s, and what it does so near to it that rounding hides"
+        f" times and places may be {shortly(impulse)} of the largest speed, wanted at most"
+        f" {shortly(verdict.limit)}: no tolerance tells more, write it so that it is finite and"
+        " less steep",
     }
     problems = [text for doubt, text in reasons.items() if doubt & verdict.doubts]
     if error is not None and error.unknown_from is not None:
