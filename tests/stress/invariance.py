@@ -165,10 +165,17 @@ def off(tree: Tree, motion: Any, change: Change) -> tuple[float, str]:
     """Error of the motion of a changed scene in units, or what refuses it.
 
     Which step is rejected may depend on rounding, where forces bend or jump: the motion is then off
-    by its own error. So both are run with a tolerance at which that counts as nothing.
+    by its own error. So both are run with a tolerance at which that counts as nothing. A change
+    that needs a larger tolerance costs at least what the scene itself loses by it.
     """
     units, details, rejected = _off(tree, motion, change)
-    if details or units <= LIMIT or change.tolerance != TOLERANCE or not rejected:
+    if details or units <= LIMIT:
+        return units, details
+    if change.tolerance != TOLERANCE:
+        same = Change(lambda own: own, cost=change.cost, tolerance=change.tolerance)
+        loses, reason, _ = _off(tree, motion, same)
+        return units if reason else units / max(1.0, loses), details
+    if not rejected:
         return units, details
     strict = ks.load(tree, target="c").simulate(END, samples=SAMPLES, tolerance=STRICT)
     more = replace(change, tolerance=STRICT, cost=STEPS)
