@@ -11,7 +11,7 @@ from unittest.mock import patch
 import numpy as np
 
 import kousoku as ks
-from kousoku.model.errors import KousokuError
+from kousoku.model.errors import KousokuError, MotionError
 from kousoku.model.lowering import system_forces
 from kousoku.model.reading.write import toml_of
 from tests.random_draft import UNITS
@@ -51,6 +51,9 @@ STRICT = 1e-13
 
 LIMIT = 10.0
 """The largest error, in units of what the change costs."""
+
+TIMES_THE_STEPS, MORE_STEPS = 50, 1000
+"""So many times the steps of a motion, and so many more, are all that a change may take."""
 
 A = product(turn((1, 2, -3), 1.25), turn((0, 0, 1), -2.0))
 
@@ -165,10 +168,17 @@ def off(tree: Tree, motion: Any, change: Change) -> tuple[float, str]:
     """Error of the motion of a changed scene in units, or what refuses it.
 
     Which step is rejected may depend on rounding, where forces bend or jump: the motion is then off
-    by its own error. So both are run with a tolerance at which that counts as nothing.
+    by its own error. So both are run with a tolerance at which that counts as nothing. A change
+    that needs a larger tolerance costs at least what the scene itself loses by it.
     """
     units, details, rejected = _off(tree, motion, change)
-    if details or units <= LIMIT or change.tolerance != TOLERANCE or not rejected:
+    if details or units <= LIMIT:
+        return units, details
+    if change.tolerance != TOLERANCE:
+        same = Change(lambda own: own, cost=change.cost, tolerance=change.tolerance)
+        loses, reason, _ = _off(tree, motion, same)
+        return units if reason else units / max(1.0, loses), details
+    if not rejected:
         return units, details
     strict = ks.load(tree, target="c").simulate(END, samples=SAMPLES, tolerance=STRICT)
     more = replace(change, tolerance=STRICT, cost=STEPS)
@@ -178,10 +188,16 @@ def off(tree: Tree, motion: Any, change: Change) -> tuple[float, str]:
 def _off(tree: Tree, motion: Any, change: Change) -> tuple[float, str, int]:
     """Error of a motion, what refuses it, and how many steps were rejected."""
     other_tree = change.of(tree)
+    steps = motion.ledger.steps
+    most = TIMES_THE_STEPS * steps + MORE_STEPS
     try:
         other: Any = ks.load(other_tree, target="c").simulate(
-            END * change.time, samples=SAMPLES, tolerance=change.tolerance
+            END * change.time, samples=SAMPLES, tolerance=change.tolerance, most_steps=most
         )
+    except MotionError as error:
+        if error.result.ledger.steps < most:
+            return np.inf, f"is refused: {reason_of(error)}; {error}", 0
+        return np.inf, f"takes far more steps; {most / steps:.3g} times as many; {error}", 0
     except KousokuError as error:
         return np.inf, f"is refused: {reason_of(error)}; {error}", 0
     rejected = motion.ledger.rejected + other.ledger.rejected

@@ -26,3 +26,29 @@ def test_a_step_that_rounding_rejects_is_no_other_motion() -> None:
     assert motion.ledger.rejected
     assert units <= invariance.LIMIT
     assert not details
+
+
+def test_a_larger_tolerance_costs_what_the_scene_loses_by_it() -> None:
+    """At 1e6 m a scene was off by 52 units: it loses 12 by that tolerance where it is."""
+    tree = random_scene(random.Random("1 19 1"))
+    with quick_to_compile():
+        motion = ks.load(tree, target="c").simulate(
+            END, samples=SAMPLES, tolerance=invariance.TOLERANCE
+        )
+        units, details = invariance.off(tree, motion, invariance.CHANGES["moved 1e+06 m"])
+    assert 1.0 < units <= invariance.LIMIT
+    assert not details
+
+
+def test_a_change_that_takes_far_more_steps_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In metres times 1e-9 one took so many that its case ended by the time, and told nothing."""
+    monkeypatch.setattr(invariance, "TIMES_THE_STEPS", 0)
+    monkeypatch.setattr(invariance, "MORE_STEPS", 3)
+    tree = random_scene(random.Random("1 11 1"))
+    with quick_to_compile():
+        motion = ks.load(tree, target="c").simulate(
+            END, samples=SAMPLES, tolerance=invariance.TOLERANCE
+        )
+        units, details = invariance.off(tree, motion, invariance.CHANGES["seconds times 1e9"])
+    assert units == float("inf")
+    assert details.startswith("takes far more steps; ")
