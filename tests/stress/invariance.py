@@ -137,6 +137,9 @@ def ask(tree: Tree, outcome: Outcome, place: str, chosen: dict[str, Change]) -> 
     except KousokuError as error:
         outcome.count(f"refused: {reason_of(error)}")
         return
+    if motion.ledger.trust.impulse is not None:
+        outcome.count("told that rounding decides: a force is infinitely steep")
+        return
     for name, change in chosen.items():
         try:
             units, details = off(tree, motion, change)
