@@ -299,7 +299,7 @@ static void read_ahead(
     read_of(s->time, work->scratch, work, read);
 }
 
-/* by how much rounding changes accelerations where forces are infinitely steep, as that of
+/* by how much rounding changes accelerations where forces are too steep for doubles, as that of
  * sqrt(abs(x)) where x is zero but for rounding: 0 where they push what they read back, which comes
  * to rest there whatever rounding makes of it */
 static double change_by_rounding(State *s, Work *work)

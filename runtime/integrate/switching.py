@@ -330,7 +330,7 @@ def read_ahead(y: Array, f: Array, state: State, work: Work) -> Array:
 
 
 def change_by_rounding(state: State, work: Work) -> float:
-    """Change [1/s^2] of accelerations by rounding where forces are infinitely steep.
+    """Change [1/s^2] of accelerations by rounding where forces are too steep for doubles.
 
     Such is that of sqrt(abs(x)) where x is zero but for rounding. It is 0 where forces push what
     they read back, which comes to rest there whatever rounding makes of it.

@@ -293,10 +293,10 @@ def test_what_is_not_known_beside_an_infinite_force_is_told(
     off = abs(run.velocity["block"][-1, 0] / speed - 1.0)
     assert off > 1e-8
     assert off / 2.0 < trust.impulse < 4.0 * off
-    assert f"as a force is infinite, or infinitely steep, at t = {place} s" in str(trust)
+    assert f"as a force is infinite, or too steep for doubles, at t = {place} s" in str(trust)
     assert trust.is_trusted == is_trusted
     assert is_trusted or trust.why.startswith(
-        f"a force is infinite, or infinitely steep, at t = {place} s"
+        f"a force is infinite, or too steep for doubles, at t = {place} s"
     )
     assert trust.as_data()["impulse_time"] == pytest.approx(float(place), rel=1e-12)
 
@@ -351,7 +351,7 @@ def test_what_rounding_makes_of_a_force_that_is_infinitely_steep_is_told(
     solver = solver_of(STEEP % ("x", law), target)
     run = solver.simulate(1.0, samples=2, tolerance=1e-11)
     trust = run.ledger.trust
-    assert trust.why.startswith("a force is infinite, or infinitely steep, at t = ")
+    assert trust.why.startswith("a force is infinite, or too steep for doubles, at t = ")
     q0 = [*(0.0, 0.0, 0.0), *UNTURNED, *(1e-15, 1.0, 0.0), *UNTURNED]
     moved = solver.simulate(1.0, samples=2, tolerance=1e-11, q0=q0, v0=[0.0] * 12)
     off = abs(moved.velocity["pulled"][-1, 0] / run.velocity["pulled"][-1, 0] - 1.0)

@@ -138,7 +138,7 @@ def ask(tree: Tree, outcome: Outcome, place: str, chosen: dict[str, Change]) -> 
         outcome.count(f"refused: {reason_of(error)}")
         return
     if motion.ledger.trust.impulse is not None:
-        outcome.count("told that rounding decides: a force is infinitely steep")
+        outcome.count("told that rounding decides: a force is too steep for doubles")
         return
     for name, change in chosen.items():
         try:
