@@ -299,7 +299,7 @@ static double scattered(size_t n) { return 2.0 * fmod((double)n * GOLDEN_RATIO, 
  * there; 0 where there is none */
 static int displace_by_rounding(double times, double *y, double *f, State *s, Work *work)
 {
-    const double part = times * SMALLEST, length = LENGTH * distance_from_origin(s->y);
+    const double part = times * SMALLEST, length = LENGTH * scale_by_distance(s->y);
     memcpy(y, s->y, NY * sizeof *y);
     for (size_t k = 0; k != SHIFTS; ++k) y[shifts[k][0]] += part * scattered(k) * length;
     for (size_t k = 0; k != TURNS; ++k) {
@@ -331,7 +331,7 @@ static double change_by_rounding(double end, State *s, Work *work)
     double rounding[ROOM(N_READ)], alone[ROOM(N_READ)] = { 0.0 }, read[ROOM(N_READ)];
     double beside[4][ROOM(N_READ)], ahead[4][ROOM(N_READ)];
     const double times[4] = { 1.0, -1.0, FAR_BY_ROUNDING, -FAR_BY_ROUNDING };
-    const double away = distance_from_origin(s->y), span = larger(fabs(s->time), fabs(end));
+    const double away = scale_by_distance(s->y), span = larger(fabs(s->time), fabs(end));
     const double longest = s->stride > 0.0 ? s->stride : span;
     int swings = 1;
     read_of(s->time, s->y, work, read);

@@ -20,13 +20,13 @@ from .crossing import (
     FURTHER,
     NEGLIGIBLE_VARIATION,
     SMALLEST,
-    distance_from_origin,
     evaluate_node,
     half_width,
     largest,
     middle,
     note_unresolved,
     read_of,
+    scale_by_distance,
     side_at,
     smallest,
     stays_positive,
@@ -328,7 +328,7 @@ def displace_by_rounding(times: float, y: Array, f: Array, state: State, work: W
     Gives the derivative f (ny,) there; returns whether there is one.
     """
     scene, part = work.scene, times * SMALLEST
-    length = scene.length * distance_from_origin(state.y, scene)
+    length = scene.length * scale_by_distance(state.y, scene)
     y[:] = state.y
     y[scene.shifts[:, 0]] += part * scattered(np.arange(float(len(scene.shifts)))) * length
     for place, _, count in scene.turns.tolist():
@@ -359,7 +359,7 @@ def change_by_rounding(end: float, state: State, work: Work) -> float:
     w, nq, time = work.w, work.scene.nq, state.time
     sizes, span = work.scene.measure_sizes, larger(abs(time), abs(end))
     longest = state.stride if state.stride > 0.0 else span
-    away, swings = distance_from_origin(state.y, work.scene), True
+    away, swings = scale_by_distance(state.y, work.scene), True
     read = read_of(time, state.y, w)
     rounding = SMALLEST * (np.stack((sizes * away, sizes * state.fastest), axis=1) + np.abs(read))
     if not is_steep(read, rounding, time, w):

@@ -267,7 +267,7 @@ static double stage_beyond(double seen, const Search *search, const State *s, Wo
 
 /* how far bodies are from the origin of frame O, in lengths of the scene, or 1 if none is far away.
  * Joints bring what rounding leaves of positions there into angles and distances, too */
-static double distance_from_origin(const double *y)
+static double scale_by_distance(const double *y)
 {
     double farthest = 0.0;
     for (size_t k = 0; k != SHIFTS; ++k) farthest = larger(fabs(y[shifts[k][0]]), farthest);
@@ -300,7 +300,7 @@ static void begin_search(const Settings *settings, const Method *m, int has_stag
     if (has_stages) add_dense_rows(m, h, s, work);
     read_at(s->time, search, s, work, first);
     read_at(s->time + h, search, s, work, last);
-    const double at_start = distance_from_origin(s->y); /* y may be thrown off */
+    const double at_start = scale_by_distance(s->y); /* y may be thrown off */
     for (size_t k = 0; k != N_MEASURES; ++k) {
         const double size = measure_sizes[k], *a = first + 2 * k, *b = last + 2 * k;
         const double most = larger(fabs(a[0]), fabs(b[0]));

@@ -343,7 +343,7 @@ def begin_search(
     first, last = read_at(state.time, search), read_at(state.time + h, search)
     most = largest(np.abs(first), np.abs(last))
     search.second_mean = (last[:, 1] - first[:, 1]) / h
-    at_start = distance_from_origin(state.y, search.work.scene)  # y may be thrown off
+    at_start = scale_by_distance(state.y, search.work.scene)  # y may be thrown off
     search.sizes = sizes * at_start
     search.second_rise = second_rise_of(search.sizes, first, last, h)
     search.second_bound = np.abs(search.second_mean) + np.abs(search.second_rise)
@@ -358,7 +358,7 @@ def begin_search(
     search.rate_noise = smallest(search.noise[:, 1], most[:, 1] + sizes * state.fastest)
 
 
-def distance_from_origin(y: Array, scene: SceneTables) -> float:
+def scale_by_distance(y: Array, scene: SceneTables) -> float:
     """Distance of bodies from the origin of frame O, in lengths of the scene, 1 if none is far.
 
     Joints bring what rounding leaves of positions there into angles and distances, too.

@@ -275,7 +275,7 @@ static int is_steep(const double *read, const double *noise, double time, double
  */
 static int is_displaced(double *y, double *f, State *s, Work *work)
 {
-    const double length = LENGTH * distance_from_origin(s->y);
+    const double length = LENGTH * scale_by_distance(s->y);
     memcpy(y, s->y, NY * sizeof *y);
     for (size_t k = 0; k != SHIFTS; ++k)
         y[shifts[k][0]] += (k % 2 == 0 ? SMALLEST : -SMALLEST) * length;
@@ -307,7 +307,7 @@ static double change_by_rounding(State *s, Work *work)
     double rounding[ROOM(N_READ)], alone[ROOM(N_READ)] = { 0.0 };
     double read[ROOM(N_READ)], ahead[ROOM(N_READ)], beside[ROOM(N_READ)], behind[ROOM(N_READ)];
     double *y = work->y, *f = work->k[0], change = 0.0;
-    const double far = distance_from_origin(s->y);
+    const double far = scale_by_distance(s->y);
     read_of(s->time, s->y, work, read);
     for (size_t k = 0; k != N_MEASURES; ++k) {
         rounding[2 * k] = SMALLEST * (measure_sizes[k] * far + fabs(read[2 * k]));

@@ -20,7 +20,7 @@ from .crossing import (
     FURTHER,
     NEGLIGIBLE_VARIATION,
     SMALLEST,
-    distance_from_origin,
+    scale_by_distance,
     evaluate_node,
     half_width,
     largest,
@@ -308,7 +308,7 @@ def is_displaced(y: Array, f: Array, state: State, work: Work) -> bool:
     Returns whether there is one.
     """
     scene = work.scene
-    length = scene.length * distance_from_origin(state.y, scene)
+    length = scene.length * scale_by_distance(state.y, scene)
     y[:] = state.y
     y[scene.shifts[:, 0]] += signed_rounding(len(scene.shifts)) * length
     for place, _, count in scene.turns.tolist():
@@ -337,7 +337,7 @@ def change_by_rounding(state: State, work: Work) -> float:
     """
     w, nq, y, f = work.w, work.scene.nq, work.y, work.k[0]
     read = read_of(state.time, state.y, w)
-    sizes, far = work.scene.measure_sizes, distance_from_origin(state.y, work.scene)
+    sizes, far = work.scene.measure_sizes, scale_by_distance(state.y, work.scene)
     rounding = SMALLEST * (np.stack((sizes * far, sizes * state.fastest), axis=1) + np.abs(read))
     if not is_steep(read, rounding, state.time, w) or not is_displaced(y, f, state, work):
         return 0.0
