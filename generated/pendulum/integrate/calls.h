@@ -93,7 +93,6 @@ static int advance(
     const int is_fixed = settings->fixed_step > 0.0;
     double target = end;
     s->method = 1.0 + settings->method;
-    if (N_NARROW > 0 && settings->method < METHODS) note_steepness(s, work);
     if (N_SWITCHES > 0 || N_LAWS > 0) {
         status = meet_switches(end, s, work);
         if (status != GOOD || asked <= s->time) return status;
@@ -114,12 +113,16 @@ static int advance(
         if (!is_fixed) target = even_end(h, target, s);
         target = resolved_step(h, 1.0, target, s, work);
     }
+    const double start = s->time;
+    if (N_NARROW > 0 && s->steps == 0.0) s->steepness = change_by_rounding(end, s, work);
     if (status == GOOD) status = step(m, settings, asked, target, s, work);
-    if (status == GOOD && asked < s->time) {
+    if (status != GOOD) return status;
+    if (asked < s->time) {
         prepare_dense(m, work, s);
         if (has_driven_works(m)) add_driven_rows(s, work);
     }
-    return status;
+    if (N_NARROW > 0) note_steepness(start, end, s, work);
+    return GOOD;
 }
 
 /* writes the row of an event that is still to be told, behind those of times, which it is not

@@ -265,8 +265,8 @@ static double stage_beyond(double seen, const Search *search, const State *s, Wo
     return seen;
 }
 
-/* how far bodies are from the origin of frame O, in lengths of the scene, or 1 if none is far away.
- * Joints bring what rounding leaves of positions there into angles and distances, too */
+/* how many times as large rounding of positions is as in a length of the scene, where bodies are far
+ * from the origin of frame O, or 1 if none is. Joints bring it into angles and distances, too */
 static double scale_by_distance(const double *y)
 {
     double farthest = 0.0;
@@ -300,12 +300,12 @@ static void begin_search(const Settings *settings, const Method *m, int has_stag
     if (has_stages) add_dense_rows(m, h, s, work);
     read_at(s->time, search, s, work, first);
     read_at(s->time + h, search, s, work, last);
-    const double at_start = scale_by_distance(s->y); /* y may be thrown off */
+    const double away = scale_by_distance(s->y); /* y may be thrown off */
     for (size_t k = 0; k != N_MEASURES; ++k) {
         const double size = measure_sizes[k], *a = first + 2 * k, *b = last + 2 * k;
         const double most = larger(fabs(a[0]), fabs(b[0]));
         const double known = settings->tolerance * size + SMALLEST * most;
-        search->sizes[k] = size * at_start;
+        search->sizes[k] = size * away;
         search->rounding[2 * k] = SMALLEST * (search->sizes[k] + most);
         search->noise[2 * k] = larger(known, search->rounding[2 * k]);
         const double speed = larger(fabs(a[1]), fabs(b[1])), longest = larger(s->stride, h);

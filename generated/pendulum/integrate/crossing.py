@@ -343,8 +343,8 @@ def begin_search(
     first, last = read_at(state.time, search), read_at(state.time + h, search)
     most = largest(np.abs(first), np.abs(last))
     search.second_mean = (last[:, 1] - first[:, 1]) / h
-    at_start = scale_by_distance(state.y, search.work.scene)  # y may be thrown off
-    search.sizes = sizes * at_start
+    away = scale_by_distance(state.y, search.work.scene)  # y may be thrown off
+    search.sizes = sizes * away
     search.second_rise = second_rise_of(search.sizes, first, last, h)
     search.second_bound = np.abs(search.second_mean) + np.abs(search.second_rise)
     fast = most[:, 1] + SLOW * sizes / larger(state.stride, h)
@@ -359,9 +359,10 @@ def begin_search(
 
 
 def scale_by_distance(y: Array, scene: SceneTables) -> float:
-    """Distance of bodies from the origin of frame O, in lengths of the scene, 1 if none is far.
+    """How many times as large rounding of positions is as in a length of the scene.
 
-    Joints bring what rounding leaves of positions there into angles and distances, too.
+    It is 1 if no body is far from the origin of frame O. Joints bring that into angles and
+    distances, too.
     """
     farthest = float(np.max(np.abs(y[scene.shifts[:, 0]]), initial=0.0))
     return farthest / scene.length if farthest > FAR_AWAY * scene.length else 1.0

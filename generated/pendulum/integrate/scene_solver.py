@@ -20,7 +20,13 @@ from .run_arguments import LEAST_TOLERANCE
 from .scene_tables import Work, Workspace, state_of
 from .settings import ACTIONS, Status
 from .stepper import energy_balance, first_step, note_extent, step
-from .switching import even_end, meet_switches, note_steepness, resolved_step
+from .switching import (
+    change_by_rounding,
+    even_end,
+    meet_switches,
+    note_steepness,
+    resolved_step,
+)
 
 if TYPE_CHECKING:
     from .arithmetic import Array
@@ -252,8 +258,6 @@ class SceneSolver:
         """Make one step towards the time that is asked for."""
         status, target = Status.GOOD, end
         s.method = 1.0 + settings.method
-        if self.scene.has_narrow and settings.method < len(METHODS):
-            note_steepness(s, work)
         if self.scene.has_switches or self.scene.has_laws:
             status = meet_switches(end, s, work)
             if status != Status.GOOD or asked <= s.time:
@@ -274,13 +278,20 @@ class SceneSolver:
             h = settings.fixed_step if is_fixed else smaller(s.step_size, settings.largest_step)
             to = target if is_fixed else even_end(h, target, s)
             target = resolved_step(h, 1.0, to, s, work)
+        start, has_narrow = s.time, self.scene.has_narrow
+        if has_narrow and s.steps == 0.0:
+            s.steepness = change_by_rounding(end, s, work)
         if status == Status.GOOD:
             status = step(m, settings, asked, target, s, work)
-        if status == Status.GOOD and asked < s.time:
+        if status != Status.GOOD:
+            return status
+        if asked < s.time:
             prepare_dense(m, work, s)
             if has_driven_works(m, self.scene):
                 add_driven_rows(s, work)
-        return status
+        if has_narrow:
+            note_steepness(start, end, s, work)
+        return Status.GOOD
 
     def evaluate(
         self, time: float, q: Array, v: Array, parameters: Array | None, workspace: Array

@@ -166,7 +166,7 @@ class State:
     unresolved = StateNumber("-", "steps over which bounds do not tell how formulas vary")
     unresolved_time = StateNumber("s", "when the last of them was")
     impulse = StateNumber(
-        "1/s", "of forces that are infinite, or infinitely steep, what is not known"
+        "1/s", "of forces that are infinite, or too steep for doubles, what is not known"
     )
     impulse_time = StateNumber("s", "when the last of them was")
     steepness = StateNumber("1/s^2", "by how much rounding changes accelerations at the last time")

@@ -27,8 +27,14 @@
 /* how far behind a switch a force has a value, in parts of the time, if it has one */
 #define FURTHEST_BEHIND 1e-12
 #define BENDING 4.0
-/* a force pushes what it reads back that gets as much slower as this part of what gets so most */
-#define PUSHED_BACK 1e-3
+/* where forces may be too steep for doubles bodies are displaced by rounding, and by so many times
+ * that; what explains changes of both but for this part is a slope. What is pushed back so many times as far as
+ * it is displaced until the end swings: once and a half or more often */
+#define FAR_BY_ROUNDING 16.0
+#define EVEN_SLOPE 0.03
+#define SWINGS 100.0
+/* multiples of it lie evenly between integers */
+#define GOLDEN_RATIO 0.6180339887498949
 /* samples of an interval, by pieces between them */
 #define PIECES 4
 
@@ -257,89 +263,119 @@ static void note_impulse(double before, double acceleration, State *s, Work *wor
     s->impulse_time = s->time;
 }
 
-/* whether a part of forces that varies beyond polynomials changes by more than nothing where what
- * formulas read at a time is known to a noise */
-static int is_steep(const double *read, const double *noise, double time, double *w)
+/* half of the least width of a part of forces that varies beyond polynomials, where what formulas
+ * read at a time is known to a noise */
+static void widths_of(
+    const double *read, const double *noise, double time, double *w, double *widths, double *sizes)
 {
     TimeNode node;
     memcpy(node.read, read, sizeof node.read);
     evaluate_node(noise, time, w, &node);
-    for (size_t k = N_CROSSINGS; k != N_BOUNDED; ++k) {
-        const double least = NEGLIGIBLE_VARIATION * larger(fabs(middle(&node, k)), 1.0);
-        if (half_width(&node, k) > least) return 1;
+    for (size_t k = 0; k != N_NARROW; ++k) {
+        widths[k] = half_width(&node, N_CROSSINGS + k);
+        sizes[k] = fabs(middle(&node, N_CROSSINGS + k));
+    }
+}
+
+/* whether some such part changes, by what rounding leaves of what it reads, as none does that has a
+ * slope: much more than a sixteenth of what it does by as many times that */
+static int is_steep(const double *read, const double *noise, double time, double *w)
+{
+    double far[ROOM(N_READ)], widths[ROOM(N_NARROW)], wider[ROOM(N_NARROW)], sizes[ROOM(N_NARROW)];
+    for (size_t k = 0; k != N_READ; ++k) far[k] = FAR_BY_ROUNDING * noise[k];
+    widths_of(read, far, time, w, wider, sizes);
+    widths_of(read, noise, time, w, widths, sizes);
+    for (size_t k = 0; k != N_NARROW; ++k) {
+        const double least = larger(EVEN_SLOPE * wider[k], SMALLEST * sizes[k]);
+        if (widths[k] - wider[k] / FAR_BY_ROUNDING > least) return 1;
     }
     return 0;
 }
 
-/* puts bodies elsewhere, and makes them faster, by rounding: y, and its derivative if there is one
- */
-static int is_displaced(double *y, double *f, State *s, Work *work)
+/* a number between -1 and 1, other ones for all n */
+static double scattered(size_t n) { return 2.0 * fmod((double)n * GOLDEN_RATIO, 1.0) - 1.0; }
+
+/* puts bodies elsewhere, and makes them faster, by so many roundings, and gives the derivative
+ * there; 0 where there is none */
+static int displace_by_rounding(double times, double *y, double *f, State *s, Work *work)
 {
-    const double length = LENGTH * scale_by_distance(s->y);
+    const double part = times * SMALLEST, length = LENGTH * scale_by_distance(s->y);
     memcpy(y, s->y, NY * sizeof *y);
-    for (size_t k = 0; k != SHIFTS; ++k)
-        y[shifts[k][0]] += (k % 2 == 0 ? SMALLEST : -SMALLEST) * length;
+    for (size_t k = 0; k != SHIFTS; ++k) y[shifts[k][0]] += part * scattered(k) * length;
     for (size_t k = 0; k != TURNS; ++k) {
         for (size_t i = 0; i != turns[k][2]; ++i)
-            y[turns[k][0] + i] += i % 2 == 0 ? SMALLEST : -SMALLEST;
+            y[turns[k][0] + i] += part * scattered(turns[k][0] + i);
     }
-    for (size_t k = 0; k != NV; ++k) {
-        const double speed = s->fastest * (is_length[k] ? LENGTH : 1.0);
-        y[NQ + k] += (k % 2 == 0 ? SMALLEST : -SMALLEST) * speed;
-    }
+    for (size_t k = 0; k != NV; ++k)
+        y[NQ + k] += part * scattered(k) * (s->fastest * (is_length[k] ? LENGTH : 1.0));
     forget_trials(work);
     return project(s->time, 0.0, y, NULL, f, work, s, NULL);
 }
 
-/* the rates at which formulas read y after a time at its derivative, to what they read */
-static void read_ahead(
-    double way, const double *y, const double *f, const State *s, Work *work, double *read)
+/* what formulas read of y at a time, and some way ahead at its derivative */
+static void read_beside(double time, double way, const double *y, const double *f, Work *work,
+    double *read, double *ahead)
 {
+    read_of(time, y, work, read);
     for (size_t k = 0; k != NY; ++k) work->scratch[k] = y[k] + way * f[k];
-    read_of(s->time, work->scratch, work, read);
+    read_of(time, work->scratch, work, ahead);
 }
 
-/* by how much rounding changes accelerations where forces are infinitely steep, as that of
- * sqrt(abs(x)) where x is zero but for rounding: 0 where they push what they read back, which comes
- * to rest there whatever rounding makes of it */
-static double change_by_rounding(State *s, Work *work)
+/* by how much rounding changes accelerations where forces are too steep for doubles, as that of
+ * sqrt(abs(x)) where x is zero but for rounding. By bodies on both sides of a place and as many
+ * times further away that tells of even parts of forces, and of odd ones what a slope does not
+ * explain. The odd ones are none where bodies are pushed back to what formulas read, beyond rounding,
+ * and swing there until the end of a run */
+static double change_by_rounding(double end, State *s, Work *work)
 {
-    double rounding[ROOM(N_READ)], alone[ROOM(N_READ)] = { 0.0 };
-    double read[ROOM(N_READ)], ahead[ROOM(N_READ)], beside[ROOM(N_READ)], behind[ROOM(N_READ)];
-    double *y = work->y, *f = work->k[0], change = 0.0;
-    const double far = scale_by_distance(s->y);
+    double rounding[ROOM(N_READ)], alone[ROOM(N_READ)] = { 0.0 }, read[ROOM(N_READ)];
+    double beside[4][ROOM(N_READ)], ahead[4][ROOM(N_READ)];
+    const double times[4] = { 1.0, -1.0, FAR_BY_ROUNDING, -FAR_BY_ROUNDING };
+    const double away = scale_by_distance(s->y), span = larger(fabs(s->time), fabs(end));
+    const double longest = s->stride > 0.0 ? s->stride : span;
+    int swings = 1;
     read_of(s->time, s->y, work, read);
     for (size_t k = 0; k != N_MEASURES; ++k) {
-        rounding[2 * k] = SMALLEST * (measure_sizes[k] * far + fabs(read[2 * k]));
+        rounding[2 * k] = SMALLEST * (measure_sizes[k] * away + fabs(read[2 * k]));
         rounding[2 * k + 1] = SMALLEST * (measure_sizes[k] * s->fastest + fabs(read[2 * k + 1]));
     }
-    if (!is_steep(read, rounding, s->time, work->w) || !is_displaced(y, f, s, work)) return 0.0;
-    for (size_t k = NQ; k != NY; ++k) work->u[k - NQ] = f[k] - s->f[k];
-    change = size_of(work->u);
-    read_of(s->time, y, work, beside);
-    read_ahead(s->stride, y, f, s, work, behind);
-    read_ahead(s->stride, s->y, s->f, s, work, ahead);
-    for (size_t k = 0; k != N_READ; ++k) {
+    if (!is_steep(read, rounding, s->time, work->w)) return 0.0;
+    for (size_t n = 0; n != 4; ++n) {
+        if (!displace_by_rounding(times[n], work->y, work->k[n], s, work)) return 0.0;
+        read_beside(s->time, longest, work->y, work->k[n], work, beside[n], ahead[n]);
+    }
+    for (size_t k = 0; k != N_READ && swings; ++k) {
         const size_t rate = k | 1;
-        const double faster = (behind[rate] - beside[rate]) - (ahead[rate] - read[rate]);
-        const double pushed = beside[k] < read[k] ? faster : -faster;
-        const double most = change * s->stride * measure_sizes[k / 2];
+        const double moved = 0.5 * (beside[0][k] - beside[1][k]);
+        const double first = ahead[0][rate] - beside[0][rate];
+        const double faster = 0.5 * (first - (ahead[1][rate] - beside[1][rate]));
+        const double back = moved > 0.0 ? -faster : faster;
+        const double way = back / longest * span * (k == rate ? 1.0 : span);
+        const int is_pushed = back > SMALLEST * measure_sizes[k / 2] * s->fastest;
         alone[k] = rounding[k];
-        if (is_steep(read, alone, s->time, work->w) && !(pushed > PUSHED_BACK * most))
-            return change;
+        if (is_steep(read, alone, s->time, work->w))
+            swings = is_pushed && way > SWINGS * fabs(moved);
         alone[k] = 0.0;
     }
-    return 0.0;
+    for (size_t k = 0; k != NV; ++k) {
+        const double a = work->k[0][NQ + k], b = work->k[1][NQ + k];
+        const double c = work->k[2][NQ + k], d = work->k[3][NQ + k];
+        const double even = fabs((c - a) + (d - b)) / 4.0, far = 0.5 * fabs(c - d);
+        const double odd = fabs(0.5 * (a - b) - 0.5 * (c - d) / FAR_BY_ROUNDING);
+        work->u[k] = even > EVEN_SLOPE * far ? even : 0.0;
+        if (!swings && odd > EVEN_SLOPE * far) work->u[k] += odd;
+    }
+    return size_of(work->u);
 }
 
-/* notes what rounding changes by that: in a step at whose ends forces are that steep, not in one
- * that comes to such a place and passes it */
-static void note_steepness(State *s, Work *work)
+/* notes what rounding changes by that where a step towards an end ends that began at a time: where
+ * it began so steep, too, not where it came to such a place or passed it */
+static void note_steepness(double start, double end, State *s, Work *work)
 {
     const double before = s->steepness;
-    s->steepness = change_by_rounding(s, work);
+    s->steepness = change_by_rounding(end, s, work);
     if (!(smaller(before, s->steepness) > 0.0)) return;
-    s->impulse += (s->time - s->time_before) * smaller(before, s->steepness);
+    s->impulse += (s->time - start) * smaller(before, s->steepness);
     s->impulse_time = s->time;
 }
 

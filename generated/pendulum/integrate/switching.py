@@ -20,13 +20,13 @@ from .crossing import (
     FURTHER,
     NEGLIGIBLE_VARIATION,
     SMALLEST,
-    scale_by_distance,
     evaluate_node,
     half_width,
     largest,
     middle,
     note_unresolved,
     read_of,
+    scale_by_distance,
     side_at,
     smallest,
     stays_positive,
@@ -62,8 +62,14 @@ EQUAL = 1e-12
 FURTHEST_BEHIND = 1e-12
 #: How much the third derivative may be beyond that on the sides.
 BENDING = 4.0
-#: A force pushes what it reads back that gets as much slower as this part of what gets so most.
-PUSHED_BACK = 1e-3
+#: Where forces may be too steep for doubles bodies are displaced by rounding, and by so many times
+#: that. What explains changes of both but for this part is a slope. What is pushed back so many
+#: times as far as it is displaced until the end swings: once and a half or more often.
+FAR_BY_ROUNDING = 16.0
+EVEN_SLOPE = 0.03
+SWINGS = 100.0
+#: Multiples of it lie evenly between integers.
+GOLDEN_RATIO = 0.6180339887498949
 #: Samples of an interval, by pieces between them.
 PIECES = 4
 
@@ -290,80 +296,108 @@ def note_impulse(before: float, acceleration: float, state: State, work: Work) -
         state.impulse_time = state.time
 
 
-def is_steep(read: Array, noise: Array, time: float, w: Workspace) -> bool:
-    """Whether forces change by more than nothing where formulas read this, known to a noise.
+def widths_of(read: Array, noise: Array, time: float, w: Workspace) -> tuple[Array, Array]:
+    """Half widths (n,) of parts of forces where formulas read this, known to a noise; their sizes.
 
-    That is asked of parts that vary beyond polynomials.
+    These are the parts that vary beyond polynomials.
     """
     node, end = evaluate_node(read, noise, time, w), (len(w.functions) - len(w.infinite)) // 4
     parts = slice(end - len(w.narrow) // 4, end)
-    size = np.abs(middle(node)[parts])
-    least = NEGLIGIBLE_VARIATION * np.where(size > 1.0, size, 1.0)
-    return bool((half_width(node)[parts] > least).any())
+    return half_width(node)[parts], np.abs(middle(node)[parts])
 
 
-def is_displaced(y: Array, f: Array, state: State, work: Work) -> bool:
-    """Put bodies elsewhere, and make them faster, by rounding: y and its derivative f (ny,).
+def is_steep(read: Array, noise: Array, time: float, w: Workspace) -> bool:
+    """Whether a part of forces changes, by rounding of what it reads, as none that has a slope.
 
-    Returns whether there is one.
+    That is much more than a sixteenth of what it changes by as many times the rounding.
     """
-    scene = work.scene
+    wider, _ = widths_of(read, FAR_BY_ROUNDING * noise, time, w)
+    widths, sizes = widths_of(read, noise, time, w)
+    least = largest(EVEN_SLOPE * wider, SMALLEST * sizes)
+    return bool((widths - wider / FAR_BY_ROUNDING > least).any())
+
+
+def scattered(n: Array) -> Array:
+    """Numbers between -1 and 1, other ones for all n."""
+    return np.asarray(2.0 * np.fmod(n * GOLDEN_RATIO, 1.0) - 1.0)
+
+
+def displace_by_rounding(times: float, y: Array, f: Array, state: State, work: Work) -> bool:
+    """Put bodies elsewhere, y (ny,), and make them faster, by so many roundings.
+
+    Gives the derivative f (ny,) there; returns whether there is one.
+    """
+    scene, part = work.scene, times * SMALLEST
     length = scene.length * scale_by_distance(state.y, scene)
     y[:] = state.y
-    y[scene.shifts[:, 0]] += signed_rounding(len(scene.shifts)) * length
+    y[scene.shifts[:, 0]] += part * scattered(np.arange(float(len(scene.shifts)))) * length
     for place, _, count in scene.turns.tolist():
-        y[place : place + count] += signed_rounding(count)
-    y[scene.nq :] += signed_rounding(scene.nv) * (state.fastest * scene.lengths)
+        y[place : place + count] += part * scattered(np.arange(float(place), place + count))
+    y[scene.nq :] += part * scattered(np.arange(float(scene.nv))) * (state.fastest * scene.lengths)
     forget_trials(work)
     return project(state.time, 0.0, y, None, f, work, state) >= 0.0
 
 
-def signed_rounding(n: int) -> Array:
-    """Rounding (n,) of both signs in turn."""
-    return np.where(np.arange(n) % 2 == 0, SMALLEST, -SMALLEST)
+def read_beside(time: float, way: float, y: Array, f: Array, work: Work) -> tuple[Array, Array]:
+    """Values and rates (n, 2) that formulas read of y (ny,) at a time [s], and some way ahead.
 
-
-def read_ahead(y: Array, f: Array, state: State, work: Work) -> Array:
-    """Values and rates (n, 2) that formulas read of y (ny,) after the longest step at f (ny,)."""
-    work.scratch[:] = y + state.stride * f
-    return read_of(state.time, work.scratch, work.w)
-
-
-def change_by_rounding(state: State, work: Work) -> float:
-    """Change [1/s^2] of accelerations by rounding where forces are infinitely steep.
-
-    Such is that of sqrt(abs(x)) where x is zero but for rounding. It is 0 where forces push what
-    they read back, which comes to rest there whatever rounding makes of it.
+    The way [s] leads there at its derivative f (ny,).
     """
-    w, nq, y, f = work.w, work.scene.nq, work.y, work.k[0]
-    read = read_of(state.time, state.y, w)
-    sizes, far = work.scene.measure_sizes, scale_by_distance(state.y, work.scene)
-    rounding = SMALLEST * (np.stack((sizes * far, sizes * state.fastest), axis=1) + np.abs(read))
-    if not is_steep(read, rounding, state.time, w) or not is_displaced(y, f, state, work):
+    read = read_of(time, y, work.w)
+    work.scratch[:] = y + way * f
+    return read, read_of(time, work.scratch, work.w)
+
+
+def change_by_rounding(end: float, state: State, work: Work) -> float:
+    """Change [1/s^2] of accelerations by rounding where forces are too steep for doubles.
+
+    Such is that of sqrt(abs(x)) where x is zero but for rounding. By bodies on both sides of a
+    place and as many times further away that tells of even parts of forces, and of odd ones what a
+    slope does not explain. The odd ones are none where bodies are pushed back to what formulas
+    read, beyond rounding, and swing there until the end of a run.
+    """
+    w, nq, time = work.w, work.scene.nq, state.time
+    sizes, span = work.scene.measure_sizes, larger(abs(time), abs(end))
+    longest = state.stride if state.stride > 0.0 else span
+    away, swings = scale_by_distance(state.y, work.scene), True
+    read = read_of(time, state.y, w)
+    rounding = SMALLEST * (np.stack((sizes * away, sizes * state.fastest), axis=1) + np.abs(read))
+    if not is_steep(read, rounding, time, w):
         return 0.0
-    change = w.size_of(f[nq:] - state.f[nq:])
-    beside = read_of(state.time, y, w)
-    behind, ahead = read_ahead(y, f, state, work), read_ahead(state.y, state.f, state, work)
-    faster = (behind - beside)[:, 1] - (ahead - read)[:, 1]
+    there = []
+    for n, times in enumerate((1.0, -1.0, FAR_BY_ROUNDING, -FAR_BY_ROUNDING)):
+        if not displace_by_rounding(times, work.y, work.k[n], state, work):
+            return 0.0
+        there.append(read_beside(time, longest, work.y, work.k[n], work))
+    (above, above_ahead), (below, below_ahead) = there[:2]
+    first, second = (above_ahead - above)[:, 1], (below_ahead - below)[:, 1]
     for k, n in np.ndindex(*read.shape):
-        pushed = faster[k] if beside[k, n] < read[k, n] else -faster[k]
+        moved, faster = 0.5 * (above[k, n] - below[k, n]), 0.5 * (first[k] - second[k])
+        back = -faster if moved > 0.0 else faster
+        way = back / longest * span * (1.0 if n == 1 else span)
+        is_pushed = back > SMALLEST * sizes[k] * state.fastest
         alone = np.zeros_like(read)
         alone[k, n] = rounding[k, n]
-        is_pushed_back = pushed > PUSHED_BACK * (change * state.stride * sizes[k])
-        if is_steep(read, alone, state.time, w) and not is_pushed_back:
-            return change
-    return 0.0
+        if swings and is_steep(read, alone, time, w):
+            swings = bool(is_pushed and way > SWINGS * abs(moved))
+    a, b, c, d = work.k[:4, nq:]
+    even, far = np.abs((c - a) + (d - b)) / 4.0, 0.5 * np.abs(c - d)
+    odd = np.abs(0.5 * (a - b) - 0.5 * (c - d) / FAR_BY_ROUNDING)
+    change = np.where(even > EVEN_SLOPE * far, even, 0.0)
+    if not swings:
+        change += np.where(odd > EVEN_SLOPE * far, odd, 0.0)
+    return w.size_of(change)
 
 
-def note_steepness(state: State, work: Work) -> None:
-    """Note what rounding changes by that in a step at both of whose ends forces are that steep.
+def note_steepness(start: float, end: float, state: State, work: Work) -> None:
+    """Note what rounding changes where a step towards an end [s] ends that began at a time [s].
 
-    One that comes to such a place and passes it is none.
+    It counts where the step began so steep, too, not where it came to such a place or passed it.
     """
-    before, state.steepness = state.steepness, change_by_rounding(state, work)
+    before, state.steepness = state.steepness, change_by_rounding(end, state, work)
     both = smaller(before, state.steepness)
     if both > 0.0:
-        state.impulse += (state.time - state.time_before) * both
+        state.impulse += (state.time - start) * both
         state.impulse_time = state.time
 
 

@@ -95,8 +95,8 @@ class Trust:
         Steps over which bounds do not tell how formulas vary: what acts for a moment there may be
         passed over.
     impulse, impulse_time : float or None, float or None [s]
-        What forces that are infinite, or infinitely steep, may change velocities by where rounding
-        hides times and places, relative to the largest speed, where that is more than the
+        What forces that are infinite, or too steep for doubles, may change velocities by where
+        rounding hides times and places, relative to the largest speed, where that is more than the
         tolerance; when the last of these was.
     stillness : float or None
         How far bodies move in the longest step at most, in lengths of the scene or radians, where
@@ -171,7 +171,7 @@ class Trust:
         if self.impulse is not None and self.impulse_time is not None:
             yield (
                 f"velocities known to {shortly(self.impulse)}, as a force is infinite, or"
-                f" infinitely steep, at t = {shortly(self.impulse_time, 9)} s"
+                f" too steep for doubles, at t = {shortly(self.impulse_time, 9)} s"
             )
         if self.stillness is not None:
             part = shortly(self.stillness)
@@ -339,7 +339,7 @@ def trust_of(
         f" configuration, the first to t = {single['branch_point_time']:.6g} s: the motion may be"
         f" that of another branch, try {advice}",
         Doubt.NARROW: untold(single, advice),
-        Doubt.IMPULSE: "a force is infinite, or infinitely steep, at"
+        Doubt.IMPULSE: "a force is infinite, or too steep for doubles, at"
         f" t = {single['impulse_time']:.9g} s, and what it does so near to it that rounding hides"
         f" times and places may be {shortly(impulse)} of the largest speed, wanted at most"
         f" {shortly(verdict.limit)}: no tolerance tells more, write it so that it is finite and"
