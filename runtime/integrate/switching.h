@@ -28,8 +28,8 @@
 #define FURTHEST_BEHIND 1e-12
 #define BENDING 4.0
 /* where forces may be too steep for doubles bodies are displaced by rounding, and by so many times
- * that; what explains changes of both but for this part is a slope. What is pushed back so many times as far as
- * it is displaced until the end swings: once and a half or more often */
+ * that; what explains changes of both but for this part is a slope. What is pushed back so many
+ * times as far as it is displaced until the end swings: once and a half or more often */
 #define FAR_BY_ROUNDING 16.0
 #define EVEN_SLOPE 0.03
 #define SWINGS 100.0
@@ -324,8 +324,8 @@ static void read_beside(double time, double way, const double *y, const double *
 /* by how much rounding changes accelerations where forces are too steep for doubles, as that of
  * sqrt(abs(x)) where x is zero but for rounding. By bodies on both sides of a place and as many
  * times further away that tells of even parts of forces, and of odd ones what a slope does not
- * explain. The odd ones are none where bodies are pushed back to what formulas read, beyond rounding,
- * and swing there until the end of a run */
+ * explain. The odd ones are none where bodies are pushed back to what formulas read, beyond
+ * rounding, and swing there until the end of a run */
 static double change_by_rounding(double end, State *s, Work *work)
 {
     double rounding[ROOM(N_READ)], alone[ROOM(N_READ)] = { 0.0 }, read[ROOM(N_READ)];
