@@ -266,7 +266,7 @@ static double stage_beyond(double seen, const Search *search, const State *s, Wo
 }
 
 /* how many times as large rounding of positions is as in a length of the scene, where bodies are
- * far from the origin of frame O, or 1 if none is. Joints bring it into angles and distances, too */
+ * far from the origin of frame O, or 1 if none is. Joints bring it into angles and distances */
 static double scale_by_distance(const double *y)
 {
     double farthest = 0.0;
