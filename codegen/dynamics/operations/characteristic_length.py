@@ -16,6 +16,10 @@ LEAST_LENGTH = 2.0**-18
 """The least length, as a part of the distance from the origin: doubles know a position to 6e-11 of
 it, which is less than what corrections settle at, and what is left of constraints may be."""
 
+ROUNDING_OF_PLACES = 2.0**-20
+"""What is a smaller part of the largest radius of gyration is no length: places that differ by it
+do so by rounding, as cos(pi/2) does from zero."""
+
 POINTS = {"s_i_b", "s_j_b", *ORIGINS}
 """Constants that are a point of a body, or of the ground."""
 
@@ -29,8 +33,8 @@ def characteristic_length(system: System) -> float:
     """Length, a scalar [m], of a system that is the same wherever it stands, unless very far off.
 
     ℓ = max |s′_k| over the axes k of the body frames, of joints from the centre of mass of a body,
-    and the extent along an axis of frame O of points of the ground; where none is, that of
-    :func:`extent`.
+    and the extent along an axis of frame O of points of the ground; where that is none, but for
+    rounding, that of :func:`extent`.
     """
     sources: tuple[Instance | RelativeCoordinate, ...] = (*system.constraints, *system.coordinates)
     lengths, ground = [0.0], []
@@ -43,16 +47,25 @@ def characteristic_length(system: System) -> float:
                 lengths += map(abs, numbers)
     lengths += (max(along) - min(along) for along in zip(*ground, strict=True))
     places = (*chain.from_iterable(ground), *chain.from_iterable(one.r for one in system.bodies))
-    return max(max(lengths) or extent(system), LEAST_LENGTH * max(map(abs, places), default=0.0))
+    length = max(lengths)
+    if not length > ROUNDING_OF_PLACES * gyration(system):
+        length = extent(system)
+    return max(length, LEAST_LENGTH * max(map(abs, places), default=0.0))
+
+
+def gyration(system: System) -> float:
+    """Largest radius of gyration √(I/m), a scalar [m], of the bodies; 0 where none has a mass."""
+    bodies = ((float(max(body.inertia)), float(body.mass)) for body in system.bodies)
+    return max((math.sqrt(moment / mass) for moment, mass in bodies if mass > 0.0), default=0.0)
 
 
 def extent(system: System) -> float:
     """Extent, a scalar [m], of a system whose joints have no length.
 
     The largest distance, along an axis of frame O, between centres of mass and points of the ground
-    at the start, or along one of a body frame of a force from a centre of mass; where none is, the
-    largest radius of gyration √(I/m). It is 1 where a point stands alone: nothing in the scene
-    tells metres from other units then.
+    at the start, or along one of a body frame of a force from a centre of mass; where that is none,
+    but for rounding, the largest radius of :func:`gyration`. It is 1 where a point stands alone:
+    nothing in the scene tells metres from other units then.
     """
     places = [tuple(map(float, body.r)) for body in system.bodies]
     lengths = [0.0]
@@ -65,6 +78,5 @@ def extent(system: System) -> float:
             elif name in POINTS:
                 lengths += (abs(float(x)) for x in numbers)
     lengths += (max(along) - min(along) for along in zip(*places, strict=True))
-    bodies = ((float(max(body.inertia)), float(body.mass)) for body in system.bodies)
-    gyration = (math.sqrt(moment / mass) for moment, mass in bodies if mass > 0.0)
-    return max(lengths) or max(gyration, default=0.0) or 1.0
+    length, radius = max(lengths), gyration(system)
+    return (length if length > ROUNDING_OF_PLACES * radius else radius) or 1.0

@@ -165,9 +165,7 @@ class State:
     short_steps = StateNumber("-", "steps in a row that are very short beside it")
     unresolved = StateNumber("-", "steps over which bounds do not tell how formulas vary")
     unresolved_time = StateNumber("s", "when the last of them was")
-    impulse = StateNumber(
-        "1/s", "of forces that are infinite, or too steep for doubles, what is not known"
-    )
+    impulse = StateNumber("1/s", "what is not known of forces, infinite or too steep for doubles")
     impulse_time = StateNumber("s", "when the last of them was")
     steepness = StateNumber("1/s^2", "by how much rounding changes accelerations at the last time")
     branch_points = StateNumber("-", "steps that may have ended on another branch")

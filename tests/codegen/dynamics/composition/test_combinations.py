@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +15,11 @@ from kousoku.codegen.dynamics.operations.characteristic_length import characteri
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
+from kousoku.model.lowering.system import system_of
 from kousoku.model.mechanics.constraints import COMBINATION
 from kousoku.model.mechanics.multibody import GROUND_INDEX, Instance, RelativeCoordinate, Term
 from kousoku.model.numbers.digits import CONTEXT, HIGH
+from kousoku.model.reading.read import scene_from_toml
 from tests.analysed import all_rows
 
 if TYPE_CHECKING:
@@ -260,6 +263,23 @@ def test_a_driver_beside_the_plane_has_forces_that_lead_out_of_it(
     assert outline.is_planar
     assert is_flat(system, outline.normal) == flat
     assert characteristic_length(system) == 2.0
+
+
+@pytest.mark.parametrize("off", [0.0, 6e-17, 1e-10])
+def test_places_that_differ_by_rounding_make_no_length(off: float) -> None:
+    scene = f"""
+name = "rail"
+unit = "m"
+[bodies]
+cart = {{ position = [{off}, 0, 0], boxes = [{{ mass = 1, size = [0.2, 0.2, 0.2] }}] }}
+[joints.rail]
+type = "prismatic"
+bodies = ["ground", "cart"]
+points = [[0, 0, 0], [{off}, 0, 0]]
+axes = [[1, 0, 0], [1, 0, 0]]
+"""
+    length = characteristic_length(system_of(scene_from_toml(scene)))
+    assert length == pytest.approx(0.1 * math.sqrt(2.0 / 3.0), rel=1e-9)
 
 
 @pytest.mark.parametrize(("far", "length"), [(0.0, 2.0), (1e5, 2.0), (2.0**20, 4.0)])
