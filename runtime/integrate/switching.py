@@ -37,6 +37,7 @@ from .settings import BENT, NO_TIME, Status
 
 if TYPE_CHECKING:
     from .arithmetic import Array
+    from .crossing import Flags
     from .scene_tables import Work, Workspace
     from .state import State
 
@@ -63,13 +64,15 @@ FURTHEST_BEHIND = 1e-12
 #: How much the third derivative may be beyond that on the sides.
 BENDING = 4.0
 #: Where forces may be too steep for doubles bodies are displaced by rounding, and by so many times
-#: that. What explains changes of both but for this part is a slope. What is pushed back so many
-#: times as far as it is displaced until the end swings: once and a half or more often.
+#: that. What explains changes of both but for this part is a slope, or a kink. What is pushed back
+#: so many times as far as it is displaced until the end swings: once and a half or more often.
 FAR_BY_ROUNDING = 16.0
 EVEN_SLOPE = 0.03
+EVEN_KINK = 0.01
 SWINGS = 100.0
-#: Multiples of it lie evenly between integers.
+#: Multiples of it lie evenly between integers; what scatters their squares.
 GOLDEN_RATIO = 0.6180339887498949
+SCATTERING = 997.0
 #: Samples of an interval, by pieces between them.
 PIECES = 4
 
@@ -306,20 +309,21 @@ def widths_of(read: Array, noise: Array, time: float, w: Workspace) -> tuple[Arr
     return half_width(node)[parts], np.abs(middle(node)[parts])
 
 
-def is_steep(read: Array, noise: Array, time: float, w: Workspace) -> bool:
-    """Whether a part of forces changes, by rounding of what it reads, as none that has a slope.
+def find_steep(read: Array, noise: Array, time: float, w: Workspace) -> Flags:
+    """Which parts (n,) of forces change, by rounding of what they read, as none that has a slope.
 
-    That is much more than a sixteenth of what it changes by as many times the rounding.
+    That is much more than a sixteenth of what they change by as many times the rounding.
     """
     wider, _ = widths_of(read, FAR_BY_ROUNDING * noise, time, w)
     widths, sizes = widths_of(read, noise, time, w)
     least = largest(EVEN_SLOPE * wider, SMALLEST * sizes)
-    return bool((widths - wider / FAR_BY_ROUNDING > least).any())
+    return np.asarray(widths - wider / FAR_BY_ROUNDING > least)
 
 
 def scattered(n: Array) -> Array:
-    """Numbers between -1 and 1, other ones for all n."""
-    return np.asarray(2.0 * np.fmod(n * GOLDEN_RATIO, 1.0) - 1.0)
+    """Numbers between -1 and 1, other ones for all n, no multiples or differences of others."""
+    part = np.fmod(n * GOLDEN_RATIO, 1.0)
+    return np.asarray(2.0 * np.fmod(SCATTERING * part * part, 1.0) - 1.0)
 
 
 def displace_by_rounding(times: float, y: Array, f: Array, state: State, work: Work) -> bool:
@@ -352,40 +356,44 @@ def change_by_rounding(end: float, state: State, work: Work) -> float:
     """Change [1/s^2] of accelerations by rounding where forces are too steep for doubles.
 
     Such is that of sqrt(abs(x)) where x is zero but for rounding. By bodies on both sides of a
-    place and as many times further away that tells of even parts of forces, and of odd ones what a
-    slope does not explain. The odd ones are none where bodies are pushed back to what formulas
-    read, beyond rounding, and swing there until the end of a run.
+    place, and twice as many times further away, that tells of even and odd parts of forces what no
+    slope and no kink explains. The odd ones are none where each steep part pushes a body back,
+    beyond rounding, by what it reads: that swings there until the end of a run.
     """
     w, nq, time = work.w, work.scene.nq, state.time
     sizes, span = work.scene.measure_sizes, larger(abs(time), abs(end))
     longest = state.stride if state.stride > 0.0 else span
-    away, swings = scale_by_distance(state.y, work.scene), True
-    read = read_of(time, state.y, w)
+    away, read = scale_by_distance(state.y, work.scene), read_of(time, state.y, w)
     rounding = SMALLEST * (np.stack((sizes * away, sizes * state.fastest), axis=1) + np.abs(read))
-    if not is_steep(read, rounding, time, w):
+    is_steep = find_steep(read, rounding, time, w)
+    if not is_steep.any():
         return 0.0
-    there = []
-    for n, times in enumerate((1.0, -1.0, FAR_BY_ROUNDING, -FAR_BY_ROUNDING)):
+    there, times = [], 1.0
+    for n in range(6):
         if not displace_by_rounding(times, work.y, work.k[n], state, work):
             return 0.0
         there.append(read_beside(time, longest, work.y, work.k[n], work))
+        times = -times if n % 2 == 0 else -FAR_BY_ROUNDING * times
     (above, above_ahead), (below, below_ahead) = there[:2]
     first, second = (above_ahead - above)[:, 1], (below_ahead - below)[:, 1]
+    is_back = np.zeros_like(is_steep)
     for k, n in np.ndindex(*read.shape):
         moved, faster = 0.5 * (above[k, n] - below[k, n]), 0.5 * (first[k] - second[k])
         back = -faster if moved > 0.0 else faster
         way = back / longest * span * (1.0 if n == 1 else span)
         is_pushed = back > SMALLEST * sizes[k] * state.fastest
-        alone = np.zeros_like(read)
-        alone[k, n] = rounding[k, n]
-        if swings and is_steep(read, alone, time, w):
-            swings = bool(is_pushed and way > SWINGS * abs(moved))
-    a, b, c, d = work.k[:4, nq:]
-    even, far = np.abs((c - a) + (d - b)) / 4.0, 0.5 * np.abs(c - d)
-    odd = np.abs(0.5 * (a - b) - 0.5 * (c - d) / FAR_BY_ROUNDING)
-    change = np.where(even > EVEN_SLOPE * far, even, 0.0)
-    if not swings:
-        change += np.where(odd > EVEN_SLOPE * far, odd, 0.0)
+        if is_pushed and way > SWINGS * abs(moved):
+            alone = np.zeros_like(read)
+            alone[k, n] = rounding[k, n]
+            is_back |= find_steep(read, alone, time, w)
+    pairs = work.k[:6, nq:].reshape(3, 2, -1)
+    sums, changes = 0.5 * (pairs[:, 0] + pairs[:, 1]), 0.5 * (pairs[:, 0] - pairs[:, 1])
+    further, least = sums[2] - sums[1], EVEN_SLOPE * np.abs(changes[1])
+    even = 0.5 * np.abs((sums[1] - sums[0]) - further / FAR_BY_ROUNDING)
+    odd = np.abs(changes[0] - changes[1] / FAR_BY_ROUNDING)
+    change = np.where(even > largest(least, EVEN_KINK * np.abs(further)), even, 0.0)
+    if (is_steep & ~is_back).any():
+        change += np.where(odd > least, odd, 0.0)
     return w.size_of(change)
 
 

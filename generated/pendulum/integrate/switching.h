@@ -28,13 +28,15 @@
 #define FURTHEST_BEHIND 1e-12
 #define BENDING 4.0
 /* where forces may be too steep for doubles bodies are displaced by rounding, and by so many times
- * that; what explains changes of both but for this part is a slope. What is pushed back so many
- * times as far as it is displaced until the end swings: once and a half or more often */
+ * that; what explains changes of both but for this part is a slope, or a kink. What is pushed back
+ * so many times as far as it is displaced until the end swings: once and a half or more often */
 #define FAR_BY_ROUNDING 16.0
 #define EVEN_SLOPE 0.03
+#define EVEN_KINK 0.01
 #define SWINGS 100.0
-/* multiples of it lie evenly between integers */
+/* multiples of it lie evenly between integers; what scatters their squares */
 #define GOLDEN_RATIO 0.6180339887498949
+#define SCATTERING 997.0
 /* samples of an interval, by pieces between them */
 #define PIECES 4
 
@@ -277,23 +279,30 @@ static void widths_of(
     }
 }
 
-/* whether some such part changes, by what rounding leaves of what it reads, as none does that has a
- * slope: much more than a sixteenth of what it does by as many times that */
-static int is_steep(const double *read, const double *noise, double time, double *w)
+/* which such parts change, by what rounding leaves of what they read, as none does that has a
+ * slope: much more than a sixteenth of what they do by as many times that; how many they are */
+static size_t find_steep(
+    const double *read, const double *noise, double time, double *w, int *is_steep)
 {
     double far[ROOM(N_READ)], widths[ROOM(N_NARROW)], wider[ROOM(N_NARROW)], sizes[ROOM(N_NARROW)];
+    size_t count = 0;
     for (size_t k = 0; k != N_READ; ++k) far[k] = FAR_BY_ROUNDING * noise[k];
     widths_of(read, far, time, w, wider, sizes);
     widths_of(read, noise, time, w, widths, sizes);
     for (size_t k = 0; k != N_NARROW; ++k) {
         const double least = larger(EVEN_SLOPE * wider[k], SMALLEST * sizes[k]);
-        if (widths[k] - wider[k] / FAR_BY_ROUNDING > least) return 1;
+        is_steep[k] = widths[k] - wider[k] / FAR_BY_ROUNDING > least;
+        count += is_steep[k] ? 1 : 0;
     }
-    return 0;
+    return count;
 }
 
-/* a number between -1 and 1, other ones for all n */
-static double scattered(size_t n) { return 2.0 * fmod((double)n * GOLDEN_RATIO, 1.0) - 1.0; }
+/* a number between -1 and 1, other ones for all n, no multiples or differences of others */
+static double scattered(size_t n)
+{
+    const double part = fmod((double)n * GOLDEN_RATIO, 1.0);
+    return 2.0 * fmod(SCATTERING * part * part, 1.0) - 1.0;
+}
 
 /* puts bodies elsewhere, and makes them faster, by so many roundings, and gives the derivative
  * there; 0 where there is none */
@@ -322,29 +331,32 @@ static void read_beside(double time, double way, const double *y, const double *
 }
 
 /* by how much rounding changes accelerations where forces are too steep for doubles, as that of
- * sqrt(abs(x)) where x is zero but for rounding. By bodies on both sides of a place and as many
- * times further away that tells of even parts of forces, and of odd ones what a slope does not
- * explain. The odd ones are none where bodies are pushed back to what formulas read, beyond
- * rounding, and swing there until the end of a run */
+ * sqrt(abs(x)) where x is zero but for rounding. By bodies on both sides of a place, and twice as
+ * many times further away, that tells of even and odd parts of forces what no slope and no kink
+ * explains. The odd ones are none where each steep part pushes a body back, beyond rounding, by
+ * what it reads: that swings there until the end of a run */
 static double change_by_rounding(double end, State *s, Work *work)
 {
+    enum { SIDES = 6 };
     double rounding[ROOM(N_READ)], alone[ROOM(N_READ)] = { 0.0 }, read[ROOM(N_READ)];
-    double beside[4][ROOM(N_READ)], ahead[4][ROOM(N_READ)];
-    const double times[4] = { 1.0, -1.0, FAR_BY_ROUNDING, -FAR_BY_ROUNDING };
+    double beside[SIDES][ROOM(N_READ)], ahead[SIDES][ROOM(N_READ)];
+    int is_steep[ROOM(N_NARROW)], by_this[ROOM(N_NARROW)], is_back[ROOM(N_NARROW)] = { 0 };
     const double away = scale_by_distance(s->y), span = larger(fabs(s->time), fabs(end));
     const double longest = s->stride > 0.0 ? s->stride : span;
+    double times = 1.0;
     int swings = 1;
     read_of(s->time, s->y, work, read);
     for (size_t k = 0; k != N_MEASURES; ++k) {
         rounding[2 * k] = SMALLEST * (measure_sizes[k] * away + fabs(read[2 * k]));
         rounding[2 * k + 1] = SMALLEST * (measure_sizes[k] * s->fastest + fabs(read[2 * k + 1]));
     }
-    if (!is_steep(read, rounding, s->time, work->w)) return 0.0;
-    for (size_t n = 0; n != 4; ++n) {
-        if (!displace_by_rounding(times[n], work->y, work->k[n], s, work)) return 0.0;
+    if (find_steep(read, rounding, s->time, work->w, is_steep) == 0) return 0.0;
+    for (size_t n = 0; n != SIDES; ++n) {
+        if (!displace_by_rounding(times, work->y, work->k[n], s, work)) return 0.0;
         read_beside(s->time, longest, work->y, work->k[n], work, beside[n], ahead[n]);
+        times = n % 2 == 0 ? -times : -FAR_BY_ROUNDING * times;
     }
-    for (size_t k = 0; k != N_READ && swings; ++k) {
+    for (size_t k = 0; k != N_READ; ++k) {
         const size_t rate = k | 1;
         const double moved = 0.5 * (beside[0][k] - beside[1][k]);
         const double first = ahead[0][rate] - beside[0][rate];
@@ -352,18 +364,25 @@ static double change_by_rounding(double end, State *s, Work *work)
         const double back = moved > 0.0 ? -faster : faster;
         const double way = back / longest * span * (k == rate ? 1.0 : span);
         const int is_pushed = back > SMALLEST * measure_sizes[k / 2] * s->fastest;
+        if (!(is_pushed && way > SWINGS * fabs(moved))) continue;
         alone[k] = rounding[k];
-        if (is_steep(read, alone, s->time, work->w))
-            swings = is_pushed && way > SWINGS * fabs(moved);
+        find_steep(read, alone, s->time, work->w, by_this);
         alone[k] = 0.0;
+        for (size_t n = 0; n != N_NARROW; ++n) is_back[n] |= by_this[n];
     }
+    for (size_t n = 0; n != N_NARROW; ++n) swings &= !is_steep[n] || is_back[n];
     for (size_t k = 0; k != NV; ++k) {
-        const double a = work->k[0][NQ + k], b = work->k[1][NQ + k];
-        const double c = work->k[2][NQ + k], d = work->k[3][NQ + k];
-        const double even = fabs((c - a) + (d - b)) / 4.0, far = 0.5 * fabs(c - d);
-        const double odd = fabs(0.5 * (a - b) - 0.5 * (c - d) / FAR_BY_ROUNDING);
-        work->u[k] = even > EVEN_SLOPE * far ? even : 0.0;
-        if (!swings && odd > EVEN_SLOPE * far) work->u[k] += odd;
+        double sum[SIDES / 2], change[SIDES / 2];
+        for (size_t n = 0; n != SIDES / 2; ++n) {
+            const double a = work->k[2 * n][NQ + k], b = work->k[2 * n + 1][NQ + k];
+            sum[n] = 0.5 * (a + b);
+            change[n] = 0.5 * (a - b);
+        }
+        const double further = sum[2] - sum[1], least = EVEN_SLOPE * fabs(change[1]);
+        const double even = 0.5 * fabs((sum[1] - sum[0]) - further / FAR_BY_ROUNDING);
+        const double odd = fabs(change[0] - change[1] / FAR_BY_ROUNDING);
+        work->u[k] = even > larger(least, EVEN_KINK * fabs(further)) ? even : 0.0;
+        if (!swings && odd > least) work->u[k] += odd;
     }
     return size_of(work->u);
 }
