@@ -46,7 +46,7 @@ MOST_RELATIVE_DIFFERENCE = 1e-9
 class BodiesCheck(SolverCheck[DynamicsSolver]):
     """The check of a folder that was made from a scene of bodies."""
 
-    REFERENCE_FORMAT = 2
+    REFERENCE_FORMAT = 3
 
     def load(self, target: Target) -> DynamicsSolver:
         """Solver by a target."""

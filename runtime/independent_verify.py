@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 #: What is said of such a row.
 KERNEL = "newton_euler"
+#: How far beside its joints a state is that is corrected, in metres and radians, and which part of
+#: its residuals that may leave: the square of them, where Newton's method leads onto the joints.
+OFF, MOST_LEFT_OPEN = 2.0**-20, 0.1
 
 
 def independent_rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
@@ -53,7 +56,10 @@ def independent_rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]
 def _rows_at(solver: DynamicsSolver, number: int, point: Mapping[str, Any]) -> Iterator[Row]:
     q, v = (np.array(point[name], dtype=np.float64) for name in ("q", "v"))
     found = solver.evaluate(point["time"], q, v)
-    computed = dict(_computed(solver.at({}).layout, found, q, v))
+    layout = solver.at({}).layout
+    computed = dict(_computed(layout, found, q, v))
+    part = _left_open(solver, point["time"], q, v) / MOST_LEFT_OPEN
+    computed["move"] = [("", part * 4.0 * point["values"]["move"]["unit"])]
     for name, wanted in point["values"].items():
         known: dict[str, list[float | None]] = {}
         for owner, high in zip(wanted["names"], wanted["high"], strict=True):
@@ -85,6 +91,24 @@ def _rows_at(solver: DynamicsSolver, number: int, point: Mapping[str, Any]) -> I
         )
 
 
+def _left_open(solver: DynamicsSolver, time: float, q: Array, v: Array) -> float:
+    """Residuals that a correction leaves beside a state, as a part of those before, but rounding.
+
+    Before it bodies are moved that are put onto their joints.
+    """
+    beside = q + OFF * np.cos(np.arange(1.0, len(q) + 1.0)) * np.maximum(1.0, np.abs(q))
+    for body in solver.at({}).layout.bodies:  # turns leave Euler parameters of norm one
+        own = [k for k in body.p if isinstance(k, int)]
+        beside[own] -= q[own] * (q[own] @ (beside - q)[own])
+    left = []
+    for _ in range(3):
+        found = solver.evaluate(time, beside, v)
+        left.append(_largest([found["C"]]))
+        beside = found["q_moved"]
+    rounding = OFF**2 * max(1.0, float(np.abs(q).max(initial=0.0)))
+    return left[2] / max(left[1], rounding)
+
+
 def _by_owner(numbers: Numbers) -> dict[str, list[float]]:
     found: dict[str, list[float]] = {}
     for owner, x in numbers:
@@ -109,6 +133,8 @@ def _computed(
     yield "power", [(name, found["q_dot"][place]) for name, place in layout.works]
     for name, part in (("C", ("C", "C_left_out")), ("C_dot", ("C_dot",)), ("C_ddot", ("C_ddot",))):
         yield name, [("", _largest([found[one] for one in part if one in found]))]
+    if "measures" in found:
+        yield "measure", [("", x) for x in found["measures"]]
     yield "dq", [("", _largest([found["dq"]]))]
     yield "dv", [("", _largest([found["dv"]]))]
     yield "q_moved", [("", _largest([found["q_moved"] - q]))]

@@ -226,6 +226,7 @@ int PUBLIC(evaluate)(
     energy(w);
     momentum(w);
     check(w);
+    measure(w);
     return GOOD;
 }
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 #: The segments of an evaluation, in order: before the forces of joints, and behind.
 FOUND_FIRST = ("geometry", "position", "move", "velocity", "acceleration")
-FOUND_LAST = ("coordinate", "energy", "momentum", "check")
+FOUND_LAST = ("coordinate", "energy", "momentum", "check", "measure")
 
 
 class SceneSolver:

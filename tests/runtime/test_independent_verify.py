@@ -27,6 +27,7 @@ from kousoku.codegen.dynamics.composition import (
     momentum,
     record_coordinates,
     record_forces,
+    switching,
 )
 from kousoku.codegen.dynamics.elements import along as elements_along
 from kousoku.codegen.dynamics.elements import coordinate_spring, load, spring_damper
@@ -126,6 +127,23 @@ joint = "elbow"
 stiffness = "k"
 damping = 3
 free_angle = 0.4
+"""
+
+WALL = """
+name = "wall"
+unit = "mm"
+
+[bodies]
+cart = { position = [0, 0, 0], velocity = [10, 0, 0], boxes = [{ mass = 1, size = [2, 2, 2] }] }
+
+[joints]
+rail = { type = "prismatic", bodies = ["ground", "cart"], at = [0, 0, 0], axis = [1, 0, 0] }
+
+[coordinates]
+x = { joint = "rail" }
+
+[forces]
+wall = { type = "along", coordinate = "x", force = "-1e6*max(0, x - 49.9)*max(0, 50.1 - x)" }
 """
 
 OF_LOAD = "forces = (*zeros, *(orientation.T @ given).flat)"
@@ -277,6 +295,20 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
         *("free", momentum.BodyMomentum, "__call__"),
         *("orientation @ own", "own"),
     ),
+    # what steps are made of, beside accelerations
+    "shift of a body onto its joints": (
+        *("four_bar", mechanics.Move, "__call__"),
+        *("(r + dr)", "(r - dr)"),
+    ),
+    "turn of a body onto its joints": (
+        *("four_bar", mechanics.Move, "__call__"),
+        *("p + euler_rates(trace, p, dtheta)", "p - euler_rates(trace, p, dtheta)"),
+    ),
+    "value and rate of what a formula reads": (
+        *("wall", switching, "record_switching"),
+        *("region.part(2 * k, 1), region.part(2 * k + 1, 1)",),
+        *("region.part(2 * k + 1, 1), region.part(2 * k, 1)",),
+    ),
 }
 #: One of each part; the others are tried for a release.
 ALWAYS = {
@@ -284,13 +316,14 @@ ALWAYS = {
     *("frame of a force in the body", "law of a spring", "sign of a rotational spring"),
     *("second derivative of a coordinate", "gamma of joints", "coupling of joints"),
     *("reaction of a joint with the ground", "effort of a driver", "factor of a combination"),
-    "linear momentum",
+    *("linear momentum", "shift of a body onto its joints"),
+    "value and rate of what a formula reads",
 }
 
 
 def scene_named(name: str) -> Scene:
-    if name == "rich":
-        return scene_from_toml(RICH)
+    if name in {"rich", "wall"}:
+        return scene_from_toml(RICH if name == "rich" else WALL)
     file = {"free": "free_body", "gears": "gear_train", "four_bar": "lever_crank_bodies"}[name]
     return read_scene(SCENES / f"{file}.toml")
 

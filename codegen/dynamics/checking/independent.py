@@ -81,6 +81,9 @@ class GivenSolver:
         ground, None for the centre of mass.
     has_masses : bool
         Whether masses are those of the scene.
+    measures : sequence of (int, float)
+        What its formulas read: places of coordinates, and the units that they are counted in; -1
+        for what is none, as the elongation of a spring.
     """
 
     system: System
@@ -90,6 +93,7 @@ class GivenSolver:
     turning: Mapping[int, str]
     momenta: Sequence[tuple[Sequence[str], Any, Any, Any]]
     has_masses: bool
+    measures: Sequence[tuple[int, float]]
 
 
 def independent_points(given: GivenSolver) -> list[dict[str, object]]:
@@ -388,8 +392,8 @@ class _Values:
 
     def all(self) -> dict[str, dict[str, object]]:
         """Comparisons of all outputs."""
-        made = dict([*self._accelerations(), *self._coordinates()])
-        sizes = {"q_moved": self.reach, "dv": self.speed, "dq": self.reach}
+        made = dict([*self._accelerations(), *self._coordinates(), *self._measures()])
+        sizes = {"q_moved": self.reach, "move": self.reach, "dv": self.speed, "dq": self.reach}
         sizes |= {"C": self.reach, "C_dot": self.speed, "C_ddot": self.acceleration}
         rests = {
             name: self._made([""], [0.0], max(size, size / self.length))
@@ -464,6 +468,21 @@ class _Values:
             ("coordinate_acceleration", "dd", self.acceleration / length),
         ):
             yield what, self._made(names, [getattr(value, part) for _, value in shown], size)
+
+    def _measures(self) -> Iterator[tuple[str, dict[str, object]]]:
+        """Value and rate of coordinates that formulas read, in their units."""
+        numbers: list[Real | None] = []
+        for place, unit in self.given.measures:
+            if place < 0:
+                numbers += [None, None]
+                continue
+            value = self.equations.coordinate(place, self.at)
+            one = self.given.system.coordinates[place]
+            off = abs(float(value.x) - one.near) if one.counts_turns else 0.0
+            numbers += [value.x / unit if off <= MOST_ANGLE_DIFFERENCE else None, value.d / unit]
+        least = min((unit for _, unit in self.given.measures), default=1.0)
+        size = max(self.reach, 1.0, self.speed / min(1.0, self.length)) / min(1.0, least)
+        yield "measure", self._made([""] * len(numbers), numbers, size)
 
     def _energies(self) -> Iterator[tuple[str, dict[str, object]]]:
         found, size = self.found, sum(abs(float(x)) for x in self.found.sizes)

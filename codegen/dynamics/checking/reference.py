@@ -26,6 +26,8 @@ from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.files.jsontext import to_text
 from kousoku.model.lowering.parametric import fixed_system
+from kousoku.model.lowering.root_functions import root_functions_of
+from kousoku.model.mechanics.constraints import is_length
 from kousoku.model.numbers.digits import HIGH
 from kousoku.model.numbers.traced import other_value
 from kousoku.model.operations.graph import EXACT_OPS, Op
@@ -37,7 +39,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.mechanics.multibody import System
 
-FORMAT = 2
+FORMAT = 3
 #: Programs with more operations get no reference values: they would take minutes.
 MOST_OPERATIONS = 100_000
 #: No unit is smaller, as a part of the largest of its region: roundings of roundings count there.
@@ -143,7 +145,21 @@ def _known(program: Program, system: System, written: System) -> GivenSolver:
             for own, part in zip(names, program.conserved, strict=True)
         ],
         has_masses=program.has_masses,
+        measures=_measures(program, system, written),
     )
+
+
+def _measures(program: Program, system: System, written: System) -> list[tuple[int, float]]:
+    """Coordinates that formulas read, by their places in the scene, and their units."""
+    if not any(one.name == "measures" for one in program.regions):
+        return []
+    places = {one.name: k for k, one in enumerate(written.coordinates)}
+    found = []
+    for one in root_functions_of(system).measures:
+        place = places.get(one.name, -1) if one.force < 0 else -1
+        has_length = place >= 0 and is_length(written.coordinates[place].kind)
+        found.append((place, float(written.unit) if has_length else 1.0))
+    return found
 
 
 def _states(program: Program, system: System) -> list[ReferenceState]:

@@ -340,7 +340,7 @@ REGIONS = {
 ON_DEMAND_REGIONS = (
     *("more_lam", "more_power", "all_lam", "wrenches"),
     *("span", "switches", "features", "gaps", "law_span", "laws"),
-    *("measures", "ranges", "crossings", "breaks", "poles", "narrow", "infinite"),
+    *("ranges", "crossings", "breaks", "poles", "narrow", "infinite"),
     *("lengths", "distances"),
 )
 
@@ -356,6 +356,7 @@ SEGMENTS = {
     "energy": "q, v -> energies",
     "momentum": "q, v -> momenta",
     "check": "v, v_dot, t -> C_left_out, C_dot, C_ddot",
+    "measure": "q, v -> measures",
 }
 
 #: What a run calls and no evaluation does: where the pivot monitor finds that much or all was
@@ -366,7 +367,6 @@ ON_DEMAND = {
     "setup": "parameters -> design: once, where a run begins",
     "switching": "span, parameters -> switches, features",
     "bending": "law_span, parameters -> laws",
-    "measure": "q, v -> measures",
     "distance": "t, measures, parameters -> lengths, distances",
     "crossing": "ranges, parameters -> crossings, breaks, poles, narrow, infinite",
 }
