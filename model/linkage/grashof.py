@@ -79,7 +79,9 @@ def check_closure(scene: Scene) -> tuple[str, ...]:
     """
     check_circuits(scene)
     notes: dict[str, None] = {}
-    for ks in chain(_blocks(period(scene) + 1), [_turning_points(scene)]):
+    turning_points = _turning_points(scene)
+    # where no crank turns there are none, but dyads between fixed nodes, which were looked at
+    for ks in chain(_blocks(period(scene) + 1), [turning_points] * (len(turning_points) > 0)):
         known = known_nodes(scene, ks)
         for dyad in _dyads(scene, known):
             tolerance = max(scene.residual_limit, 64 * 2.0**-52 * _scale(dyad))

@@ -7,7 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from kousoku.model.errors import MOST_SHOWN, SceneError
@@ -204,6 +204,11 @@ coordinates = st.floats(-100, 100)
     st.lists(st.tuples(coordinates, coordinates, st.booleans()), min_size=2, max_size=6),
     st.sets(st.tuples(st.integers(0, 5), st.integers(0, 5)), min_size=1, max_size=9),
     st.lists(st.integers(0, 8), max_size=3),
+)
+@example(  # a triangle whose sides stand, without a crank
+    [(2.0, 0.0, True), (0.0, 1.0, True), (0.0, 0.0, True), (1.0, 0.0, False), (0.0, 0.0, True)],
+    {(2, 3), (0, 3), (1, 4)},
+    [],
 )
 def test_any_linkage(
     nodes: list[tuple[float, float, bool]], pairs: set[tuple[int, int]], driven: list[int]
