@@ -265,8 +265,8 @@ static void note_impulse(double before, double acceleration, State *s, Work *wor
     s->impulse_time = s->time;
 }
 
-/* half of the least width of a part of forces that varies beyond polynomials, where what formulas
- * read at a time is known to a noise */
+/* half widths of the parts of forces that vary beyond polynomials, and their sizes, where what
+ * formulas read at a time is known to a noise */
 static void widths_of(
     const double *read, const double *noise, double time, double *w, double *widths, double *sizes)
 {
