@@ -65,6 +65,9 @@ LARGER_THERE = 1.5
 ROUNDINGS = 64.0
 #: A step in which what was near to zero gets on a side within this part of it ends there.
 SOON = 0.1
+#: The loosest tolerance to which places are known, and of steps from a switch to the next: forces
+#: that switch soon again are narrow, and estimates are blind to what acts for a stage or two.
+LOOSEST_AT_SWITCH = 1e-5
 #: What rates are known to of a length in the longest step so far, in units of the tolerance: in a
 #: short one rates of what does move are no better known, and no worse.
 SLOW = 1e-4
@@ -352,7 +355,7 @@ def begin_search(
     search.rounding[:, 0] = SMALLEST * (search.sizes + most[:, 0])
     search.rounding[:, 1] = SMALLEST * fast
     search.noise = np.empty_like(most)
-    known = s.tolerance * sizes + SMALLEST * most[:, 0]
+    known = smaller(s.tolerance, LOOSEST_AT_SWITCH) * sizes + SMALLEST * most[:, 0]
     search.noise[:, 0] = largest(known, search.rounding[:, 0])
     search.noise[:, 1] = s.tolerance * fast
     search.rate_noise = smallest(search.noise[:, 1], most[:, 1] + sizes * state.fastest)

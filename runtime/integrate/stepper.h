@@ -576,7 +576,9 @@ static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s
     } else {
         const int is_locked = trial->is_last && s->time == s->switched &&
                               (tried->end == s->limit || tried->end == tried->search.cut);
-        trial->error = local_error(m, trial, is_locked, s, work, settings->tolerance);
+        const double tolerance = is_locked ? smaller(settings->tolerance, LOOSEST_AT_SWITCH)
+                                           : settings->tolerance;
+        trial->error = local_error(m, trial, is_locked, s, work, tolerance);
         if (tells_drift(trial, s)) {
             const double most = MOST_DRIFT * larger(settings->tolerance, LEAST_DRIFT);
             trial->error = larger(trial->drift / most, trial->error);

@@ -110,6 +110,58 @@ def test_no_wall_is_passed_that_is_narrower_than_places_are_known(
         assert run.ledger.steps < 200
 
 
+#: A cart of 1 kg meets a force along its way that is zero but for some width beside a place.
+HILL = """
+name = "hill"
+unit = "m"
+outputs = ["energies"]
+parameters = {{ place = 5.0, width = 1.0, force = 1.0 }}
+[bodies.cart]
+position = [0, 0, 0]
+velocity = [{speed}, 0, 0]
+boxes = [{{ mass = 1, size = [0.2, 0.2, 0.2] }}]
+[joints]
+rail = {{ type = "prismatic", bodies = ["ground", "cart"], at = [0, 0, 0], axis = [1, 0, 0] }}
+[coordinates]
+x = {{ joint = "rail" }}
+[forces.hill]
+type = "along"
+coordinate = "x"
+force = "force*{law}"
+"""
+TRAPEZOID = "max(0, min(1, 10/width*(x - place)))*max(0, min(1, 10/width*(place + width - x)))"
+#: Their laws, the integrals of these in widths, and places, widths, forces, speeds of the cart.
+HILLS = {
+    "trapezoid": (TRAPEZOID, 0.9, (1.080572, 1.452026e-4, -62971.88, 3.3124636)),
+    "trapezoid, passed": (TRAPEZOID, 0.9, (1.38, 1.3e-4, -3311.389, 0.71341138)),
+    "triangle": ("max(0, 1 - abs(x - place)/width)", 1.0, (4.2, 6.94e-4, -801.63, 0.6089097)),
+    "triangle, pushed": ("max(0, 1 - abs(x - place)/width)", 1.0, (0.83, 1.46e-4, 858019, 9.1443)),
+    "parabola": ("max(0, 1 - ((x - place)/width)^2)", 4 / 3, (4.02, 1.73e-4, 164.928, 0.22524523)),
+}
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize("name", HILLS)
+def test_loose_tolerances_hold_from_a_switch_to_the_next(
+    solver_of: Callable[..., Any], name: str, method: str
+) -> None:
+    """A step over a part of the hill had an error that its estimate was blind to."""
+    law, integral, (place, width, force, speed) = HILLS[name]
+    solver = solver_of(HILL.format(law=law, speed=speed))
+    work, random_ = force * width * integral, random.Random(7)
+    energy = speed * speed / 2.0
+    wanted = energy + work if energy + work > 0.0 else energy
+    for _ in range(40):
+        parameters = {"place": random_.uniform(0.9, 1.1) * place, "width": width, "force": force}
+        settings = {"tolerance": 1e-3, "method": method}
+        end = 3.0 * place / min(speed, math.sqrt(2.0 * wanted))
+        run = solver.simulate(end, samples=2, parameters=parameters, **settings)
+        found = run.velocity["cart"][-1, 0]
+        assert np.sign(found) == (1.0 if energy + work > 0.0 else -1.0), parameters
+        assert found * found / 2.0 == pytest.approx(wanted, abs=0.07 * max(energy, wanted))
+        assert run.ledger.trust.is_trusted
+
+
 @pytest.mark.usefixtures("numpy_solver")
 def test_both_targets_meet_narrow_walls_with_the_same_bits(solver_of: Callable[..., Any]) -> None:
     for name in ("cap_wall", "arctangent_wall", "double_exponential_wall"):

@@ -42,6 +42,9 @@
 #define ROUNDINGS 64.0
 /* a step in which what was near to zero gets on a side within this part of it ends there */
 #define SOON 0.1
+/* the loosest tolerance to which places are known, and of steps from a switch to the next: forces
+ * that switch soon again are narrow, and estimates are blind to what acts for a stage or two */
+#define LOOSEST_AT_SWITCH 1e-5
 /* what rates are known to of a length in the longest step so far, in units of the tolerance: in a
  * short one rates of what does move are no better known, and no worse */
 #define SLOW 1e-4
@@ -304,7 +307,8 @@ static void begin_search(const Settings *settings, const Method *m, int has_stag
     for (size_t k = 0; k != N_MEASURES; ++k) {
         const double size = measure_sizes[k], *a = first + 2 * k, *b = last + 2 * k;
         const double most = larger(fabs(a[0]), fabs(b[0]));
-        const double known = settings->tolerance * size + SMALLEST * most;
+        const double known = smaller(settings->tolerance, LOOSEST_AT_SWITCH) * size +
+                             SMALLEST * most;
         search->sizes[k] = size * away;
         search->rounding[2 * k] = SMALLEST * (search->sizes[k] + most);
         search->noise[2 * k] = larger(known, search->rounding[2 * k]);

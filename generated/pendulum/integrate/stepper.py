@@ -11,6 +11,7 @@ import numpy as np
 from .arithmetic import larger, mean_square, rounding_of_sum, smaller
 from .branches import LEAPS, STAYS, follow_branch, note_branch
 from .crossing import (
+    LOOSEST_AT_SWITCH,
     ONWARD,
     SMALLEST,
     STRETCH_TO_END,
@@ -714,7 +715,8 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
     else:
         is_locked = trial.is_last and state.time == state.switched
         is_locked = is_locked and tried.end in {state.limit, tried.search.cut}
-        trial.error = local_error(m, trial, state, work, s.tolerance, is_locked=is_locked)
+        tolerance = smaller(s.tolerance, LOOSEST_AT_SWITCH) if is_locked else s.tolerance
+        trial.error = local_error(m, trial, state, work, tolerance, is_locked=is_locked)
         if tells_drift(trial, state, work):
             most = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
             trial.error = larger(trial.drift / most, trial.error)
