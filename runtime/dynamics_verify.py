@@ -16,6 +16,8 @@ import numpy as np
 
 from kousoku.model.errors import SolveError
 from kousoku.runtime.dynamics import DynamicsSolver, open_dynamics
+from kousoku.runtime.dynamics_targets import NumpySolver
+from kousoku.runtime.function_bounds import bound_rows
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.independent_verify import independent_rows
 from kousoku.runtime.integrate.settings import Doubt, Status
@@ -46,7 +48,7 @@ MOST_RELATIVE_DIFFERENCE = 1e-9
 class BodiesCheck(SolverCheck[DynamicsSolver]):
     """The check of a folder that was made from a scene of bodies."""
 
-    REFERENCE_FORMAT = 3
+    REFERENCE_FORMAT = 4
 
     def load(self, target: Target) -> DynamicsSolver:
         """Solver by a target."""
@@ -56,13 +58,15 @@ class BodiesCheck(SolverCheck[DynamicsSolver]):
         """Look at all that reference values must have."""
         independent = [(one["label"], one["values"]) for one in data["independent"]]
         points = [(point["label"], point["outputs"]) for point in data["points"]]
-        return points, independent, data["is_exact"], data["is_smooth"]
+        functions = [(one["time"], one["read"], one["values"]) for one in data["functions"]]
+        return points, independent, functions, data["is_exact"], data["is_smooth"]
 
     def rows(self, solver: DynamicsSolver, data: Mapping[str, Any]) -> Iterable[Row]:
         """Worst error of each region, and of each body's own equations."""
         return (
             *worst_rows(_rows(solver, data["points"])),
             *independent_rows(solver, data["independent"]),
+            *worst_rows(_bound_rows(solver, data["functions"])),
         )
 
     def notes(self, data: Mapping[str, Any]) -> Iterator[str]:
@@ -126,6 +130,12 @@ def _rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterat
                 inputs=(("time", repr(point["time"])),),
             )
             yield replace(row, label=row.label + _owner(solver, name, row.element[0]))
+
+
+def _bound_rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
+    """Errors of bounds of functions, which the solver in NumPy tells; C makes the same steps."""
+    if isinstance(solver.target, NumpySolver):
+        yield from bound_rows(solver.target, points)
 
 
 def _owner(solver: DynamicsSolver, region: str, element: int) -> str:

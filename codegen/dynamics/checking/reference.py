@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.codegen.dynamics.checking.independent import GivenSolver, independent_points
+from kousoku.codegen.dynamics.checking.root_functions import root_function_points
 from kousoku.codegen.dynamics.checking.rounding import run_and_keep, units
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS
 from kousoku.codegen.dynamics.emission.context_numbers import shift_slots
@@ -39,11 +40,13 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.mechanics.multibody import System
 
-FORMAT = 3
+FORMAT = 4
 #: Programs with more operations get no reference values: they would take minutes.
 MOST_OPERATIONS = 100_000
 #: No unit is smaller, as a part of the largest of its region: roundings of roundings count there.
 SECOND_ORDER = 2.0**-40
+#: Which part of the changes of all parameters is tried, until moments of inertia are possible.
+PARTS_OF_CHANGES = (1.0, 2.0**-4, 2.0**-8, 2.0**-16)
 #: What is a number and not an operation.
 LEAVES = frozenset({Op.CONST, Op.INPUT})
 #: Operations whose derivatives jump.
@@ -91,16 +94,19 @@ def solver_references(program: Program, system: System, written: System) -> str:
         For each state time, q and v, and for each region of the workspace lists ``high``, ``low``
         and ``unit``, as kernels have them; the unit is that of
         :mod:`kousoku.codegen.dynamics.checking.rounding`; then ``independent``, the states of
-        :mod:`kousoku.codegen.dynamics.checking.independent`. Without states where the program has
-        more than :data:`MOST_OPERATIONS` operations.
+        :mod:`kousoku.codegen.dynamics.checking.independent`, and ``functions``, the points of
+        :mod:`kousoku.codegen.dynamics.checking.root_functions`. Without states where the program
+        has more than :data:`MOST_OPERATIONS` operations.
     """
     count = operations(program)
     found: list[dict[str, object]] = []
     independent: list[dict[str, object]] = []
+    functions: list[dict[str, object]] = []
     if count <= MOST_OPERATIONS:
         states = _states(program, system)
         found = [point for state in states if (point := _point(program, system, state))]
         independent = independent_points(_known(program, system, written))
+        functions = root_function_points(program, system)
     return to_text(
         {
             "format": FORMAT,
@@ -111,6 +117,7 @@ def solver_references(program: Program, system: System, written: System) -> str:
             "most_operations": MOST_OPERATIONS,
             "points": found,
             "independent": independent,
+            "functions": functions,
         }
     )
 
@@ -191,10 +198,26 @@ def _states(program: Program, system: System) -> list[ReferenceState]:
             "not assembled, fast", 1.5, moved(q, "q", 2.0**-4), moved(v, "v", 4.0), given
         ),
     ]
-    if program.design:
-        other = [other_value(value, place) for place, value in enumerate(given)]
+    if other := _other_parameters(program, given):
         states.append(ReferenceState("near the start, other parameters", 0.75, *near, other))
     return states
+
+
+def _other_parameters(program: Program, given: Sequence[float]) -> list[float]:
+    """Other values of parameters that a scene may have; none where all are fixed."""
+    if not program.design:
+        return []
+    places = dict(program.design.places)
+    for part in PARTS_OF_CHANGES:
+        other = [
+            value + part * (other_value(value, place) - value) for place, value in enumerate(given)
+        ]
+        work = ProgramInterpreter(program)
+        work["parameters"] = other
+        work.run("setup")
+        if all(work["design"][places[key]] > 0 for _, key in program.design.positive):
+            return other
+    return []
 
 
 def _point(program: Program, system: System, state: ReferenceState) -> dict[str, object] | None:

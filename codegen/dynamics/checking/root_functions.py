@@ -1,0 +1,127 @@
+"""Values and rates of the functions whose roots a run looks for, to compare its bounds with.
+
+They are of the formulas alone, at numbers that are drawn for what these read: rates are quotients
+of differences in 50 digits, so that neither bounds nor derivatives have a part in them.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.emission.context_numbers import measure_size
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
+from kousoku.codegen.sha256_random import Sha256Random
+from kousoku.model.expressions.formulas import TIME
+from kousoku.model.lowering.root_functions import root_functions_of
+from kousoku.model.numbers.digits import HIGH
+from kousoku.model.operations.expression import evaluated
+from kousoku.model.operations.graph import Op
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.model.mechanics.multibody import System
+    from kousoku.model.numbers.real import Real
+    from kousoku.model.operations.expression import Expression
+
+#: Those of which a solver has bounds, by the names of regions of its program.
+BOUNDED = (
+    *("switches", "features", "gaps", "laws"),
+    *("crossings", "breaks", "poles", "narrow", "infinite"),
+)
+#: How many points are drawn, and how far they are from the start and from each other, as parts of
+#: sizes.
+POINTS, FAR = 6, 0.5
+#: What differences are of [s]: half of the digits are left.
+DIFFERENCE = Fraction(1, 2**80)
+#: The unit of error: of the largest number that a formula has on the way.
+UNIT = 2.0**-24
+
+
+def root_function_points(program: Program, system: System) -> list[dict[str, object]]:
+    """Points at which functions are known: a time, numbers that they read, values and rates.
+
+    Parameters
+    ----------
+    program, system : Program, System
+        What a solver is emitted from.
+    """
+    functions = root_functions_of(system)
+    formulas: dict[str, Sequence[Expression]] = {
+        name: getattr(functions, name)
+        for name in BOUNDED
+        if any(one.name == name and one.size for one in program.regions)
+    }
+    if not formulas:
+        return []
+    start, length = _start(program, len(functions.measures)), characteristic_length(system)
+    stream = Sha256Random(f"root functions of {system.name}")
+
+    def drawn(size: float) -> float:
+        return FAR * size * stream.sign() * stream.magnitude()
+
+    points: list[dict[str, object]] = []
+    for _ in range(POINTS):
+        time, names, read = abs(drawn(4.0)), dict[str, list[float]](), []
+        for k, one in enumerate(functions.measures):
+            size = measure_size(one, system, length)
+            numbers = [start[2 * k] + drawn(size), start[2 * k + 1] + drawn(size), drawn(size)]
+            names |= {one.name: numbers[:2], one.rate: numbers[1:]}
+            read.append(numbers)
+        given = {name: [value, 0.0] for name, value in system.parameters}
+        courses = {TIME: [time, 1.0], **given, **names}
+        values = {name: [_known(one, courses) for one in own] for name, own in formulas.items()}
+        points.append({"time": time, "read": read, "values": values})
+    return points
+
+
+def _start(program: Program, count: int) -> list[float]:
+    """Value and rate of each thing that is read, at the start, where these are numbers."""
+    work = ProgramInterpreter(program)
+    try:
+        if count:
+            work.run("measure")
+            return [float(x) for x in work["measures"]]
+    except (ArithmeticError, ValueError):  # of a spring without length
+        pass
+    return [0.0] * (2 * count)
+
+
+def _known(formula: Expression, courses: Mapping[str, Sequence[float]]) -> list[float] | None:
+    """Value, rate, and unit of their errors; None where they are no finite real numbers."""
+    sizes = [1.0]
+
+    def applied(op: Op, args: Sequence[Real]) -> Real:
+        found = _applied(op, args)
+        sizes.append(abs(float(found)))
+        return found
+
+    def after(time: Fraction) -> Real:
+        names = {
+            name: HIGH.number(Fraction(value) + time * Fraction(rate))
+            for name, (value, rate) in courses.items()
+        }
+        return evaluated(formula, HIGH.number, names, applied)
+
+    try:
+        value, before, behind = after(Fraction(0)), after(-DIFFERENCE), after(DIFFERENCE)
+        rate = (behind - before) / HIGH.number(2 * DIFFERENCE)
+        found = [float(value), float(rate), UNIT * max(*sizes, abs(float(rate)))]
+        return found if all(map(isfinite, found)) else None
+    except (ArithmeticError, ValueError, TypeError):  # a pole, or a root that is not real
+        return None
+
+
+def _applied(op: Op, args: Sequence[Real]) -> Real:
+    """Function of numbers: of sums of exponentials as they are, as none overflows."""
+    match op:
+        case Op.LOG_SUM:
+            return HIGH.log(HIGH.exp(args[0]) + HIGH.exp(args[1]))
+        case Op.SHARE:
+            return HIGH.number(Fraction(1)) / (HIGH.number(Fraction(1)) + HIGH.exp(-args[0]))
+        case _:
+            return HIGH.applied(op, args)

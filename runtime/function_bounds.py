@@ -1,0 +1,111 @@
+"""Compare bounds of the functions whose roots a run looks for with what they are bounds of.
+
+Bounds over no time, at the numbers of ``functions`` in ``reference.json.gz``, are values and rates.
+Those of a box must have between them what the functions are at places inside.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kousoku.runtime.integrate.scene_tables import Workspace
+from kousoku.runtime.report import Row
+from kousoku.runtime.solver_verify import NAMES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from kousoku.runtime.dynamics_targets import NumpySolver
+    from kousoku.runtime.integrate.arithmetic import Array
+
+#: Segments that bound functions, and the regions of these: least and most of value and rate.
+SEGMENTS = {
+    "switching": ("switches", "features", "gaps"),
+    "bending": ("laws",),
+    "crossing": ("crossings", "breaks", "poles", "narrow", "infinite"),
+}
+#: What is said of such a row.
+KERNEL = "bounds"
+#: Half of the sides of boxes, as parts of one and of what is read, and at how many places inside
+#: functions are looked at.
+HALF_SIDES, INSIDE = (2.0**-20, 2.0**-7, 2.0**-2), 5
+#: The unit of error inside of a box, as a part of one and of the number.
+UNIT = 2.0**-24
+
+
+def bound_rows(solver: NumpySolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
+    """Errors of values and rates, and of bounds, of each region of functions.
+
+    Parameters
+    ----------
+    solver : NumpySolver
+        That of a scene.
+    points : sequence
+        Times, what is read there, and values and rates.
+    """
+    scene, random = solver.solver.scene, np.random.default_rng(len(points))
+    w = Workspace(scene, np.zeros(scene.work_size))
+    w.prepare(scene.parameters)
+    with np.errstate(all="ignore"):
+        for number, point in enumerate(points):
+            place = np.array([[point["time"], 1.0, 0.0], *point["read"]])
+            known = {
+                name: np.array([row or [np.nan] * 3 for row in values])
+                for name, values in point["values"].items()
+            }
+            exact = _bounds(place, place, w)
+            for name, (value, rate, unit) in _columns(known):
+                wanted = np.hstack((value, value, rate, rate))
+                errors = np.abs(exact[name] - wanted) / unit
+                yield _row(name, number, errors, exact[name], wanted)
+            for half_side in HALF_SIDES:
+                half = half_side * np.maximum(1.0, np.abs(place))
+                half[0, 1:] = 0.0  # time goes on evenly
+                box = _bounds(place - half, place + half, w)
+                for _ in range(INSIDE):
+                    there = place + half * random.uniform(-1.0, 1.0, place.shape)
+                    found = _bounds(there, there, w)
+                    for name, (_, _, unit) in _columns(known):
+                        inside = found[name]
+                        beyond = (box[name] - inside) * [1.0, -1.0, 1.0, -1.0]
+                        errors = beyond / np.fmax(unit, UNIT * np.maximum(1.0, np.abs(inside)))
+                        yield _row(f"{name} in a box", number, errors, box[name], inside)
+
+
+def _columns(known: Mapping[str, Array]) -> Iterator[tuple[str, list[Array]]]:
+    """Values, rates and units (n, 1) of the functions of each region."""
+    for name, rows in known.items():
+        yield name, np.split(rows, 3, axis=1)
+
+
+def _bounds(least: Array, most: Array, w: Workspace) -> dict[str, Array]:
+    """Bounds (n, 4) by region, where what is read, the time first, is in a box (k, 3)."""
+    ends = np.stack((least, most), axis=-1).ravel()
+    numbers = [*ends[:2], *ends[6:]]  # of the time no rate
+    for region in (w.span, w.law_span, w.ranges):
+        region[:] = numbers[: len(region)]  # scenes lack some of them
+    found: dict[str, Array] = {}
+    for segment, names in SEGMENTS.items():
+        w.run(segment)
+        found |= {name: getattr(w, name).reshape(-1, 4).copy() for name in names}
+    return {name: bounds for name, bounds in found.items() if len(bounds)}
+
+
+def _row(name: str, number: int, errors: Array, got: Array, wanted: Array) -> Row:
+    """Worst error (n, 4) of a region; where nothing is known, or told, there is none."""
+    known = np.where(np.isnan(errors), 0.0, errors)
+    k, part = np.unravel_index(int(np.argmax(known)), known.shape)
+    return Row(
+        kernel=KERNEL,
+        output=name,
+        way=NAMES["numpy"],
+        worst=max(0.0, float(known[k, part])),
+        element=(int(k), int(part)),
+        point=number,
+        label="drawn",
+        inputs=(),
+        got=float(got[k, part]),
+        wanted=float(wanted[k, part]),
+    )
