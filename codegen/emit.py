@@ -191,7 +191,9 @@ def _kernel_manifest(package: Package, kernel: Kernel) -> KernelManifest:
         nonzero=tuple(kernel.nonzero(k) for k in range(len(kernel.outputs))),
         is_exact=kernel.is_exact,
         operations=tuple(sorted((op.value, count) for op, count in kernel.operations.items())),
-        known=tuple((x.output, x.units) for x in known_errors(package.name, kernel.name)),
+        known=tuple(
+            known for one in known_errors(package, kernel.name) for known in one.units.items()
+        ),
     )
 
 
