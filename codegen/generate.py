@@ -238,19 +238,18 @@ def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
 
 
 def foreign_files(folder: Path, tree: Mapping[str, str]) -> list[Path]:
-    """Files in a folder that the generator did not write, and would never remove.
+    """Files and folders in a folder that the generator did not write, and would never remove.
 
     Those that Python or an operating system puts there (hidden ones, ``__pycache__``) do not count.
     """
     own = {*tree, *_listed_files(folder)}
     beside = {name.partition("/")[0] for name in own if "/" in name}
     found = [*folder.glob("*"), *(path for part in beside for path in (folder / part).glob("*"))]
+    own |= {*beside, *(f"{part}/__pycache__" for part in beside), "__pycache__"}
     return [
         path
         for path in sorted(found)
-        if path.is_file()
-        and path.relative_to(folder).as_posix() not in own
-        and not path.name.startswith(".")
+        if path.relative_to(folder).as_posix() not in own and not path.name.startswith(".")
     ]
 
 

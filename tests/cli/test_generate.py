@@ -96,14 +96,20 @@ def test_the_command_in_the_head_of_a_shipped_scene_works(run: Run, tmp_path: Pa
     assert (tmp_path / "lever_crank" / "solver.h").read_text("utf-8") == head
 
 
-def test_check_names_a_file_that_is_not_its_own(run: Run, tmp_path: Path) -> None:
+def test_check_names_what_is_not_its_own(run: Run, tmp_path: Path) -> None:
     run("generate", "n1", "--out", tmp_path)
     mine = tmp_path / "n1" / "mine.txt"
     mine.write_text("mine", encoding="utf-8")
+    data = tmp_path / "n1" / "data"
+    data.mkdir()
+    (data / "a.csv").write_text("mine", encoding="utf-8")
+    (tmp_path / "n1" / "__pycache__").mkdir(exist_ok=True)
     code, _, err = run("generate", "n1", "--out", tmp_path, "--check")
-    assert (code, err) == (0, f"{mine} is not kousoku's own: it is left alone\n")
+    told = [f"{path} is not kousoku's own: it is left alone\n" for path in (data, mine)]
+    assert (code, err) == (0, "".join(told))
     answer = json.loads(run("generate", "n1", "--out", tmp_path, "--check", "--json")[1])
-    assert answer == {"format": 1, "ok": True, "differences": [], "foreign": [str(mine)]}
+    foreign = [str(data), str(mine)]
+    assert answer == {"format": 1, "ok": True, "differences": [], "foreign": foreign}
 
 
 def test_check_finds_an_edited_and_a_missing_file(run: Run, tmp_path: Path) -> None:
