@@ -225,7 +225,7 @@ KNOWN: dict[tuple[str, str], tuple[KnownError, ...]] = {
     ),
     ("link", "rate"): (
         KnownError(
-            {"D_dot_x_dot": 1000000000000000.0},
+            {"D_dot_x_dot": 8.65e14},
             at(
                 x="""
                     -3.2669712536420206e-43 3.4555825462940195e-43 4.05773930524482e-43

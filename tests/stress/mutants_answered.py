@@ -89,6 +89,11 @@ ANSWERS = {
             "a row at a switch is written by the polynomial of the step behind it: the same numbers"
         ),
     },
+    "runtime/integrate/kinematics.py": {
+        "'seen, state.time + FINEST * whole' -> 'state.time + FINEST * whole, seen' in": (
+            "the larger of two numbers, whichever is first"
+        ),
+    },
     "runtime/integrate/crossing.py": {
         "'>' -> '>=' in 'while last - first > SMALLEST": "one more halving at most",
     },
