@@ -69,7 +69,8 @@ def bound_rows(solver: NumpySolver, points: Sequence[Mapping[str, Any]]) -> Iter
                     found = _bounds(there, there, w)
                     for name, (_, _, unit) in _columns(known):
                         inside = found[name]
-                        beyond = (box[name] - inside) * [1.0, -1.0, 1.0, -1.0]
+                        told = np.where(np.isinf(box[name]), np.nan, box[name])
+                        beyond = (told - inside) * [1.0, -1.0, 1.0, -1.0]
                         errors = beyond / np.fmax(unit, UNIT * np.maximum(1.0, np.abs(inside)))
                         yield _row(f"{name} in a box", number, errors, box[name], inside)
 

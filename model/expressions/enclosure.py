@@ -154,17 +154,11 @@ def _magnitude(x: Bounds) -> Bounds:
 
 
 def _reciprocal(x: Bounds) -> Bounds:
-    """Bounds of 1 / x: infinite where x may be zero, as then the product of both ends is.
-
-    The other end, where one is zero, is 0/0 by that.
-    """
+    """Bounds of 1 / x: infinite where x may be zero, as then the product of both ends is."""
     if x.is_one:
         return _point(div(ONE, x.least))
-    product = _most(mul(x.least, x.most), ZERO)
-    return Bounds(
-        _least(div(x.least, product), div(x.most, mul(x.most, x.most))),
-        _most(div(x.most, product), div(x.least, mul(x.least, x.least))),
-    )
+    product = apply(Op.ABS, _most(mul(x.least, x.most), ZERO))
+    return Bounds(div(x.least, product), div(x.most, product))
 
 
 def _power(a: Bounds, b: Bounds) -> Bounds:

@@ -66,7 +66,8 @@ ROUNDINGS = 64.0
 #: A step in which what was near to zero gets on a side within this part of it ends there.
 SOON = 0.1
 #: The loosest tolerance to which places are known, and of steps from a switch to the next: forces
-#: that switch soon again are narrow, and estimates are blind to what acts for a stage or two.
+#: that switch soon again are narrow, and estimates are blind to what acts for a stage or two. It is
+#: that of all steps behind kinks where no force jumps: friction that holds switches all the time.
 LOOSEST_AT_SWITCH = 1e-5
 #: What rates are known to of a length in the longest step so far, in units of the tolerance: in a
 #: short one rates of what does move are no better known, and no worse.

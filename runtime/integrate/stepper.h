@@ -574,10 +574,12 @@ static void find_error(const Attempts *tried, Trial *trial, Work *work, State *s
         trial->is_vague = N_FUNCTIONS > 0 &&
                           !(local_error(m, trial, 0, s, work, LEAST_PART) <= 1.0);
     } else {
-        const int is_locked = trial->is_last && s->time == s->switched &&
+        const int is_behind = s->time == s->switched;
+        const int is_locked = trial->is_last && is_behind &&
                               (tried->end == s->limit || tried->end == tried->search.cut);
-        const double tolerance = is_locked ? smaller(settings->tolerance, LOOSEST_AT_SWITCH)
-                                           : settings->tolerance;
+        const int is_close = is_locked || (is_behind && N_FUNCTIONS > 0 && N_BREAKS == 0);
+        const double tolerance = is_close ? smaller(settings->tolerance, LOOSEST_AT_SWITCH)
+                                          : settings->tolerance;
         trial->error = local_error(m, trial, is_locked, s, work, tolerance);
         if (tells_drift(trial, s)) {
             const double most = MOST_DRIFT * larger(settings->tolerance, LEAST_DRIFT);

@@ -469,6 +469,19 @@ def test_a_fault_in_the_composition_is_refused(
     assert f"WRONG: {TOLD_BY.get(name, 'newton_euler')}:" in output
 
 
+@pytest.mark.parametrize(
+    "law",
+    ["1/(cos(x) - 1)", "1/(sin(3*x)*sin(3*x_dot) - 1)", "x^0.3*sign(x_dot)", "sign(w - 0.1)*x"],
+)
+def test_bounds_at_the_ends_of_domains_are_verified(tmp_path: Path, law: str) -> None:
+    text = WATCHED.replace("w = 0.5", "w = 0.1").replace("1/(x - w) + 1/(x + w)^2", law)
+    text = text.partition("[events]")[0]
+    write_tree(tmp_path / "ends", generate_dynamics(scene_from_toml(text), references=True))
+    report = verify(tmp_path / "ends", target="numpy")
+    assert not [problem for problem in report.problems if problem.startswith("bounds")]
+    assert any(row.output == "crossings in a box" for row in report.rows)
+
+
 #: Moments of which one parameter leads those of one body or of the other beyond the triangle rule.
 NEARLY_FLAT = """
 name = "nearly_flat"

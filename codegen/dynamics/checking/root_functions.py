@@ -38,7 +38,8 @@ BOUNDED = (
 POINTS, FAR = 6, 0.5
 #: What differences are of [s]: half of the digits are left.
 DIFFERENCE = Fraction(1, 2**80)
-#: The unit of error: of the largest number that a formula has on the way.
+#: The unit of error: of the largest number that a formula has on the way. Sines of numbers that are
+#: larger than its inverse are known to less.
 UNIT = 2.0**-24
 
 
@@ -105,15 +106,21 @@ def _known(formula: Expression, courses: Mapping[str, Sequence[float]]) -> list[
             name: HIGH.number(Fraction(value) + time * Fraction(rate))
             for name, (value, rate) in courses.items()
         }
-        return evaluated(formula, HIGH.number, names, applied)
+        return evaluated(formula, _as_double, names, applied)
 
     try:
         value, before, behind = after(Fraction(0)), after(-DIFFERENCE), after(DIFFERENCE)
         rate = (behind - before) / HIGH.number(2 * DIFFERENCE)
-        found = [float(value), float(rate), UNIT * max(*sizes, abs(float(rate)))]
+        largest = max(*sizes, abs(float(rate)))
+        found = [float(value), float(rate), UNIT * largest * max(1.0, UNIT * largest)]
         return found if all(map(isfinite, found)) else None
     except (ArithmeticError, ValueError, TypeError):  # a pole, or a root that is not real
         return None
+
+
+def _as_double(value: Fraction) -> Real:
+    """Number of a formula as solvers have it."""
+    return HIGH.number(Fraction(float(value)))
 
 
 def _applied(op: Op, args: Sequence[Real]) -> Real:

@@ -713,9 +713,12 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         is_seen = work.scene.has_functions
         trial.is_vague = is_seen and not local_error(m, trial, state, work, LEAST_PART) <= 1.0
     else:
-        is_locked = trial.is_last and state.time == state.switched
+        is_behind = state.time == state.switched
+        has_kinks = work.scene.has_functions and work.scene.n_breaks == 0
+        is_locked = trial.is_last and is_behind
         is_locked = is_locked and tried.end in {state.limit, tried.search.cut}
-        tolerance = smaller(s.tolerance, LOOSEST_AT_SWITCH) if is_locked else s.tolerance
+        is_close = is_locked or (is_behind and has_kinks)
+        tolerance = smaller(s.tolerance, LOOSEST_AT_SWITCH) if is_close else s.tolerance
         trial.error = local_error(m, trial, state, work, tolerance, is_locked=is_locked)
         if tells_drift(trial, state, work):
             most = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
