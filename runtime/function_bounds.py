@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from kousoku.runtime.dynamics_targets import NumpySolver
     from kousoku.runtime.integrate.arithmetic import Array
 
+    #: What is compared, errors in units, what was computed, and what is wanted.
+    Compared = tuple[str, Array, Array, Array]
+
 #: Segments that bound functions, and the regions of these: least and most of value and rate.
 SEGMENTS = {
     "switching": ("switches", "features", "gaps"),
@@ -55,24 +58,38 @@ def bound_rows(solver: NumpySolver, points: Sequence[Mapping[str, Any]]) -> Iter
                 name: np.array([row or [np.nan] * 3 for row in values])
                 for name, values in point["values"].items()
             }
-            exact = _bounds(place, place, w)
-            for name, (value, rate, unit) in _columns(known):
-                wanted = np.hstack((value, value, rate, rate))
-                errors = np.abs(exact[name] - wanted) / unit
-                yield _row(name, number, errors, exact[name], wanted)
+            compared = [*_exact(place, known, w)]
             for half_side in HALF_SIDES:
                 half = half_side * np.maximum(1.0, np.abs(place))
                 half[0, 1:] = 0.0  # time goes on evenly
-                box = _bounds(place - half, place + half, w)
-                for _ in range(INSIDE):
-                    there = place + half * random.uniform(-1.0, 1.0, place.shape)
-                    found = _bounds(there, there, w)
-                    for name, (_, _, unit) in _columns(known):
-                        inside = found[name]
-                        told = np.where(np.isinf(box[name]), np.nan, box[name])
-                        beyond = (told - inside) * [1.0, -1.0, 1.0, -1.0]
-                        errors = beyond / np.fmax(unit, UNIT * np.maximum(1.0, np.abs(inside)))
-                        yield _row(f"{name} in a box", number, errors, box[name], inside)
+                ways = half * random.uniform(-1.0, 1.0, (INSIDE, *half.shape))
+                compared += _in_a_box(place, half, ways, known, w)
+            for name, errors, got, wanted in compared:
+                yield _row(name, number, errors, got, wanted)
+
+
+def _exact(place: Array, known: Mapping[str, Array], w: Workspace) -> Iterator[Compared]:
+    """Errors of bounds of no width at a place (k, 3): they are values and rates."""
+    exact = _bounds(place, place, w)
+    for name, (value, rate, unit) in _columns(known):
+        wanted = np.hstack((value, value, rate, rate))
+        errors = np.abs(exact[name] - wanted) / unit
+        yield name, errors, exact[name], wanted
+
+
+def _in_a_box(
+    place: Array, half: Array, ways: Array, known: Mapping[str, Array], w: Workspace
+) -> Iterator[Compared]:
+    """Errors of bounds of a box about a place (k, 3): what is beyond them some ways from there."""
+    box = _bounds(place - half, place + half, w)
+    for way in ways:
+        found = _bounds(place + way, place + way, w)
+        for name, (_, _, unit) in _columns(known):
+            inside = found[name]
+            told = np.where(np.isinf(box[name]), np.nan, box[name])
+            beyond = (told - inside) * [1.0, -1.0, 1.0, -1.0]
+            errors = beyond / np.fmax(unit, UNIT * np.maximum(1.0, np.abs(inside)))
+            yield f"{name} in a box", errors, box[name], inside
 
 
 def _columns(known: Mapping[str, Array]) -> Iterator[tuple[str, list[Array]]]:

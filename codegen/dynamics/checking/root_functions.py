@@ -10,9 +10,10 @@ from fractions import Fraction
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.checking.start import measures_at_start
+from kousoku.codegen.dynamics.composition.switching import BOUNDS
 from kousoku.codegen.dynamics.emission.context_numbers import measure_size
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
-from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.expressions.formulas import TIME
 from kousoku.model.lowering.root_functions import root_functions_of
@@ -28,11 +29,6 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.real import Real
     from kousoku.model.operations.expression import Expression
 
-#: Those of which a solver has bounds, by the names of regions of its program.
-BOUNDED = (
-    *("switches", "features", "gaps", "laws"),
-    *("crossings", "breaks", "poles", "narrow", "infinite"),
-)
 #: How many points are drawn, and how far they are from the start and from each other, as parts of
 #: sizes.
 POINTS, FAR = 6, 0.5
@@ -53,13 +49,14 @@ def root_function_points(program: Program, system: System) -> list[dict[str, obj
     """
     functions = root_functions_of(system)
     formulas: dict[str, Sequence[Expression]] = {
-        name: getattr(functions, name)
-        for name in BOUNDED
-        if any(one.name == name and one.size for one in program.regions)
+        one.name: own
+        for one in program.regions
+        if (own := getattr(functions, one.name, ())) and one.size == BOUNDS * len(own)
     }
     if not formulas:
         return []
-    start, length = _start(program, len(functions.measures)), characteristic_length(system)
+    count, length = len(functions.measures), characteristic_length(system)
+    start = measures_at_start(program, count) or [(0.0, 0.0)] * count
     stream = Sha256Random(f"root functions of {system.name}")
 
     def drawn(size: float) -> float:
@@ -68,9 +65,9 @@ def root_function_points(program: Program, system: System) -> list[dict[str, obj
     points: list[dict[str, object]] = []
     for _ in range(POINTS):
         time, names, read = abs(drawn(4.0)), dict[str, list[float]](), []
-        for k, one in enumerate(functions.measures):
+        for one, (value, rate) in zip(functions.measures, start, strict=True):
             size = measure_size(one, system, length)
-            numbers = [start[2 * k] + drawn(size), start[2 * k + 1] + drawn(size), drawn(size)]
+            numbers = [value + drawn(size), rate + drawn(size), drawn(size)]
             names |= {one.name: numbers[:2], one.rate: numbers[1:]}
             read.append(numbers)
         given = {name: [value, 0.0] for name, value in system.parameters}
@@ -78,18 +75,6 @@ def root_function_points(program: Program, system: System) -> list[dict[str, obj
         values = {name: [_known(one, courses) for one in own] for name, own in formulas.items()}
         points.append({"time": time, "read": read, "values": values})
     return points
-
-
-def _start(program: Program, count: int) -> list[float]:
-    """Value and rate of each thing that is read, at the start, where these are numbers."""
-    work = ProgramInterpreter(program)
-    try:
-        if count:
-            work.run("measure")
-            return [float(x) for x in work["measures"]]
-    except (ArithmeticError, ValueError):  # of a spring without length
-        pass
-    return [0.0] * (2 * count)
 
 
 def _known(formula: Expression, courses: Mapping[str, Sequence[float]]) -> list[float] | None:

@@ -59,18 +59,35 @@ def events_without_value(program: Program, system: System) -> list[tuple[str, st
     """
     if not system.events:
         return []
-    work = ProgramInterpreter(program)
-    try:
-        work.run("measure")
-    except (ArithmeticError, ValueError):  # of a spring without length: its force says so
+    measures = root_functions_of(system).measures
+    found = measures_at_start(program, len(measures))
+    if found is None:  # the force of that spring says so
         return []
     values = {TIME: 0.0, **dict(system.parameters)}
-    measures = root_functions_of(system).measures
-    pairs = zip(*[iter(work["measures"])] * 2, strict=True)
-    for one, (value, rate) in zip(measures, pairs, strict=True):
+    for one, (value, rate) in zip(measures, found, strict=True):
         values |= {one.name: value, one.rate: rate}
     return [
         (one.name, one.when)
         for one in system.events
         if not isfinite(value_of(parse_expression(one.when, values), values))
     ]
+
+
+def measures_at_start(program: Program, count: int) -> list[tuple[float, float]] | None:
+    """Value and rate of all that formulas read, at the start; None beside a spring without length.
+
+    Parameters
+    ----------
+    program : Program
+        What a solver is emitted from.
+    count : int
+        How many they are.
+    """
+    if not count:
+        return []
+    work = ProgramInterpreter(program)
+    try:
+        work.run("measure")
+    except (ArithmeticError, ValueError):
+        return None
+    return [*zip(*[map(float, work["measures"])] * 2, strict=True)]
