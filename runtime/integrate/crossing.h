@@ -67,6 +67,9 @@
 /* what gets further than so many times what it is known to passes by, as fast as it is at a time:
  * in the longest step, and before it comes to rest. So it is with rates, as fast as they change */
 #define PASSING 16.0
+/* a stage that counts tells of a contact where its accelerations would change speeds by more than
+ * this part in the step: for less errors tell enough */
+#define PUSHED 0.1
 /* bodies that are so many lengths of the scene from the origin of frame O are far: what rounding
  * leaves of their positions counts */
 #define FAR_AWAY 100.0
@@ -249,20 +252,25 @@ static void node_at(double time, const Search *search, const State *s, Work *wor
     evaluate_node(noise, time, work->w, node);
 }
 
-/* when a stage of the polynomial alone is beyond a switch that this one does not meet until seen,
- * as in a contact that all stages of the step passed by: what acts there has thrown it off, and it
- * tells nothing; seen, if none is */
-static double stage_beyond(double seen, const Search *search, const State *s, Work *work)
+/* when a stage, from a first one on, is beyond a switch that the polynomial does not meet until seen,
+ * as in a contact that the step leads over: what acts there has thrown it off, and it tells nothing;
+ * seen, if none is. Of those that count at the end of the step, whose error is told, these do that
+ * change speeds; at a jump none, which throws back what passes it a little */
+static double stage_beyond(
+    size_t first, double seen, const Search *search, const State *s, Work *work)
 {
     const Method *m = search->m;
+    const double slow = PUSHED * size_of(s->y + NQ);
     TimeNode node;
-    for (size_t n = m->stages + 1; n < m->all; ++n) {
+    for (size_t n = first; n < m->all; ++n) {
+        const size_t last = n > m->stages ? N_SWITCHING : N_SWITCHING - N_BREAKS;
         const double time = search->start + m->c[n] * search->h;
         if (!(time < seen)) continue;
+        if (n <= m->stages && search->h * size_of(work->k[n] + NQ) <= slow) continue;
         combine(n, m->a + n * (n - 1) / 2, s->y, search->h, work->k, work->scratch);
         read_of(time, work->scratch, work, node.read);
         evaluate_node(search->noise, time, work->w, &node);
-        for (size_t k = 0; k != N_SWITCHING; ++k) {
+        for (size_t k = EVENTS; k < last; ++k) {
             if (s->sides[k] != 0.0 && side_at(&node, k) == -(int)s->sides[k]) return time;
         }
     }

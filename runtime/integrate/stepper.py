@@ -841,15 +841,22 @@ def resolved_in(until: float, tried: Attempts, trial: Trial, work: Work, state: 
 
 
 def met_in(until: float, tried: Attempts, trial: Trial) -> float:
-    """Time [s] at which a trial must end so that its polynomial meets what its stages do."""
+    """Time [s] at which a trial must end so that its polynomial meets what its stages do.
+
+    Where it cannot be shorter for that, what stages of the polynomial alone meet is noted: of the
+    others an error tells.
+    """
     search, is_cut = tried.search, trial.end == tried.search.cut  # at a cut rounding decides
     if not tried.has_switches or not is_kept(trial) or tried.is_beyond or is_cut:
         return trial.end
-    beyond = stage_beyond(until, search)
-    if beyond < until and tried.thrown < MOST_SHORTER:
+    first = 1 if tried.thrown < MOST_SHORTER else search.m.stages + 1
+    beyond = stage_beyond(first, until, search)
+    if not beyond < until:
+        return trial.end
+    if tried.thrown < MOST_SHORTER:
         tried.thrown += 1
         return beyond
-    search.is_unresolved = search.is_unresolved or beyond < until
+    search.is_unresolved = True
     return trial.end
 
 

@@ -162,6 +162,37 @@ def test_loose_tolerances_hold_from_a_switch_to_the_next(
         assert run.ledger.trust.is_trusted
 
 
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize("stiffness", [1e6, 1e8, 1e10])
+def test_loose_tolerances_hold_in_stiff_stops(
+    solver_of: Callable[..., Any], stiffness: float, method: str
+) -> None:
+    """A step led over the whole contact: stages of it were thrown off, and its end was far away.
+
+    The error of DOPRI5 counts its third stage a hundred times less than the end does.
+    """
+    solver, random_ = solver_of(HILL.format(law="-max(0, x - place)", speed=1.0)), random.Random(5)
+    for _ in range(40):
+        place = random_.uniform(0.1, 6.0)
+        parameters = {"place": place, "force": stiffness}
+        settings = {"tolerance": 1e-2, "method": method, "parameters": parameters}
+        run = solver.simulate(random_.uniform(1.5, 2.5) * place, samples=2, **settings)
+        assert run.velocity["cart"][-1, 0] == pytest.approx(-1.0, abs=0.2), parameters
+        assert run.ledger.trust.is_trusted
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_both_targets_meet_stiff_stops_with_the_same_bits(solver_of: Callable[..., Any]) -> None:
+    text = HILL.format(law="-max(0, x - place)", speed=1.0)
+    settings = {"tolerance": 1e-2, "parameters": {"place": 1.3, "force": 1e8}}
+    for method in ("dopri5", "dop853"):
+        runs = [
+            solver_of(text, target=target).simulate(3.0, samples=3, method=method, **settings)
+            for target in ("c", "numpy")
+        ]
+        assert np.array_equal(runs[0].rows, runs[1].rows)
+
+
 @pytest.mark.usefixtures("numpy_solver")
 def test_both_targets_meet_narrow_walls_with_the_same_bits(solver_of: Callable[..., Any]) -> None:
     for name in ("cap_wall", "arctangent_wall", "double_exponential_wall"):

@@ -90,6 +90,9 @@ HALF = 0.5
 #: What gets further than so many times what it is known to passes by, as fast as it is at a time:
 #: in the longest step, and before it comes to rest. So it is with rates, as fast as they change.
 PASSING = 16.0
+#: A stage that counts tells of a contact where its accelerations would change speeds by more than
+#: this part in the step: for less errors tell enough.
+PUSHED = 0.1
 #: Bodies that are so many lengths of the scene from the origin of frame O are far: what rounding
 #: leaves of their positions counts.
 FAR_AWAY = 100.0
@@ -305,22 +308,29 @@ def evaluate_node(read: Array, noise: Array, time: float, w: Workspace) -> TimeN
     return TimeNode(time, read, least, most)
 
 
-def stage_beyond(seen: float, search: Search) -> float:
-    """Time of a stage of the polynomial alone that is beyond a switch that this one does not meet.
+def stage_beyond(first: int, seen: float, search: Search) -> float:
+    """Time [s] of a stage, from a first one on, beyond a switch that its polynomial does not meet.
 
-    So it is in a contact that all stages of the step passed by: what acts there has thrown the
-    polynomial off, and it tells nothing. If none is, that is until when it was seen.
+    So it is in a contact that the step leads over: what acts there has thrown the polynomial off,
+    and it tells nothing. If none is, that is until when it was seen. Of those that count at the end
+    of the step, whose error is told, these do that change speeds; at a jump none, which throws back
+    what passes it a little.
     """
-    m, state, work, n_poles = search.m, search.state, search.work, search.work.scene.n_poles
-    n = len(state.sides) - n_poles
-    for k in range(m.stages + 1, m.all):
+    m, state, work, scene = search.m, search.state, search.work, search.work.scene
+    size_of, n_switching = work.w.size_of, len(state.sides) - scene.n_poles
+    slow = PUSHED * size_of(state.y[scene.nq :])
+    for k in range(first, m.all):
         time = search.start + m.c[k] * search.h
         if not time < seen:
             continue
+        if k <= m.stages and search.h * size_of(work.k[k][scene.nq :]) <= slow:
+            continue
         combine(k, m.a[k], state.y, search.h, work.k, work.scratch)
         node = evaluate_node(read_of(time, work.scratch, work.w), search.noise, time, work.w)
-        sides = state.sides[:n]
-        if np.any((sides != 0.0) & (side_at(node)[:n] == -sides)):
+        last = n_switching if k > m.stages else n_switching - scene.n_breaks
+        own = slice(len(scene.events), last)
+        sides = state.sides[own]
+        if np.any((sides != 0.0) & (side_at(node)[own] == -sides)):
             return time
     return seen
 

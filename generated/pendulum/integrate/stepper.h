@@ -706,16 +706,19 @@ static double resolved_in(double until, Attempts *tried, const Trial *trial, Wor
     return trial->end;
 }
 
-/* where a trial must end so that its polynomial meets up to a time what its stages do; noted where
- * it cannot be shorter for that. At a cut rounding decides */
+/* where a trial must end so that its polynomial meets up to a time what its stages do. Where it
+ * cannot be shorter for that, what stages of the polynomial alone meet is noted: of the others an
+ * error tells. At a cut rounding decides */
 static double met_in(double until, Attempts *tried, const Trial *trial, Work *work, State *s)
 {
     Search *search = &tried->search;
     if (N_SWITCHING == 0 || !is_kept(trial)) return trial->end;
     if (tried->is_beyond || trial->end == search->cut) return trial->end;
-    const double beyond = stage_beyond(until, search, s, work);
-    if (beyond < until && tried->thrown++ < MOST_SHORTER) return beyond;
-    if (beyond < until) search->is_unresolved = 1;
+    const size_t first = tried->thrown < MOST_SHORTER ? 1 : tried->m->stages + 1;
+    const double beyond = stage_beyond(first, until, search, s, work);
+    if (!(beyond < until)) return trial->end;
+    if (tried->thrown++ < MOST_SHORTER) return beyond;
+    search->is_unresolved = 1;
     return trial->end;
 }
 
