@@ -252,10 +252,10 @@ static void node_at(double time, const Search *search, const State *s, Work *wor
     evaluate_node(noise, time, work->w, node);
 }
 
-/* when a stage, from a first one on, is beyond a switch that the polynomial does not meet until seen,
- * as in a contact that the step leads over: what acts there has thrown it off, and it tells nothing;
- * seen, if none is. Of those that count at the end of the step, whose error is told, these do that
- * change speeds; at a jump none, which throws back what passes it a little */
+/* when a stage, from a first one on, is beyond a switch that the polynomial does not meet until
+ * seen, as in a contact that the step leads over: what acts there has thrown it off, and it tells
+ * nothing; seen, if none is. Of those that count at the end of the step, whose error is told, these
+ * do that change speeds; at a jump none, which throws back what passes it a little */
 static double stage_beyond(
     size_t first, double seen, const Search *search, const State *s, Work *work)
 {
