@@ -1,7 +1,8 @@
 """Compare bounds of the functions whose roots a run looks for with what they are bounds of.
 
 Bounds over no time, at the numbers of ``functions`` in ``reference.json.gz``, are values and rates.
-Those of a box must have between them what the functions are at places inside.
+Those of a box must have between them what the functions are at places inside. Of distances a run
+has values alone.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ SEGMENTS = {
     "bending": ("laws",),
     "crossing": ("crossings", "breaks", "poles", "narrow", "infinite"),
 }
+#: Regions of the segment ``distance``, which has values alone.
+DISTANCES = ("lengths", "distances")
 #: What is said of such a row.
 KERNEL = "bounds"
 #: Half of the sides of boxes, as parts of one and of what is read, and at how many places inside
@@ -58,7 +61,8 @@ def bound_rows(solver: NumpySolver, points: Sequence[Mapping[str, Any]]) -> Iter
                 name: np.array([row or [np.nan] * 3 for row in values])
                 for name, values in point["values"].items()
             }
-            compared = [*_exact(place, known, w)]
+            distances = {name: known.pop(name) for name in DISTANCES if name in known}
+            compared = [*_evaluated(place, distances, w), *_exact(place, known, w)]
             for half_side in HALF_SIDES:
                 half = half_side * np.maximum(1.0, np.abs(place))
                 half[0, 1:] = 0.0  # time goes on evenly
@@ -66,6 +70,16 @@ def bound_rows(solver: NumpySolver, points: Sequence[Mapping[str, Any]]) -> Iter
                 compared += _in_a_box(place, half, ways, known, w)
             for name, errors, got, wanted in compared:
                 yield _row(name, number, errors, got, wanted)
+
+
+def _evaluated(place: Array, known: Mapping[str, Array], w: Workspace) -> Iterator[Compared]:
+    """Errors of values at a place (k, 3)."""
+    w.t[0] = place[0, 0]
+    w.measures[:] = place[1:, :2].ravel()
+    w.run("distance")
+    for name, (value, _, unit) in _columns(known):
+        found = getattr(w, name).reshape(-1, 1)
+        yield name, np.abs(found - value) / unit, found, value
 
 
 def _exact(place: Array, known: Mapping[str, Array], w: Workspace) -> Iterator[Compared]:
@@ -112,7 +126,7 @@ def _bounds(least: Array, most: Array, w: Workspace) -> dict[str, Array]:
 
 
 def _row(name: str, number: int, errors: Array, got: Array, wanted: Array) -> Row:
-    """Worst error (n, 4) of a region; where nothing is known, or told, there is none."""
+    """Worst error (n, 1) or (n, 4) of a region; where nothing is known, or told, there is none."""
     known = np.where(np.isnan(errors), 0.0, errors)
     k, part = np.unravel_index(int(np.argmax(known)), known.shape)
     return Row(

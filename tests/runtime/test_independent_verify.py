@@ -49,7 +49,7 @@ from kousoku.model.expressions import enclosure
 from kousoku.model.reading.read import read_scene, scene_from_dict, scene_from_toml
 from kousoku.runtime import dynamics_verify, verify
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.function_bounds import SEGMENTS
+from kousoku.runtime.function_bounds import DISTANCES, SEGMENTS
 from kousoku.runtime.integrate import dense_output, methods
 from kousoku.runtime.order import (
     shown_order_problems,
@@ -175,6 +175,12 @@ motor = { coordinate = "y", value = "sqrt(1 + t^2) + sin(3*t)" }
 push = { type = "along", coordinate = "x", force = "max(0, t - w)*exp(-(t/w)^2)" }
 wall = { type = "along", coordinate = "x", force = "-max(0, x*x_dot - w) - sign(x_dot^2 - x)" }
 pole = { type = "along", coordinate = "x", force = "1/(x - w) + 1/(x + w)^2 + sin(x*x_dot)" }
+near = { type = "along", coordinate = "x", force = "-w*x/sqrt((x - w*t)^2 + x_dot^2)" }
+[forces.rope]
+type = "spring_damper"
+bodies = ["ground", "cart"]
+points = [[0.2, 0, 0], [0, 0, 0]]
+stiffness = 2
 [events]
 there = { when = "x_dot*sin(x) - w/(1 + x^2)", action = "record" }
 """
@@ -340,6 +346,14 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
         *("region.part(2 * k, 1), region.part(2 * k + 1, 1)",),
         *("region.part(2 * k + 1, 1), region.part(2 * k, 1)",),
     ),
+    "value and rate of what distances are of": (
+        *("watched", switching.Valued, "__call__"),
+        *("((one.name, one.rate) for", "((one.rate, one.name) for"),
+    ),
+    "lengths in place of distances": (
+        *("watched", switching, "record_switching"),
+        *('"distances": functions.distances', '"distances": functions.lengths'),
+    ),
     # bounds of functions
     "value in place of a rate": (
         *("watched", switching.Enclosed, "_bounds"),
@@ -447,7 +461,8 @@ def test_what_is_right_is_verified(tmp_path: Path, name: str) -> None:
     if name == "watched":
         regions = [*chain(*SEGMENTS.values())]
         regions.remove("gaps")  # of drivers of distances
-        assert bounds == {*regions, *(f"{region} in a box" for region in regions)}
+        boxes = {f"{region} in a box" for region in regions}
+        assert bounds == {*regions, *boxes, *DISTANCES}
 
 
 @pytest.mark.usefixtures("no_old_traces")

@@ -1,4 +1,4 @@
-"""Values and rates of the functions whose roots a run looks for, to compare its bounds with.
+"""Values and rates of the functions whose roots a run looks for, to compare its own with.
 
 They are of the formulas alone, at numbers that are drawn for what these read: rates are quotients
 of differences in 50 digits, so that neither bounds nor derivatives have a part in them.
@@ -51,7 +51,7 @@ def root_function_points(program: Program, system: System) -> list[dict[str, obj
     formulas: dict[str, Sequence[Expression]] = {
         one.name: own
         for one in program.regions
-        if (own := getattr(functions, one.name, ())) and one.size == BOUNDS * len(own)
+        if (own := getattr(functions, one.name, ())) and one.size in {len(own), BOUNDS * len(own)}
     }
     if not formulas:
         return []
