@@ -497,6 +497,32 @@ def test_bounds_at_the_ends_of_domains_are_verified(tmp_path: Path, law: str) ->
     assert any(row.output == "crossings in a box" for row in report.rows)
 
 
+#: A block on a mount that is relaxed: what its forces and energies are, is rounding of its place.
+RELAXED = """
+name = "relaxed"
+unit = "dm"
+outputs = ["energies"]
+[bodies.block]
+position = [1.25, -5, -7.5]
+mass = 1.71875
+inertia = { xx = 143.75, yy = 179.6875, zz = 107.8125, xy = 14.375, yz = -28.75, zx = 7.1875 }
+[forces.mount]
+type = "bushing"
+bodies = ["ground", "block"]
+at = [1.25, -5, -7.5]
+stiffness = [30, 30, 30, 100, 200, 300]
+"""
+
+
+def test_rounding_in_a_relaxed_spring_is_no_error(tmp_path: Path) -> None:
+    write_tree(tmp_path / "relaxed", generate_dynamics(scene_from_toml(RELAXED), references=True))
+    report = verify(tmp_path / "relaxed", target="numpy")
+    assert report.problems == ()
+    assert {"energy", "angular_acceleration"} <= {
+        row.output for row in report.rows if row.kernel == "newton_euler"
+    }
+
+
 #: Moments of which one parameter leads those of one body or of the other beyond the triangle rule.
 NEARLY_FLAT = """
 name = "nearly_flat"

@@ -53,6 +53,9 @@ UNIQUE = 1e-7
 MOST_ANGLE_DIFFERENCE = 2.5
 #: The unit of error at a condition of one, as a part of the largest number of a sort.
 UNIT = 2.0**-42
+#: By how much a state is moved to see what rounding of it does to forces, as a part of sizes, and
+#: the least speeds, in sizes per second.
+MOVED, LEAST_SPEED = 2.0**-20, 1e-3
 #: What is smaller, as a part of that unit, is rounding of 50 digits, which is another one beside
 #: other factors in doubles: zero.
 NEGLIGIBLE_ERROR = 2.0**-40
@@ -183,6 +186,28 @@ class _States:
                         found[at] = x
                 done |= set(own)
         return found
+
+    def steepness(self, time: float, q: Array, v: Array) -> Array:
+        """Changes of forces (n,) [N, N m] where a state moves, by the part of its sizes.
+
+        A spring that is relaxed there has forces of rounding alone, of places times its stiffness.
+        They are zero where forces have no value beside the state.
+        """
+        part = MOVED * np.cos(np.arange(1.0, len(v) + 1.0))
+        speeds = np.maximum(np.abs(v), LEAST_SPEED * self.sizes)
+        try:
+            here = self._forces(time, q, v)
+            there = self._forces(time, self.moved(q, part * self.sizes), v + part[::-1] * speeds)
+        except (ArithmeticError, ValueError, TypeError):
+            return np.zeros(self.equations.count)
+        change = np.abs(there - here) / MOVED
+        return np.where(np.isfinite(change), change, 0.0)
+
+    def _forces(self, time: float, q: Array, v: Array) -> Array:
+        """Forces on all bodies (n,) [N, N m]."""
+        return np.array(
+            [float(x) for x in self.equations.loads(self.poses(q, v, FLOAT), time).force]
+        )
 
     def poses(self, q: Array, v: Array, digits: FormulaArithmetic[Any]) -> list[BodyState]:
         """Poses of the bodies of the scene, from coordinates of the solver."""
@@ -346,6 +371,7 @@ def _point(
     lines = equations.lines(poses, at_time)
     found = equations.loads(poses, at_time)
     solved = _Solved(equations, lines, found, has_masses=given.has_masses)
+    found.steepness = finder.steepness(time, q, v).tolist()
     values = _Values(given, equations, poses, found, solved).all()
     return {
         "label": label,
@@ -386,7 +412,7 @@ class _Values:
             for n, column in enumerate(self.equations.own(k)):
                 size = abs(float(self.solved.v_dot[column])) * (length if n > 2 else 1.0)
                 mass = body.mass if n < 3 else body.inertia[n - 3]
-                force = abs(float(self.found.force[column]))
+                force = max(abs(float(self.found.force[column])), self.found.steepness[column])
                 found += [size, force / mass * (length if n > 2 else 1.0) if mass > 0 else 0.0]
         return max(found)
 
@@ -486,6 +512,9 @@ class _Values:
 
     def _energies(self) -> Iterator[tuple[str, dict[str, object]]]:
         found, size = self.found, sum(abs(float(x)) for x in self.found.sizes)
+        for k in range(len(self.poses)):
+            for n, column in enumerate(self.equations.own(k)):
+                size += self.found.steepness[column] * (self.length if n < 3 else 1.0)
         yield "energy", self._made(["kinetic", "potential"], [found.kinetic, found.potential], size)
         names, numbers = [], []
         places = {body.name: k for k, body in enumerate(self.equations.bodies)}

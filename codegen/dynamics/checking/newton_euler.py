@@ -153,6 +153,8 @@ class Found:
         Of forces, by name, as far as their work is no potential energy.
     sizes : list of number [J]
         The parts that the energies are added up from.
+    steepness : sequence (n,) of float [N, N m]
+        Changes of the force where the state moves, by the part of its sizes.
     """
 
     force: list[Real]
@@ -160,6 +162,7 @@ class Found:
     kinetic: Real = 0
     powers: dict[str, Real] = field(default_factory=dict)
     sizes: list[Real] = field(default_factory=list)
+    steepness: Sequence[float] = ()
 
 
 @dataclass(slots=True)
