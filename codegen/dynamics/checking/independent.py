@@ -55,7 +55,7 @@ MOST_ANGLE_DIFFERENCE = 2.5
 UNIT = 2.0**-42
 #: By how much a state is moved to see what rounding of it does to forces, as a part of sizes, and
 #: the least speeds, in sizes per second.
-MOVED, LEAST_SPEED = 2.0**-20, 1e-3
+MOVED, LEAST_SPEED = 2.0**-30, 1e-3
 #: What is smaller, as a part of that unit, is rounding of 50 digits, which is another one beside
 #: other factors in doubles: zero.
 NEGLIGIBLE_ERROR = 2.0**-40
@@ -193,11 +193,15 @@ class _States:
         A spring that is relaxed there has forces of rounding alone, of places times its stiffness.
         They are zero where forces have no value beside the state.
         """
-        part = MOVED * np.cos(np.arange(1.0, len(v) + 1.0))
+        ways = np.cos(np.arange(1.0, len(v) + 1.0))
         speeds = np.maximum(np.abs(v), LEAST_SPEED * self.sizes)
-        try:
-            here = self._forces(time, q, v)
-            there = self._forces(time, self.moved(q, part * self.sizes), v + part[::-1] * speeds)
+        try:  # at the state itself roots may have no slope
+            here, there = (
+                self._forces(
+                    time, self.moved(q, part * ways * self.sizes), v + part * ways[::-1] * speeds
+                )
+                for part in (MOVED, 2.0 * MOVED)
+            )
         except (ArithmeticError, ValueError, TypeError):
             return np.zeros(self.equations.count)
         change = np.abs(there - here) / MOVED
