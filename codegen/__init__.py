@@ -1,1 +1,1 @@
-"""From derivations to source text: freeze, specialise, optimise, emit."""
+"""From derivations to source text: freeze, optimise, emit."""

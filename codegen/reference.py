@@ -27,6 +27,7 @@ from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.codegen.states import coincident_points, motion_points
 from kousoku.model.errors import DerivationError
 from kousoku.model.files.jsontext import to_text
+from kousoku.model.files.manifest import REFERENCE_FORMATS
 from kousoku.model.numbers.digits import CONTEXT
 from kousoku.model.numbers.dual import Dual, evaluate_dual
 
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
     from kousoku.model.operations.kernel import Kernel, Package
     from kousoku.symbolic.derivation import DerivedOutput, Function
 
-REFERENCE_FORMAT = 1
 #: From how many points the way to the constraint manifold is tried.
 MOST_STARTS = 8
 #: The output that a manifold is the zero of.
@@ -81,7 +81,9 @@ def references(
     """
     with CONTEXT.workdps(WORKING_DIGITS):
         kernels = _kernels(package, functions, is_thorough)
-    return to_text({"format": REFERENCE_FORMAT, "package": package.name, "kernels": kernels})
+    return to_text(
+        {"format": REFERENCE_FORMATS["kind"], "package": package.name, "kernels": kernels}
+    )
 
 
 def _kernels(

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import SolveError
+from kousoku.model.files.manifest import REFERENCE_FORMATS
 from kousoku.runtime.dynamics import DynamicsSolver, open_dynamics
 from kousoku.runtime.dynamics_targets import NumpySolver
 from kousoku.runtime.function_bounds import bound_rows
@@ -48,7 +49,7 @@ MOST_RELATIVE_DIFFERENCE = 1e-9
 class BodiesCheck(SolverCheck[DynamicsSolver]):
     """The check of a folder that was made from a scene of bodies."""
 
-    REFERENCE_FORMAT = 4
+    REFERENCE_FORMAT = REFERENCE_FORMATS["dynamics"]
 
     def load(self, target: Target) -> DynamicsSolver:
         """Solver by a target."""

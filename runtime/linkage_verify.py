@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kousoku.model.files.manifest import REFERENCE_FORMATS
 from kousoku.runtime.kinematics.rows import LINKAGE_METHODS, OF_NODES
 from kousoku.runtime.kinematics.status import AnalysisStatus
 from kousoku.runtime.linkage import LinkageSolver, open_linkage
@@ -36,7 +37,7 @@ SPEED, SPEED_DOT = -1.5, 0.75
 class LinkageCheck(SolverCheck[LinkageSolver]):
     """The check of a folder that was made from a linkage."""
 
-    REFERENCE_FORMAT = 1
+    REFERENCE_FORMAT = REFERENCE_FORMATS["linkage"]
 
     def load(self, target: Target) -> LinkageSolver:
         """Solver by a target."""

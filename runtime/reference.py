@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import VerifyError
-from kousoku.model.files.manifest import MANIFEST_FILE, REFERENCE_FILE
+from kousoku.model.files.manifest import MANIFEST_FILE, REFERENCE_FILE, REFERENCE_FORMATS
 from kousoku.runtime.report import LIMIT, Row
 
 if TYPE_CHECKING:
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kousoku.model.files.manifest import KernelManifest, Manifest
     from kousoku.model.files.quantity import Quantity
     from kousoku.runtime.arguments import Floats
-
-REFERENCE_FORMAT = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,8 +139,10 @@ def read_references(
         raise VerifyError(f"{folder / MANIFEST_FILE} lists no {REFERENCE_FILE}: nothing to verify")
     try:
         data = json.loads(files[REFERENCE_FILE])
-        if data["format"] != REFERENCE_FORMAT:
-            raise VerifyError(f"{path}: its format is {data['format']}, wanted {REFERENCE_FORMAT}")
+        if data["format"] != REFERENCE_FORMATS["kind"]:
+            raise VerifyError(
+                f"{path}: its format is {data['format']}, wanted {REFERENCE_FORMATS['kind']}"
+            )
         points = {kernel["name"]: kernel["points"] for kernel in data["kernels"]}
         if not all(points[k.name] for k in manifest.kernels):
             raise VerifyError(f"{path}: a kernel has no points: nothing to verify")

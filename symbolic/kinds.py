@@ -24,7 +24,7 @@ class Kind:
     module : str
         The module of ``kousoku.symbolic`` whose ``derive(package)`` derives it.
     packages : tuple of str
-        The packages that are emitted: one for each variant.
+        What is derived for it: one for each choice of its rows. They are emitted as one package.
     aliases : tuple of str
         Other names, compared without case, blanks and hyphens.
     """
@@ -110,7 +110,7 @@ def packages_of(name: str) -> tuple[str, ...]:
 
 
 def derive(name: str) -> Derivation:
-    """Derive one package; of a kind with variants, the last.
+    """Derive one choice of rows; of a kind with several, by the name of the kind, the last.
 
     Parameters
     ----------

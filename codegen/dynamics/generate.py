@@ -52,8 +52,8 @@ if TYPE_CHECKING:
 
 #: Distances of no more than this part of the scene's length are rounding of assembly.
 NO_LENGTH = 1e-12
-#: What every solver has for the ledger of its runs.
-LEDGER = ("checks", "energies")
+#: Outputs that every solver has for the ledgers of its runs.
+LEDGER_OUTPUTS = ("checks", "energies")
 
 
 def generate_dynamics(
@@ -137,7 +137,7 @@ def compose_scene(scene: Scene, wanted: Sequence[str]) -> Composed:
         given = written_start(scene, start.given, analysed.system)
         analysed = replace(analysed, system=replace(analysed.system, given=given))
     require_driven(analysed, wanted)
-    program = choice_of(analysed, (*LEDGER, *wanted)).program
+    program = choice_of(analysed, (*LEDGER_OUTPUTS, *wanted)).program
     changes = changes_of_assembly(start.given, start.placed)
     notes = (
         *notes_of(changes, start.given.unit, scene.unit),

@@ -11,6 +11,7 @@ from kousoku.codegen.linkage.exact import Exact
 from kousoku.codegen.linkage.layout import SUFFIXES
 from kousoku.codegen.linkage.solution import solution
 from kousoku.model.files.jsontext import to_text
+from kousoku.model.files.manifest import REFERENCE_FORMATS
 from kousoku.model.numbers.digits import CONTEXT, HIGH
 from kousoku.model.numbers.dual import DUAL, Dual, variable
 from kousoku.runtime.kinematics.rows import OF_NODES
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     #: For each input of the kernels its doubles.
     Numbers = dict[str, tuple[float, ...]]
 
-REFERENCE_FORMAT = 1
 #: Every so many steps of the way a reference is taken.
 EVERY = 2
 #: How far points lie from the way, relative to each number: rounding, and anywhere.
@@ -65,7 +65,7 @@ def reference_values(
     """
     return to_text(
         {
-            "format": REFERENCE_FORMAT,
+            "format": REFERENCE_FORMATS["linkage"],
             "points": [_row(program, layout, point) for point in _points(layout, found[::EVERY])],
             "exact": [kernel.name for kernel in program.kernels if kernel.is_exact],
             "solution": solution(layout, found),

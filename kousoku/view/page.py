@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kousoku.model.records.scene import METRES
 from kousoku.model.text import counted
 from kousoku.view.meshes import mesh_of
 from kousoku.view.shapes import DARK, LIGHT
@@ -37,16 +38,6 @@ FEW = 12
 """Bodies whose names and axes are drawn from the start, and forces that are named by who asks."""
 FEW_FORCES = 4
 """Forces that are drawn from the start when nobody names them."""
-METRES = {
-    "m": 1.0,
-    "dm": 0.1,
-    "cm": 0.01,
-    "mm": 1e-3,
-    "um": 1e-6,
-    "km": 1e3,
-    "in": 0.0254,
-    "ft": 0.3048,
-}
 
 
 def page_of(picture: Picture) -> str:
@@ -207,7 +198,7 @@ def _forces(picture: Picture, joints: list[str]) -> tuple[str, dict[str, Any]]:
     largest = float(np.abs(values).max(initial=0.0))
     sizes = np.linalg.norm(values, axis=-1)
     usual = float(np.quantile(sizes, 0.95)) if sizes.size else 0.0
-    metres = METRES[picture.unit]
+    metres = float(METRES[picture.unit])
     quantum = largest / LARGEST_INTEGER
     whole = np.rint(values / quantum) if quantum > 0.0 else 0.0 * values
     return _packed(whole), {

@@ -16,6 +16,8 @@ MANIFEST_FORMAT = 2
 #: What a package and the runtime agree on: functions and records of C, rows, data files. It is
 #: raised when a package of before would not run with the runtime of now, or the other way round.
 ABI = 4
+#: Formats of reference values: of a kind, of a scene of nodes, of a scene of bodies.
+REFERENCE_FORMATS = {"kind": 1, "linkage": 1, "dynamics": 4}
 #: A file of a package: in its folder, or in one folder of that, such as ``integrate/memory.h``.
 PLAIN = re.compile(r"(?=.{1,200}\Z)(?:[A-Za-z_]\w*/)?[A-Za-z_][\w-]*(?:\.\w+)+", re.ASCII)
 #: Files of a folder: the manifest; the reference values, compressed as

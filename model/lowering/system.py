@@ -5,7 +5,6 @@ What a number of the scene becomes is computed in 50 digits and rounded once.
 
 from __future__ import annotations
 
-from fractions import Fraction
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
@@ -39,6 +38,7 @@ from kousoku.model.numbers.precise import ZERO, High, Triple
 from kousoku.model.numbers.traced import Traced
 from kousoku.model.numbers.varying import Varying, fixed, is_varying
 from kousoku.model.records.own_kind import FRAMES, ORIGINS, input_name
+from kousoku.model.records.scene import METRES
 from kousoku.model.records.spatial import GROUND
 from kousoku.model.validation.mass import POSSIBLE
 from kousoku.model.validation.unused import OUTPUTS, output_problem
@@ -52,18 +52,6 @@ if TYPE_CHECKING:
     from kousoku.model.records.own_kind import OwnInput, OwnKind
     from kousoku.model.records.scene import Scene
     from kousoku.model.records.spatial import Body, Joint
-
-METRES = {
-    "m": Fraction(1),
-    "dm": Fraction(1, 10),
-    "cm": Fraction(1, 100),
-    "mm": Fraction(1, 1000),
-    "um": Fraction(1, 10**6),
-    "km": Fraction(1000),
-    "in": Fraction(254, 10**4),
-    "ft": Fraction(3048, 10**4),
-}
-"""Length of each unit of a scene."""
 
 UNIT_NAMES = {float(precise.number(length)): name for name, length in METRES.items()}
 """Names of units by their lengths in metres."""

@@ -2,6 +2,7 @@
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 from collections.abc import Mapping
+from fractions import Fraction
 from functools import partial
 from math import atan2, hypot
 from types import MappingProxyType
@@ -17,6 +18,17 @@ from kousoku.model.records.spatial import Body, Components, Coordinate, Driver, 
 from kousoku.model.text import counted
 
 Unit = Literal["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
+#: Lengths of the units of scenes [m].
+METRES: dict[str, Fraction] = {
+    "m": Fraction(1),
+    "dm": Fraction(1, 10),
+    "cm": Fraction(1, 100),
+    "mm": Fraction(1, 1000),
+    "um": Fraction(1, 10**6),
+    "km": Fraction(1000),
+    "in": Fraction(254, 10**4),
+    "ft": Fraction(3048, 10**4),
+}
 Output = Literal[
     "positions",
     "velocities",

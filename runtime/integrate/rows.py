@@ -9,7 +9,6 @@ import numpy as np
 
 from .arithmetic import larger
 from .dense_output import add_driven_works, differentiate, has_driven_works, interpolate
-from .methods import METHODS
 from .pivot_monitor import VAGUE_PIVOT_RATIO, WEAK_PIVOT_RATIO, pivot_ratio
 from .projection import accelerate, project, ratio_at
 from .row_switch import find_geometry, forget_trials, least_norm_reactions, take_multipliers
@@ -120,11 +119,10 @@ def write_row(
     else:
         x = (t - state.time_before) / h
         interpolate(m, x, state, y)
-        if has_driven_works(m, scene) and s.method < len(METHODS):
+        if has_driven_works(m, scene) and not s.is_kinematic:
             add_driven_works(x, scene, state, y)
-        vague = (
-            VAGUE_PIVOT_RATIO if s.method < len(METHODS) else WEAK_PIVOT_RATIO
-        ) * state.largest_pivot_ratio
+        part = WEAK_PIVOT_RATIO if s.is_kinematic else VAGUE_PIVOT_RATIO
+        vague = part * state.largest_pivot_ratio
         drift = project(t, 0.0, y, None, None, work, state)
         can = drift >= 0.0
         is_passed = not can or pivot_ratio(work, state) < vague

@@ -8,6 +8,8 @@ from __future__ import annotations
 from enum import IntEnum, IntFlag
 from typing import NamedTuple
 
+from .methods import METHODS
+
 #: What runs may be told, and how many steps they make unless told otherwise.
 OPTIONS = (
     *("tolerance", "method", "step", "largest_step", "checks", "most_steps", "parameters"),
@@ -68,6 +70,11 @@ class Settings(NamedTuple):
     fixed_step: float
     checks: int
     method: int
+
+    @property
+    def is_kinematic(self) -> bool:
+        """Whether drivers tell positions: the method after those of Runge and Kutta."""
+        return self.method == len(METHODS)
 
 
 class Status(IntEnum):

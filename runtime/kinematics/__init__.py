@@ -2,7 +2,7 @@
 
 The same algorithm as ordinary C (``*.h``) and as ordinary Python, file by file; a generated folder
 holds a copy of it beside the segments and the tables of its scene. It needs the C library, and in
-Python NumPy, and imports nothing of kousoku but itself.
+Python NumPy, and imports nothing of kousoku but the integrator and messages, which travel along.
 
 ``tables``           records of the tables that describe a linkage
 ``status``           what an analysis ends with, and its tolerances

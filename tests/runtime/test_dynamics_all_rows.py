@@ -24,7 +24,7 @@ from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.emission.context_numbers import inverse_mass_table
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
-from kousoku.codegen.dynamics.generate import LEDGER, generate_dynamics
+from kousoku.codegen.dynamics.generate import LEDGER_OUTPUTS, generate_dynamics
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy import redundant_rows
@@ -99,7 +99,7 @@ def system() -> System:
 
 @pytest.fixture(scope="module")
 def good(system: System) -> Program:
-    return compose(independent(system, may_be_planar=False), (*LEDGER, *OUTPUTS))
+    return compose(independent(system, may_be_planar=False), (*LEDGER_OUTPUTS, *OUTPUTS))
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +111,7 @@ def bad(system: System) -> Program:
         if (row.joint, system.constraints[row.instance].kind, row.row) in BAD
     ]
     joints = [one.joint for one in system.constraints if not one.is_driver]
-    found = compose(without(whole, rows, joints), (*LEDGER, *OUTPUTS))
+    found = compose(without(whole, rows, joints), (*LEDGER_OUTPUTS, *OUTPUTS))
     assert len(found.left_out) == len(BAD)
     return found
 

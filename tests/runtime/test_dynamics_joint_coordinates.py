@@ -12,7 +12,7 @@ import pytest
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
-from kousoku.codegen.dynamics.generate import LEDGER
+from kousoku.codegen.dynamics.generate import LEDGER_OUTPUTS
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.generate import write_tree
 from kousoku.model.lowering.system import system_of
@@ -85,7 +85,7 @@ def slider() -> Scene:
 def with_all_rows(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Scene], DynamicsSolver]:
     def load(scene: Scene) -> DynamicsSolver:
         system = assemble(system_of(scene, OUTPUTS))
-        program = compose(independent(system), (*LEDGER, *OUTPUTS))
+        program = compose(independent(system), (*LEDGER_OUTPUTS, *OUTPUTS))
         folder = tmp_path_factory.mktemp("rows") / scene.name
         folder.mkdir()
         write_tree(folder, emit_dynamics(inline(program), system, OUTPUTS))

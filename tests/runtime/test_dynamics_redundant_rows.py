@@ -11,7 +11,7 @@ import pytest
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
-from kousoku.codegen.dynamics.generate import LEDGER, generate_dynamics
+from kousoku.codegen.dynamics.generate import LEDGER_OUTPUTS, generate_dynamics
 from kousoku.codegen.generate import write_tree
 from kousoku.model.errors import MotionError
 from kousoku.model.lowering.system import system_of
@@ -34,7 +34,7 @@ def loose(tmp_path_factory: pytest.TempPathFactory) -> Path:
     kinds = [one.kind for one in system.constraints]
     rows = [x for x in whole.outline.rows if (kinds[x.instance], x.row) == ("point", 0)]
     folder = tmp_path_factory.mktemp("loose") / "pendulum"
-    write_tree(folder, emit_dynamics(compose(without(whole, rows), LEDGER), system))
+    write_tree(folder, emit_dynamics(compose(without(whole, rows), LEDGER_OUTPUTS), system))
     return folder
 
 

@@ -15,7 +15,7 @@ import pytest
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.choose import cheaper
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.generate import LEDGER
+from kousoku.codegen.dynamics.generate import LEDGER_OUTPUTS
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.model.errors import MotionError
@@ -84,7 +84,7 @@ def time_of_the_line() -> float:
 
 
 def in_fifty_digits(q: Any, v: Any, scene: Scene = SCENE) -> dict[str, Any]:
-    system, wanted = assemble(system_of(scene, OUTPUTS)), (*LEDGER, *OUTPUTS)
+    system, wanted = assemble(system_of(scene, OUTPUTS)), (*LEDGER_OUTPUTS, *OUTPUTS)
     found = independent(system)
     program = cheaper(found, wanted, compose(found, wanted))
     work = ProgramInterpreter(program, HIGH)
@@ -303,7 +303,7 @@ def test_power_of_a_driver_is_refined_with_the_accelerations(
     target: Any = backend
     run = load_dynamics(bodies_folder(scene, OUTPUTS), target=target).begin([0.0, 1.0])
     assert run.finish().ledger.refinements > 0
-    system, wanted = assemble(system_of(scene, OUTPUTS)), (*LEDGER, *OUTPUTS)
+    system, wanted = assemble(system_of(scene, OUTPUTS)), (*LEDGER_OUTPUTS, *OUTPUTS)
     found = independent(system)
     program = cheaper(found, wanted, compose(found, wanted))
     work = ProgramInterpreter(inline(program))

@@ -13,7 +13,7 @@ import kousoku
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
-from kousoku.codegen.dynamics.generate import LEDGER
+from kousoku.codegen.dynamics.generate import LEDGER_OUTPUTS
 from kousoku.codegen.generate import write_tree
 from kousoku.model.errors import MotionError
 from kousoku.model.lowering.system import system_of
@@ -191,7 +191,7 @@ def loosened(folder: Path) -> DynamicsSolver:
     whole = all_rows(system)
     kinds = [one.kind for one in system.constraints]
     rows = [x for x in whole.outline.rows if (kinds[x.instance], x.row) == ("point", 0)]
-    write_tree(folder, emit_dynamics(compose(without(whole, rows), LEDGER), system))
+    write_tree(folder, emit_dynamics(compose(without(whole, rows), LEDGER_OUTPUTS), system))
     return load_dynamics(folder, target="c")
 
 

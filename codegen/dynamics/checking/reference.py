@@ -26,6 +26,7 @@ from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.files.jsontext import to_text
+from kousoku.model.files.manifest import REFERENCE_FORMATS
 from kousoku.model.lowering.parametric import fixed_system
 from kousoku.model.lowering.root_functions import root_functions_of
 from kousoku.model.mechanics.constraints import is_length
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.mechanics.multibody import System
 
-FORMAT = 4
 #: Programs with more operations get no reference values: they would take minutes.
 MOST_OPERATIONS = 100_000
 #: No unit is smaller, as a part of the largest of its region: roundings of roundings count there.
@@ -109,7 +109,7 @@ def solver_references(program: Program, system: System, written: System) -> str:
         functions = root_function_points(program, system)
     return to_text(
         {
-            "format": FORMAT,
+            "format": REFERENCE_FORMATS["dynamics"],
             "package": system.name,
             "is_exact": _uses(program, EXACT_OPS | LEAVES),
             "is_smooth": _uses(program, frozenset(Op) - KINKS),

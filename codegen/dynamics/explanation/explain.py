@@ -16,7 +16,7 @@ from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
 from kousoku.codegen.dynamics.explanation.text import explanation_text
-from kousoku.codegen.dynamics.generate import LEDGER
+from kousoku.codegen.dynamics.generate import LEDGER_OUTPUTS
 from kousoku.codegen.dynamics.operations.body_coordinates import with_all_inertias
 from kousoku.codegen.dynamics.recording.counts import counts, operations
 from kousoku.codegen.dynamics.recording.inline import inline
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from kousoku.model.records.scene import Scene
 
 #: Everything that can be computed.
-ALL = (*LEDGER, "reactions")
+ALL = (*LEDGER_OUTPUTS, "reactions")
 BYTES = 8
 
 
@@ -146,7 +146,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     """
     names = scene.outputs if outputs is None else outputs
     assembled = assemble_scene(scene, names).system
-    wanted = (*LEDGER, *names)
+    wanted = (*LEDGER_OUTPUTS, *names)
     found = analyse(assembled, wanted)
     unlumped = _with_masses(assembled)
     system, freedom = found.system, found.freedom

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
 
 #: Components below this part of what they came from are zeros that rounded positions left.
-ROUNDING_OF_PLACES = CONTEXT.mpf(2) ** -51
+ROUNDING = CONTEXT.mpf(2) ** -51
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,12 +83,12 @@ def seen_from_carriers(
 
 def rounded_vector(values: Triple, size: High = 0) -> Vector:
     """Vector (3,), rounded once in its frame and unit, without noise beside its size."""
-    x, y, z = precise.rounded(values, size, ROUNDING_OF_PLACES)
+    x, y, z = precise.rounded(values, size, ROUNDING)
     return x, y, z
 
 
 def rounded_turn(p: Quadruple) -> Quaternion:
     """Euler parameters p/|p| (4,) [-] of norm one, rounded once; of any two frames."""
     size = precise.length(p)
-    w, x, y, z = precise.rounded([component / size for component in p], 1, ROUNDING_OF_PLACES)
+    w, x, y, z = precise.rounded([component / size for component in p], 1, ROUNDING)
     return w, x, y, z

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.placement import (
-    ROUNDING_OF_PLACES,
+    ROUNDING,
     Placement,
     rounded_turn,
     rounded_vector,
@@ -124,7 +124,7 @@ def _mass_of(
 
 def _without_noise(tensor: Sequence[Sequence[High]], normal: int | None) -> list[list[High]]:
     """Tensor without products of inertia that do not count."""
-    limit = ROUNDING_OF_PLACES * max(tensor[k][k] for k in ALL)
+    limit = ROUNDING * max(tensor[k][k] for k in ALL)
     return [
         [
             precise.number(0.0)

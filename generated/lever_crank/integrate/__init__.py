@@ -9,4 +9,10 @@ bits: ``arithmetic``, ``pivot_monitor``, ``row_switch``, ``projection``, ``dense
 ``crossing``, ``cuts``, ``distances``, ``breaks``, ``branches``, ``stepper``, ``switching``,
 ``kinematics``, ``rows``, ``continuation``, ``rank``, ``trust``. It goes along with each generated
 solver, and needs NumPy only.
+
+In Python alone, what C has in other files or its callers do: the tables of a scene,
+``scene_tables``, ``tasks``, ``methods``, ``settings``, ``state``, and its solver, ``scene_solver``;
+starts, ``initial_coordinates``, ``initial_poses``, ``initial_values``, ``assembled_start``,
+``start_evaluation``, ``run_arguments``; results, ``motion``, ``result``, ``body_tables``,
+``euler_parameters``, ``events``, ``nearly_dependent``; and ``alone``, for folders without kousoku.
 """

@@ -181,7 +181,7 @@ class SceneSolver:
 
     def _are_possible(self, settings: Settings, s: State) -> bool:
         """Whether a run may be made so, and goes on with the method that it began with."""
-        is_kinematic = self.scene.is_driven and settings.method == len(METHODS)
+        is_kinematic = self.scene.is_driven and settings.is_kinematic
         if not (LEAST_TOLERANCE <= settings.tolerance < 1.0 and settings.largest_step > 0.0):
             return False
         if not 0.0 <= settings.fixed_step <= settings.largest_step:
@@ -263,7 +263,7 @@ class SceneSolver:
             if status != Status.GOOD or asked <= s.time:
                 return status
             target = smaller(s.limit, end)
-        if self.scene.is_driven and settings.method == len(METHODS):
+        if self.scene.is_driven and settings.is_kinematic:
             from .kinematics import driven_step  # other scenes do not have it
 
             h = settings.largest_step

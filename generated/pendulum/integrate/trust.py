@@ -10,7 +10,6 @@ import numpy as np
 
 from ..messages import listed, scene_key, shortly
 from .arithmetic import larger, smaller
-from .methods import METHODS
 from .settings import CLEARLY, NOTHING_MOVES, Doubt
 
 if TYPE_CHECKING:
@@ -267,7 +266,7 @@ def judge(
     # where joints hold all that could move what energy there is is rounding
     if settings.checks and is_weighed and (is_driven or is_free):
         doubts |= beyond(single["energy_error"], energy_limit, Doubt.ENERGY)
-        if settings.method == len(METHODS):
+        if settings.is_kinematic:
             doubts |= beyond(single["work_error"], work_limit, Doubt.WORKS)
     doubts |= beyond(constraints, off, Doubt.CONSTRAINTS)
     if is_free:  # else corrections take away all of the error of a step or row
@@ -308,13 +307,13 @@ def trust_of(
     """
     verdict = judge(state, rows, layout, settings, is_weighed=is_weighed, is_driven=is_driven)
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
-    checks, is_led = bool(settings.checks), settings.method == len(METHODS)
+    checks, is_kinematic = bool(settings.checks), settings.is_kinematic
     knows_energy = checks and is_weighed
     is_free = layout.sizes["v"] != len(rows.rows) + len(rows.satisfied)
     told = larger(verdict.limit * single["energy_moved"], known_energy(single))
     is_still = knows_energy and told < single["energy_error"] <= verdict.energy_limit
     advice = "a smaller step" if settings.fixed_step else "a smaller tolerance or largest_step"
-    advice = "a smaller largest_step, or more rows" if is_led else advice
+    advice = "a smaller largest_step, or more rows" if is_kinematic else advice
     opened = map(scene_key, released(missed_by(state["violations"][0], rows, layout), layout))
     moved, count = shortly(single["energy_moved"], 2), single["branch_points"]
     impulse = single["impulse"] / fastest_or_nothing(single) if single["impulse"] > 0.0 else 0.0
@@ -351,7 +350,7 @@ def trust_of(
     return Trust(
         energy_error=single["energy_error"] if knows_energy else None,
         energy_moved=single["energy_moved"] if knows_energy else None,
-        work_error=single["work_error"] if knows_energy and is_led else None,
+        work_error=single["work_error"] if knows_energy and is_kinematic else None,
         constraints=verdict.constraints if checks else None,
         missed=verdict.missed,
         closure_tolerance=layout.closure_tolerance,
@@ -379,7 +378,7 @@ def below_tolerance(
     Ranges of coordinates, lengths relative to that of the scene. Where drivers lead, bodies are
     left out: some are exact, and which of them is not known.
     """
-    if settings.fixed_step > 0.0 or settings.method == len(METHODS):
+    if settings.fixed_step > 0.0 or settings.is_kinematic:
         return {}
     low, high = state["lowest"], state["highest"]
     ranges, sizes = high - low, np.maximum(np.abs(low), np.abs(high))

@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.analyse import PRESCRIBED
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.choose import cheaper
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.generate import LEDGER
+from kousoku.codegen.dynamics.generate import LEDGER_OUTPUTS
 from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.recording.program import reads
@@ -269,8 +269,8 @@ def test_one_body_of_many_is_reduced_only_where_a_driver_leads_it() -> None:
 def test_the_four_bars_of_a02_keep_the_rows_of_their_couplers() -> None:
     given = assemble(system_of(n_four_bar(4), ()))
     found = independent(given)
-    whole = compose(found, LEDGER)
-    program = cheaper(found, LEDGER, whole)
+    whole = compose(found, LEDGER_OUTPUTS)
+    program = cheaper(found, LEDGER_OUTPUTS, whole)
     assert (len(whole.rows), len(program.rows), len(program.satisfied)) == (26, 16, 10)
     assert program.placed == tuple(range(5))
     assert operations(program) < 0.8 * operations(whole)
