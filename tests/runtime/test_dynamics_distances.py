@@ -10,6 +10,7 @@ import pytest
 
 from kousoku.model.reading.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
+from tests.stress.force_laws import END, FORMS
 from tests.stress.forces import blind
 
 if TYPE_CHECKING:
@@ -224,6 +225,24 @@ def test_both_targets_turn_with_the_same_bits(solver_of: Callable[..., Any]) -> 
             ]
             assert np.array_equal(runs[0].rows, runs[1].rows)
             assert runs[0].ledger.derivatives == runs[1].ledger.derivatives
+
+
+@pytest.mark.usefixtures("compiler", "numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("method", METHODS)
+def test_steps_go_on_at_the_edge_of_what_places_are_known_to(
+    bodies_folder: Callable[..., Path], method: str, target: Any
+) -> None:
+    """One that began there was asked to end sooner than time has digits for: a run stopped."""
+    scene = scene_from_toml(FORMS["distance_wall"].text)
+    solver = load_dynamics(bodies_folder(scene, ("energies",)), target=target)
+    place, width, height = 34.04916874605569, 0.7758482742179914, 25.12101885073311
+    parameters = {"place": place, "width": width, "height": height}
+    speed = math.sqrt(100.0 - 4.0 * height * width)
+    for tolerance in (1e-2, 1e-4, 3e-5, 1e-5, 1e-6):
+        settings: dict[str, Any] = {"method": method, "tolerance": tolerance}
+        run = solver.simulate(END, samples=2, parameters=parameters, **settings)
+        assert run.velocity["cart"][-1, 0] == pytest.approx(speed, rel=1e-4), tolerance
 
 
 @pytest.mark.parametrize("name", [*ORBITS, "spring"])
