@@ -153,7 +153,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     @property
     def is_spatial(self) -> bool:
-        """Whether the scene has bodies or joints in space."""
+        """Whether the scene is of bodies, in a plane or not; else it is of nodes and links."""
         return bool(self.bodies or self.joints)
 
     def length(self, link: str) -> float:
