@@ -78,26 +78,25 @@ def _evaluated(place: Array, known: Mapping[str, Array], w: Workspace) -> Iterat
     w.measures[:] = place[1:, :2].ravel()
     w.run("distance")
     for name, (value, _, unit) in _columns(known):
-        found = getattr(w, name).reshape(-1, 1)
+        found = _as_many(getattr(w, name), value.shape)
         yield name, np.abs(found - value) / unit, found, value
 
 
 def _exact(place: Array, known: Mapping[str, Array], w: Workspace) -> Iterator[Compared]:
     """Errors of bounds of no width at a place (k, 3): they are values and rates."""
-    exact = _bounds(place, place, w)
+    exact = _bounds(place, place, known, w)
     for name, (value, rate, unit) in _columns(known):
-        wanted = np.hstack((value, value, rate, rate))
-        errors = np.abs(exact[name] - wanted) / unit
-        yield name, errors, exact[name], wanted
+        found, wanted = exact[name], np.hstack((value, value, rate, rate))
+        yield name, np.abs(found - wanted) / unit, found, wanted
 
 
 def _in_a_box(
     place: Array, half: Array, ways: Array, known: Mapping[str, Array], w: Workspace
 ) -> Iterator[Compared]:
     """Errors of bounds of a box about a place (k, 3): what is beyond them some ways from there."""
-    box = _bounds(place - half, place + half, w)
+    box = _bounds(place - half, place + half, known, w)
     for way in ways:
-        found = _bounds(place + way, place + way, w)
+        found = _bounds(place + way, place + way, known, w)
         for name, (_, _, unit) in _columns(known):
             inside = found[name]
             told = np.where(np.isinf(box[name]), np.nan, box[name])
@@ -106,23 +105,29 @@ def _in_a_box(
             yield f"{name} in a box", errors, box[name], inside
 
 
+def _as_many(numbers: Array, shape: tuple[int, ...]) -> Array:
+    """Numbers of a region in a shape, infinite where it has not as many as its functions want."""
+    is_whole = numbers.size == np.prod(shape)
+    return numbers.reshape(shape).copy() if is_whole else np.full(shape, np.inf)
+
+
 def _columns(known: Mapping[str, Array]) -> Iterator[tuple[str, list[Array]]]:
     """Values, rates and units (n, 1) of the functions of each region."""
     for name, rows in known.items():
         yield name, np.split(rows, 3, axis=1)
 
 
-def _bounds(least: Array, most: Array, w: Workspace) -> dict[str, Array]:
-    """Bounds (n, 4) by region, where what is read, the time first, is in a box (k, 3)."""
+def _bounds(
+    least: Array, most: Array, known: Mapping[str, Array], w: Workspace
+) -> dict[str, Array]:
+    """Bounds (n, 4) by region of known functions, where what is read, time first, is in a box."""
     ends = np.stack((least, most), axis=-1).ravel()
     numbers = [*ends[:2], *ends[6:]]  # of the time no rate
     for region in (w.span, w.law_span, w.ranges):
         region[:] = numbers[: len(region)]  # scenes lack some of them
-    found: dict[str, Array] = {}
-    for segment, names in SEGMENTS.items():
+    for segment in SEGMENTS:
         w.run(segment)
-        found |= {name: getattr(w, name).reshape(-1, 4).copy() for name in names}
-    return {name: bounds for name, bounds in found.items() if len(bounds)}
+    return {name: _as_many(getattr(w, name), (len(rows), 4)) for name, rows in known.items()}
 
 
 def _row(name: str, number: int, errors: Array, got: Array, wanted: Array) -> Row:

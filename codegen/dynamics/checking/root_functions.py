@@ -11,7 +11,6 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.checking.start import measures_at_start
-from kousoku.codegen.dynamics.composition.switching import BOUNDS
 from kousoku.codegen.dynamics.emission.context_numbers import measure_size
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.sha256_random import Sha256Random
@@ -29,6 +28,11 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.real import Real
     from kousoku.model.operations.expression import Expression
 
+#: Regions of a program that have functions, as they are called in :class:`RootFunctions`.
+REGIONS = (
+    *("switches", "features", "gaps", "laws", "crossings", "breaks", "poles", "narrow", "infinite"),
+    *("lengths", "distances"),
+)
 #: How many points are drawn, and how far they are from the start and from each other, as parts of
 #: sizes.
 POINTS, FAR = 6, 0.5
@@ -49,9 +53,7 @@ def root_function_points(program: Program, system: System) -> list[dict[str, obj
     """
     functions = root_functions_of(system)
     formulas: dict[str, Sequence[Expression]] = {
-        one.name: own
-        for one in program.regions
-        if (own := getattr(functions, one.name, ())) and one.size in {len(own), BOUNDS * len(own)}
+        name: own for name in REGIONS if (own := getattr(functions, name))
     }
     if not formulas:
         return []
