@@ -150,6 +150,21 @@ x = { joint = "rail" }
 wall = { type = "along", coordinate = "x", force = "-1e6*max(0, x - 49.9)*max(0, 50.1 - x)" }
 """
 
+#: A cart that a spring draws while it is as long as a law says.
+DRAWN = """
+name = "drawn"
+unit = "mm"
+[bodies]
+cart = { position = [0, 0, 0], velocity = [10, 0, 0], boxes = [{ mass = 1, size = [2, 2, 2] }] }
+[joints]
+rail = { type = "prismatic", bodies = ["ground", "cart"], at = [0, 0, 0], axis = [1, 0, 0] }
+[forces.spring]
+type = "spring_damper"
+bodies = ["ground", "cart"]
+points = [[-1, 0, 0], [0, 0, 0]]
+tension = "2 - 1e5*max(0, 1 - abs(x - 1.6)*1e4)"
+"""
+
 OF_LOAD = "forces = (*zeros, *(orientation.T @ given).flat)"
 #: A cart with every sort of function that a run watches.
 WATCHED = """
@@ -354,7 +369,23 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
         *("watched", switching, "record_switching"),
         *('"distances": functions.distances', '"distances": functions.lengths'),
     ),
+    "a distance too few": (
+        *("watched", switching, "record_switching"),
+        *('"distances": functions.distances', '"distances": ()'),
+    ),
+    "length and rate of a spring": (
+        *("drawn", spring_damper.SpringLength, "__call__"),
+        *('return found["l"], found["l_dot"]', 'return found["l_dot"], found["l"]'),
+    ),
     # bounds of functions
+    "a crossing too few": (
+        *("watched", switching, "record_switching"),
+        *('"crossings": functions.crossings', '"crossings": functions.crossings[:-1]'),
+    ),
+    "no crossings": (
+        *("watched", switching, "record_switching"),
+        *('"crossings": functions.crossings', '"crossings": ()'),
+    ),
     "value in place of a rate": (
         *("watched", switching.Enclosed, "_bounds"),
         *("without_overflow(self._rate(same, quotients))", "same"),
@@ -402,7 +433,7 @@ TOLD_BY = {"watched": "bounds"}
 
 
 def scene_named(name: str) -> Scene:
-    texts = {"rich": RICH, "wall": WALL, "watched": WATCHED}
+    texts = {"rich": RICH, "wall": WALL, "watched": WATCHED, "drawn": DRAWN}
     if name in texts:
         return scene_from_toml(texts[name])
     file = {"free": "free_body", "gears": "gear_train", "four_bar": "lever_crank_bodies"}[name]
@@ -446,7 +477,7 @@ def verified(folder: Path) -> tuple[int, str]:
 
 
 @pytest.mark.usefixtures("no_old_traces")
-@pytest.mark.parametrize("name", ["rich", "free", "gears", "four_bar", "watched"])
+@pytest.mark.parametrize("name", ["rich", "free", "gears", "four_bar", "watched", "drawn"])
 def test_what_is_right_is_verified(tmp_path: Path, name: str) -> None:
     scene = scene_named(name)
     write_tree(tmp_path / "right", generate_dynamics(scene, wanted_of(scene), references=True))

@@ -66,6 +66,26 @@ class _UnsuitableError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
+class GivenMeasure:
+    """What a formula reads of a state: a coordinate, or the elongation of a spring.
+
+    Parameters
+    ----------
+    coordinate, force : int
+        Which; the other is -1.
+    is_length : bool
+        Whether it is the distance of the spring's ends.
+    unit : float
+        In which a coordinate is counted [m or rad].
+    """
+
+    coordinate: int
+    force: int
+    is_length: bool
+    unit: float
+
+
+@dataclass(frozen=True, slots=True)
 class GivenSolver:
     """Solver that is compared, as far as it is known.
 
@@ -84,9 +104,8 @@ class GivenSolver:
         ground, None for the centre of mass.
     has_masses : bool
         Whether masses are those of the scene.
-    measures : sequence of (int, float)
-        What its formulas read: places of coordinates, and the units that they are counted in; -1
-        for what is none, as the elongation of a spring.
+    measures : sequence of GivenMeasure
+        What its formulas read.
     """
 
     system: System
@@ -96,7 +115,7 @@ class GivenSolver:
     turning: Mapping[int, str]
     momenta: Sequence[tuple[Sequence[str], Any, Any, Any]]
     has_masses: bool
-    measures: Sequence[tuple[int, float]]
+    measures: Sequence[GivenMeasure]
 
 
 def independent_points(given: GivenSolver) -> list[dict[str, object]]:
@@ -139,7 +158,8 @@ class _States:
         self.equations = BodyEquations(given.system, FLOAT)
         self.length = given.layout.length
         shifts = {k for body in self.bodies for k in body.v if isinstance(k, int)}
-        self.sizes = np.array([self.length if k in shifts else 1.0 for k in range(len(given.v))])
+        self.is_shift = np.array([k in shifts for k in range(len(given.v))], dtype=bool)
+        self.sizes = np.where(self.is_shift, self.length, 1.0)
 
     def states(self) -> Iterator[tuple[str, float, Array, Array]]:
         """States: the start, then some that move."""
@@ -188,17 +208,19 @@ class _States:
         return found
 
     def steepness(self, time: float, q: Array, v: Array) -> Array:
-        """Changes of forces (n,) [N, N m] where a state moves, by the part of its sizes.
+        """Changes of forces (n,) [N, N m] where a state moves, by the part of its reach.
 
         A spring that is relaxed there has forces of rounding alone, of places times its stiffness.
         They are zero where forces have no value beside the state.
         """
+        reach = reach_of(self.poses(q, v, FLOAT), self.length)
+        sizes = np.where(self.is_shift, reach, 1.0)
         ways = np.cos(np.arange(1.0, len(v) + 1.0))
         speeds = np.maximum(np.abs(v), LEAST_SPEED * self.sizes)
         try:  # at the state itself roots may have no slope
             here, there = (
                 self._forces(
-                    time, self.moved(q, part * ways * self.sizes), v + part * ways[::-1] * speeds
+                    time, self.moved(q, part * ways * sizes), v + part * ways[::-1] * speeds
                 )
                 for part in (MOVED, 2.0 * MOVED)
             )
@@ -286,6 +308,11 @@ def _pose(
         [a + b for a, b in zip(drift, rotated(p, turn), strict=True)],
         rotated_back(change, omega),
     )
+
+
+def reach_of(poses: Sequence[BodyState], length: float) -> float:
+    """Size of positions [m], of which rounding is: the farthest one, and a length of the scene."""
+    return length + max((abs(float(x)) for one in poses for x in one.r), default=0.0)
 
 
 def dense(lines: Sequence[ConstraintRow], count: int) -> Array:
@@ -403,7 +430,7 @@ class _Values:
         self.rates = equations.rates(poses)
         self.at = equations.courses(everyone, poses, self.rates, solved.v_dot)
         self.length = given.layout.length
-        self.reach = self.length + max((abs(float(x)) for one in poses for x in one.r), default=0)
+        self.reach = reach_of(poses, self.length)
         self.turning = max((abs(float(x)) for one in poses for x in one.omega_b), default=0)
         drift = max((abs(float(x)) for one in poses for x in one.v), default=0)
         self.speed = drift + self.length * self.turning + 1e-3 * self.length
@@ -500,17 +527,26 @@ class _Values:
             yield what, self._made(names, [getattr(value, part) for _, value in shown], size)
 
     def _measures(self) -> Iterator[tuple[str, dict[str, object]]]:
-        """Value and rate of coordinates that formulas read, in their units."""
+        """Value and rate of what formulas read, in their units."""
         numbers: list[Real | None] = []
-        for place, unit in self.given.measures:
-            if place < 0:
+        system = self.given.system
+        for one in self.given.measures:
+            place, unit = one.coordinate, one.unit
+            if one.force >= 0:
+                force = system.forces[one.force]
+                value = self.equations.elongation(
+                    force, self.at, self.found.time, is_length=one.is_length
+                )
+                place = force.coordinate
+            elif place >= 0:
+                value = self.equations.coordinate(place, self.at).times(1 / HIGH.number(unit))
+            else:
                 numbers += [None, None]
                 continue
-            value = self.equations.coordinate(place, self.at)
-            one = self.given.system.coordinates[place]
-            off = abs(float(value.x) - one.near) if one.counts_turns else 0.0
-            numbers += [value.x / unit if off <= MOST_ANGLE_DIFFERENCE else None, value.d / unit]
-        least = min((unit for _, unit in self.given.measures), default=1.0)
+            of = system.coordinates[place] if place >= 0 else None
+            off = abs(float(value.x) - of.near) if of and of.counts_turns else 0.0
+            numbers += [value.x if off <= MOST_ANGLE_DIFFERENCE else None, value.d]
+        least = min((one.unit for one in self.given.measures), default=1.0)
         size = max(self.reach, 1.0, self.speed / min(1.0, self.length)) / min(1.0, least)
         yield "measure", self._made([""] * len(numbers), numbers, size)
 
@@ -518,7 +554,7 @@ class _Values:
         found, size = self.found, sum(abs(float(x)) for x in self.found.sizes)
         for k in range(len(self.poses)):
             for n, column in enumerate(self.equations.own(k)):
-                size += self.found.steepness[column] * (self.length if n < 3 else 1.0)
+                size += self.found.steepness[column] * (self.reach if n < 3 else 1.0)
         yield "energy", self._made(["kinetic", "potential"], [found.kinetic, found.potential], size)
         names, numbers = [], []
         places = {body.name: k for k, body in enumerate(self.equations.bodies)}

@@ -155,6 +155,8 @@ class Found:
         The parts that the energies are added up from.
     steepness : sequence (n,) of float [N, N m]
         Changes of the force where the state moves, by the part of its sizes.
+    time : number [s]
+        When that is.
     """
 
     force: list[Real]
@@ -163,6 +165,7 @@ class Found:
     powers: dict[str, Real] = field(default_factory=dict)
     sizes: list[Real] = field(default_factory=list)
     steepness: Sequence[float] = ()
+    time: Real = 0
 
 
 @dataclass(slots=True)
@@ -340,7 +343,7 @@ class BodyEquations:
     def loads(self, poses: Sequence[BodyState], time: Real) -> Found:
         """Forces f (n,), applied less velocity forces ω̃′I′ω′, and the energies [J]."""
         rates, rest = self.rates(poses), [self.digits.number(0)] * self.count
-        found = Found([*rest])
+        found = Found([*rest], time=time)
         at = self.courses(range(len(poses)), poses, rates, rest)
         fall = self._fall()
         for k, (body, pose) in enumerate(zip(self.bodies, poses, strict=True)):
@@ -386,20 +389,35 @@ class BodyEquations:
     ) -> None:
         """Add a force, its power, and its potential energy."""
         names = self._names(at, time)
-        texts = dict(force.formulas)
-        given = {
-            name: [
-                self.digits.number(x) * (self.value(texts[name], names).x if name in texts else 1)
-                for x in values
-            ]
-            for name, values in force.constants
-        }
+        given = self._given(force, names)
         power, energy = facets_of(force).by_definition(self, at, names, given, found)
         if force.works:
             found.powers[force.name] = found.powers.get(force.name, 0) + power
         if force.has_potential:
             found.potential += energy
             found.sizes.append(energy)
+
+    def _given(self, force: ForceElement, names: Mapping[str, Jet]) -> dict[str, list[Real]]:
+        """Constants of a force, times their formulas."""
+        texts = dict(force.formulas)
+        return {
+            name: [
+                self.digits.number(x) * (self.value(texts[name], names).x if name in texts else 1)
+                for x in values
+            ]
+            for name, values in force.constants
+        }
+
+    def elongation(
+        self, force: ForceElement, at: Mapping[int, Course], time: Real, *, is_length: bool
+    ) -> Jet:
+        """Elongation that the law of a spring is of, or the distance of its ends; in its unit."""
+        given = self._given(force, self._names(at, time))
+        value, free = facets_of(force).length_by_definition(self, at, given)
+        if not is_length:
+            value -= Jet(free)
+        (unit,) = given.get("unit", self._numbers((1,)))
+        return value.times(1 / unit)
 
     def _names(self, at: Mapping[int, Course], time: Real) -> dict[str, Jet]:
         """Values of the names that formulas may use, in the unit of the scene."""

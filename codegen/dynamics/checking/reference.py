@@ -15,7 +15,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.codegen.dynamics.checking.independent import GivenSolver, independent_points
+from kousoku.codegen.dynamics.checking.independent import (
+    GivenMeasure,
+    GivenSolver,
+    independent_points,
+)
 from kousoku.codegen.dynamics.checking.root_functions import root_function_points
 from kousoku.codegen.dynamics.checking.rounding import run_and_keep, units
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS
@@ -156,16 +160,21 @@ def _known(program: Program, system: System, written: System) -> GivenSolver:
     )
 
 
-def _measures(program: Program, system: System, written: System) -> list[tuple[int, float]]:
-    """Coordinates that formulas read, by their places in the scene, and their units."""
+def _measures(program: Program, system: System, written: System) -> list[GivenMeasure]:
+    """Coordinates and lengths of springs that formulas read, by their places in the scene."""
     if not any(one.name == "measures" for one in program.regions):
         return []
     places = {one.name: k for k, one in enumerate(written.coordinates)}
+    names = [one.name for one in written.forces]
     found = []
     for one in root_functions_of(system).measures:
-        place = places.get(one.name, -1) if one.force < 0 else -1
+        name = system.forces[one.force].name if one.force >= 0 else ""
+        place = places.get(one.name, -1) if not name else -1
         has_length = place >= 0 and is_length(written.coordinates[place].kind)
-        found.append((place, float(written.unit) if has_length else 1.0))
+        force = names.index(name) if names.count(name) == 1 else -1
+        has_length = has_length or (force >= 0 and written.forces[force].coordinate < 0)
+        unit = float(written.unit) if has_length else 1.0
+        found.append(GivenMeasure(place, force, one.is_length, unit))
     return found
 
 

@@ -129,6 +129,15 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         size = max(abs(x) for _, values in one.constants for x in values)
         return abs(at_start(system, one) - free) > FLAT * max(1.0, size)
 
+    def length_by_definition(
+        self,
+        equations: BodyEquations,
+        at: Mapping[int, Course],
+        given: Mapping[str, Sequence[Real]],
+    ) -> tuple[Jet, Real]:
+        """Value u of the coordinate, and u⁰, in rad or m."""
+        return equations.coordinate(self.force.coordinate, at), given["free"][0]
+
     def by_definition(
         self,
         equations: BodyEquations,
@@ -140,8 +149,8 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         """Add Jᵀτ; return the power beside that of potential energy, and ½ k (u − u⁰)²."""
         force = self.force
         energy: Real = 0
-        value = equations.coordinate(force.coordinate, at)
-        beyond = value.x - given["free"][0]
+        value, free = self.length_by_definition(equations, at, given)
+        beyond = value.x - free
         if force.law:
             own = {"x": Jet(beyond), "v": Jet(value.d)}
             tau = lost = -given["moment"][0] * equations.value(force.law, {**names, **own}).x

@@ -126,6 +126,19 @@ class ForceFacets(ABC, Generic[E]):
 
     # In the check beside the program.
 
+    def length_by_definition(
+        self,
+        equations: BodyEquations,
+        at: Mapping[int, Course],
+        given: Mapping[str, Sequence[Real]],
+    ) -> tuple[Jet, Real]:
+        """Value along a motion that its law is of, by its geometric definition, and the free one.
+
+        They are [m] or [rad], whatever the unit of the law; parameters are those of
+        :meth:`by_definition`.
+        """
+        raise NotImplementedError(f"no elongation of a force of kind {self.force.kind}")
+
     @abstractmethod
     def by_definition(
         self,

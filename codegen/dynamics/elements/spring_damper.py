@@ -192,6 +192,23 @@ class SpringFacets(ForceFacets[PointSpring]):
         ends = self.force.constants[: len(ENDS)]
         return RelativeCoordinate(self.force.name, "length", self.force.i, self.force.j, ends)
 
+    def _across(self, at: Mapping[int, Course], given: Mapping[str, Sequence[Real]]) -> list[Jet]:
+        """Vector d (3,) [m] from one end to the other along a motion, frame O."""
+        start = at[self.force.i].point(given["s_i_b"])
+        end = at[self.force.j].point(given["s_j_b"])
+        return [b - a for a, b in zip(start, end, strict=True)]
+
+    def length_by_definition(
+        self,
+        equations: BodyEquations,
+        at: Mapping[int, Course],
+        given: Mapping[str, Sequence[Real]],
+    ) -> tuple[Jet, Real]:
+        """Distance l = |d| [m] of the ends, and l⁰."""
+        across = self._across(at, given)
+        (free,) = given["free_length"]
+        return sqrt(dot(across, across), equations.digits), free
+
     def by_definition(
         self,
         equations: BodyEquations,
@@ -201,11 +218,8 @@ class SpringFacets(ForceFacets[PointSpring]):
         found: Found,
     ) -> tuple[Real, Real]:
         """Add the tension along the line; return the power of its damper, and ½ k (l − l⁰)²."""
-        force = self.force
-        start, end = at[force.i].point(given["s_i_b"]), at[force.j].point(given["s_j_b"])
-        across = [b - a for a, b in zip(start, end, strict=True)]
-        length = sqrt(dot(across, across), equations.digits)
-        (free,) = given["free_length"]
+        force, across = self.force, self._across(at, given)
+        length, free = self.length_by_definition(equations, at, given)
         beyond = length - Jet(free)
         energy: Real = 0
         if force.law:
