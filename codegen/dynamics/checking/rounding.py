@@ -87,10 +87,11 @@ def _units(
     for k, slot in enumerate(slots):
         adjoints.setdefault(slot, np.zeros(len(slots)))[k] = 1.0
     total = np.zeros(len(slots))
-    for step in reversed(steps):
-        _go_back(workspace.program.kernels[step.task.kernel], step, adjoints, total)
-    for slot, adjoint in adjoints.items():
-        total += np.abs(adjoint) * abs(float(workspace.values[slot]))
+    with np.errstate(all="ignore"):  # where a result is not finite its unit is not either
+        for step in reversed(steps):
+            _go_back(workspace.program.kernels[step.task.kernel], step, adjoints, total)
+        for slot, adjoint in adjoints.items():
+            total += np.abs(adjoint) * abs(float(workspace.values[slot]))
     return [float(x) for x in UNIT_ROUNDOFF * total]
 
 
