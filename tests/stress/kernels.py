@@ -118,7 +118,7 @@ SINGULAR = ("length", "distance", "spring_damper", "angle", "link")
 #: Sorts of points, and how many of them or how many rounds of climbing, quick and full.
 STATES = "states that machines are in"
 SORTS = (
-    {"sorts": 1, "states": 12, "scales": 20},
+    {"sorts": 1, "states": 6, "scales": 10},
     {"sorts": 1, "states": 500, "scales": 500, "climb": 60},
 )
 

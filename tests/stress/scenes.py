@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
     Tree = dict[str, Any]
 
-BATCH = 10
+BATCH = 5
 """Random scenes of a case."""
 
 END, SAMPLES = 0.25, 6
@@ -102,7 +102,7 @@ REASONS = ("axes that parameters turn", "hold", "does not fit together near")
 
 def cases(size: Size) -> Iterator[str]:
     """Name a case for each batch of random scenes, and one that Hypothesis draws."""
-    for batch in range(-(-size.examples(10, 1000) // BATCH)):
+    for batch in range(-(-size.examples(5, 1000) // BATCH)):
         yield f"random {size.seed} {batch}"
     for batch in range(4 if size.is_full else 1):
         yield f"hypothesis {size.seed + batch} {25 if size.is_full else 3}"

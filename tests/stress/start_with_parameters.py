@@ -21,7 +21,7 @@ from tests.stress.scenes import reason_of
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-BATCH = 10
+BATCH = 5
 """Random scenes of a case."""
 
 CHANGED, BY = 2, 0.1
@@ -35,7 +35,7 @@ are met or left out."""
 
 def cases(size: Size) -> Iterator[str]:
     """Name a case for each batch of random scenes."""
-    for batch in range(-(-size.examples(20, 500) // BATCH)):
+    for batch in range(-(-size.examples(5, 500) // BATCH)):
         yield f"begun {size.seed} {batch}"
 
 
