@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.model.records.scene import METRES
+from kousoku.model.records.units import METRES
 from kousoku.model.text import counted
 from kousoku.view.meshes import mesh_of
 from kousoku.view.shapes import DARK, LIGHT

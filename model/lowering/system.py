@@ -38,8 +38,8 @@ from kousoku.model.numbers.precise import ZERO, High, Triple
 from kousoku.model.numbers.traced import Traced
 from kousoku.model.numbers.varying import Varying, fixed, is_varying
 from kousoku.model.records.own_kind import FRAMES, ORIGINS, input_name
-from kousoku.model.records.scene import METRES
 from kousoku.model.records.spatial import GROUND
+from kousoku.model.records.units import METRES
 from kousoku.model.validation.mass import POSSIBLE
 from kousoku.model.validation.unused import OUTPUTS, output_problem
 

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
         Value,
     )
     from kousoku.model.records.own_kind import OwnKind
-    from kousoku.model.records.scene import Output, Scene, Unit
+    from kousoku.model.records.scene import Output, Scene
+    from kousoku.model.records.units import Unit
 
 RECORDS: MappingProxyType[str, type[msgspec.Struct]] = MappingProxyType(
     {

@@ -2,7 +2,6 @@
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 from collections.abc import Mapping
-from fractions import Fraction
 from functools import partial
 from math import atan2, hypot
 from types import MappingProxyType
@@ -15,20 +14,9 @@ from kousoku.model.records.loads import Force
 from kousoku.model.records.own_kind import OwnKind
 from kousoku.model.records.planar import Input, Link, Method, Node, Rigid, Slider
 from kousoku.model.records.spatial import Body, Components, Coordinate, Driver, Event, Joint
+from kousoku.model.records.units import Unit
 from kousoku.model.text import counted
 
-Unit = Literal["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
-#: Lengths of the units of scenes [m].
-METRES: dict[str, Fraction] = {
-    "m": Fraction(1),
-    "dm": Fraction(1, 10),
-    "cm": Fraction(1, 100),
-    "mm": Fraction(1, 1000),
-    "um": Fraction(1, 10**6),
-    "km": Fraction(1000),
-    "in": Fraction(254, 10**4),
-    "ft": Fraction(3048, 10**4),
-}
 Output = Literal[
     "positions",
     "velocities",

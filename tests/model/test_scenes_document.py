@@ -19,7 +19,8 @@ from kousoku.model.reading.decode import MOST_ELEMENTS
 from kousoku.model.reading.read import read_scene, scene_from_dict, scene_from_toml
 from kousoku.model.records import loads, planar, spatial
 from kousoku.model.records.orientation import Orientation
-from kousoku.model.records.scene import TABLES, Scene, Unit
+from kousoku.model.records.scene import TABLES, Scene
+from kousoku.model.records.units import Unit
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")

@@ -19,7 +19,8 @@ from kousoku.runtime.run_ledger import CONSTRAINT_LEVELS
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.records.scene import Scene, Unit
+    from kousoku.model.records.scene import Scene
+    from kousoku.model.records.units import Unit
     from kousoku.runtime.dynamics import DynamicsSolver
 
     Load = Callable[..., DynamicsSolver]

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.real import Real
     from kousoku.model.operations.expression import Expression
 
-#: Regions of a program that have functions, as they are called in :class:`RootFunctions`.
+#: Regions of a program that have functions: fields of what ``root_functions_of`` finds.
 REGIONS = (
     *("switches", "features", "gaps", "laws", "crossings", "breaks", "poles", "narrow", "infinite"),
     *("lengths", "distances"),
