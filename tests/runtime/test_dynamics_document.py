@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import runpy
 import shutil
@@ -51,6 +52,20 @@ def test_table_of_the_ledger_has_every_field_of_it() -> None:
     table = TEXT.partition("## The ledger")[2].partition("`checks=False`")[0]
     fields = " ".join(re.findall(r"^\| (`.*?) \|", table, re.MULTILINE))
     assert set(re.findall(r"`(\w+)`", fields)) == set(RunLedger.__slots__)
+
+
+def test_answers_and_types_of_ledgers_have_every_field_of_them() -> None:
+    from kousoku.cli.answers import RunLedgerAnswer
+    from kousoku.runtime.kinematics.trajectory import Iterations
+    from kousoku.runtime.run_ledger import RunLedger
+
+    fields = set(RunLedger.__slots__)
+    assert set(RunLedgerAnswer.__annotations__) == fields - {"trust"}  # an answer of its own
+    tree = ast.parse((ROOT / "runtime" / "integrate" / "result.py").read_text(encoding="utf-8"))
+    of_types = next(x for x in ast.walk(tree) if isinstance(x, ast.ClassDef) and x.name == "Ledger")
+    named = {ast.unparse(x.target) for x in of_types.body if isinstance(x, ast.AnnAssign)}
+    called = {name for name in named if callable(getattr(RunLedger, name, None))}
+    assert named - called == fields | set(Iterations._fields)
 
 
 def test_return_values_are_those_of_the_header(compiler: Toolchain) -> None:
