@@ -133,6 +133,7 @@ def test_a_comparison_that_is_cut_leaves_no_tree_behind() -> None:
     script = (
         "import os, signal\n"
         "from tests.benchmarks import commits\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # ignored in the background
         "git = commits.git\n"
         "def cut(*words):\n"
         "    if words[:2] == ('worktree', 'remove'):\n"
