@@ -976,7 +976,6 @@ static int is_at_pole(
 static double resolved_end(double end, Search *search, const State *s, Work *work)
 {
     const double start = search->start, whole = end - start;
-    const double shortest = ONWARD * SMALLEST * larger(fabs(start), fabs(end));
     double first = start, allowed = whole, width = whole;
     for (size_t n = 0; first < start + allowed; ++n) {
         if (n == MOST_NODES) {
@@ -992,7 +991,7 @@ static double resolved_end(double end, Search *search, const State *s, Work *wor
             continue;
         }
         if (good) {
-            allowed = smaller(allowed, larger(shortest, larger(first - start, last - first)));
+            allowed = smaller(allowed, larger(first - start, last - first));
         } else if (!is_at_pole(1, first, last, search, s, work)) {
             search->is_unresolved = 1;
         }

@@ -946,7 +946,6 @@ def resolved_end(end: float, search: Search) -> float:
     """
     start = first = search.start
     whole = allowed = width = end - start
-    shortest = ONWARD * SMALLEST * larger(abs(start), abs(end))
     count = 0
     while first < start + allowed:
         if count == MOST_NODES:
@@ -962,7 +961,7 @@ def resolved_end(end: float, search: Search) -> float:
             width = 0.5 * width
             continue
         if is_good:
-            allowed = smaller(allowed, larger(shortest, larger(first - start, last - first)))
+            allowed = smaller(allowed, larger(first - start, last - first))
         elif not is_at_pole(first, last, search, in_between=True):
             search.is_unresolved = True
         first = last

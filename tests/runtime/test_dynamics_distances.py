@@ -236,13 +236,16 @@ def test_steps_go_on_at_the_edge_of_what_places_are_known_to(
     """One that began there was asked to end sooner than time has digits for: a run stopped."""
     scene = scene_from_toml(FORMS["distance_wall"].text)
     solver = load_dynamics(bodies_folder(scene, ("energies",)), target=target)
-    place, width, height = 34.04916874605569, 0.7758482742179914, 25.12101885073311
-    parameters = {"place": place, "width": width, "height": height}
-    speed = math.sqrt(100.0 - 4.0 * height * width)
-    for tolerance in (1e-2, 1e-4, 3e-5, 1e-5, 1e-6):
-        settings: dict[str, Any] = {"method": method, "tolerance": tolerance}
-        run = solver.simulate(END, samples=2, parameters=parameters, **settings)
-        assert run.velocity["cart"][-1, 0] == pytest.approx(speed, rel=1e-4), tolerance
+    for place, width, height in (
+        (34.04916874605569, 0.7758482742179914, 25.12101885073311),
+        (11.715043278377138, 0.002329980951616451, 7107.008370044286),
+    ):
+        parameters = {"place": place, "width": width, "height": height}
+        speed = math.sqrt(100.0 - 4.0 * height * width)
+        for tolerance in (1e-2, 1e-4, 3e-5, 1e-5, 1e-6):
+            settings: dict[str, Any] = {"method": method, "tolerance": tolerance}
+            run = solver.simulate(END, samples=2, parameters=parameters, **settings)
+            assert run.velocity["cart"][-1, 0] == pytest.approx(speed, rel=2e-4), tolerance
 
 
 @pytest.mark.parametrize("name", [*ORBITS, "spring"])

@@ -222,8 +222,8 @@ QUESTION = Question(
             "gauss_wall c 1 0 30",
         ),
         Fault(
-            "steps leap over places where distances in formulas are none",
-            partial(blind, "distances"),
+            "steps leap over places where distances in formulas are none, and what varies there",
+            partial(blind, "distances", "narrow"),
             "distance_wall c 1 1 50",
             "distance_wall is missed",
         ),

@@ -832,7 +832,8 @@ def resolved_in(until: float, tried: Attempts, trial: Trial, work: Work, state: 
         return trial.end
     if tried.shorter < MOST_SHORTER:
         tried.shorter += 1
-        there = resolved_end(until, search)
+        tiny = SMALLEST * larger(abs(state.time), abs(tried.end))
+        there = larger(resolved_end(until, search), state.time + ONWARD * tiny)
         return there if there < until else trial.end
     is_resolved = are_narrow_resolved(state.time, until, search)
     is_resolved = is_resolved or is_at_pole(state.time, until, search, in_between=True)
