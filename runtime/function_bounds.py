@@ -24,12 +24,8 @@ if TYPE_CHECKING:
     #: What is compared, errors in units, what was computed, and what is wanted.
     Compared = tuple[str, Array, Array, Array]
 
-#: Segments that bound functions, and the regions of these: least and most of value and rate.
-SEGMENTS = {
-    "switching": ("switches", "features", "gaps"),
-    "bending": ("laws",),
-    "crossing": ("crossings", "breaks", "poles", "narrow", "infinite"),
-}
+#: Segments that bound functions: least and most of value and rate.
+SEGMENTS = ("switching", "bending", "crossing")
 #: Regions of the segment ``distance``, which has values alone.
 DISTANCES = ("lengths", "distances")
 #: What is said of such a row.

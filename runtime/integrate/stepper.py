@@ -832,6 +832,7 @@ def resolved_in(until: float, tried: Attempts, trial: Trial, work: Work, state: 
         return trial.end
     if tried.shorter < MOST_SHORTER:
         tried.shorter += 1
+        # for less the next trial has no digits
         tiny = SMALLEST * larger(abs(state.time), abs(tried.end))
         there = larger(resolved_end(until, search), state.time + ONWARD * tiny)
         return there if there < until else trial.end

@@ -13,7 +13,7 @@ import math
 import sys
 import textwrap
 from dataclasses import replace
-from itertools import chain, islice
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,7 @@ import pytest
 from typer.testing import CliRunner
 
 from kousoku.cli.app import app
-from kousoku.codegen.dynamics.checking import reference
+from kousoku.codegen.dynamics.checking import reference, root_functions
 from kousoku.codegen.dynamics.composition import (
     combinations,
     compose,
@@ -49,7 +49,7 @@ from kousoku.model.expressions import enclosure
 from kousoku.model.reading.read import read_scene, scene_from_dict, scene_from_toml
 from kousoku.runtime import dynamics_verify, verify
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.function_bounds import DISTANCES, SEGMENTS
+from kousoku.runtime.function_bounds import DISTANCES
 from kousoku.runtime.integrate import dense_output, methods
 from kousoku.runtime.order import (
     shown_order_problems,
@@ -490,10 +490,8 @@ def test_what_is_right_is_verified(tmp_path: Path, name: str) -> None:
         assert {"force", "moment", "power", "coordinate_acceleration"} <= outputs
     bounds = {row.output for row in report.rows if row.kernel == "bounds"}
     if name == "watched":
-        regions = [*chain(*SEGMENTS.values())]
-        regions.remove("gaps")  # of drivers of distances
-        boxes = {f"{region} in a box" for region in regions}
-        assert bounds == {*regions, *boxes, *DISTANCES}
+        regions = {*root_functions.REGIONS} - {"gaps"}  # of drivers of distances
+        assert bounds == regions | {f"{region} in a box" for region in regions - {*DISTANCES}}
 
 
 @pytest.mark.usefixtures("no_old_traces")

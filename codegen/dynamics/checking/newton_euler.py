@@ -154,7 +154,7 @@ class Found:
     sizes : list of number [J]
         The parts that the energies are added up from.
     steepness : sequence (n,) of float [N, N m]
-        Changes of the force where the state moves, by the part of its sizes.
+        Changes of the force where the state moves, by the part of its reach.
     time : number [s]
         When that is.
     """

@@ -697,6 +697,7 @@ static double resolved_in(double until, Attempts *tried, const Trial *trial, Wor
     if (N_NARROW == 0 || !is_kept(trial)) return trial->end;
     if (search->is_over && until <= search->place_cut) return trial->end;
     if (tried->shorter++ < MOST_SHORTER) {
+        /* for less the next trial has no digits */
         const double tiny = SMALLEST * larger(fabs(s->time), fabs(tried->end));
         const double there = larger(resolved_end(until, search, s, work), s->time + ONWARD * tiny);
         return there < until ? there : trial->end;
