@@ -57,7 +57,7 @@ def cases(size: Size) -> Iterator[str]:
         for work in WORKS if size.is_full else [name for name in WORKS if name != "load c"]:
             count = size.examples(3, 25 if work == "load c" else 200)
             yield f"{mishap} {size.seed} {work.replace(' ', '_')} {count}"
-    for number in range(size.examples(5, 60)):
+    for number in range(size.examples(2, 60)):
         yield f"resumed {size.seed} {number} 4"
 
 

@@ -113,7 +113,7 @@ KNOWN = {
 #: own: an element that is small beside others of its block is what is left of them.
 BY_BLOCKS = ("angle", "length")
 SCALED_ELEMENTS = "badly scaled elements"
-#: Kinds that are asked at points of all sorts also when there is little time: with roots and poles.
+#: Kinds that are asked also when there is little time: with roots and poles.
 SINGULAR = ("length", "distance", "spring_damper", "angle", "link")
 #: Sorts of points, and how many of them or how many rounds of climbing, quick and full.
 STATES = "states that machines are in"
@@ -411,10 +411,8 @@ def cases(size: Size) -> Iterator[str]:
     """Name a case for each kind, sort of points and batch."""
     every = [name for kind in KINDS.values() for name in kind.packages]
     for batch in range(size.examples(1, 2)):
-        for kind in every if size.is_full else [kind.packages[0] for kind in KINDS.values()]:
+        for kind in every if size.is_full else SINGULAR:
             for sort, number in SORTS[size.is_full].items():
-                if sort == "sorts" and not size.is_full and kind not in SINGULAR:
-                    continue
                 yield f"{sort} {kind} {number} {size.seed} {batch}"
 
 

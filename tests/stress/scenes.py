@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
     Tree = dict[str, Any]
 
-BATCH = 5
+BATCH = 10
 """Random scenes of a case."""
 
 END, SAMPLES = 0.25, 6
@@ -102,22 +102,24 @@ REASONS = ("axes that parameters turn", "hold", "does not fit together near")
 
 def cases(size: Size) -> Iterator[str]:
     """Name a case for each batch of random scenes, and one that Hypothesis draws."""
-    for batch in range(-(-size.examples(5, 1000) // BATCH)):
-        yield f"random {size.seed} {batch}"
+    number = size.examples(3, 1000)
+    for batch in range(-(-number // BATCH)):
+        of_batch = map(str, range(min(BATCH, number - batch * BATCH)))
+        yield " ".join(["scene", str(size.seed), str(batch), *of_batch])
     for batch in range(4 if size.is_full else 1):
-        yield f"hypothesis {size.seed + batch} {25 if size.is_full else 3}"
+        yield f"hypothesis {size.seed + batch} {25 if size.is_full else 2}"
 
 
 def run(case: str) -> Outcome:
-    """Run the scenes of a case, or one of them by its place: ``scene 1 0 7``."""
-    sort, seed, number, *one = case.split()
+    """Run scenes by their batch and places there: ``scene 1 0 7``."""
+    sort, seed, number, *places = case.split()
     outcome = Outcome()
     with quick_to_compile():
         if sort == "numbered":
             ask(numbered_scenes()[int(number)], outcome, f"numbered scene {number}")
             return outcome
-        if sort in ("random", "scene"):
-            for k in map(int, one) if one else range(BATCH):
+        if sort == "scene":
+            for k in places:
                 draw = random.Random(f"{seed} {number} {k}")
                 ask(random_scene(draw), outcome, f"scene {seed} {number} {k}")
             return outcome

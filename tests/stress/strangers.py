@@ -52,12 +52,12 @@ LINES, MARKS = 21, 1000
 """Lines of the longest message, and marks of its longest line."""
 
 SIZES = {
-    "formulas": (80, 2000),
-    "scenes": (100, 1500),
-    "tables": (80, 1500),
-    "manifests": (120, 1100),
+    "formulas": (60, 2000),
+    "scenes": (60, 1500),
+    "tables": (40, 1500),
+    "manifests": (80, 1100),
     "tokens": (60, 500),
-    "runs": (60, 1000),
+    "runs": (30, 1000),
     "resumed": (60, 500),
     "options": (60, 500),
     "arguments": (60, 1000),
