@@ -270,5 +270,5 @@ QUESTION = Question(
     " trusted?",
     cases=cases,
     run=run,
-    faults=(Fault("steps that leap are no doubt", nothing_doubted, "near 1 5"),),
+    faults=(Fault("steps that leap are no doubt", nothing_doubted, "near 1 19"),),
 )

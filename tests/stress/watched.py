@@ -45,6 +45,8 @@ CHANGES = {
     "os.chmod": 1,
     "shutil.rmtree": 1,
 }
+#: What :func:`shutil.rmtree` does, and the library of Python alone with a folder that is open.
+OF_TREES = ("os.remove", "os.rmdir")
 WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 #: What makes classes of texts as modules are imported, or only reads them.
 MAKERS = {"dataclasses", "collections", "ast", "typing"}
@@ -91,6 +93,8 @@ class Watch:
             readable = () if writes else (*LIBRARY, *SYSTEM)
             is_right = self._is_within(_name(arguments[0]), *readable)
             return "" if is_right else f"open {'to write' * bool(writes)} {arguments[0]!r:.80}"
+        if event in OF_TREES and isinstance(arguments[1], int) and arguments[1] >= 0:
+            return ""  # a name within a folder that is open: shutil.rmtree has told which
         for name in arguments[: CHANGES.get(event, 0)]:
             if not isinstance(name, int) and not self._is_within(_name(name)):
                 return f"{event} {name!r:.80}"

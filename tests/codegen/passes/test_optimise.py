@@ -129,6 +129,10 @@ def test_most_alive_counts_what_is_needed_later(graph: Graph, x: list[int]) -> N
     a, b = graph.mul(x[0], x[1]), graph.mul(x[2], x[3])
     kernel = kernel_of(graph, graph.add(a, b))
     assert most_alive(kernel) == 2
+    power = x[0]
+    for factor_ in x[1:]:  # a product lives until the next one is there
+        power = graph.mul(power, factor_)
+    assert most_alive(kernel_of(graph, power)) == 2
     assert most_alive(kernel_of(Graph())) == 0
 
 

@@ -265,6 +265,20 @@ def test_a_driver_beside_the_plane_has_forces_that_lead_out_of_it(
     assert characteristic_length(system) == 2.0
 
 
+@pytest.mark.parametrize(("heights", "flat"), [((0.5, 0.5), True), ((-0.5, 0.5), False)])
+def test_bodies_are_in_one_plane_at_one_height(
+    mechanisms: SimpleNamespace, heights: tuple[float, float], flat: bool
+) -> None:
+    system = mechanisms.planar_pendulum(2)
+    normal = all_rows(system).outline.normal
+    bodies = []
+    for body, height in zip(system.bodies, heights, strict=True):
+        r = list(body.r)
+        r[normal] = height
+        bodies.append(replace(body, r=tuple(r)))
+    assert is_flat(replace(system, bodies=tuple(bodies), constraints=()), normal) == flat
+
+
 @pytest.mark.parametrize("off", [0.0, 6e-17, 1e-10])
 def test_places_that_differ_by_rounding_make_no_length(off: float) -> None:
     scene = f"""
