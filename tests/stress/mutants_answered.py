@@ -67,6 +67,44 @@ ANSWERS = {
     },
     "runtime/messages.py": {
         "'super().__init__(problem)' -> 'pass'": "what made the error has kept the text already",
+        "'>' -> '>=' in 'more = f\" and {len(names) - most} more\"": (
+            "names that are as many as a line tells; tests/runtime/test_messages.py asks for them,"
+            " with the file that this one is a copy of"
+        ),
+    },
+    "symbolic/ring.py": {
+        "'row, column' -> 'column, row' in '[a * b for a, b in zip(row, column": (
+            "the product of two fractions, whichever is first"
+        ),
+    },
+    "codegen/passes/rebuild.py": {
+        "'1' -> '(2 * 1)' in 'for node in range(len(nodes) - 1, -1, -1):'": (
+            "the last node is asked once more: what it needs is known by then"
+        ),
+    },
+    "codegen/passes/trace.py": {
+        "'most, alive' -> 'alive, most' in 'most = max(most, alive)'": (
+            "the larger of two numbers, whichever is first"
+        ),
+    },
+    "codegen/dynamics/composition/least_norm.py": {
+        "'1' -> '(2 * 1)' in 'for k, (rows, x) in enumerate(one.multipliers, 1):'": (
+            "noticed by tests/runtime/test_dynamics_all_rows.py, which is not quick"
+        ),
+    },
+    "codegen/dynamics/checking/independent.py": {
+        "'2' -> '(2 * 2)' in 'half = [change[k] / 2": (
+            "how steep forces are is asked at half of the angle beside a state: another size of"
+            " what rounding of places does to them"
+        ),
+    },
+    "codegen/templates/linkage/solver.h.jinja": {
+        "'*' -> '/' in '* ": "the margin of a comment",
+    },
+    "codegen/templates/dynamics/_segments.jinja": {
+        "'8' -> '(2 * 8)' in '{{ segment.table | indent(8, first=true) }}'": (
+            "white space of what is generated, which generate --check compares"
+        ),
     },
     "runtime/integrate/distances.h": {
         "'1' -> '(2 * 1)' in 'if (falls_in(0, k, nodes) ||": "true as well",
@@ -106,6 +144,9 @@ ANSWERS = {
     "runtime/integrate/initial_coordinates.py": {
         "'0.3' -> '(2 * 0.3)' in 'CLOSE, LONGEST_CONTINUATION_STEP =": (
             "longer steps are tried on the way to given coordinates; those that fail are shortened"
+        ),
+        "'>=' -> '>' in 'if not step >= SHORTEST:'": (
+            "a step that is exactly the shortest is given up, too"
         ),
     },
     "runtime/kinematics/newton.h": {
