@@ -77,7 +77,7 @@ motor = { coordinate = "turn", value = "2*pi*t" }
 
 def cases(size: Size) -> Iterator[str]:
     """Name motions, how they are made, and how many steps or turns they have."""
-    steps = size.examples(20_000, 1_000_000)
+    steps = size.examples(10_000, 1_000_000)
     for scene in CONSERVATIVE:
         for way in range(len(WAYS)) if size.is_full else (1, 3):
             yield f"conservative {scene} {way} {steps}"

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 BATCH = 50
 """Random runs of a case: they share the compiled scene."""
-QUICK, OF_NUMPY = 10, 5
+QUICK, OF_NUMPY = 8, 5
 """Runs of a form in the quick size, and in NumPy, which is a hundred times slower, in the full."""
 MOST_STEPS = 20_000
 EXACT = 1e3

@@ -114,7 +114,7 @@ KNOWN = {
 BY_BLOCKS = ("angle", "length")
 SCALED_ELEMENTS = "badly scaled elements"
 #: Kinds that are asked also when there is little time: with roots and poles.
-SINGULAR = ("length", "distance", "spring_damper", "angle", "link")
+SINGULAR = ("length", "spring_damper", "angle", "link")
 #: Sorts of points, and how many of them or how many rounds of climbing, quick and full.
 STATES = "states that machines are in"
 SORTS = (

@@ -107,7 +107,7 @@ def cases(size: Size) -> Iterator[str]:
         of_batch = map(str, range(min(BATCH, number - batch * BATCH)))
         yield " ".join(["scene", str(size.seed), str(batch), *of_batch])
     for batch in range(4 if size.is_full else 1):
-        yield f"hypothesis {size.seed + batch} {25 if size.is_full else 2}"
+        yield f"hypothesis {size.seed + batch} {25 if size.is_full else 1}"
 
 
 def run(case: str) -> Outcome:
