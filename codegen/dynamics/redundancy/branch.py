@@ -242,29 +242,35 @@ class Branch:
         found: Array = scaled * self._missed_by[list(places)]
         return found
 
-    def reaction_directions(self, position: BranchPosition, places: Sequence[int]) -> Array:
+    def reaction_directions(
+        self, position: BranchPosition, groups: Sequence[Sequence[int]]
+    ) -> list[Array]:
         """Force and torque on each body of rows whose multipliers move nothing.
 
         Parameters
         ----------
         position : BranchPosition
             Where they are.
-        places : sequence of int
-            The rows of joints that count, such as those of one joint.
+        groups : sequence of sequence of int
+            The rows of joints that count together, such as those of one joint.
 
         Returns
         -------
-        (dependences, bodies, 6) array
-            Force in frame O, times a length of the scene, and torque in the principal frame, for
-            each vector of an orthonormal basis of the multipliers that cancel each other.
+        list of (dependences, bodies, 6) array
+            Of each group the force in frame O, times a length of the scene, and torque in the
+            principal frame, for each vector of an orthonormal basis of the multipliers that cancel
+            each other.
         """
         _, matrix = self._residuals.doubles(position.r * self.length, position.p, position.near)
-        own = list(places)
-        factors = position.factors.dependences()[:, own] * self._rows_by[own]
-        total = (factors[:, :, None] * matrix[[self._rows[k] for k in own]]).sum(axis=1)
-        by_body: Array = total.reshape(len(factors), -1, COLUMNS)
-        by_body[:, :, :3] *= self.length
-        return by_body
+        dependences = position.factors.dependences() * self._rows_by
+        found = []
+        for own in map(list, groups):
+            factors = dependences[:, own]
+            total = (factors[:, :, None] * matrix[[self._rows[k] for k in own]]).sum(axis=1)
+            by_body: Array = total.reshape(len(factors), -1, COLUMNS)
+            by_body[:, :, :3] *= self.length
+            found.append(by_body)
+        return found
 
     def _position(self, r: Array, p: Array, near: Array) -> BranchPosition:
         c, matrix = self._at(r, p, near)

@@ -72,28 +72,27 @@ def undetermined(
     """
     points, length = points_of(system), branch.length
     steps = range(0, len(positions), max(1, (len(positions) - 1) // (POSITIONS_LOOKED_AT - 1)))
-    found: dict[str, tuple[str, ...]] = {}
-    for joint in joints:
-        places = [k for k, row in enumerate(rows) if row.joint == joint]
-        instances = [system.constraints[rows[k].instance] for k in places]
-        bodies = tuple(dict.fromkeys(body for one in instances for body in one.bodies))
-        point = np.array(points.get(joint, (0.0, 0.0, 0.0))) / length
-        most = np.zeros(len(COLUMNS))
-        for position in (positions[k] for k in steps):
-            directions = branch.reaction_directions(position, places)
+    places = [[k for k, row in enumerate(rows) if row.joint == joint] for joint in joints]
+    most = np.zeros((len(places), len(COLUMNS)))
+    for position in (positions[k] for k in steps):
+        reactions = branch.reaction_directions(position, places)
+        for k, (joint, own, directions) in enumerate(zip(joints, places, reactions, strict=True)):
+            instances = [system.constraints[rows[place].instance] for place in own]
+            bodies = tuple(dict.fromkeys(body for one in instances for body in one.bodies))
+            point = np.array(points.get(joint, (0.0, 0.0, 0.0))) / length
             for end in loaded_bodies(bodies):
                 at = end if len(bodies) > 2 else bodies[1]
                 arm = np.array(system.bodies[end].origin_b) / length if len(bodies) > 2 else point
-                own = part.bodies.index(end)
+                body = part.bodies.index(end)
                 there = arm if at == GROUND_INDEX else _place(position, part.bodies.index(at), arm)
-                wrench = _at(position, own, directions[:, own], there)
-                most = np.maximum(most, np.abs(wrench).max(axis=0, initial=0.0))
-        names = tuple(
-            name for name, size in zip(COLUMNS, most.tolist(), strict=True) if size > takes_part
-        )
+                wrench = _at(position, body, directions[:, body], there)
+                most[k] = np.maximum(most[k], np.abs(wrench).max(axis=0, initial=0.0))
+    found = []
+    for joint, sizes in zip(joints, most.tolist(), strict=True):
+        names = tuple(name for name, x in zip(COLUMNS, sizes, strict=True) if x > takes_part)
         if names:  # one that is left out counts with all of them
-            found[joint] = names
-    return tuple(found.items())
+            found.append((joint, names))
+    return tuple(found)
 
 
 def _place(position: BranchPosition, body: int, arm: Array) -> Array:

@@ -30,7 +30,9 @@ def jet(course: Callable[[Any], Any]) -> Jet:
 
 def require_same(found: Jet, course: Callable[[Any], Any]) -> None:
     wanted = jet(course)
-    for got, value in zip((found.x, found.d, found.dd), (wanted.x, wanted.d, wanted.dd), strict=True):
+    for got, value in zip(
+        (found.x, found.d, found.dd), (wanted.x, wanted.d, wanted.dd), strict=True
+    ):
         assert abs(got - value) <= 1e-20 * max(1, abs(value))
 
 
@@ -50,4 +52,3 @@ def test_rates_of_a_function_of_two_numbers_are_its_derivatives(name: str) -> No
 def test_rates_of_a_power_are_its_derivatives(exponent: float) -> None:
     constant = HIGH.number(exponent)
     require_same(JETS.pow(jet(x), Jet(constant)), lambda t: HIGH.pow(x(t), constant))
-
