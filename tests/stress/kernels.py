@@ -410,7 +410,7 @@ def changed(subject: Subject, rng: np.random.Generator, rows: Any) -> Any:
 def cases(size: Size) -> Iterator[str]:
     """Name a case for each kind, sort of points and batch."""
     every = [name for kind in KINDS.values() for name in kind.packages]
-    for batch in range(size.examples(1, 2)):
+    for batch in range(size.fixed(1, 2)):
         for kind in every if size.is_full else SINGULAR:
             for sort, number in SORTS[size.is_full].items():
                 yield f"{sort} {kind} {number} {size.seed} {batch}"

@@ -54,6 +54,10 @@ class Size:
         """Number of random examples: what was asked for, or the question's own."""
         if self.count is not None:
             return self.count
+        return self.fixed(quick, full)
+
+    def fixed(self, quick: int, full: int) -> int:
+        """Number that is the question's own, such as that of steps of a motion."""
         return full if self.is_full else quick
 
 

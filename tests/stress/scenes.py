@@ -36,7 +36,7 @@ from tests.stress.kit import Disagreement, Fault, Outcome, Question, Size, falsi
 from tests.stress.smaller import smallest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from contextlib import AbstractContextManager
 
     from kousoku.mechanism import Mechanism
@@ -107,36 +107,53 @@ def cases(size: Size) -> Iterator[str]:
         of_batch = map(str, range(min(BATCH, number - batch * BATCH)))
         yield " ".join(["scene", str(size.seed), str(batch), *of_batch])
     for batch in range(4 if size.is_full else 1):
-        yield f"hypothesis {size.seed + batch} {25 if size.is_full else 1}"
+        yield f"hypothesis {size.seed + batch} {25 if size.is_full else 2}"
 
 
 def run(case: str) -> Outcome:
     """Run scenes by their batch and places there: ``scene 1 0 7``."""
-    sort, seed, number, *places = case.split()
+    sort, *words = case.split()
     outcome = Outcome()
     with quick_to_compile():
-        if sort == "numbered":
-            ask(numbered_scenes()[int(number)], outcome, f"numbered scene {number}")
-            return outcome
-        if sort == "scene":
-            for k in places:
-                draw = random.Random(f"{seed} {number} {k}")
-                ask(random_scene(draw), outcome, f"scene {seed} {number} {k}")
-            return outcome
-
-        def is_taken(draw: random.Random) -> None:
-            own = Outcome()
-            ask(random_scene(draw), own, "a scene that Hypothesis drew", is_smallest=True)
-            outcome.add(Outcome(own.figures, own.counts))
-            if own.findings:
-                raise Disagreement(own.findings[0])
-
-        strategy = st.randoms(use_true_random=False)
-        if found := falsify(strategy, is_taken, seed=int(seed), examples=int(number)):
-            if not isinstance(found[1], Disagreement):
-                raise found[1]
-            outcome.findings.append(found[1].args[0])
+        SORTS[sort](outcome, *words)
     return outcome
+
+
+def drawn(outcome: Outcome, seed: str, batch: str, *places: str) -> None:
+    """Ask random scenes, each by its own draw."""
+    for k in places:
+        draw = random.Random(f"{seed} {batch} {k}")
+        ask(random_scene(draw), outcome, f"scene {seed} {batch} {k}")
+
+
+def numbered(outcome: Outcome, number: str) -> None:
+    """Ask a scene that holds one thing of each sort."""
+    ask(numbered_scenes()[int(number)], outcome, f"numbered scene {number}")
+
+
+def searched(outcome: Outcome, seed: str, examples: str) -> None:
+    """Ask scenes that Hypothesis draws, and makes smaller where one is wrong."""
+
+    def is_taken(draw: random.Random) -> None:
+        own = Outcome()
+        ask(random_scene(draw), own, "a scene that Hypothesis drew", is_smallest=True)
+        outcome.add(Outcome(own.figures, own.counts))
+        if own.findings:
+            raise Disagreement(own.findings[0])
+
+    strategy = st.randoms(use_true_random=False)
+    if found := falsify(strategy, is_taken, seed=int(seed), examples=int(examples)):
+        if not isinstance(found[1], Disagreement):
+            raise found[1]
+        outcome.findings.append(found[1].args[0])
+
+
+SORTS: dict[str, Callable[..., None]] = {
+    "scene": drawn,
+    "numbered": numbered,
+    "hypothesis": searched,
+}
+"""What asks a case, by its first word."""
 
 
 @contextmanager

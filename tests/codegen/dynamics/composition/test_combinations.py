@@ -271,6 +271,7 @@ def test_bodies_are_in_one_plane_at_one_height(
 ) -> None:
     system = mechanisms.planar_pendulum(2)
     normal = all_rows(system).outline.normal
+    assert normal is not None
     bodies = []
     for body, height in zip(system.bodies, heights, strict=True):
         r = list(body.r)
