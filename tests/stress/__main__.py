@@ -17,7 +17,7 @@ import shutil
 import sys
 import tempfile
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from pathlib import Path
 from unittest.mock import patch
@@ -61,9 +61,10 @@ class Answer:
     seconds: float = 0.0
     slowest: tuple[float, str] = (0.0, "")
 
-    def add(self, case: str, outcome: Outcome, seconds: float) -> None:
-        """Add a case."""
-        self.outcome.add(outcome)
+    def add(self, case: str, outcome: Outcome, seconds: float, command: str = "") -> None:
+        """Add a case; what it found without a command of its own, this one shows."""
+        own = [replace(one, command=one.command or command) for one in outcome.findings]
+        self.outcome.add(replace(outcome, findings=own))
         self.cases += 1
         self.seconds += seconds
         self.slowest = max(self.slowest, (seconds, case))
@@ -90,10 +91,14 @@ def _is_source(path: Path) -> bool:
     return "__pycache__" not in path.parts and not is_said
 
 
-def stopped(error: StoppedError, name: str, case: str) -> Outcome:
+def command_of(name: str, case: str) -> str:
+    """Command that asks a case alone."""
+    return f"python -m tests.stress {name} --case '{case}'"
+
+
+def stopped(error: StoppedError, case: str) -> Outcome:
     """Outcome of a case that did not end by itself: that is a finding."""
-    command = f"python -m tests.stress {name} --case '{case}'"
-    return Outcome(findings=[Finding(f"case {case}: {error}", "", command)])
+    return Outcome(findings=[Finding(f"case {case}: {error}")])
 
 
 def ask(
@@ -117,7 +122,9 @@ def ask(
         before = max(before, done["clock"])
         if (name, case) in left:
             del left[name, case]
-            answers[name].add(case, Outcome.from_dict(done["outcome"]), done["seconds"])
+            outcome = Outcome.from_dict(done["outcome"])
+            answers[name].add(case, outcome, done["seconds"], command_of(name, case))
+    print(f"seed {size.seed}: {len(cases)} cases, {len(cases) - len(left)} of them asked before")
     journal.parent.mkdir(parents=True, exist_ok=True)
     longest = {name: question.seconds for name, question in chosen.items()}
     with journal.open("a", encoding="utf-8") as written, Progress() as progress:
@@ -125,10 +132,10 @@ def ask(
         bar = progress.add_task("stress", total=len(cases), completed=len(cases) - len(left))
         for (name, case), answered in run_cases(left, longest, processes):
             if isinstance(answered, StoppedError):  # tried again when the run goes on
-                answers[name].add(case, stopped(answered, name, case), 0.0)
+                answers[name].add(case, stopped(answered, case), 0.0, command_of(name, case))
             else:
                 outcome, took = answered
-                answers[name].add(case, outcome, took)
+                answers[name].add(case, outcome, took, command_of(name, case))
                 clock = before + time.monotonic() - start
                 done = {"question": name, "case": case, "outcome": outcome.as_dict()}
                 written.write(json.dumps(done | {"seconds": took, "clock": clock}) + "\n")

@@ -177,7 +177,9 @@ def ask(tree: Tree, outcome: Outcome, place: str, *, is_smallest: bool = False) 
 
     small = tree if is_smallest else smallest(tree, is_there)
     for title, finding in titles.items():
-        command = f"kousoku simulate scene.toml --end {END} --tolerance 1e-9"
+        way = WAYS.get(re.split(":| stops", title)[0], WAYS["default"])
+        options = (f"--{name.replace('_', '-')} {value}" for name, value in way.items())
+        command = " ".join([f"kousoku simulate scene.toml --end {END}", *options])
         outcome.find(title, finding.details, command, scene__toml=toml_of(small))
 
 

@@ -14,7 +14,7 @@ from tests.stress.kit import Finding, Outcome, Question, Size
 from tests.stress.workers import Answered, StoppedError, Worker, run_case
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
     from pathlib import Path
 
 #: What they look at is no part of kousoku.
@@ -105,6 +105,31 @@ def test_findings_of_a_question_that_is_asked_again_go(
     found.findings.clear()
     assert command.main(["any"]) == 0
     assert [path.name for path in (build / "findings").iterdir()] == ["other-12345678"]
+
+
+def test_a_run_that_was_cut_goes_on_and_each_finding_has_a_command(
+    build: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, asked = Outcome(), list[object]()
+    found.measure("how far off (m)", 2.0, "there", limit=1.0)
+    question = Question("are there any?", lambda _: ["one", "two"], lambda _: found, ())
+    monkeypatch.setattr(command, "questions", lambda: {"any": question})
+    monkeypatch.setattr(command, "journal_of", lambda _: build / "journal")
+
+    def answered(keys: Iterable[object], *_: object) -> Iterator[tuple[object, Answered]]:
+        for key in keys:
+            yield key, (found, 1.0)
+            asked.append(key)
+            if len(asked) == 1:
+                raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "run_cases", answered)
+    with pytest.raises(KeyboardInterrupt):
+        command.main(["any"])
+    assert command.main(["any"]) == 1
+    assert asked == [("any", "one"), ("any", "two")]
+    commands = [path.read_text("utf-8") for path in build.glob("findings/any-*/command.txt")]
+    assert commands == ["python -m tests.stress any --case 'one'\n"]
 
 
 def test_the_page_tells_both_times_and_the_compiler(
