@@ -386,8 +386,8 @@ QUESTION = Question(
     cases=cases,
     run=run,
     faults=(
-        Fault("gears that turn the wrong way", partial(geared, -1.0), "numbered 1 9"),
-        Fault("gears whose ratio is wrong in digit 11", partial(geared, 1 + 1e-11), "numbered 1 9"),
+        Fault("gears that turn the wrong way", partial(geared, -1.0), "numbered 9"),
+        Fault("gears whose ratio is wrong in digit 11", partial(geared, 1 + 1e-11), "numbered 9"),
         Fault("events that are late by 1e-10", late, "scene 2 1 8"),
         Fault("works that are wrong in digit 7", generous, "scene 2 0 2"),
         Fault("steps that NumPy alone rounds up", rounded_up, "scene 2 0 2"),
