@@ -73,13 +73,15 @@ def undetermined(
     points, length = points_of(system), branch.length
     steps = range(0, len(positions), max(1, (len(positions) - 1) // (POSITIONS_LOOKED_AT - 1)))
     places = [[k for k, row in enumerate(rows) if row.joint == joint] for joint in joints]
+    ends = []
+    for joint, own in zip(joints, places, strict=True):
+        instances = [system.constraints[rows[k].instance] for k in own]
+        bodies = tuple(dict.fromkeys(body for one in instances for body in one.bodies))
+        ends.append((bodies, np.array(points.get(joint, (0.0, 0.0, 0.0))) / length))
     most = np.zeros((len(places), len(COLUMNS)))
     for position in (positions[k] for k in steps):
         reactions = branch.reaction_directions(position, places)
-        for k, (joint, own, directions) in enumerate(zip(joints, places, reactions, strict=True)):
-            instances = [system.constraints[rows[place].instance] for place in own]
-            bodies = tuple(dict.fromkeys(body for one in instances for body in one.bodies))
-            point = np.array(points.get(joint, (0.0, 0.0, 0.0))) / length
+        for k, ((bodies, point), directions) in enumerate(zip(ends, reactions, strict=True)):
             for end in loaded_bodies(bodies):
                 at = end if len(bodies) > 2 else bodies[1]
                 arm = np.array(system.bodies[end].origin_b) / length if len(bodies) > 2 else point
