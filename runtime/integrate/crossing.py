@@ -19,6 +19,7 @@ import numpy as np
 
 from .arithmetic import larger, smaller
 from .dense_output import add_dense_rows, combine, hermite_cubic, interpolate
+from .pivot_monitor import scale_by_distance
 from .settings import ACTIONS, Status
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from .arithmetic import Array
     from .methods import RungeKuttaMethod
-    from .scene_tables import SceneTables, Work, Workspace
+    from .scene_tables import Work, Workspace
     from .settings import Settings
     from .state import State
 
@@ -93,9 +94,6 @@ PASSING = 16.0
 #: A stage that counts tells of a contact where its accelerations would change speeds by more than
 #: this part in the step: for less errors tell enough.
 PUSHED = 0.1
-#: Bodies that are so many lengths of the scene from the origin of frame O are far: what rounding
-#: leaves of their positions counts.
-FAR_AWAY = 100.0
 
 
 def largest(a: Array, b: Array) -> Array:
@@ -370,16 +368,6 @@ def begin_search(
     search.noise[:, 0] = largest(known, search.rounding[:, 0])
     search.noise[:, 1] = s.tolerance * fast
     search.rate_noise = smallest(search.noise[:, 1], most[:, 1] + sizes * state.fastest)
-
-
-def scale_by_distance(y: Array, scene: SceneTables) -> float:
-    """How many times as large rounding of positions is as in a length of the scene.
-
-    It is 1 if no body is far from the origin of frame O. Joints bring that into angles and
-    distances, too.
-    """
-    farthest = float(np.max(np.abs(y[scene.shifts[:, 0]]), initial=0.0))
-    return farthest / scene.length if farthest > FAR_AWAY * scene.length else 1.0
 
 
 def second_rise_of(sizes: Array, a: Array, b: Array, h: float) -> Array:

@@ -250,8 +250,9 @@ static double unbalanced(const Settings *settings, double h, const State *s, Wor
     }
     const double size = moving_energy(h, s, work) + most;
     const double known = ENERGY_ROUNDING * larger(fabs(w[W_ENERGIES + 1]), fabs(s->energy));
-    const double blur = blur_of(work, s); /* velocities: as much of the way to another branch */
-    return left / ((settings->tolerance + blur * blur / BRANCH_ROUNDING) * size + known);
+    /* velocities are known to as much of the way to another branch as positions are */
+    const double blur = blur_of(work, s), rounding = scale_by_distance(s->y) * BRANCH_ROUNDING;
+    return left / ((settings->tolerance + blur * blur / rounding) * size + known);
 }
 
 /* sums the works of a step by a better rule than Simpson's, unless that is good enough, and returns

@@ -33,6 +33,7 @@ from .pivot_monitor import (
     note_largest_pivot,
     note_pivot_ratio,
     pivot_ratio,
+    scale_by_distance,
 )
 from .projection import project, ratio_at
 from .row_switch import check_misses, forget_trials, note_misses
@@ -339,8 +340,9 @@ def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:
     most = float(np.max(np.maximum(np.abs(state.y[done]), np.abs(end[done]))))
     size = moving_energy(h, state, work) + most
     known = ENERGY_ROUNDING * larger(abs(w.energies[1]), abs(state.energy))
-    blur = blur_of(work, state)  # velocities are known to as much of the way to another branch
-    return left / ((s.tolerance + blur * blur / BRANCH_ROUNDING) * size + known)
+    # velocities are known to as much of the way to another branch as positions are
+    blur, rounding = blur_of(work, state), scale_by_distance(state.y, scene) * BRANCH_ROUNDING
+    return left / ((s.tolerance + blur * blur / rounding) * size + known)
 
 
 def sum_works(

@@ -8,9 +8,20 @@
 /* rounding may leave as much of a position over the root of what tells branches: branches that miss
  * each other by less meet in double precision */
 #define BRANCH_ROUNDING 1e-14
+/* bodies that are so many lengths of the scene from the origin of frame O are far: what rounding
+ * leaves of their positions counts */
+#define FAR_AWAY 100.0
 
-/* the smallest and the largest inverse of the pivots in the workspace; 0 if one is not positive, or
- * not finite */
+/* what makes a mass [kg] of the inverse of a row's pivot: that of an angle is a moment of inertia,
+ * which is compared with masses at LENGTH, so that units of length decide nothing */
+static double mass_of_inverse(size_t row)
+{
+    const double x = row_is_length[row] ? 1.0 : 1.0 / LENGTH;
+    return x * x;
+}
+
+/* the smallest and the largest inverse of the pivots in the workspace, as masses; 0 if one is not
+ * positive, or not finite */
 static int inverse_pivots(const double *w, double *least, double *most)
 {
     double low[4] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL }, high[4] = { 0.0, 0.0, 0.0, 0.0 };
@@ -20,15 +31,17 @@ static int inverse_pivots(const double *w, double *least, double *most)
     /* four at a time: a comparison waits for the one before */
     for (size_t k = 0; k != WHOLE; k += 4) {
         for (size_t j = 0; j < 4; ++j) {
-            low[j] = smaller(low[j], inverse[k + j]);
-            high[j] = larger(high[j], inverse[k + j]);
-            sum[j] += inverse[k + j];
+            const double x = inverse[k + j] * mass_of_inverse(k + j);
+            low[j] = smaller(low[j], x);
+            high[j] = larger(high[j], x);
+            sum[j] += x;
         }
     }
     for (size_t k = WHOLE; k != NC; ++k) {
-        low[0] = smaller(low[0], inverse[k]);
-        high[0] = larger(high[0], inverse[k]);
-        sum[0] += inverse[k];
+        const double x = inverse[k] * mass_of_inverse(k);
+        low[0] = smaller(low[0], x);
+        high[0] = larger(high[0], x);
+        sum[0] += x;
     }
     *least = smaller(smaller(low[0], low[1]), smaller(low[2], low[3]));
     *most = larger(larger(high[0], high[1]), larger(high[2], high[3]));
@@ -74,11 +87,20 @@ static double branch_ratio(const Work *work, const State *s)
     return 1.0 / product;
 }
 
+/* how many times as large rounding of positions is as in a length of the scene, where bodies are
+ * far from the origin of frame O, or 1 if none is. Joints bring it into angles and distances */
+static double scale_by_distance(const double *y)
+{
+    double farthest = 0.0;
+    for (size_t k = 0; k != SHIFTS; ++k) farthest = larger(fabs(y[shifts[k][0]]), farthest);
+    return farthest > FAR_AWAY * LENGTH ? farthest / LENGTH : 1.0;
+}
+
 /* what rounding may leave of a position, in lengths and radians */
 static double blur_of(const Work *work, const State *s)
 {
     const double ratio = larger(pivot_ratio(work, s), branch_ratio(work, s));
-    return BRANCH_ROUNDING / sqrt(larger(ratio, BRANCH_ROUNDING));
+    return scale_by_distance(s->y) * BRANCH_ROUNDING / sqrt(larger(ratio, BRANCH_ROUNDING));
 }
 
 /* the largest so far of what tells branches */

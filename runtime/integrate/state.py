@@ -181,7 +181,7 @@ class State:
     usual_ratio = StateNumber("-", "the largest of these")
     root_before = StateNumber("-", "root of what tells branches at a stage before that position")
     stage_before = StateNumber("s", "how long before; 0: none")
-    least_inverse_pivot = StateNumber("", "of all steps; 0 before the first")
+    least_inverse_pivot = StateNumber("kg", "of all steps; 0 before the first")
     limit = StateNumber("s", "no step goes beyond: where formulas of time switch, or the end")
     behind = StateNumber("s", "behind that switch; as limit where there is none")
     switched = StateNumber("s", "where formulas switched last, of time or of the state")

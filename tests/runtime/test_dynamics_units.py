@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import random
+import tomllib
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pytest
 
 import kousoku
+from tests.random_scenes import random_scene
+from tests.stress.changes import Scaled
+from tests.stress.scenes import quick_to_compile
 
 if TYPE_CHECKING:
     from kousoku.runtime.integrate.motion import Motion
@@ -15,6 +21,14 @@ if TYPE_CHECKING:
 #: Times, lengths and masses are multiplied by these.
 UNITS = [(3600.0, 1.0, 1.0), (1e-3, 1.0, 1e-6), (1.0, 1e-3, 1.0), (1000.0, 60.0, 1e3)]
 COUNTS = ("steps", "rejected", "derivatives")
+ALL_COUNTS = (*COUNTS, "factorisations", "corrections")
+#: Lengths and masses are multiplied by these: powers of two, which round nothing.
+EXACT_UNITS = [(2.0**-30, 1.0), (1.0, 2.0**-20), (2.0**10, 2.0**7)]
+SCENES = {
+    path.stem: tree
+    for path in sorted((Path(kousoku.__file__).parents[1] / "scenes").glob("*.toml"))
+    if "bodies" in (tree := tomllib.loads(path.read_text(encoding="utf-8")))
+}
 
 pytestmark = pytest.mark.usefixtures("numpy_solver")
 
@@ -156,3 +170,50 @@ def test_a_point_alone_may_have_a_parameter_for_its_mass() -> None:
     scene = {"name": "alone", "unit": "m", "bodies": {"b": point}, "parameters": {"k": 2.0}}
     run = moved({**scene, "gravity": [0, 0, -2]}, 3.0, parameters={"k": 5.0})
     np.testing.assert_allclose(run.position["b"][-1], [1, 2, 3 - 9], rtol=0, atol=1e-14)
+
+
+def in_units(tree: dict[str, Any], length: float, mass: float, target: Any) -> Motion:
+    """Motion of a scene whose lengths and masses are multiplied by numbers."""
+    other = Scaled(tree, length, mass).tree
+    return cast("Motion", kousoku.load(other, target=target).simulate(0.25, samples=3))
+
+
+def assert_same_steps(usual: Motion, other: Motion, counts: tuple[str, ...] = COUNTS) -> None:
+    for name in counts:
+        assert getattr(other.ledger, name) == getattr(usual.ledger, name), name
+
+
+def assert_same_bits(tree: dict[str, Any], target: str) -> None:
+    """No number of a motion knows in which units its scene is written."""
+    usual = in_units(tree, 1.0, 1.0, target)
+    for length, mass in EXACT_UNITS:
+        other = in_units(tree, length, mass, target)
+        assert_same_steps(usual, other, ALL_COUNTS)
+        for body, position in usual.position.items():
+            np.testing.assert_array_equal(other.position[body], length * position)
+            np.testing.assert_array_equal(other.velocity[body], length * usual.velocity[body])
+        for body, orientation in usual.orientation.items():
+            np.testing.assert_array_equal(other.orientation[body], orientation)
+
+
+@pytest.mark.parametrize("name", ["bricard", "constant_velocity", "spatial_four_bar"])
+def test_bits_are_those_of_the_same_motion_in_units_of_powers_of_two(name: str) -> None:
+    """Rows in metres and in radians: pivots of both are compared, of bodies without masses, too."""
+    assert_same_bits(SCENES[name], "numpy")
+
+
+@pytest.mark.release
+@pytest.mark.parametrize("name", SCENES)
+def test_bits_of_committed_scenes_are_the_same_in_units_of_powers_of_two(name: str) -> None:
+    with quick_to_compile():
+        assert_same_bits(SCENES[name], "c")
+
+
+@pytest.mark.release
+@pytest.mark.parametrize("number", range(6))
+def test_steps_of_random_scenes_are_the_same_in_other_units(number: int) -> None:
+    tree = random_scene(random.Random(f"units {number}"))
+    with quick_to_compile():
+        usual = in_units(tree, 1.0, 1.0, "c")
+        for length, mass in EXACT_UNITS:
+            assert_same_steps(usual, in_units(tree, length, mass, "c"))

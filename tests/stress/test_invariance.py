@@ -52,3 +52,21 @@ def test_a_change_that_takes_far_more_steps_is_found(monkeypatch: pytest.MonkeyP
         units, details = invariance.off(tree, motion, invariance.CHANGES["seconds times 1e9"])
     assert units == float("inf")
     assert details.startswith("takes far more steps; ")
+
+
+@pytest.mark.parametrize(
+    ("place", "change"), [("1 11 1", "metres times 1e-9"), ("1 22 1", "moved 1e+06 m")]
+)
+def test_units_and_places_of_a_loop_cost_no_steps(place: str, change: str) -> None:
+    """Both took 250 times as many: pivots of rows in metres were compared with others in radians.
+
+    Of the one far away more was asked of its energy than rounding of its positions leaves.
+    """
+    tree = random_scene(random.Random(place))
+    with quick_to_compile():
+        motion = ks.load(tree, target="c").simulate(
+            END, samples=SAMPLES, tolerance=invariance.TOLERANCE
+        )
+        units, details = invariance.off(tree, motion, invariance.CHANGES[change])
+    assert units <= invariance.LIMIT
+    assert not details

@@ -41,10 +41,11 @@ class PlaceholderMasses:
 
 
 def with_placeholder_masses(system: System, plane: Plane | None) -> PlaceholderMasses:
-    """System with drivers whose bodies weigh something: m = 1 kg, and I = m ℓ² (3,) [kg m²].
+    """System with drivers whose bodies weigh something: m [kg], and I = m ℓ² (3,) [kg m²].
 
     A system without drivers stays as it is, and so do masses and moments that are given. I is in
-    the principal frame.
+    the principal frame. Where other bodies have masses m is the largest of them, so that it does
+    not depend on units how much one is beside another; where none has it is 1 kg.
 
     Parameters
     ----------
@@ -61,7 +62,8 @@ def with_placeholder_masses(system: System, plane: Plane | None) -> PlaceholderM
     if not missing:
         return PlaceholderMasses(system)
     length = characteristic_length(system)
-    bodies = tuple(_filled(body, length) for body in system.bodies)
+    mass = max(float(body.mass) for body in system.bodies) or 1.0
+    bodies = tuple(_filled(body, mass, length) for body in system.bodies)
     keys = (f"bodies.{body.name}.inertia" for body in system.bodies if max(body.inertia) > 0)
     thin = tuple(key for key in keys if key in missing)
     return PlaceholderMasses(replace(system, bodies=bodies), missing, thin)
@@ -77,8 +79,8 @@ def _missing(system: System, plane: Plane | None) -> Iterator[str]:
             yield f"bodies.{body.name}.inertia"
 
 
-def _filled(body: MovingBody, length: float) -> MovingBody:
-    """Body with numbers in place of those that are missing."""
-    mass = body.mass if body.mass > 0 else 1.0
-    a, b, c = (moment if moment > 0 else float(mass) * length * length for moment in body.inertia)
-    return replace(body, mass=mass, inertia=(a, b, c))
+def _filled(body: MovingBody, mass: float, length: float) -> MovingBody:
+    """Body with a mass [kg] and moments in place of those that are missing."""
+    own = body.mass if body.mass > 0 else mass
+    a, b, c = (moment if moment > 0 else float(own) * length * length for moment in body.inertia)
+    return replace(body, mass=own, inertia=(a, b, c))

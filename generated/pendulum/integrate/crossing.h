@@ -70,9 +70,6 @@
 /* a stage that counts tells of a contact where its accelerations would change speeds by more than
  * this part in the step: for less errors tell enough */
 #define PUSHED 0.1
-/* bodies that are so many lengths of the scene from the origin of frame O are far: what rounding
- * leaves of their positions counts */
-#define FAR_AWAY 100.0
 
 enum {
     N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
@@ -275,15 +272,6 @@ static double stage_beyond(
         }
     }
     return seen;
-}
-
-/* how many times as large rounding of positions is as in a length of the scene, where bodies are
- * far from the origin of frame O, or 1 if none is. Joints bring it into angles and distances */
-static double scale_by_distance(const double *y)
-{
-    double farthest = 0.0;
-    for (size_t k = 0; k != SHIFTS; ++k) farthest = larger(fabs(y[shifts[k][0]]), farthest);
-    return farthest > FAR_AWAY * LENGTH ? farthest / LENGTH : 1.0;
 }
 
 /* by how much a second derivative at the end of h is above its mean, as that of a cubic polynomial

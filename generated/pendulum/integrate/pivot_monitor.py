@@ -10,7 +10,8 @@ import numpy as np
 from .arithmetic import larger, smaller
 
 if TYPE_CHECKING:
-    from .scene_tables import Work
+    from .arithmetic import Array
+    from .scene_tables import SceneTables, Work
     from .state import State
 
 #: A pivot ratio this much smaller than the largest so far: rows are nearly dependent.
@@ -20,11 +21,27 @@ VAGUE_PIVOT_RATIO = 1e-8
 #: Rounding may leave as much of a position over the root of what tells branches: branches that miss
 #: each other by less meet in double precision.
 BRANCH_ROUNDING = 1e-14
+#: Bodies that are so many lengths of the scene from the origin of frame O are far: what rounding
+#: leaves of their positions counts.
+FAR_AWAY = 100.0
+
+
+def mass_of_inverse(scene: SceneTables) -> Array:
+    """Factors (rows,) [1, 1/m²] that make masses of inverse pivots.
+
+    The inverse of an angle's pivot is a moment of inertia, which is compared with masses at the
+    length of the scene, so that units of length decide nothing.
+    """
+    factors: Array = (scene.row_lengths / scene.length) ** 2
+    return factors
 
 
 def inverse_pivots(work: Work) -> tuple[float, float] | None:
-    """Smallest and largest element of D⁻¹ (nc,), C_q M⁻¹C_qᵀ = L D Lᵀ; None unless all are good."""
-    inverses = work.w.pivots
+    """Smallest and largest element of D⁻¹ (nc,) [kg], where C_q M⁻¹ C_qᵀ = L D Lᵀ.
+
+    None unless all are positive and finite.
+    """
+    inverses = work.w.pivots * mass_of_inverse(work.scene)[: work.scene.nc]
     least, most = float(inverses.min()), float(inverses.max())
     return (least, most) if least > 0.0 and most < math.inf else None
 
@@ -78,10 +95,21 @@ def branch_ratio(work: Work, state: State) -> float:
     return 1.0 / float(np.cumprod(work.w.pivots * usual)[-1])
 
 
+def scale_by_distance(y: Array, scene: SceneTables) -> float:
+    """How many times as large rounding of positions is as in a length of the scene.
+
+    It is 1 if no body is far from the origin of frame O. Joints bring that into angles and
+    distances, too.
+    """
+    farthest = float(np.max(np.abs(y[scene.shifts[:, 0]]), initial=0.0))
+    return farthest / scene.length if farthest > FAR_AWAY * scene.length else 1.0
+
+
 def blur_of(work: Work, state: State) -> float:
     """Error [-] that rounding may leave of a position, in lengths of the scene and radians."""
     ratio = larger(pivot_ratio(work, state), branch_ratio(work, state))
-    return BRANCH_ROUNDING / math.sqrt(larger(ratio, BRANCH_ROUNDING))
+    away = scale_by_distance(state.y, work.scene)
+    return away * BRANCH_ROUNDING / math.sqrt(larger(ratio, BRANCH_ROUNDING))
 
 
 def usual_ratio(work: Work, state: State) -> float:

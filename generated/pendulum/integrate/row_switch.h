@@ -78,6 +78,12 @@ static void multiply_rows(Work *work)
     }
 }
 
+/* a pivot of all rows, as the inverse of a mass [1/kg] */
+static double comparable_pivot(const RowSwitch *all, size_t r)
+{
+    return all->matrix[r][r] / mass_of_inverse((size_t)all->order[r]);
+}
+
 /* C_q M^-1 C_q^T of all rows becomes L D L^T of NC rows, those of drivers and those with the
  * largest pivots; the smallest pivot relative to the largest of them and of all steps, the inverse
  * of which is known unless it is 0; 0 if one is not positive */
@@ -91,15 +97,15 @@ static double factorise_rows(Work *work, double known)
     for (size_t r = 0; r != NC; ++r) {
         size_t best = r;
         for (size_t i = r + 1; i != ALL_ROWS && (int)r >= DRIVERS; ++i) {
-            if (all->matrix[i][i] > all->matrix[best][best]) best = i;
+            if (comparable_pivot(all, i) > comparable_pivot(all, best)) best = i;
         }
         exchange(&all->order[r], &all->order[best]);
         for (size_t k = 0; k != ALL_ROWS; ++k) exchange(&all->matrix[r][k], &all->matrix[best][k]);
         for (size_t k = 0; k != ALL_ROWS; ++k) exchange(&all->matrix[k][r], &all->matrix[k][best]);
         const double *row = all->matrix[r];
         if (!(row[r] > 0.0)) return 0.0;
-        least = smaller(least, row[r]);
-        most = larger(most, row[r]);
+        least = smaller(least, comparable_pivot(all, r));
+        most = larger(most, comparable_pivot(all, r));
         for (size_t i = r + 1; i != ALL_ROWS; ++i) {
             double *other = all->matrix[i];
             if (other[r] == 0.0) continue;

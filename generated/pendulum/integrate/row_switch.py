@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .arithmetic import larger, smaller
-from .pivot_monitor import pivot_ratio
+from .pivot_monitor import mass_of_inverse, pivot_ratio
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -60,6 +60,12 @@ def exchange(a: npt.NDArray[Any], i: int, j: int) -> None:
     a[[i, j]] = a[[j, i]]
 
 
+def comparable_pivot(all_rows: RowMemory, work: Work) -> Array:
+    """Pivots (rows,) of all rows in their order, as inverses of masses [1/kg]."""
+    found: Array = np.diagonal(all_rows.matrix) / mass_of_inverse(work.scene)[all_rows.order]
+    return found
+
+
 def factorise_rows(all_rows: RowMemory, work: Work, known: float) -> float:
     """Make L D Lᵀ of nc rows of C_q M⁻¹ C_qᵀ, those of drivers and those with the largest pivots.
 
@@ -77,13 +83,14 @@ def factorise_rows(all_rows: RowMemory, work: Work, known: float) -> float:
     for r in range(scene.nc):
         best = r
         if r >= len(first):
-            best += int(np.argmax(np.diagonal(a)[r:]))
+            best += int(np.argmax(comparable_pivot(all_rows, work)[r:]))
         exchange(order, r, best)
         exchange(a, r, best)
         exchange(a.T, r, best)
         if not a[r, r] > 0.0:
             return 0.0
-        least, most = smaller(least, float(a[r, r])), larger(most, float(a[r, r]))
+        pivot = float(comparable_pivot(all_rows, work)[r])
+        least, most = smaller(least, pivot), larger(most, pivot)
         a[r + 1 :, r] /= a[r, r]
         a[r + 1 :, r + 1 :] -= np.outer(a[r + 1 :, r], a[r, r + 1 :])
     return least / most

@@ -12,7 +12,7 @@ from .continuation import continue_parameters, is_possible, stay_closed
 from .crossing import first_without_value
 from .dense_output import add_driven_rows, has_driven_works, prepare_dense
 from .methods import METHODS
-from .pivot_monitor import branch_ratio, note_largest_pivot, pivot_ratio
+from .pivot_monitor import branch_ratio, mass_of_inverse, note_largest_pivot, pivot_ratio
 from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import find_reactions, write_row
@@ -326,7 +326,7 @@ class SceneSolver:
     def pivots(self, state: Array, workspace: Array, found: Array) -> Status:
         """Write D (nc,), C_q M⁻¹C_qᵀ = L D Lᵀ, at the state: small where rows are nearly dependent.
 
-        In SI units, such as [1/kg] of a row that is a length.
+        All in 1/kg: those of angles are taken at the length of the scene.
         """
         s, w = state_of(self.scene, state), Workspace(self.scene, workspace)
         if abs(s.key) != self.scene.key:
@@ -336,7 +336,8 @@ class SceneSolver:
             w.t[0] = s.time
             w.q[:] = s.y[: self.scene.nq]
             w.run("geometry")
-            found[: self.scene.nc] = 1.0 / w.pivots
+            masses = mass_of_inverse(self.scene)[: self.scene.nc]
+            found[: self.scene.nc] = 1.0 / (w.pivots * masses)
         return Status.GOOD
 
 

@@ -26,11 +26,11 @@ from .crossing import (
     middle,
     note_unresolved,
     read_of,
-    scale_by_distance,
     side_at,
     smallest,
     stays_positive,
 )
+from .pivot_monitor import scale_by_distance
 from .projection import project
 from .row_switch import forget_trials
 from .settings import BENT, NO_TIME, Status
