@@ -133,6 +133,12 @@ def test_every_stage_has_its_place(within: str) -> None:
     } == {*STAGES[within]}
 
 
+def test_pictures_use_nothing_of_the_door_that_shows_them() -> None:
+    door = {path.stem for path in (ROOT / "kousoku").glob("*.py")} | {"cli"}
+    for path in sources("kousoku/view"):
+        assert door.isdisjoint(rooms(path)) and "kousoku" not in imports(path), path
+
+
 def test_no_file_imports_a_root_folder_by_its_bare_name() -> None:
     bare = {*MAY_IMPORT}
     for folder in (*HAND_WRITTEN, "generated", "tests"):
