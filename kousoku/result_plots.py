@@ -12,9 +12,9 @@ import matplotlib as mpl
 import numpy as np
 
 from kousoku.model.errors import NotInResultError, SolveError
-from kousoku.plots import STYLE, Drawing, draw_linkage, save
 from kousoku.runtime.integrate.motion import BODY, COORDINATE, IN_METRES, JOINT, UNITS, Motion
 from kousoku.runtime.messages import shown
+from kousoku.view.plots import STYLE, Drawing, draw_linkage, save
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence

@@ -109,7 +109,7 @@ class KernelExplanation:
         *outputs : str
             As of :meth:`graph`.
         """
-        from kousoku.graph_plots import draw_counts, draw_sharing
+        from kousoku.view.graph_plots import draw_counts, draw_sharing
 
         name = self.derivation.name
         if kernel is not None:

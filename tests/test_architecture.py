@@ -51,7 +51,7 @@ BESIDE = "messages"
 MOST_IN_CYCLES = {"top": 0, "functions": 9, "types": 59}
 #: Packages whose docstrings list their modules.
 WITH_LISTS = (
-    *("codegen/linkage", "runtime/kinematics", "ledger/documents"),
+    *("codegen", "codegen/linkage", "runtime", "runtime/kinematics", "ledger/documents"),
     *(f"codegen/dynamics/{name}" for name in ("recording", "operations", "assembly")),
     *(f"codegen/dynamics/{name}" for name in ("simplification", "redundancy", "composition")),
     *(f"codegen/dynamics/{name}" for name in ("emission", "checking", "explanation")),
@@ -131,6 +131,12 @@ def test_every_stage_has_its_place(within: str) -> None:
     assert {path.parent.name for path in folder.glob("*/__init__.py")} | {
         path.stem for path in folder.glob("*.py") if path.stem != "__init__"
     } == {*STAGES[within]}
+
+
+def test_pictures_use_nothing_of_the_door_that_shows_them() -> None:
+    door = {path.stem for path in (ROOT / "kousoku").glob("*.py")} | {"cli"}
+    for path in sources("kousoku/view"):
+        assert door.isdisjoint(rooms(path)) and "kousoku" not in imports(path), path
 
 
 def test_no_file_imports_a_root_folder_by_its_bare_name() -> None:
@@ -290,6 +296,7 @@ def named_in_list(package: Path) -> set[str]:
 def test_the_list_of_a_package_names_all_of_its_modules(folder: str) -> None:
     package = ROOT / folder
     modules = {path.stem for path in package.iterdir() if path.suffix in {".py", ".toml"}}
+    modules |= {path.parent.name for path in package.glob("*/__init__.py")}
     assert named_in_list(package) == modules - {"__init__"}
 
 

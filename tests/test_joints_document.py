@@ -18,16 +18,16 @@ from kousoku.model.reading.read import scene_from_toml
 
 matplotlib = pytest.importorskip("matplotlib")
 
-from kousoku.coupling_shapes import COUPLING_PICTURES  # noqa: E402
-from kousoku.joint_plots import draw_joint  # noqa: E402
-from kousoku.joint_shapes import JOINT_PICTURES, BoxShape, CylinderShape  # noqa: E402
-from kousoku.plots import to_svg  # noqa: E402
+from kousoku.view.coupling_shapes import COUPLING_PICTURES  # noqa: E402
+from kousoku.view.joint_plots import draw_joint  # noqa: E402
+from kousoku.view.joint_shapes import JOINT_PICTURES, BoxShape, CylinderShape  # noqa: E402
+from kousoku.view.plots import to_svg  # noqa: E402
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kousoku.joint_shapes import JointFreedom
     from kousoku.model.mechanics.multibody import Instance, RelativeCoordinate, System
+    from kousoku.view.joint_shapes import JointFreedom
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "docs" / "joints.md").read_text(encoding="utf-8")

@@ -195,7 +195,7 @@ def test_what_teaches_imports_the_door_alone() -> None:
 
 
 @pytest.mark.parametrize(
-    "line", ["from kousoku.plots import to_svg", "import kousoku.model.reading.read"]
+    "line", ["from kousoku.view.plots import to_svg", "import kousoku.model.reading.read"]
 )
 def test_a_deep_import_is_seen(line: str) -> None:
     assert DEEP.search(line)

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patheffects import withStroke
 
-from kousoku.plots import STYLE, Drawing
+from kousoku.view.plots import STYLE, Drawing
 from kousoku.view.shapes import LIGHT, METAL
 from kousoku.view.stills import Camera, Face, color_of, drawn, grid_seen, placed
 

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from kousoku.joint_shapes import JOINT_PICTURES, Ball, BoxShape, CylinderShape
 from kousoku.runtime.integrate.euler_parameters import rotated
+from kousoku.view.joint_shapes import JOINT_PICTURES, Ball, BoxShape, CylinderShape
 from kousoku.view.meshes import box_name, coarse, cylinder_name, mesh_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from kousoku.joint_shapes import Solid
     from kousoku.model.mechanics.frames import BodyFrame
     from kousoku.model.numbers.real import Array
     from kousoku.model.records.scene import Scene
     from kousoku.model.records.spatial import Body, Joint
+    from kousoku.view.joint_shapes import Solid
 
 GROUND, METAL = 0, 1
 """Colours of the ground and of joints; those of bodies follow."""

@@ -1,4 +1,4 @@
-"""Elements of a scene, one file each: forces, couplings, drivers, and joints unlike all others.
+"""Elements of a scene, one file each: forces, couplings, drivers, events, and unlike joints.
 
 Each is a class with its keys and checks, and with what it becomes in a system. What forces do in a
 program stands in :mod:`kousoku.codegen.dynamics.elements`: ``model`` imports nothing of it, since

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import ChainMap
+from itertools import chain
 from math import isfinite
 from typing import TYPE_CHECKING, cast
 
@@ -15,7 +16,7 @@ from kousoku.model.expressions.values import value_of
 from kousoku.model.records.design import Formula
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping
+    from collections.abc import Collection, Iterable, Iterator, Mapping
 
     from kousoku.model.records.scene import Scene
 
@@ -52,6 +53,15 @@ def used_names(formula: str, names: Collection[str]) -> tuple[str, ...]:
     What is multiplied by zero stands there, too: the formula cannot be read without it.
     """
     return tuple(dict.fromkeys(name for name in WORD.findall(formula) if name in names))
+
+
+def used_coordinates(scene: Scene, formulas: Iterable[str]) -> list[str]:
+    """Coordinates that formulas of a scene name, or whose rates they name."""
+    known = state_names(scene)
+    names = chain.from_iterable(used_names(text, known) for text in formulas)
+    rates = {f"{name}{RATE}": name for name in scene.coordinates}
+    used = dict.fromkeys(rates.get(name, name) for name in names)
+    return [name for name in used if name in scene.coordinates]
 
 
 def used_parameters(scene: Scene) -> dict[str, float]:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain
 from math import dist, hypot
 from typing import TYPE_CHECKING
 
+from kousoku.model.elements.event import events_of
 from kousoku.model.errors import ExpressionError
 from kousoku.model.expressions.design_numbers import with_numbers
 from kousoku.model.expressions.folds import with_signs
 from kousoku.model.expressions.formulas import LAW_NAMES, RATE, state_names, texts_of
 from kousoku.model.expressions.parser import parse_expression
-from kousoku.model.expressions.switching import may_jump
 from kousoku.model.lowering.quaternions import quaternion
 from kousoku.model.numbers import precise
 from kousoku.model.operations.expression import Expression, names_of, ordered
@@ -62,7 +63,8 @@ class About:
             for key, parts in _parts_of_forces(scene)
             if any(part.op is Op.SIGN for part in parts)
         )
-        notes = (*scene_notes(scene), *notes_of_events(scene), *notes)
+        of_events = chain.from_iterable(event.notes() for event in events_of(scene))
+        notes = (*scene_notes(scene), *of_events, *notes)
         return cls(notes, scene.duration, jumps)
 
 
@@ -107,17 +109,6 @@ def notes_of_dry_friction(scene: Scene) -> Iterator[str]:
                 f"{key} jumps where a rate passes 0, as dry friction does: where"
                 " it holds the rate at 0, steps become tiny and the run stops; take"
                 " x/sqrt(x^2 + 1e-6) for sign(x)"
-            )
-
-
-def notes_of_events(scene: Scene) -> Iterator[str]:
-    """Note on each event that may jump over 0, where it does not count."""
-    names = state_names(scene)
-    for name, event in scene.events.items():
-        if may_jump(parse_expression(event.when, names), names.difference(scene.parameters)):
-            yield (
-                f"{join('events', name)} may jump over 0, also through infinity, and does not"
-                " count where it does; take what passes 0 there: x for sign(x) and for 1/x"
             )
 
 

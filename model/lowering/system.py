@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from kousoku.model.elements.event import events_of
 from kousoku.model.elements.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.errors import SceneError
 from kousoku.model.expressions.formulas import used_parameters
@@ -19,7 +20,7 @@ from kousoku.model.lowering.mass import mass_properties
 from kousoku.model.lowering.parametric import positive_numbers, varying_scene
 from kousoku.model.lowering.quaternions import quaternion
 from kousoku.model.lowering.system_drivers import driver_instances, start_values
-from kousoku.model.lowering.system_forces import events_of, force_elements, gravity_law, gravity_of
+from kousoku.model.lowering.system_forces import force_elements, gravity_law, gravity_of
 from kousoku.model.lowering.zero_directions import check_zero_directions
 from kousoku.model.mechanics.constraints import COMBINATION, CONSTRAINTS, is_point
 from kousoku.model.mechanics.frames import (
@@ -89,7 +90,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         *driver_instances(scene, coordinates),
     )
     forces = force_elements(scene, frames, coordinates, unit)
-    events = events_of(scene, coordinates)
+    events = tuple(event.element(coordinates) for event in events_of(scene))
     wanted = _outputs(scene, outputs)
     shown = scene.coordinates if "coordinates" in wanted else ()
     places = tuple(coordinates.place(name) for name in shown)

@@ -1,4 +1,4 @@
-"""Forces, gravity and events of a scene as those of a system."""
+"""Forces and gravity of a scene as those of a system."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.elements.force import Lowering
 from kousoku.model.elements.forces import FORCES
-from kousoku.model.expressions.formulas import RATE, state_names, used_names
+from kousoku.model.expressions.formulas import used_coordinates
 from kousoku.model.mechanics.frames import to_vector
-from kousoku.model.mechanics.multibody import SystemEvent
 from kousoku.model.numbers import precise
 
 if TYPE_CHECKING:
@@ -21,8 +20,6 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.precise import High
     from kousoku.model.records.orientation import Vector
     from kousoku.model.records.scene import Scene
-
-DIRECTIONS = {"both": 0, "rising": 1, "falling": -1}
 
 
 def force_elements(
@@ -48,19 +45,9 @@ def force_elements(
         for element in FORCES[force.type].elements(name, force, given)
     ]
     texts = chain.from_iterable(one.formulas for one in found)
-    for name in _named(scene, [text for _, text in texts]):
+    for name in used_coordinates(scene, (text for _, text in texts)):
         coordinates.place(name)
     return tuple(found)
-
-
-def events_of(scene: Scene, coordinates: CoordinateList) -> tuple[SystemEvent, ...]:
-    """Events of a checked scene; what they need is added to the coordinates."""
-    for name in _named(scene, [event.when for event in scene.events.values()]):
-        coordinates.place(name)
-    return tuple(
-        SystemEvent(name, event.when, DIRECTIONS[event.direction], event.action)
-        for name, event in scene.events.items()
-    )
 
 
 def gravity_of(scene: Scene, unit: High) -> Vector:
@@ -73,12 +60,3 @@ def gravity_law(scene: Scene) -> tuple[str, str, str]:
     """Components of gravity that are formulas; the others are empty."""
     x, y, z = (value if isinstance(value, str) else "" for value in scene.gravity)
     return x, y, z
-
-
-def _named(scene: Scene, formulas: list[str]) -> list[str]:
-    """Coordinates that formulas name, or whose rates they name."""
-    known = state_names(scene)
-    names = chain.from_iterable(used_names(text, known) for text in formulas)
-    rates = {f"{name}{RATE}": name for name in scene.coordinates}
-    used = dict.fromkeys(rates.get(name, name) for name in names)
-    return [name for name in used if name in scene.coordinates]

@@ -6,6 +6,7 @@ from math import hypot
 from typing import TYPE_CHECKING
 
 from kousoku.model.elements.checks import check_only_point, require_two
+from kousoku.model.elements.event import events_of
 from kousoku.model.elements.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.errors import Problem, SceneError
 from kousoku.model.expressions.design_numbers import FORMULAS
@@ -13,7 +14,6 @@ from kousoku.model.expressions.formulas import (
     fixed_names,
     formula_problems,
     state_names,
-    used_names,
     values_at_start,
 )
 from kousoku.model.records.design import LARGEST
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from kousoku.model.records.own_kind import OwnKind
     from kousoku.model.records.problems import Problems
     from kousoku.model.records.scene import Scene
-    from kousoku.model.records.spatial import Body, Event, Joint
+    from kousoku.model.records.spatial import Body, Joint
 
 PARALLEL = 1e-9
 """Sine of the smallest angle between two directions that are distinguished."""
@@ -95,9 +95,8 @@ def check_spatial(scene: Scene, problems: Problems) -> None:
     for name, force in scene.forces.items():
         check_force(scene, force, join("forces", name), names, problems)
     if not problems.touches("parameters", "coordinates"):
-        for name, event in scene.events.items():
-            key = f"{join('events', name)}.when"
-            problems.check(key, (), _check_event, scene, event, key)
+        for event in events_of(scene):
+            problems.check(f"{event.key}.when", (), event.check)
     problems.check("gravity", ["gravity"], _check_gravity, scene)
 
 
@@ -325,22 +324,3 @@ def _check_gravity(scene: Scene) -> None:
     start = values_at_start(scene)
     if found := list(formula_problems(scene.gravity, fixed_names(scene), "gravity", start)):
         raise SceneError.of(found)
-
-
-def _check_event(scene: Scene, event: Event, key: str) -> None:
-    """Refuse an event whose formula is none, or never changes.
-
-    Raises
-    ------
-    SceneError
-        With the dotted key of the formula.
-    """
-    names = state_names(scene)
-    if found := list(formula_problems(event.when, names, key, values_at_start(scene))):
-        raise SceneError.of(found)
-    if not used_names(event.when, names - scene.parameters.keys()):
-        raise SceneError(
-            "never changes, so that it passes zero nowhere; wanted a formula of t, of coordinates"
-            " or of their rates, such as 'x - 1' or 'x_dot'",
-            key=key,
-        )

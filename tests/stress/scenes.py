@@ -23,9 +23,9 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 import kousoku as ks
+from kousoku.model.elements.event import ZeroCrossing
 from kousoku.model.elements.gear import Gear
 from kousoku.model.errors import KousokuError, MotionError, SceneError
-from kousoku.model.lowering.system_forces import events_of
 from kousoku.model.reading.write import toml_of
 from kousoku.runtime import run_ledger
 from kousoku.runtime.integrate import trust
@@ -353,11 +353,13 @@ def geared(factor: float) -> AbstractContextManager[object]:
 
 def late() -> AbstractContextManager[object]:
     """Find events where their formulas are a little above zero."""
+    right = ZeroCrossing.element
 
     def wrong(*given: Any) -> Any:
-        return tuple(replace(one, when=f"({one.when}) - 1e-10") for one in events_of(*given))
+        event = right(*given)
+        return replace(event, when=f"({event.when}) - 1e-10")
 
-    return patch("kousoku.model.lowering.system.events_of", wrong)
+    return patch.object(ZeroCrossing, "element", wrong)
 
 
 def generous() -> AbstractContextManager[object]:

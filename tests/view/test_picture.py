@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from kousoku.joint_shapes import JOINT_PICTURES
 from kousoku.model.elements.joints import JOINTS
 from kousoku.model.errors import SolveError
 from kousoku.model.reading.read import read_scene
+from kousoku.view.joint_shapes import JOINT_PICTURES
 from kousoku.view.meshes import mesh_of
 from kousoku.view.picture import picture_at_rest, picture_of
 from kousoku.view.shapes import rotation, vertices_of

@@ -84,35 +84,6 @@ def test_a_force_that_jumps_and_the_duration_are_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("when", "is_told"),
-    [
-        ("sign(x - 5)", True),
-        ("1/x", True),
-        ("tan(x)", True),
-        ("x^(0-1)", True),
-        ("1 + atan2(x_dot, x)", True),
-        ("x - 5", False),
-        ("sin(x)/p", False),
-        ("p^(0-2)*x", False),
-        ("tan(p)*x", False),
-        ("x/(2 + sin(t))", False),
-        ("atan2(sin(t), 2 + cos(t)) - x", False),
-        ("max(x, 0) - abs(x)^3", False),
-    ],
-)
-def test_an_event_that_may_jump_is_told(when: str, *, is_told: bool) -> None:
-    joints = {"a": {"type": "prismatic", "bodies": ["ground", "one"], "at": [0, 0, 0]}}
-    joints["a"]["axis"] = [1, 0, 0]
-    scene = {
-        **{"name": "s", "unit": "m", "parameters": {"p": 2}, "bodies": {"one": bar(0)}},
-        **{"joints": joints, "coordinates": {"x": {"joint": "a"}}},
-        **{"events": {"other": {"when": "t - 1"}, "hit": {"when": when}}},
-    }
-    notes = About.of(scene_from_dict(scene)).notes
-    assert [note.split(" over")[0] for note in notes] == ["events.hit may jump"] * is_told
-
-
-@pytest.mark.parametrize(
     ("force", "is_told"),
     [
         ("1e-9*tan(s)", True),

@@ -1,4 +1,4 @@
-"""Events of a scene: formulas that pass zero, and what is refused of them."""
+"""Functions whose roots a run looks for: what of a force is a kink, a jump, a distance."""
 
 from __future__ import annotations
 
@@ -6,10 +6,8 @@ from typing import Any
 
 import pytest
 
-from kousoku.model.errors import SceneError
 from kousoku.model.lowering.root_functions import root_functions_of
 from kousoku.model.lowering.system import system_of
-from kousoku.model.reading.builder import SceneBuilder
 from kousoku.model.reading.read import scene_from_dict
 
 Tree = dict[str, Any]
@@ -24,52 +22,7 @@ def bead() -> Tree:
         "parameters": {"at": 1.0},
         "bodies": {"bead": {"position": [0, 0, 0], "point": True, "mass": 1}},
         "coordinates": {"x": {"body": "bead", "along": [1, 0, 0]}},
-        "events": {"there": {"when": "x - at", "direction": "rising", "action": "stop"}},
     }
-
-
-def test_an_event_comes_into_the_system_with_what_it_reads(bead: Tree) -> None:
-    bead["coordinates"]["y"] = {"body": "bead", "along": [0, 1, 0]}
-    system = system_of(scene_from_dict(bead), ())
-    (event,) = system.events
-    assert (event.name, event.when, event.direction, event.action) == ("there", "x - at", 1, "stop")
-    assert [one.name for one in system.coordinates] == ["x"]
-    assert system.parameters == (("at", 1.0),)
-
-
-def test_the_builder_makes_the_same_events(bead: Tree) -> None:
-    builder = SceneBuilder("bead", unit="cm").parameter("at", 1.0)
-    builder.body("bead", position=(0, 0, 0), point=True, mass=1)
-    builder.coordinate("x", body="bead", along=(1, 0, 0))
-    built = builder.event("there", when="x - at", direction="rising", action="stop").build()
-    assert built == scene_from_dict(bead)
-
-
-@pytest.mark.parametrize(
-    ("event", "problem"),
-    [
-        ({"when": "at - 2"}, r"events\.there\.when: never changes, so that it passes zero nowhere"),
-        ({"when": "y - 2"}, r"events\.there\.when: column 1: unknown name 'y'"),
-        ({"when": "x -"}, r"events\.there\.when: column 4: the formula ends"),
-        ({"when": "x", "action": "halt"}, r"action: the text 'halt' stands where one of 'record'"),
-        ({"when": "x", "direction": "up"}, r"direction: the text 'up' stands where one of 'both'"),
-        ({"if": "x"}, r"events\.there\.when: is missing"),
-        ("x - 1", r"a table is wanted, such as \{ when = "),
-    ],
-)
-def test_what_is_no_event_is_refused(bead: Tree, event: object, problem: str) -> None:
-    bead["events"]["there"] = event
-    with pytest.raises(SceneError, match=problem):
-        scene_from_dict(bead)
-
-
-def test_a_linkage_of_nodes_has_no_events(bead: Tree) -> None:
-    nodes = {"A": {"at": [0, 0], "fixed": True}, "B": {"at": [1, 0]}}
-    links = {"a": {"nodes": ["A", "B"]}}
-    turn = {"turn": {"link": "a", "about": "A"}}
-    tree = {"name": "arm", "unit": "m", "nodes": nodes, "links": links, "inputs": turn}
-    with pytest.raises(SceneError, match="events: belong to bodies"):
-        scene_from_dict(tree | {"events": {"late": {"when": "t - 1"}}})
 
 
 @pytest.mark.parametrize(
@@ -133,7 +86,7 @@ def test_functions_at_which_a_force_jumps_are_told_from_kinks(
     push = {"type": "along", "coordinate": "x", "force": force}
     functions = root_functions_of(system_of(scene_from_dict(bead | {"forces": {"push": push}}), ()))
     assert len(functions.breaks) == count
-    assert set(functions.breaks).isdisjoint(functions.crossings[1:])  # behind the event of the bead
+    assert set(functions.breaks).isdisjoint(functions.crossings)
 
 
 @pytest.mark.parametrize(
@@ -157,7 +110,7 @@ def test_what_of_a_force_is_looked_at(bead: Tree, force: str, crossings: int, na
     push = {"type": "along", "coordinate": "x", "force": force}
     system = system_of(scene_from_dict(bead | {"forces": {"push": push}}), ())
     functions = root_functions_of(system)
-    assert len(functions.crossings) == 1 + crossings
+    assert len(functions.crossings) == crossings
     assert len(functions.narrow) == narrow
     assert not functions.switches
     assert not functions.features

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-plots = pytest.importorskip("kousoku.plots", reason="needs matplotlib")
+plots = pytest.importorskip("kousoku.view.plots", reason="needs matplotlib")
 
 
 def circle(radius: float = 2.0) -> tuple[NDArray[np.float64], ...]:

@@ -17,8 +17,8 @@ from kousoku.model.operations.kernel import Kernel
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-graph_plots = pytest.importorskip("kousoku.graph_plots", reason="needs matplotlib")
-plots = pytest.importorskip("kousoku.plots", reason="needs matplotlib")
+graph_plots = pytest.importorskip("kousoku.view.graph_plots", reason="needs matplotlib")
+plots = pytest.importorskip("kousoku.view.plots", reason="needs matplotlib")
 
 
 @pytest.fixture

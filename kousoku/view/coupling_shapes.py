@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.joint_shapes import (
+from kousoku.view.joint_shapes import (
     BoxShape,
     CylinderShape,
     JointFreedom,

@@ -11,7 +11,7 @@ import matplotlib as mpl
 from matplotlib.collections import LineCollection
 
 from kousoku.model.operations.graph import Op
-from kousoku.plots import Drawing
+from kousoku.view.plots import Drawing
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

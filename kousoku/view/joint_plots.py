@@ -1,4 +1,4 @@
-"""Draw the joints: ``python -m kousoku.joint_plots FOLDER`` writes one SVG for each.
+"""Draw the joints: ``python -m kousoku.view.joint_plots FOLDER`` writes one SVG for each.
 
 Needs matplotlib (the extra ``plot``). The same version of it gives the same bytes.
 """
@@ -15,18 +15,18 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from matplotlib.path import Path
 
-from kousoku.coupling_shapes import COUPLING_PICTURES
-from kousoku.joint_shapes import JOINT_PICTURES, Ball, BoxShape, CylinderShape
-from kousoku.plots import save
+from kousoku.view.coupling_shapes import COUPLING_PICTURES
+from kousoku.view.joint_shapes import JOINT_PICTURES, Ball, BoxShape, CylinderShape
+from kousoku.view.plots import save
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.axes import Axes
 
-    from kousoku.joint_shapes import JointFreedom, JointPicture, Solid
     from kousoku.model.numbers.real import Array
     from kousoku.model.records.orientation import Vector
+    from kousoku.view.joint_shapes import JointFreedom, JointPicture, Solid
 
 _COLORS = {"i": "#5b8db8", "j": "#e0a04d", "-": "#9a9a9a"}
 _SHIFT, _TURN, _AXIS = "#1a7a3c", "#8a2b8f", "#b02020"
