@@ -14,6 +14,7 @@ import os
 import pkgutil
 import platform
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
@@ -160,6 +161,27 @@ def compiler() -> str:
         return "no compiler"
 
 
+def commit() -> str:
+    """Commit of the checkout, "with changes" where files differ from it; "" where git knows none.
+
+    A repository that the checkout merely lies in is not asked.
+    """
+    ceiling = {"GIT_CEILING_DIRECTORIES": str(ROOT.resolve().parent)}
+    words = ("describe", "--always", "--exclude=*", "--abbrev=10", "--dirty= with changes")
+    try:
+        done = subprocess.run(
+            ["git", *words],
+            cwd=ROOT,
+            env={**os.environ, **ceiling},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+    return done.stdout.strip()
+
+
 def page_of(
     chosen: dict[str, Question], answers: dict[str, Answer], size: Size, seconds: float
 ) -> str:
@@ -186,6 +208,7 @@ def page_of(
     return page_in(Path(__file__).parent).render(
         date=time.strftime("%Y-%m-%d"),
         machine=machine(),
+        commit=commit(),
         seed=size.seed,
         size="full" if size.is_full else "quick",
         took=f"{took / 60:.1f} min",
