@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 import os
 import re
 import select
@@ -173,3 +175,26 @@ def test_the_page_names_the_commit_that_it_was_measured_on(
     assert command.commit() == ""
     monkeypatch.setenv("PATH", "")
     assert command.commit() == ""
+
+
+def test_a_table_has_the_largest_values_of_all_cases_and_the_cases_that_repeat_them(
+    build: Path,
+) -> None:
+    answer, alone = command.Answer(), command.Answer()
+    for case, values in {"early 1": (1.0, 5.0), "late 1": (3.0, 2.0)}.items():
+        outcome = Outcome()
+        for column, value in zip(("1e1", "1e2"), values, strict=True):
+            outcome.tabulate("drift (m)", "crank", column, value, "r=[1.5]")
+        alone.add(case, outcome, 0.0)
+        read = Outcome.from_dict(json.loads(json.dumps(outcome.as_dict())))
+        answer.add(case, read, 0.0, command.command_of("any", case))
+    answer.outcome.tabulate("drift (m)", "wheel", "1e2", math.nan, "late 1")
+    page = command.page_of({"any": asked_of(Outcome())}, {"any": answer}, Size(), 0.0)
+    assert (
+        "\n| drift (m) | 1e1 | 1e2 | largest at |\n|---|---|---|---|\n"
+        "| crank | 3 | 5 | early 1 |\n| wheel |  | inf | late 1 |\n" in page
+    )
+    page = command.page_of({"any": asked_of(Outcome())}, {"any": alone}, Size(), 0.0)
+    assert "| crank | 3 | 5 | r=[1.5] |" in page
+    with pytest.raises(ValueError, match="has no unit"):
+        Outcome().tabulate("drift", "crank", "1e1", 1.0, "")
