@@ -34,7 +34,7 @@ ALLOWED = 0.1
 ENERGY_ROUNDING_OF_STEPS = 4e-16
 """What is lost by rounding in a step, relative to the energy that moves, where all add up."""
 ROWS = 400
-FEWEST = 30
+FEWEST = 300
 """From how many steps or turns on tables tell what is off."""
 DIVISIONS = 6
 """Positions of each turn of a linkage."""
@@ -105,7 +105,7 @@ def run(case: str) -> Outcome:
 def marks(number: int) -> dict[str, int]:
     """Number of steps or turns and its tenths, by what the columns of tables are called."""
     tenths = (number // 10**k for k in reversed(range(len(str(number)))))
-    return {f"{one:.0e}".replace("e+0", "e"): one for one in tenths if one >= FEWEST}
+    return {f"{one:.0e}".replace("e+0", "e"): one for one in tenths if one >= min(FEWEST, number)}
 
 
 def growth(time: Array, lost: Array) -> float:
@@ -159,7 +159,7 @@ def conservative(outcome: Outcome, name: str, way: str, steps: str) -> None:
         outcome.tabulate("energy lost, by steps (of what moves)", row, column, of_energy, at)
         outcome.tabulate("drift of constraints, by steps (m)", row, column, drift, at)
     outcome.measure("constraints at the end (m)", position, where, limit=1e-9)
-    first = max(list(met.values())[-2][1], 1e-15)
+    first = max([*met.values()][-2:][0][1], 1e-15)
     outcome.measure("constraints at the end (of a tenth)", position / first, where, limit=30.0)
 
 
