@@ -224,6 +224,8 @@ def look(tree: Tree, place: str) -> Outcome:
         if not value <= limit:
             title = f"{figure}: kousoku and the independent evaluator disagree"
             outcome.find(title, f"{value:.3g}, at most {limit:.3g}; {place}")
+    for what, number in comparison.counts.items():
+        outcome.count(what, number)
     methods(tree, runs, outcome, place)
     if BENT in str(tree.get("forces")):
         located(tree, outcome, place)
