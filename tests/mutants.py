@@ -32,9 +32,11 @@ ROOT = Path(__file__).parents[1]
 SUFFIXES = {".py", ".c", ".h", ".jinja"}
 TIERS = {"quick": ["--quick"], "test": ["-m", "not release"], "release": []}
 
-#: What is no code: comments, strings, lines of the preprocessor and of templates.
+#: What is no code: comments, also where a template begins one that another one goes on with,
+#: strings, lines of the preprocessor and of templates.
 NO_CODE = re.compile(
-    r'"""[\s\S]*?"""|/\*[\s\S]*?\*/|//[^\n]*|(?m:^[ \t]*#[^\n]*)|#[^\n]*'
+    r'"""[\s\S]*?"""|/\*[\s\S]*?\*/|(?m:^ \*(?:[ /][^\n]*)?$)|//[^\n]*'
+    r"|(?m:^[ \t]*#[^\n]*)|#[^\n]*"
     r'|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|\{[%#][\s\S]*?[%#]\}'
 )
 OPERATORS = {

@@ -14,12 +14,14 @@ import os
 import pkgutil
 import platform
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
@@ -31,7 +33,7 @@ from kousoku.runtime.toolchain import find_toolchain
 from tests import stress
 from tests.stress import smaller
 from tests.stress.journal import digest_of, done_in, is_on, page_in
-from tests.stress.kit import BUILD, ROOT, Finding, Outcome, Question, Size
+from tests.stress.kit import BUILD, ROOT, Finding, Outcome, Question, Size, Worst
 from tests.stress.workers import Answered, StoppedError, processor, run_case, run_cases
 
 NO_QUESTIONS = {"__main__", "journal", "kit", "workers"}
@@ -62,9 +64,14 @@ class Answer:
     slowest: tuple[float, str] = (0.0, "")
 
     def add(self, case: str, outcome: Outcome, seconds: float, command: str = "") -> None:
-        """Add a case; what it found without a command of its own, this one shows."""
+        """Add a case; what it found without a command of its own, this one shows.
+
+        So are places of its tables: of so many rows each has a case instead.
+        """
         own = [replace(one, command=one.command or command) for one in outcome.findings]
-        self.outcome.add(replace(outcome, findings=own))
+        self.outcome.add(replace(outcome, findings=own, tables={}))
+        for table, row, column, worst in outcome.cells():
+            self.outcome.tabulate(table, row, column, worst.value, case if command else worst.place)
         self.cases += 1
         self.seconds += seconds
         self.slowest = max(self.slowest, (seconds, case))
@@ -160,6 +167,27 @@ def compiler() -> str:
         return "no compiler"
 
 
+def commit() -> str:
+    """Commit of the checkout, "with changes" where files differ from it; "" where git knows none.
+
+    A repository that the checkout merely lies in is not asked.
+    """
+    ceiling = {"GIT_CEILING_DIRECTORIES": str(ROOT.resolve().parent)}
+    words = ("describe", "--always", "--exclude=*", "--abbrev=10", "--dirty= with changes")
+    try:
+        done = subprocess.run(
+            ["git", *words],
+            cwd=ROOT,
+            env={**os.environ, **ceiling},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+    return done.stdout.strip()
+
+
 def page_of(
     chosen: dict[str, Question], answers: dict[str, Answer], size: Size, seconds: float
 ) -> str:
@@ -168,6 +196,7 @@ def page_of(
     for name, answer in answers.items():
         question, outcome = chosen[name], answer.outcome
         rows = ((key, f"{worst.value:.3g}", worst.place) for key, worst in outcome.figures.items())
+        tables = (table_of(*one) for one in sorted(outcome.tables.items()))
         found = {finding.title: finding for finding in reversed(outcome.findings)}
         parts.append(
             {
@@ -177,6 +206,7 @@ def page_of(
                 "cases": answer.cases,
                 "slowest": f"{answer.slowest[1]} in {answer.slowest[0]:.1f} s",
                 "figures": sorted(rows),
+                "tables": [*tables],
                 "counts": sorted(outcome.counts.items()),
                 "findings": [(one, question.reason_of(one)) for one in found.values()],
                 "faults": [fault.about for fault in question.faults],
@@ -186,12 +216,24 @@ def page_of(
     return page_in(Path(__file__).parent).render(
         date=time.strftime("%Y-%m-%d"),
         machine=machine(),
+        commit=commit(),
         seed=size.seed,
         size="full" if size.is_full else "quick",
         took=f"{took / 60:.1f} min",
         clock=f"{seconds / 60:.1f} min",
         parts=parts,
     )
+
+
+def table_of(title: str, rows: dict[str, dict[str, Worst]]) -> dict[str, Any]:
+    """Table as the page has it, with the place of the largest value of each row behind it."""
+    columns = sorted({column for cells in rows.values() for column in cells})
+    lines = []
+    for row, cells in sorted(rows.items()):
+        shown = (f"{cells[one].value:.3g}" if one in cells else "" for one in columns)
+        known = (cells[one] for one in columns if one in cells)
+        lines.append((row, *shown, max(known, key=lambda worst: worst.value).place))
+    return {"head": (title, *columns, "largest at"), "rows": lines}
 
 
 def forget(name: str) -> None:

@@ -182,12 +182,13 @@ def full_from(number: int) -> Mishap:
     return lambda: sys.addaudithook(hear)
 
 
-def read_only(folder: Path) -> Mishap:
-    """Mishap that lets nothing in a folder be changed, also where one is root."""
+def read_only(folder: Path, *but: Path) -> Mishap:
+    """Mishap that lets nothing in a folder be changed but in some others, also by root."""
 
     def hear(event: str, arguments: tuple[Any, ...]) -> None:
         for name in _changes(event, arguments):
-            if str(Path(name).absolute()).startswith(str(folder)):
+            path = Path(name).absolute()
+            if path.is_relative_to(folder) and not any(map(path.is_relative_to, but)):
                 raise OSError(READ_ONLY, os.strerror(READ_ONLY), name)
 
     return lambda: sys.addaudithook(hear)

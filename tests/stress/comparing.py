@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -80,6 +81,11 @@ def size_of(*arrays: Array) -> float:
     return max((abs(float(x)) for a in arrays for x in np.ravel(a)), default=0.0)
 
 
+def _is_unclear(solution: Solution) -> bool:
+    """Whether accelerations have few digits, or which rows are independent is a matter of them."""
+    return solution.condition > SINGULAR or solution.gap < CLEAR
+
+
 def _formulas(force: Mapping[str, Any]) -> list[str]:
     """Return the formulas of a force, those of its components, too."""
     parts = [one if isinstance(one, list) else [one] for one in force.values()]
@@ -97,12 +103,17 @@ class Comparison:
         What kousoku made of it.
     parameters : dict of str to float, optional
         Those of the run that are not as in the scene.
+
+    Attributes
+    ----------
+    counts : Counter of str
+        Accelerations that were compared, and what was not, as rounding of positions decides it.
     """
 
     def __init__(
         self, tree: Tree, mechanism: Mechanism, parameters: Mapping[str, float] | None = None
     ) -> None:
-        self.tree, self.mechanism = tree, mechanism
+        self.tree, self.mechanism, self.counts = tree, mechanism, Counter[str]()
         self.metre = UNITS[tree["unit"]]
         self.evaluator = Evaluator(tree, parameters)
         self.start: Evaluation | None = None
@@ -225,7 +236,8 @@ class Comparison:
             known = dict(found.powers)
             if found.M is not None and powers.keys() - known.keys():
                 solution = found.solution
-                if solution.condition > SINGULAR or solution.gap < CLEAR:
+                if _is_unclear(solution):
+                    self.counts["motions whose works are too ill conditioned to compare"] += 1
                     return
                 for owner in powers.keys() - known.keys():
                     pushes, left_open = found.pushes(owner)
@@ -267,8 +279,12 @@ class Comparison:
             off = size_of((found.f - theirs.f) * units) / joule / size
             yield "applied forces (relative)", off, max(10000 * U, rough)
         solution = self._solution(found)
-        if solution is None or solution.condition > SINGULAR or solution.gap < CLEAR:
+        if solution is None:
             return
+        if _is_unclear(solution):
+            self.counts["accelerations too ill conditioned to compare"] += 1
+            return
+        self.counts["accelerations compared"] += 1
         limit = 10 * U * solution.condition**2 + REFINED + rough * solution.condition
         limit += 2 * self.rates_missed[1]
         yield from self._accelerations(run, k, found, solution, limit)

@@ -16,6 +16,7 @@ import numpy as np
 
 import kousoku as ks
 from kousoku.runtime.options import Options
+from kousoku.runtime.run import GOES_ON
 from tests.stress.kit import ROOT, Fault, Outcome, Question, Size
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from kousoku.model.numbers.real import Array
+    from kousoku.runtime.kinematics.trajectory import Trajectory
 
 #: Committed scenes where no force takes or gives energy.
 CONSERVATIVE = ("pendulum", "heavy_top", "n_four_bar", "bricard", "flipping_body")
@@ -32,6 +34,10 @@ ALLOWED = 0.1
 ENERGY_ROUNDING_OF_STEPS = 4e-16
 """What is lost by rounding in a step, relative to the energy that moves, where all add up."""
 ROWS = 400
+FEWEST = 300
+"""From how many steps or turns on tables tell what is off."""
+DIVISIONS = 6
+"""Positions of each turn of a linkage."""
 
 #: Two rods that swing freely: far beyond the energy at which they turn over, nothing repeats.
 DOUBLE = """
@@ -96,6 +102,12 @@ def run(case: str) -> Outcome:
     return outcome
 
 
+def marks(number: int) -> dict[str, int]:
+    """Number of steps or turns and its tenths, by what the columns of tables are called."""
+    tenths = (number // 10**k for k in reversed(range(len(str(number)))))
+    return {f"{one:.0e}".replace("e+0", "e"): one for one in tenths if one >= min(FEWEST, number)}
+
+
 def growth(time: Array, lost: Array) -> float:
     """Exponent by which the largest value so far grows with time."""
     largest = np.maximum.accumulate(lost)
@@ -113,7 +125,15 @@ def conservative(outcome: Outcome, name: str, way: str, steps: str) -> None:
     short = scene.simulate(10.0, samples=2, **options)
     end = 10.0 * int(steps) / short.ledger.steps
     times = np.concatenate(([0.0], np.geomspace(1e-4 * end, end, ROWS)))
-    result: Any = scene.simulate(times=times, most_steps=20 * int(steps), **options)
+    motion = scene.begin(times, most_steps=20 * int(steps), **options)
+    columns, met = marks(int(steps)), {}
+    for column, mark in columns.items():
+        while motion.steps < mark and motion.advance(mark - motion.steps) in GOES_ON:
+            pass
+        met[column] = motion.written, motion.motion().ledger.worst("position")[0]
+    result: Any = motion.finish()
+    position = result.ledger.worst("position")[0]
+    met[column] = len(result), position  # so many steps, nearly
     where = f"{name}, {method} with {tolerance:g}, {result.ledger.steps} steps"
     # of the rows, not by the ledger: the solver's own sum is what is looked at
     energy = result.energy["total"]
@@ -131,11 +151,16 @@ def conservative(outcome: Outcome, name: str, way: str, steps: str) -> None:
     steep = growth(result.time[1:], lost[1:] / moved)
     # a sum of errors grows with 1, a sum of sums with 2
     outcome.measure("growth of the energy lost with time (exponent)", steep, where, limit=1.5)
-    early = scene.simulate(times=times[times < 0.1 * end], **options, most_steps=20 * int(steps))
-    position = [one.ledger.worst("position")[0] for one in (early, result)]
-    outcome.measure("constraints at the end (m)", position[1], where, limit=1e-9)
-    first = max(position[0], 1e-15)
-    outcome.measure("constraints at the end (of a tenth)", position[1] / first, where, limit=30.0)
+    row, largest = f"{name}, {method} with {tolerance:g}", np.maximum.accumulate(lost / moved)
+    outcome.tabulate("growth of the energy lost with time (exponent)", row, "fitted", steep, where)
+    for column, (written, drift) in met.items():
+        at = f"{where}, after {column} steps"
+        of_energy = largest[written - 1]
+        outcome.tabulate("energy lost, by steps (of what moves)", row, column, of_energy, at)
+        outcome.tabulate("drift of constraints, by steps (m)", row, column, drift, at)
+    outcome.measure("constraints at the end (m)", position, where, limit=1e-9)
+    first = max([*met.values()][-2:][0][1], 1e-15)
+    outcome.measure("constraints at the end (of a tenth)", position / first, where, limit=30.0)
 
 
 def driven(outcome: Outcome, method: str, turns: str) -> None:
@@ -150,13 +175,19 @@ def driven(outcome: Outcome, method: str, turns: str) -> None:
     where = f"{number} turns, {method}"
     angle = 2.0 * math.pi * result.time
     unit = np.maximum(np.spacing(angle), np.spacing(1.0))
+    # lengths as exact as the angle that leads them
+    place = 0.1 * np.cos(angle) + np.sqrt(0.09 - (0.1 * np.sin(angle)) ** 2) - 0.4
+    for name, wanted in (("turn", angle), ("wheel_turn", -3.0 * angle), ("place", place)):
+        for column, mark in marks(number).items():
+            drift = np.abs(result[name] - wanted)[result.time < mark + 1].max()
+            at = f"{where}, up to turn {mark}"
+            table = "drift of a crank that is led, by turns (rad, m)"
+            outcome.tabulate(table, f"{name}, {method}", column, drift, at)
     for name, wanted in (("turn", angle), ("wheel_turn", -3.0 * angle)):
         off = np.abs(result[name] - wanted) / np.maximum(np.spacing(np.abs(wanted)), unit)
         k = int(off.argmax())
         label = "angle that counts (units in the last place)"
         outcome.measure(label, off[k], f"{name}, turn {result.time[k]:.0f}, {where}", limit=16.0)
-    # lengths as exact as the angle that leads them
-    place = 0.1 * np.cos(angle) + np.sqrt(0.09 - (0.1 * np.sin(angle)) ** 2) - 0.4
     off = np.abs(result["place"] - place) / (unit + 1e-15)
     k = int(off.argmax())
     label = "place of the slider (m, of the rounding of its angle)"
@@ -164,19 +195,33 @@ def driven(outcome: Outcome, method: str, turns: str) -> None:
 
 
 def linkage(outcome: Outcome, name: str, turns: str) -> None:
-    """Look at a linkage of nodes in a late turn: it is as the first."""
-    scene, number = ks.load(ROOT / "scenes" / f"{name}.toml"), int(turns)
-    first, late = scene.solve(), scene.solve(first_turn=number)
-    outcome.count("the turn of a linkage that is asked for", number)
-    worst = 0.0
-    for k in range(len(first)):
-        (_, q, v), (_, other, w) = first.state(k), late.state(k)
-        size = np.abs(q).max(), max(np.abs(v).max(), 1.0)
-        worst = max(worst, np.abs(q - other).max() / size[0], np.abs(v - w).max() / size[1])
-    label = "a late turn of a linkage beside the first (relative)"
+    """Look at a linkage of nodes that makes turn after turn: each is as the first.
+
+    So is the last one where it alone is asked for.
+    """
+    scene: Any = ks.load(ROOT / "scenes" / f"{name}.toml")
+    number = int(turns)
+    made = turns_of(scene.solve(turns=number, divisions=DIVISIONS))
+    asked = turns_of(scene.solve(first_turn=number - 1, divisions=DIVISIONS))
+    outcome.count("turns of a linkage, one after the other", len(made))
+    off = np.abs(made - made[0]).max(axis=(1, 2))
+    for column, mark in marks(number).items():
+        k = int(off[:mark].argmax())
+        table = "turns of a linkage beside the first, by turns (relative)"
+        outcome.tabulate(table, name, column, off[k], f"turn {k}")
     # the angle of the input has so many digits left
     limit = 64.0 * np.spacing(2.0 * math.pi * number)
-    outcome.measure(label, worst, f"{name}, turn {number}", limit=limit)
+    label = "a late turn of a linkage beside the first (relative)"
+    outcome.measure(label, off.max(), f"{name}, turn {off.argmax()} of {number}", limit=limit)
+    label = "the last turn of a linkage, asked for alone (relative)"
+    outcome.measure(label, np.abs(asked - made[-1]).max(), f"{name}, {number}", limit=limit)
+
+
+def turns_of(motion: Trajectory) -> Array:
+    """Positions and velocities of each turn, relative to the largest: (turns, divisions, n)."""
+    q, v = (np.hstack([*of_nodes.values()]) for of_nodes in (motion.positions, motion.velocities))
+    rows = np.hstack((q / np.abs(q).max(), v / max(np.abs(v).max(), 1.0)))
+    return rows[:-1].reshape((-1, DIVISIONS, rows.shape[1]))
 
 
 def chaotic(outcome: Outcome, end: str) -> None:
@@ -236,7 +281,7 @@ def short_turns() -> AbstractContextManager[object]:
 QUESTION = Question(
     asks="long motions that keep their energy, many turns of those that are led, means of chaotic"
     " ones: what drifts, and how does it grow?",
-    in_full="1,000,000 steps, 100,000 turns of each that is led, and that turn of a linkage",
+    in_full="1,000,000 steps, and 100,000 turns of each that is led and of a linkage",
     cases=cases,
     run=run,
     faults=(

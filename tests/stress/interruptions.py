@@ -54,7 +54,9 @@ def cases(size: Size) -> Iterator[str]:
     else:
         yield f"together {size.seed} 0 {size.examples(6, 50)}"
     for mishap in MISHAPS:
-        for work in WORKS if size.is_full else [name for name in WORKS if name != "load c"]:
+        for work in works_of(mishap):
+            if work == "load c" and not size.is_full:
+                continue
             count = size.examples(3, 25 if work == "load c" else 200)
             yield f"{mishap} {size.seed} {work.replace(' ', '_')} {count}"
     for number in range(size.examples(2, 60)):
@@ -237,13 +239,23 @@ WORKS: dict[str, Work] = {
 }
 """What processes do."""
 
-MISHAPS = ("killed", "full", "read-only")
+MISHAPS = ("killed", "full", "read-only", "read-only-cache", "read-only-out")
+
+
+def works_of(mishap: str) -> list[str]:
+    """Works that a mishap may meet: one of the cache or of results alone those that write both."""
+    is_of_one = mishap in {"read-only-cache", "read-only-out"}
+    return ["generate", "simulate"] if is_of_one else [*WORKS]
 
 
 def _mishap(kind: str, draw: random.Random, changes: int, place: Path, number: int) -> Any:
     """Mishap of a kind, and its description in words."""
     if kind == "read-only":
         return children.read_only(place), "nothing can be written"
+    if kind == "read-only-cache":
+        return children.read_only(place / "cache"), "only the cache cannot be written"
+    if kind == "read-only-out":
+        return children.read_only(place, place / "cache"), "only the cache can be written"
     if number % 2:
         size = int(MOST_BYTES ** draw.random())
         by_size = children.killed_after if kind == "killed" else children.full_after
@@ -276,7 +288,7 @@ def _broken(case: str) -> Outcome:
             return outcome
         wanted, changes[0] = whole.text.rsplit(" ", 1)[0], int(whole.text.rsplit(" ", 1)[1])
         after = _state(work, place)
-    for number in range(1 if kind == "read-only" else int(count)):
+    for number in range(1 if kind.startswith("read-only") else int(count)):
         with _prepared(work) as place:
             mishap, words = _mishap(kind, draw, changes[0], place, number)
             end = children.alone(partial(work.do, place), mishap)
@@ -295,6 +307,8 @@ def _broken(case: str) -> Outcome:
                 )
             elif len(end.said) > 3000:
                 outcome.find(f"{name}: {kind}: says too much", where, _command(case))
+            elif kind.startswith("read-only") and len(end.text.splitlines()) > 1:
+                outcome.find(f"{name}: {kind}: refuses in several lines", where, _command(case))
             if not _is_whole(work, place, before, after):
                 outcome.find(
                     f"{name}: {kind}: leaves half of what it writes", where, _command(case)
@@ -549,6 +563,21 @@ def forgetful() -> AbstractContextManager[object]:
     return patch.object(dynamics, "checked_run", checked)
 
 
+def careless() -> AbstractContextManager[object]:
+    """Let a cache that cannot be written end what is at work."""
+    from kousoku import loading
+
+    right = loading._written
+
+    def written(*given: Any) -> Path:
+        try:
+            return right(*given)
+        except OSError as error:
+            raise RuntimeError(error) from None
+
+    return patch.object(loading, "_written", written)
+
+
 QUESTION = Question(
     asks="processes at once on an empty cache, killed while they write, without room, without"
     " rights; runs cut, resumed, moved between C and NumPy: is something wrong or lost?",
@@ -558,5 +587,6 @@ QUESTION = Question(
         Fault("a writer that writes piece by piece", half_written, "full 1 run.npz 10"),
         Fault("a lock that does not lock", unlocked, "together 1 0 6"),
         Fault("a run that forgets a count when resumed", forgetful, "resumed 1 0 4"),
+        Fault("a cache that must be written", careless, "read-only-cache 1 simulate 1"),
     ),
 )

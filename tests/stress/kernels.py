@@ -243,6 +243,7 @@ def check(
         figure = f"{row.output} of {kind}"
         of_manifest = dict(subject.kernels[0][1].manifest.known).get(row.output, LIMIT)
         outcome.measure(f"{sort} (units)", row.worst, f"{figure}, {row.label}")
+        outcome.tabulate("worst (units)", f"{kind}, {row.output}", sort, row.worst, str(row))
         if row.worst > of_manifest:
             outcome.find(f"{figure} is {rounded_up(row.worst)} off: {sort}", str(row))
     if manifest.is_exact and all(x <= LIMIT for x in worst.values()):

@@ -16,7 +16,7 @@ import hypothesis
 from hypothesis import HealthCheck, Phase, settings
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
     from contextlib import AbstractContextManager
 
     from hypothesis.strategies import SearchStrategy
@@ -69,6 +69,17 @@ class Worst:
     place: str
 
 
+def keep_worst(
+    known: dict[str, Worst], name: str, value: float, place: str, *, of: str = ""
+) -> None:
+    """Keep the larger one of the value that is known under a name and another one."""
+    if not (of or name).endswith(")"):
+        raise ValueError(f"the figure {of or name!r} has no unit in parentheses")
+    key = math.inf if math.isnan(value) else value
+    if name not in known or key > known[name].value:
+        known[name] = Worst(key, place)
+
+
 @dataclass(slots=True)
 class Finding:
     """Something that must not be: wrong, lost, silent, or worse than the page allows.
@@ -98,6 +109,7 @@ class Outcome:
     figures: dict[str, Worst] = field(default_factory=dict)
     counts: dict[str, int] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
+    tables: dict[str, dict[str, dict[str, Worst]]] = field(default_factory=dict)
 
     def measure(self, figure: str, value: float, place: str, limit: float = math.inf) -> None:
         """Keep the largest value of a figure; one beyond its limit is a finding.
@@ -118,13 +130,31 @@ class Outcome:
         ValueError
             The figure has no unit.
         """
-        if not figure.endswith(")"):
-            raise ValueError(f"the figure {figure!r} has no unit in parentheses")
-        key = math.inf if math.isnan(value) else value
-        if figure not in self.figures or key > self.figures[figure].value:
-            self.figures[figure] = Worst(key, place)
+        keep_worst(self.figures, figure, value, place)
         if not value <= limit:
             self.find(f"{figure} is above {limit:g}", f"{value:.3g}; {place}")
+
+    def tabulate(self, table: str, row: str, column: str, value: float, place: str) -> None:
+        """Keep the largest value of a cell of a table.
+
+        Parameters
+        ----------
+        table : str
+            What is measured, with its unit in parentheses at the end: a table of the page.
+        row, column : str
+            Of the cell; the page has both in the order of their texts.
+        value : float
+            The value. NaN is larger than every number.
+        place : str
+            Where it was measured; the page of a run of many cases has the case instead.
+
+        Raises
+        ------
+        ValueError
+            The table has no unit.
+        """
+        cells = self.tables.setdefault(table, {}).setdefault(row, {})
+        keep_worst(cells, column, value, place, of=table)
 
     def count(self, what: str, number: int = 1) -> None:
         """Add to a count: a row of the page."""
@@ -139,9 +169,18 @@ class Outcome:
         """Add what another case measured, counted and found."""
         for figure, worst in other.figures.items():
             self.measure(figure, worst.value, worst.place)
+        for table, row, column, worst in other.cells():
+            self.tabulate(table, row, column, worst.value, worst.place)
         for what, number in other.counts.items():
             self.count(what, number)
         self.findings += other.findings
+
+    def cells(self) -> Iterator[tuple[str, str, str, Worst]]:
+        """Cells of all tables: the table, the row, the column, and what stands there."""
+        for table, rows in self.tables.items():
+            for row, cells in rows.items():
+                for column, worst in cells.items():
+                    yield table, row, column, worst
 
     def as_dict(self) -> dict[str, Any]:
         """Outcome as JSON has it."""
@@ -154,6 +193,12 @@ class Outcome:
             {figure: Worst(**worst) for figure, worst in data["figures"].items()},
             data["counts"],
             [Finding(**finding) for finding in data["findings"]],
+            {
+                table: {
+                    row: {c: Worst(**x) for c, x in cells.items()} for row, cells in rows.items()
+                }
+                for table, rows in data["tables"].items()
+            },
         )
 
 

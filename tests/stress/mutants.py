@@ -2,8 +2,9 @@
 
 Each is made in a copy of the checkout, as :mod:`tests.mutants` makes it. ``kousoku verify`` is
 asked first, then the tests of ``make quick``; as these neither compile nor make steps in NumPy, of
-mistakes in the library then its own tests of ``make test``. Of a mistake that is answered, since it
-changes nothing, only verify is asked. The first case makes no mistake: nobody may notice one.
+mistakes in the library and the composition then the tests of these in ``make test``. Of a mistake
+that is answered, since it changes nothing, only verify is asked. The first case makes no mistake:
+nobody may notice one.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ class Sort:
         How many of 200 mutants are made in them.
     verified : tuple of str
         What ``kousoku verify`` looks at; the folder itself unless given.
-    tested : str
+    tested : tuple of str
         Where tests lie that look at it and are not quick.
     """
 
@@ -64,7 +65,7 @@ class Sort:
     patterns: tuple[str, ...]
     share: int
     verified: tuple[str, ...] = ()
-    tested: str = ""
+    tested: tuple[str, ...] = ()
 
     def files(self) -> list[Path]:
         """Files, relative to the checkout."""
@@ -81,11 +82,17 @@ SORTS = (
         ("runtime/integrate/*", "runtime/kinematics/*", "runtime/lanes.h"),
         14,
         ALL,
-        "tests/runtime",
+        ("tests/runtime",),
     ),
     Sort("printers and passes", ("codegen/printers.py", "codegen/passes/*"), 10, ALL),
     Sort("templates", ("codegen/templates/**/*.jinja",), 10, ALL),
-    Sort("the composition", ("codegen/dynamics/**/*",), 8, ("pendulum", *SCENES)),
+    Sort(
+        "the composition",
+        ("codegen/dynamics/**/*",),
+        8,
+        ("pendulum", *SCENES),
+        ("tests/codegen/dynamics", "tests/runtime"),
+    ),
     Sort("formulas", ("symbolic/*",), 7, ("",)),
 )
 
@@ -135,10 +142,8 @@ def run(case: str) -> Outcome:
         outcome.count("files without anything to change")
         return outcome
     sort = next(sort for sort in SORTS if Path(path) in sort.files())
-    line = (ROOT / mutant.path).read_text(encoding="utf-8").splitlines()[mutant.line - 1]
     survivor = Finding(
-        f"{answered_as(mutant.path)}: {mutant.old.strip()!r} -> {mutant.new.strip()!r} in"
-        f" {line.strip()!r} is not noticed",
+        title_of(mutant),
         f"{mutant.path.as_posix()}, line {mutant.line}",
         f"python -m tests.stress mutants --case '{case}'",
     )
@@ -159,7 +164,8 @@ def control(case: str) -> Outcome:
     elif not is_good(folder, "verify", *([f"generated/kinds/{kind}" for kind in kinds] or ALL)):
         by = "by verify"
     elif stage == "all":
-        by = noticed_by_tests(folder, "tests/runtime")
+        every = dict.fromkeys(tests for sort in SORTS for tests in sort.tested)
+        by = noticed_by_tests(folder, tuple(every))
     outcome.count(f"no mistake: {by or 'not noticed'}")
     if by:
         outcome.find(
@@ -168,6 +174,13 @@ def control(case: str) -> Outcome:
             f"python -m tests.stress mutants --case '{case}'",
         )
     return outcome
+
+
+def title_of(mutant: Mutant) -> str:
+    """Title of the finding that a mistake is not noticed."""
+    line = (ROOT / mutant.path).read_text(encoding="utf-8").splitlines()[mutant.line - 1]
+    change = f"{mutant.old.strip()!r} -> {mutant.new.strip()!r}"
+    return f"{answered_as(mutant.path)}: {change} in {line.strip()!r} is not noticed"
 
 
 def answered_as(path: Path) -> str:
@@ -200,10 +213,10 @@ def made_in(folder: Path, mutant: Mutant, sort: Sort, stage: str) -> str:
     return noticed_by_tests(folder, sort.tested)
 
 
-def noticed_by_tests(folder: Path, tested: str) -> str:
-    """Tests that notice a mistake: the quick ones, then all of a folder if there is one."""
-    for tier, tests in {"quick": "tests", "test": tested}.items():
-        if tests and mutants.run(folder, [*mutants.TIERS[tier], tests], PATIENCE):
+def noticed_by_tests(folder: Path, tested: tuple[str, ...]) -> str:
+    """Tests that notice a mistake: the quick ones, then all of some folders."""
+    for tier, tests in {"quick": ("tests",), "test": tested}.items():
+        if tests and mutants.run(folder, [*mutants.TIERS[tier], *tests], PATIENCE):
             return f"by make {tier}"
     return ""
 
@@ -266,8 +279,8 @@ def blinded() -> AbstractContextManager[object]:
 QUESTION = Question(
     asks="small mistakes in generated files: who notices them?",
     in_full="that of formulas, passes, printers, templates and the library, too: does `kousoku"
-    " verify` notice them, of those that it takes `make quick`, and of those in the library that"
-    " this takes too its tests of `make test`",
+    " verify` notice them, of those that it takes `make quick`, and of those in the library and in"
+    " the composition that this takes too their tests of `make test`",
     cases=cases,
     run=run,
     faults=(

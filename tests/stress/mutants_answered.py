@@ -5,24 +5,6 @@ from __future__ import annotations
 #: By the file that a mistake is made in, or that this is a copy of: how the finding of it begins
 #: behind the file's name, and why nothing is wrong.
 ANSWERS = {
-    "runtime/batch_numpy.py": {
-        "'value.place = place' -> 'pass'": (
-            "a result is computed elsewhere and copied: the same numbers, slower"
-        ),
-        "'<' -> '<=' in 'if result.place < 0:'": (
-            "a result is computed elsewhere and copied: the same numbers, slower"
-        ),
-        "'0' -> '1' in 'if result.place < 0:'": (
-            "a result is computed elsewhere and copied: the same numbers, slower"
-        ),
-        "'<=' -> '<' in 'if len(results) < len(kernel.outputs)": (
-            "all outputs are computed where some would do: the same numbers, slower"
-        ),
-        "'or' -> 'and' in 'if array.shape != shapes[name] or": (
-            "arrays that do not fit are taken: verify calls with none;"
-            " tests/runtime/test_arguments.py does, with the file that this one is a copy of"
-        ),
-    },
     "generated/kinds/*/kernels_batch.c": {
         "'*' -> '/' in 'vec *C = out[0] ? (vec *)out[0] + block * 1": "n * 1 is n / 1",
         "'1' -> '(2 * 1)' in 'rates_wanted(": "true as well",
@@ -52,15 +34,8 @@ ANSWERS = {
     },
     "generated/pendulum/solver.c": {
         "'37' -> '(2 * 37)' in 'W_SCRATCH = 33,": "a workspace that is larger than it must be",
-        "'1' -> '(2 * 1)' in '#define ": "true as well",
         "'1' -> '(2 * 1)' in 'static const unsigned char is_length": "true as well",
         "'1' -> '(2 * 1)' in 'static const unsigned char row_is_length": "true as well",
-        "'-' -> '+' in 'const double t0 = q[2] - 0.5 * (q[3] * dq[2]);'": (
-            "no row is solved for in this scene, and what moves it back is zero"
-        ),
-        "'0.5' -> '(2 * 0.5)' in 'const double t0 = q[2] - 0.5 * (q[3] * dq[2]);'": (
-            "no row is solved for in this scene, and what moves it back is zero"
-        ),
     },
     "generated/pendulum/solver.py": {
         "'0.0001' -> '(2 * 0.0001)' in 'closure_tolerance=": "no row of this scene is left out",
@@ -87,19 +62,11 @@ ANSWERS = {
             "the larger of two numbers, whichever is first"
         ),
     },
-    "codegen/dynamics/composition/least_norm.py": {
-        "'1' -> '(2 * 1)' in 'for k, (rows, x) in enumerate(one.multipliers, 1):'": (
-            "noticed by tests/runtime/test_dynamics_all_rows.py, which is not quick"
-        ),
-    },
     "codegen/dynamics/checking/independent.py": {
         "'2' -> '(2 * 2)' in 'half = [change[k] / 2": (
             "how steep forces are is asked at half of the angle beside a state: another size of"
             " what rounding of places does to them"
         ),
-    },
-    "codegen/templates/linkage/solver.h.jinja": {
-        "'*' -> '/' in '* ": "the margin of a comment",
     },
     "codegen/templates/dynamics/_segments.jinja": {
         "'8' -> '(2 * 8)' in '{{ segment.table | indent(8, first=true) }}'": (
@@ -108,14 +75,6 @@ ANSWERS = {
     },
     "runtime/integrate/distances.h": {
         "'1' -> '(2 * 1)' in 'if (falls_in(0, k, nodes) ||": "true as well",
-    },
-    "runtime/integrate/lacking.h": {
-        "'0' -> '1' in '#define N_NARROW 0'": (
-            "narrow parts are looked for in each step, and there are none"
-        ),
-        "'0' -> '1' in '#define HAS_REACTIONS 0'": "forces of joints are found for no joint",
-        "'0' -> '1' in '#define HAS_DRIVERS 0'": "rates of drivers are looked at, of none",
-        "'0' -> '1' in '#define W_": "the place of what the scene lacks",
     },
     "runtime/integrate/stepper.py": {
         "'<' -> '<=' in 'if not trial.is_last or following < state.step_size:'": (

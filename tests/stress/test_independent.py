@@ -209,3 +209,39 @@ def test_forces_of_a_root_of_rounding_are_rounding() -> None:
         measured = [*Comparison(tree, mechanism).rows(run)]
     assert measured
     assert not [one for one in measured if not one[1] <= one[2]]
+
+
+def test_what_is_too_ill_conditioned_to_compare_is_counted() -> None:
+    """Of a chain of 1e-12 kg and 1 kg that is led: what leads it has a work."""
+    box = "boxes = [{ mass = %s, size = [1, 0.1, 0.1] }]"
+    text = f"""
+name = "uneven_chain"
+unit = "m"
+gravity = [0, -9.81, 0]
+outputs = ["accelerations"]
+[bodies]
+upper = {{ position = [0.5, 0, 0], {box % "1e-12"} }}
+lower = {{ position = [1.5, 0, 0], {box % "UNEVEN"} }}
+[joints]
+top = {{ type = "revolute", bodies = ["ground", "upper"], at = [0, 0, 0], axis = [0, 0, 1] }}
+middle = {{ type = "revolute", bodies = ["upper", "lower"], at = [1, 0, 0], axis = [0, 0, 1] }}
+[coordinates]
+turn = {{ joint = "top" }}
+[drivers]
+motor = {{ coordinate = "turn", value = "t" }}
+"""
+    counts = []
+    for mass in ("1e-12", "1"):
+        tree = tomllib.loads(text.replace("UNEVEN", mass))
+        with quick_to_compile():
+            mechanism = ks.load(tree, target="c")
+            run: Any = mechanism.simulate(times=nodes(0.01))
+        comparison = Comparison(tree, mechanism)
+        measured = {name for name, *_ in [*comparison.rows(run), *comparison.works(run)]}
+        has = {"accelerations (relative)", "works (relative)"} & measured
+        counts.append((dict(comparison.counts), len(has)))
+    unclear = {
+        "accelerations too ill conditioned to compare": 2,
+        "motions whose works are too ill conditioned to compare": 1,
+    }
+    assert counts == [({"accelerations compared": 2}, 2), (unclear, 0)]

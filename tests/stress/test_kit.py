@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import json
+import math
 import os
 import re
 import select
+import shutil
+import subprocess
 from typing import TYPE_CHECKING
 
 import pytest
@@ -136,8 +140,61 @@ def test_the_page_tells_both_times_and_the_compiler(
     build: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(command, "compiler", lambda: "a compiler 1.2")
+    monkeypatch.setattr(command, "commit", lambda: "")
     answer = command.Answer()
     answer.add("one", Outcome(counts={"turns": 30}), 90.0)
     page = command.page_of({"any": asked_of(Outcome())}, {"any": answer}, Size(), 48.0)
     assert "a compiler 1.2, seed 1, quick run: 1.5 min of processor time, 0.8 min of wall" in page
     assert re.search(r"\| turns \| 30 \|", page)
+
+
+@pytest.mark.skipif(shutil.which("git") is None, reason="no git")
+def test_the_page_names_the_commit_that_it_was_measured_on(
+    build: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def git(*words: str, cwd: Path = build) -> str:
+        who = ("-c", "user.name=anyone", "-c", "user.email=anyone@example.org")
+        command = ["git", *who, *words]
+        return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=True).stdout
+
+    monkeypatch.setenv("GIT_CONFIG_GLOBAL", os.devnull)
+    assert command.commit() == ""
+    git("init")
+    (build / "file").write_text("before\n", encoding="utf-8")
+    git("add", "file")
+    git("commit", "-m", "Add a file")
+    named = git("rev-parse", "--short=10", "HEAD").strip()
+    assert command.commit() == named
+    (build / "file").write_text("after\n", encoding="utf-8")
+    assert command.commit() == f"{named} with changes"
+    page = command.page_of({}, {}, Size(), 0.0)
+    assert f", commit {named} with changes, seed 1, " in page
+    # a copy without a history that lies in another repository has no commit of its own
+    (build / "copy").mkdir()
+    monkeypatch.setattr(command, "ROOT", build / "copy")
+    assert command.commit() == ""
+    monkeypatch.setenv("PATH", "")
+    assert command.commit() == ""
+
+
+def test_a_table_has_the_largest_values_of_all_cases_and_the_cases_that_repeat_them(
+    build: Path,
+) -> None:
+    answer, alone = command.Answer(), command.Answer()
+    for case, values in {"early 1": (1.0, 5.0), "late 1": (3.0, 2.0)}.items():
+        outcome = Outcome()
+        for column, value in zip(("1e1", "1e2"), values, strict=True):
+            outcome.tabulate("drift (m)", "crank", column, value, "r=[1.5]")
+        alone.add(case, outcome, 0.0)
+        read = Outcome.from_dict(json.loads(json.dumps(outcome.as_dict())))
+        answer.add(case, read, 0.0, command.command_of("any", case))
+    answer.outcome.tabulate("drift (m)", "wheel", "1e2", math.nan, "late 1")
+    page = command.page_of({"any": asked_of(Outcome())}, {"any": answer}, Size(), 0.0)
+    assert (
+        "\n| drift (m) | 1e1 | 1e2 | largest at |\n|---|---|---|---|\n"
+        "| crank | 3 | 5 | early 1 |\n| wheel |  | inf | late 1 |\n" in page
+    )
+    page = command.page_of({"any": asked_of(Outcome())}, {"any": alone}, Size(), 0.0)
+    assert "| crank | 3 | 5 | r=[1.5] |" in page
+    with pytest.raises(ValueError, match="has no unit"):
+        Outcome().tabulate("drift", "crank", "1e1", 1.0, "")
