@@ -339,12 +339,15 @@ def _factors(part: Expression) -> Iterator[Expression]:
     yield part
 
 
-def varying_parts(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
+def varying_parts(
+    formula: Expression, varying: Collection[str]
+) -> Iterator[tuple[Expression, Expression]]:
     """Smooth functions that a formula is a sum or an extreme of, polynomials of low degree not.
 
     Where they vary much faster than elsewhere, steps that were long enough step over it. Products
     and powers of them vary faster than they do: these are looked at as a whole.
-    Names that are not among the varying ones do not change in a run.
+    Names that are not among the varying ones do not change in a run. With each function comes the
+    constant that it is multiplied by, so that their product is in the unit of the formula.
     """
     varies: dict[int, bool] = {}
     degrees: dict[int, Fraction] = {}
@@ -352,18 +355,24 @@ def varying_parts(formula: Expression, varying: Collection[str]) -> Iterator[Exp
         degree = degrees[id(part)] = _degree_of(part, varying, degrees)
         own = bool(part.args) and (degree > HIGHEST or not _is_transparent(part, varying))
         varies[id(part)] = own or any(varies[id(arg)] for arg in part.args)
-    stack, seen = [formula], set()
+    stack, seen = [(formula, ONE)], set()
     while stack:
-        part = stack.pop()
-        if id(part) in seen or not varies[id(part)]:
+        part, factor = stack.pop()
+        if (id(part), factor) in seen or not varies[id(part)]:
             continue
-        seen.add(id(part))
+        seen.add((id(part), factor))
         fast = [arg for arg in part.args if varies[id(arg)]]
         is_whole = part.op is Op.POW or (part.op is Op.MUL and len(fast) != 1)
         if is_whole or not _is_transparent(part, varying):
-            yield part
-        else:
-            stack.extend(reversed(fast))
+            yield part, factor
+            continue
+        if part.op is Op.MUL:
+            (other,) = (arg for arg in part.args if arg is not fast[0])
+            for one in _factors(other):
+                factor = mul(factor, one) if set(varying).isdisjoint(names_of(one)) else factor
+        elif part.op is Op.DIV:
+            factor = apply(Op.DIV, factor, part.args[1])
+        stack.extend((arg, factor) for arg in reversed(fast))
 
 
 def _degree_of(

@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
 from itertools import chain
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from kousoku.model.expressions.exponentials import without_overflow
 from kousoku.model.expressions.folds import without_folds
@@ -30,6 +29,7 @@ from kousoku.model.expressions.switching import (
 )
 from kousoku.model.expressions.values import value_of
 from kousoku.model.lowering.driven_lengths import driven_lengths
+from kousoku.model.mechanics.constraints import is_length
 from kousoku.model.operations.expression import (
     ZERO,
     add,
@@ -46,7 +46,7 @@ from kousoku.model.operations.graph import Op
 from kousoku.model.records.dotted_keys import join
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Collection, Iterator, Mapping
 
     from kousoku.model.mechanics.multibody import ForceElement, System
     from kousoku.model.operations.expression import Expression
@@ -85,6 +85,22 @@ class Measure:
     is_length: bool = False
 
 
+class Amount(NamedTuple):
+    """In what a part of formulas is told.
+
+    Parameters
+    ----------
+    units : tuple of str
+        Units of its formulas: ``N``, ``N m``, ``m/s^2``, ``m``, ``rad``, with the unit of the
+        scene for a metre.
+    size : float
+        The size of the constant that it is multiplied by, with the parameters of the scene.
+    """
+
+    units: tuple[str, ...]
+    size: float
+
+
 @dataclass(frozen=True, slots=True)
 class RootFunctions:
     """Functions that a run watches, so that no step leaps over their roots and narrow parts.
@@ -101,6 +117,8 @@ class RootFunctions:
         kink, or one of an event gets or loses its value.
     narrow : tuple of Expression
         Smooth parts that vary with the state beyond polynomials.
+    narrow_amounts, feature_amounts : tuple of Amount
+        Of these, and of the features, in what they are told.
     jumps : tuple of bool
         Of each event whether its formula may jump, also through infinity.
     laws : tuple of Expression
@@ -142,6 +160,8 @@ class RootFunctions:
     gaps: tuple[Expression, ...] = ()
     gap_drivers: tuple[str, ...] = ()
     breaks: tuple[Expression, ...] = ()
+    narrow_amounts: tuple[Amount, ...] = ()
+    feature_amounts: tuple[Amount, ...] = ()
 
 
 def root_functions_of(system: System) -> RootFunctions:
@@ -150,8 +170,8 @@ def root_functions_of(system: System) -> RootFunctions:
     parameters = {name for name, _ in system.parameters}
     names = {TIME, *parameters}
     names.update(chain.from_iterable((one.name, one.rate) for one in measures))
-    texts = dict.fromkeys(text for text, _ in _texts(system) if text)
-    pushing = {text for text, key in _texts(system) if key}  # arcs in laws of drivers stay
+    texts = dict.fromkeys(text for text, *_ in _texts(system) if text)
+    pushing = {text for text, key, _ in _texts(system) if key}  # arcs in laws of drivers stay
     parsed = {
         text: without_folds(
             parse_expression(text, names, longest=len(text)),
@@ -172,12 +192,13 @@ def root_functions_of(system: System) -> RootFunctions:
             return tuple(one for one, own in used if own & of_state)
         return tuple(one for one, own in used if TIME in own and not own & of_state)
 
-    varying = partial(varying_parts, varying={TIME, *of_state})
     edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(edges_of, events))))
     breaks = found(jumping_functions, is_state=True)
     kinks = (one for one in found(switching_functions, is_state=True) if one not in breaks)
     crossings = (*events, *kinks, *edges)
-    narrow = tuple(map(without_overflow, found(varying, is_state=True)))
+    varying = _varying_amounts(system, parsed, {TIME, *of_state})
+    narrow = {one: of for one, of in varying.items() if of_state.intersection(names_of(one))}
+    features = {one: of for one, of in varying.items() if one not in narrow and varies(one)}
     led = {
         place: parse_expression(one.law, names, longest=len(one.law))
         for place, one in enumerate(system.constraints)
@@ -197,7 +218,7 @@ def root_functions_of(system: System) -> RootFunctions:
     switches = (*gaps, *found(switching_functions, is_state=False), *chain(*bends.values()))
     poles: dict[Expression, str] = {}
     infinite: dict[Expression, None] = {}
-    for text, key in _texts(system):
+    for text, key, _ in _texts(system):
         if text and key:
             for part in summands(parsed[text]):
                 own = dict.fromkeys(poles_of(part, {TIME, *of_state}), key)
@@ -209,10 +230,10 @@ def root_functions_of(system: System) -> RootFunctions:
     read = set(chain.from_iterable(map(names_of, told)))
     return RootFunctions(
         tuple(dict.fromkeys(switches)),
-        tuple(map(without_overflow, found(varying, is_state=False))),
+        tuple(features),
         tuple(one for one in measures if {one.name, one.rate} & read),
         crossings,
-        narrow,
+        tuple(narrow),
         tuple(any(map(is_jump, ordered(one))) for one in events),
         tuple(chain.from_iterable(map(with_rates, followed))),
         tuple(laws[one] for one in followed),
@@ -224,7 +245,23 @@ def root_functions_of(system: System) -> RootFunctions:
         tuple(gaps),
         tuple(gaps.values()),
         breaks,
+        tuple(narrow.values()),
+        tuple(features.values()),
     )
+
+
+def _varying_amounts(
+    system: System, parsed: Mapping[str, Expression], varying: Collection[str]
+) -> dict[Expression, Amount]:
+    """Parts of formulas that vary beyond polynomials, with their constants, and in what units."""
+    units: dict[Expression, dict[str, None]] = {}
+    sizes: dict[Expression, float] = {}
+    for text, _, unit in _texts(system):
+        for part, factor in varying_parts(parsed[text], varying) if text else ():
+            one = without_overflow(mul(factor, part))
+            units.setdefault(one, {})[unit] = None
+            sizes[one] = abs(value_of(factor, dict(system.parameters)))
+    return {one: Amount(tuple(of), sizes[one]) for one, of in units.items()}
 
 
 def _nearly_none(law: Expression, system: System) -> Expression:
@@ -256,7 +293,7 @@ def _length_of(place: int, force: ForceElement) -> tuple[str, str]:
 
 def _lengths(system: System) -> Iterator[Expression]:
     """Squares of the lengths along which forces act, or that they depend on."""
-    texts = [text for text, _ in _texts(system) if text]
+    texts = [text for text, *_ in _texts(system) if text]
     acted = {force.coordinate for force in system.forces}
     for place, one in enumerate(system.coordinates):
         names = (one.name, f"{one.name}{RATE}")
@@ -267,14 +304,22 @@ def _lengths(system: System) -> Iterator[Expression]:
             yield square(symbol(_length_of(place, force)[0]))
 
 
-def _texts(system: System) -> Iterator[tuple[str, str]]:
-    """Formulas with the key of what pushes; those of springs name their own length."""
+def _texts(system: System) -> Iterator[tuple[str, str, str]]:
+    """Formulas with the key of what pushes, and their unit; springs name their own length."""
     for place, force in enumerate(system.forces):
-        key = join("forces", force.name)
-        yield from ((text, key) for _, text in force.formulas)
+        key, unit = join("forces", force.name), "N m" if _is_moment(force, system) else "N"
+        yield from ((text, key, unit) for _, text in force.formulas)
         text = force.law
         for name in LAW_NAMES[:2]:
             text = re.sub(rf"\b{name}\b", f"{force.name}_{place}.{name}", text)
-        yield text, key
-    yield from ((text, "gravity") for text in system.gravity_law)
-    yield from ((one.law, "") for one in system.constraints)
+        yield text, key, unit
+    yield from ((text, "gravity", "m/s^2") for text in system.gravity_law)
+    for one in system.constraints:
+        yield one.law, "", one.unit or ("m" if is_length(one.kind) else "rad")
+
+
+def _is_moment(force: ForceElement, system: System) -> bool:
+    """Whether a force turns a body, or acts along an angle."""
+    if force.coordinate >= 0:
+        return not is_length(system.coordinates[force.coordinate].kind)
+    return force.kind.startswith("torque")

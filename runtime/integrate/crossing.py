@@ -51,8 +51,10 @@ EXPLAINED = 2.0
 #: How much the variation of a part may, as its bounds tell, of what samples show: a hill between
 #: them goes up and down, and has twice of it.
 SHOWN = 1.5
-#: What always may be left, by the size of a part.
+#: What always may be left, by the size of a part; of a force also what moves the lightest body by
+#: this part of the tolerance, of the length of the scene.
 NEGLIGIBLE_VARIATION = 1e-12
+NEGLIGIBLE_MOTION = 1e-3
 #: A part that changes by less than this part of it in an interval needs no samples.
 STEADY = 0.5
 #: The shortest interval in which a part is looked at, in a step: what is narrower has no bounds.
@@ -155,6 +157,8 @@ class Search:
         How it was made: its method, start and length.
     least_part : float
         At which part of it at least it may be cut.
+    tolerance : float [-]
+        Of the run.
     slack : float [s]
         What crosses within it crosses together.
     noise, rounding : (n, 2) array
@@ -197,6 +201,7 @@ class Search:
     start: float = 0.0
     h: float = 0.0
     least_part: float = 0.0
+    tolerance: float = 0.0
     slack: float = 0.0
     noise: Array = field(init=False)
     rounding: Array = field(init=False)
@@ -345,7 +350,8 @@ def begin_search(
 ) -> None:
     """Make the polynomial of a step of h [s] from the state to y (ny,), with f = ẏ (ny,) there."""
     state, sizes = search.state, search.work.scene.measure_sizes
-    search.m, search.start, search.h, search.slack = m, state.time, h, s.tolerance * h
+    search.m, search.start, search.h = m, state.time, h
+    search.tolerance, search.slack = s.tolerance, s.tolerance * h
     search.is_unresolved, search.breaks = False, np.full(search.work.scene.n_breaks, math.inf)
     state.y_before[:] = state.y
     state.dense[:] = 0.0
@@ -883,6 +889,31 @@ def note_crossings(end: float, search: Search) -> None:
             state.fired[k] = 1.0
 
 
+def negligible_variation(
+    size: Array, units: Array, tolerance: float, start: float, end: float
+) -> Array:
+    """What parts (n,) of some size may vary by between two times [s], in units of their formulas.
+
+    A force that acts as long moves a body on until the end, which is about as far as time has come.
+
+    Parameters
+    ----------
+    size : (n,) array
+        Their sizes.
+    units : (n, 2) array
+        As of a scene: what they are compared with, and whether that is over the square of times.
+    tolerance : float [-]
+        Of the run.
+    start, end : float [s]
+        The times.
+    """
+    span = larger(abs(start), abs(end))
+    always = NEGLIGIBLE_VARIATION * largest(size, units[:, 0])
+    forces = NEGLIGIBLE_MOTION * tolerance * (units[:, 0] / ((end - start) * span))
+    found = largest(NEGLIGIBLE_VARIATION * size, forces)
+    return np.asarray(np.where(units[:, 1] == 0.0, always, found))
+
+
 def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
     """Whether samples between two times tell how parts vary.
 
@@ -904,7 +935,8 @@ def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
         reach = reach + (above - below)
         a = b
     size = largest(-least, most)
-    nothing = band + NEGLIGIBLE_VARIATION * np.where(size > 1.0, size, 1.0)
+    units = search.work.scene.narrow_units
+    nothing = band + negligible_variation(size, units, search.tolerance, start, end)
     is_shown = (reach <= SHOWN * (most - least) + nothing) & search.has_error
     is_explained = is_shown | (change <= EXPLAINED * (most - least) + nothing)
     return bool(np.all(is_explained | (high - low <= STEADY * size + nothing)))

@@ -270,14 +270,18 @@ class SceneSolver:
             if s.step_size > 0.0:
                 h = smaller(s.step_size, h)
             to = smaller(asked, target)
-            return Status(driven_step(settings, resolved_step(h, 0.5, to, s, work), s, work))
+            return Status(
+                driven_step(
+                    settings, resolved_step(settings.tolerance, h, 0.5, to, s, work), s, work
+                )
+            )
         is_fixed = settings.fixed_step > 0.0
         if s.step_size == 0.0 and not is_fixed:
             status = first_step(m, settings, end, s, work)
         if status == Status.GOOD:
             h = settings.fixed_step if is_fixed else smaller(s.step_size, settings.largest_step)
             to = target if is_fixed else even_end(h, target, s)
-            target = resolved_step(h, 1.0, to, s, work)
+            target = resolved_step(settings.tolerance, h, 1.0, to, s, work)
         start, has_narrow = s.time, self.scene.has_narrow
         if has_narrow and s.steps == 0.0:
             s.steepness = change_by_rounding(end, s, work)

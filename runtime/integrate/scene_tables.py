@@ -99,6 +99,9 @@ class SceneTables:
         What residuals of rows are compared with, as corrections are.
     measure_sizes : (n,) array
         What errors are compared with of what formulas read.
+    feature_units, narrow_units : (n, 2) array
+        What variations of features, and of narrow parts, are compared with, and 1 where that is
+        over the square of times.
     events : (n, 3) array
         Of each event the direction, the place of what a run does then in ``ACTIONS``, and 1 where
         its formula may jump.
@@ -138,6 +141,8 @@ class SceneTables:
     rank_rows: Slots = field(init=False, repr=False)
     row_lengths: Array = field(init=False, repr=False)
     measure_sizes: Array = field(init=False, repr=False)
+    feature_units: Array = field(init=False, repr=False)
+    narrow_units: Array = field(init=False, repr=False)
     events: Slots = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -152,6 +157,8 @@ class SceneTables:
         widths = {"shifts": 2, "turns": 3, "drivers": 2, "starts": 2, "events": 3, "rank_rows": 2}
         for name, width in widths.items():
             found[name] = places(tables[name], width)
+        for name in ("feature_units", "narrow_units"):
+            found[name] = np.array(numbers(tables[name])).reshape(-1, 2)
         for name in ("mass_places", "positive"):
             found[name] = places(tables[name], 1)[:, 0]
         for name, table in (("lengths", "is_length"), ("row_lengths", "row_is_length")):

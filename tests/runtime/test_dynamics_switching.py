@@ -240,10 +240,13 @@ def test_no_high_power_and_no_jump_of_an_angle_is_missed(
     law = HELD[HELD.index("10 - ") : HELD.rindex('"')]
     text = HELD.replace(law, force).replace("mass = 1,", "mass = 1, velocity = [1, 0, 0],")
     solver = solver_of(text.replace("parameters = { w = 1e-7 }", ""))
+    # one bounces in a few steps from 1e9 N/m: at 80 places beside this one dopri5 is off by up to 24
+    # tolerances at 1e-3, and by 62 at 1e-4; what is missed is off by 2 m/s
+    limit = 100.0 if "x" in force else 10.0
     for tolerance in (1e-3, 1e-6, 1e-9):
         run = solver.simulate(10.0, samples=2, method=method, tolerance=tolerance)
         speed = run.velocity["cart"][-1, 0]
-        assert abs(speed - SUDDEN[force]) < 10.0 * max(tolerance, 1e-7), (tolerance, speed)
+        assert abs(speed - SUDDEN[force]) < limit * max(tolerance, 1e-7), (tolerance, speed)
 
 
 #: Widths of windows of a speed, down to less than it is known to.

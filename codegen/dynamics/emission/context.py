@@ -42,7 +42,12 @@ if TYPE_CHECKING:
 
 
 #: Tables whose rows have several numbers.
-PAIRS = frozenset({"shifts", "turns", "drivers", "starts", "parts", "events", "rank_rows"})
+PAIRS = frozenset(
+    {
+        *("shifts", "turns", "drivers", "starts", "parts", "events", "rank_rows"),
+        *("narrow_units", "feature_units"),
+    }
+)
 #: The counts and places that come with what scenes may have or lack; those of what a scene lacks
 #: are zeros in ``integrate/lacking.h``.
 COME_WITH = {

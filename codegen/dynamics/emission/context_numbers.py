@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS, WORK
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
-    from kousoku.model.lowering.root_functions import Measure
+    from kousoku.model.lowering.root_functions import Amount, Measure
     from kousoku.model.mechanics.multibody import System
 
 #: An error that is compared with this counts as none.
@@ -128,6 +129,8 @@ def tables(
         "measure_sizes": [
             (one.name, float(measure_size(one, system, length))) for one in functions.measures
         ],
+        "narrow_units": variation_units(functions.narrow_amounts, program, system, length),
+        "feature_units": variation_units(functions.feature_amounts, program, system, length),
         "events": [
             (one.name, (one.direction, ACTIONS.index(one.action), int(jumps)))
             for one, jumps in zip(system.events, functions.jumps, strict=True)
@@ -137,6 +140,39 @@ def tables(
         ],
         "parts": [(part, (program.region(part).base, program.region(part).size)) for part in parts],
     }
+
+
+def variation_units(
+    amounts: Sequence[Amount], program: Program, system: System, length: float
+) -> Table:
+    """What variations of parts of formulas are compared with, and whether over a square of times.
+
+    Of a force it is what moves the lightest body by the length of the scene in that time; where
+    bodies have no masses, its own size. Of what a driver leads along it is the length of the scene,
+    or 1 rad, or its own size where that is less.
+    """
+    own = length / system.unit
+    mass, found = lightest_mass(system, length), []
+    for amount in amounts:
+        size = amount.size if 0.0 < amount.size < math.inf else 1.0
+        forces = {"N": mass * own, "N m": mass * own * own, "m/s^2": own}
+        led = {"m": min(own, size), "rad": min(1.0, size)}
+        if any(unit in led for unit in amount.units) or not program.has_masses:
+            found.append(("", (min(led.get(unit, size) for unit in amount.units), 0)))
+        else:
+            found.append(("", (min(forces[unit] for unit in amount.units), 1)))
+    return found
+
+
+def lightest_mass(system: System, length: float) -> float:
+    """Least of the masses of bodies, and of their moments of inertia over the square of a length.
+
+    Those that are zero are left out; 1 where none has any [kg].
+    """
+    bodies = system.bodies
+    masses = [float(body.mass) for body in bodies]
+    masses += [float(moment) / (length * length) for body in bodies for moment in body.inertia]
+    return min((mass for mass in masses if mass > 0.0), default=1.0)
 
 
 def measure_size(one: Measure, system: System, length: float) -> float:

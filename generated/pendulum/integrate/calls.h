@@ -102,7 +102,7 @@ static int advance(
     if (settings->method == METHODS) {
         double h = settings->largest_step;
         if (s->step_size > 0.0) h = smaller(s->step_size, h);
-        target = resolved_step(h, 0.5, smaller(asked, target), s, work);
+        target = resolved_step(settings->tolerance, h, 0.5, smaller(asked, target), s, work);
         return driven_step(settings, target, s, work);
     }
 #endif
@@ -111,7 +111,7 @@ static int advance(
         const double h = is_fixed ? settings->fixed_step
                                   : smaller(s->step_size, settings->largest_step);
         if (!is_fixed) target = even_end(h, target, s);
-        target = resolved_step(h, 1.0, target, s, work);
+        target = resolved_step(settings->tolerance, h, 1.0, target, s, work);
     }
     const double start = s->time;
     if (N_NARROW > 0 && s->steps == 0.0) s->steepness = change_by_rounding(end, s, work);

@@ -27,8 +27,10 @@
 /* how much the variation of a part may, as its bounds tell, of what samples show: a hill between
  * them goes up and down, and has twice of it */
 #define SHOWN 1.5
-/* what always may be left, by the size of a part */
+/* what always may be left, by the size of a part; of a force also what moves the lightest body by
+ * this part of the tolerance, of LENGTH */
 #define NEGLIGIBLE_VARIATION 1e-12
+#define NEGLIGIBLE_MOTION 1e-3
 /* a part that changes by less than this part of it in an interval needs no samples */
 #define STEADY 0.5
 /* the shortest interval in which a part is looked at, in a step: what is narrower has no bounds */
@@ -107,6 +109,7 @@ typedef struct {
     double start, h;
     /* at which part of it at least it may be cut */
     double least_part;
+    double tolerance; /* of the run */
     /* what crosses within this time crosses together [s] */
     double slack;
     /* what values are known to, in the motion and in its polynomial: the noise and rounding of each
@@ -291,6 +294,7 @@ static void begin_search(const Settings *settings, const Method *m, int has_stag
     search->m = m;
     search->start = s->time;
     search->h = h;
+    search->tolerance = settings->tolerance;
     search->slack = settings->tolerance * h;
     search->is_unresolved = 0;
     for (size_t k = 0; k != N_BREAKS; ++k) search->breaks[k] = HUGE_VAL;
@@ -901,6 +905,17 @@ static void note_crossings(double end, const Search *search, State *s, Work *wor
     }
 }
 
+/* what a part of some size may vary by between two times, in the unit of its formula: a force that
+ * acts as long moves a body on until the end, which is about as far as time has come */
+static double negligible_variation(
+    double size, const double *unit, double tolerance, double start, double end)
+{
+    const double span = larger(fabs(start), fabs(end));
+    if (unit[1] == 0.0) return NEGLIGIBLE_VARIATION * larger(size, unit[0]);
+    return larger(NEGLIGIBLE_VARIATION * size,
+        NEGLIGIBLE_MOTION * tolerance * (unit[0] / ((end - start) * span)));
+}
+
 /* whether samples between two times tell how parts vary: their rates change as little, or bounds
  * leave them nearly what they are, or, where formulas switch and an error tells of what they
  * change by, no more than samples show, as of a root at whose end no rate is bounded */
@@ -935,7 +950,8 @@ static int are_narrow_resolved(
     }
     for (size_t k = 0; k != N_NARROW; ++k) {
         const double range = most[k] - least[k], largest = larger(-least[k], most[k]);
-        const double nothing = band[k] + NEGLIGIBLE_VARIATION * larger(largest, 1.0);
+        const double nothing = band[k] + negligible_variation(largest, narrow_units[k],
+                                             search->tolerance, start, end);
         const int is_shown = search->has_error && reach[k] <= SHOWN * range + nothing;
         const int is_explained = is_shown || change[k] <= EXPLAINED * range + nothing;
         if (!is_explained && !(high[k] - low[k] <= STEADY * largest + nothing)) return 0;

@@ -443,7 +443,7 @@ static double even_end(double h, double end, const State *s)
 }
 
 /* whether samples of an interval tell how parts vary: their rates change as little */
-static int is_resolved(double first, double last, double *w)
+static int is_resolved(double tolerance, double first, double last, double *w)
 {
     double least[ROOM(N_FEATURES)], most[ROOM(N_FEATURES)], change[ROOM(N_FEATURES)];
     const double h = (last - first) / PIECES, *features = w + W_FEATURES;
@@ -466,8 +466,9 @@ static int is_resolved(double first, double last, double *w)
     }
     for (size_t k = 0; k != N_FEATURES; ++k) {
         const double largest = larger(-least[k], most[k]);
-        const double enough = EXPLAINED * (most[k] - least[k]) +
-                              NEGLIGIBLE_VARIATION * larger(largest, 1.0);
+        const double enough = EXPLAINED * (most[k] - least[k]) + negligible_variation(largest,
+                                                                     feature_units[k], tolerance,
+                                                                     first, last);
         if (!(change[k] <= enough)) return 0;
     }
     return 1;
@@ -477,7 +478,8 @@ static int is_resolved(double first, double last, double *w)
  * are resolved, unless it ends before such a one; what keeps steps short for long, such as a
  * quotient that is 0/0 somewhere, is gone over and counted, and so is what takes too many intervals
  */
-static double resolved_step(double h, double part, double end, State *s, Work *work)
+static double resolved_step(
+    double tolerance, double h, double part, double end, State *s, Work *work)
 {
     if (N_FEATURES == 0) return end;
     const double start = s->time, whole = smaller(h, end - start);
@@ -488,7 +490,7 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
     size_t n = 0;
     for (; n != MOST_INTERVALS; ++n) {
         const double last = first + width;
-        const int good = is_resolved(first, last, work->w);
+        const int good = is_resolved(tolerance, first, last, work->w);
         if (!good && width > FINEST * whole) {
             width = 0.5 * width;
             continue;

@@ -18,12 +18,12 @@ from .crossing import (
     EXPLAINED,
     FINEST,
     FURTHER,
-    NEGLIGIBLE_VARIATION,
     SMALLEST,
     evaluate_node,
     half_width,
     largest,
     middle,
+    negligible_variation,
     note_unresolved,
     read_of,
     side_at,
@@ -452,7 +452,7 @@ def even_end(h: float, end: float, state: State) -> float:
     return state.time + 0.5 * way if is_between and h < way < 2.0 * h else end
 
 
-def is_resolved(first: float, last: float, w: Workspace) -> bool:
+def is_resolved(tolerance: float, first: float, last: float, w: Workspace) -> bool:
     """Whether samples of an interval tell how parts vary: their rates change as little."""
     h = (last - first) / PIECES
     sample = bounds_between(first, first, w)[1][0]
@@ -463,12 +463,15 @@ def is_resolved(first: float, last: float, w: Workspace) -> bool:
         change += h * (fastest - slowest)
         sample = bounds_between(b, b, w)[1][0]
         least, most = smallest(sample, least), largest(sample, most)
-    size = largest(largest(-least, most), np.ones_like(most))
-    enough = EXPLAINED * (most - least) + NEGLIGIBLE_VARIATION * size
+    size, units = largest(-least, most), w.scene.feature_units
+    nothing = negligible_variation(size, units, tolerance, first, last)
+    enough = EXPLAINED * (most - least) + nothing
     return bool(np.all(change <= enough))
 
 
-def resolved_step(h: float, part: float, end: float, state: State, work: Work) -> float:
+def resolved_step(
+    tolerance: float, h: float, part: float, end: float, state: State, work: Work
+) -> float:
     """Time [s] at which a step of length h [s] must end, at most at an end.
 
     No longer than a part of the intervals that are resolved, unless it ends before such a one. What
@@ -485,7 +488,7 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
     is_unresolved = False
     for _ in range(MOST_INTERVALS):
         last = first + width
-        is_good = is_resolved(first, last, work.w)
+        is_good = is_resolved(tolerance, first, last, work.w)
         if not is_good and width > FINEST * whole:
             width = 0.5 * width
             continue

@@ -33,7 +33,11 @@ def sampled(
     search: Any = SimpleNamespace(
         state=SimpleNamespace(sides=np.zeros(0)),
         has_error=False,
-        work=SimpleNamespace(w=SimpleNamespace(narrow=np.zeros(4))),
+        tolerance=1e-9,
+        work=SimpleNamespace(
+            w=SimpleNamespace(narrow=np.zeros(4)),
+            scene=SimpleNamespace(narrow_units=np.array([[1.0, 0.0]])),
+        ),
     )
     return are_narrow_resolved(1.0, 3.0, search), pairs
 
