@@ -980,7 +980,10 @@ def first_step(m: RungeKuttaMethod, s: Settings, end: float, state: State, work:
     y[:] = state.y + h * state.f
     if project(state.time + h, 0.0, y, None, f, work, state) < 0.0:
         return Status.STEP_TOO_SMALL
-    rate = larger(rate, (size_of((f - state.f)[nq:]) / h) ** (1.0 / 3.0))
+    jerk = size_of((f - state.f)[nq:]) / h
+    cube = jerk / rate / rate / rate if rate > 0.0 else math.inf
+    # powers of numbers without a unit: in other units of time bits are the same
+    rate = rate * larger(1.0, cube ** (1.0 / 3.0)) if cube < math.inf else jerk ** (1.0 / 3.0)
     by_order = (FIRST_STEP_MOTION * s.tolerance) ** (1.0 / m.order) / rate if rate > 0.0 else span
     state.step_size = smaller(smaller(MOST_FIRST_FACTOR * h, by_order), span)
     return Status.GOOD

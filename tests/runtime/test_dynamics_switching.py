@@ -240,8 +240,8 @@ def test_no_high_power_and_no_jump_of_an_angle_is_missed(
     law = HELD[HELD.index("10 - ") : HELD.rindex('"')]
     text = HELD.replace(law, force).replace("mass = 1,", "mass = 1, velocity = [1, 0, 0],")
     solver = solver_of(text.replace("parameters = { w = 1e-7 }", ""))
-    # one bounces in a few steps from 1e9 N/m: at 80 places beside this one dopri5 is off by up to 24
-    # tolerances at 1e-3, and by 62 at 1e-4; what is missed is off by 2 m/s
+    # one bounces in a few steps from 1e9 N/m: at 80 places beside this one dopri5 is off by up to
+    # 24 tolerances at 1e-3, and by 62 at 1e-4; what is missed is off by 2 m/s
     limit = 100.0 if "x" in force else 10.0
     for tolerance in (1e-3, 1e-6, 1e-9):
         run = solver.simulate(10.0, samples=2, method=method, tolerance=tolerance)
@@ -871,3 +871,42 @@ def test_law_that_comes_to_rest_goes_on_whatever_rounding_leaves(
     bent = SHAFT.format(law=law.format(s=s) + " + 1e-9*sqrt((t - 5.00123)^2 + 1e-30)", load="0")
     with pytest.raises(MotionError, match=r"at t = 5\.00123 s: .*drivers\.motor"):
         solver_of(bent).simulate(10.0, samples=3, method="kinematics")
+
+
+#: A force along y, of up to 1e15 N on the x axis, and 70 N where a body passes it.
+BEAM = """
+name = "beam"
+unit = "m"
+[coordinates]
+x = {{ body = "p", along = [1, 0, 0] }}
+y = {{ body = "p", along = [0, 1, 0] }}
+[bodies]
+p = {{ position = [0, 0.055, 0], velocity = [1, 0, 0], mass = 1, point = true }}
+[forces]
+f = {{ type = "force", body = "p", force = ["0", "{force}", "0"] }}
+"""
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_no_narrow_force_is_missed_that_is_large_for_its_constant_alone(
+    solver_of: Callable[..., Any], method: str
+) -> None:
+    """It passed one of 1e15*exp(-u) N where exp(-u) was 1e-13 at most, trusted."""
+    one = "1e15*exp(-((x - 5.3)/1e-3)^2 - (y/1e-2)^2)"
+    factors = "1e15*exp(-(y/1e-2)^2)*exp(-((x - 5.3)/1e-3)^2)"
+    found = [
+        solver_of(BEAM.format(force=force)).simulate(10.0, samples=2, method=method)
+        for force in (one, factors)
+    ]
+    speeds = [run.velocity["p"][-1, 1] for run in found]
+    assert speeds[1] == pytest.approx(0.12234, rel=1e-4)
+    assert speeds[0] == pytest.approx(speeds[1], rel=1e-6)
+
+
+def test_works_of_a_bump_are_summed_whatever_its_constants(solver_of: Callable[..., Any]) -> None:
+    """A driver's bump of 0.5 rad against friction did no work where it was written so."""
+    bump = "0.5*exp(60)*exp(-60 - ((t - 5.3)/1e-2)^2)"
+    text = SHAFT.format(law=bump, load="-0.5*turn_dot")
+    run = solver_of(text).simulate(10.0, samples=2)
+    (work,) = (work for name, work in run.ledger.works.items() if work < 0.0)
+    assert work == pytest.approx(-0.5 * 0.5**2 / 1e-2 * math.sqrt(math.pi / 2.0), rel=1e-6)

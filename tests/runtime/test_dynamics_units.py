@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 UNITS = [(3600.0, 1.0, 1.0), (1e-3, 1.0, 1e-6), (1.0, 1e-3, 1.0), (1000.0, 60.0, 1e3)]
 COUNTS = ("steps", "rejected", "derivatives")
 ALL_COUNTS = (*COUNTS, "factorisations", "corrections")
-#: Lengths and masses are multiplied by these: powers of two, which round nothing.
-EXACT_UNITS = [(2.0**-30, 1.0), (1.0, 2.0**-20), (2.0**10, 2.0**7)]
+#: Lengths, masses and times are multiplied by these: powers of two, which round nothing.
+EXACT_UNITS = [(2.0**-30, 1.0, 1.0), (1.0, 2.0**-20, 1.0), (2.0**10, 2.0**7, 2.0**9)]
 SCENES = {
     path.stem: tree
     for path in sorted((Path(kousoku.__file__).parents[1] / "scenes").glob("*.toml"))
@@ -172,10 +172,10 @@ def test_a_point_alone_may_have_a_parameter_for_its_mass() -> None:
     np.testing.assert_allclose(run.position["b"][-1], [1, 2, 3 - 9], rtol=0, atol=1e-14)
 
 
-def in_units(tree: dict[str, Any], length: float, mass: float, target: Any) -> Motion:
-    """Motion of a scene whose lengths and masses are multiplied by numbers."""
-    other = Scaled(tree, length, mass).tree
-    return cast("Motion", kousoku.load(other, target=target).simulate(0.25, samples=3))
+def in_units(tree: dict[str, Any], length: float, mass: float, time: float, target: Any) -> Motion:
+    """Motion of a scene whose lengths, masses and times are multiplied by numbers."""
+    other = kousoku.load(Scaled(tree, length, mass, time).tree, target=target)
+    return cast("Motion", other.simulate(0.25 * time, samples=3))
 
 
 def assert_same_steps(usual: Motion, other: Motion, counts: tuple[str, ...] = COUNTS) -> None:
@@ -185,13 +185,14 @@ def assert_same_steps(usual: Motion, other: Motion, counts: tuple[str, ...] = CO
 
 def assert_same_bits(tree: dict[str, Any], target: str) -> None:
     """No number of a motion knows in which units its scene is written."""
-    usual = in_units(tree, 1.0, 1.0, target)
-    for length, mass in EXACT_UNITS:
-        other = in_units(tree, length, mass, target)
+    usual = in_units(tree, 1.0, 1.0, 1.0, target)
+    for length, mass, time in EXACT_UNITS:
+        other = in_units(tree, length, mass, time, target)
         assert_same_steps(usual, other, ALL_COUNTS)
         for body, position in usual.position.items():
             np.testing.assert_array_equal(other.position[body], length * position)
-            np.testing.assert_array_equal(other.velocity[body], length * usual.velocity[body])
+            velocity = length / time * usual.velocity[body]
+            np.testing.assert_array_equal(other.velocity[body], velocity)
         for body, orientation in usual.orientation.items():
             np.testing.assert_array_equal(other.orientation[body], orientation)
 
@@ -214,6 +215,6 @@ def test_bits_of_committed_scenes_are_the_same_in_units_of_powers_of_two(name: s
 def test_steps_of_random_scenes_are_the_same_in_other_units(number: int) -> None:
     tree = random_scene(random.Random(f"units {number}"))
     with quick_to_compile():
-        usual = in_units(tree, 1.0, 1.0, "c")
-        for length, mass in EXACT_UNITS:
-            assert_same_steps(usual, in_units(tree, length, mass, "c"))
+        usual = in_units(tree, 1.0, 1.0, 1.0, "c")
+        for units in EXACT_UNITS:
+            assert_same_steps(usual, in_units(tree, *units, "c"))

@@ -88,6 +88,11 @@ PULSES: dict[str, tuple[str, Callable[[float], tuple[float, float]]]] = {
         "exp(-(12*(t - place)/width - 6)^2) + 0*rise",
         lambda _: (math.sqrt(math.pi) / 12.0, 0.5),
     ),
+    # what varies is below 1e-26
+    "tiny_gauss": (
+        "exp(60)*exp(-60 - (12*(t - place)/width - 6)^2) + 0*rise",
+        lambda _: (math.sqrt(math.pi) / 12.0, 0.5),
+    ),
     "sech": (
         "2/(exp(80*(t - place)/width - 40) + exp(40 - 80*(t - place)/width)) + 0*rise",
         lambda _: (math.pi / 80.0, 0.5),
@@ -157,6 +162,10 @@ WALLS = {
     "step_wall": ("-height*(sign(x - place) + 1)*(sign(place + width - x) + 1)/4", 1.0),
     "cap_wall": ("-height*max(0, 1 - (2*(x - place)/width - 1)^2)", 2.0 / 3.0),
     "gauss_wall": ("-height*exp(-(12*(x - place)/width - 6)^2)", math.sqrt(math.pi) / 12.0),
+    "tiny_gauss_wall": (
+        "-height*exp(60)*exp(-60 - (12*(x - place)/width - 6)^2)",
+        math.sqrt(math.pi) / 12.0,
+    ),
     "double_exponential_wall": (
         "-height*exp(1 - exp((12*(x - place)/width - 6)^2))",
         1.431448207236483 / 12.0,

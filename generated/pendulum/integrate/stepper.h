@@ -841,7 +841,10 @@ static int first_step(const Method *m, const Settings *settings, double end, Sta
     for (size_t i = 0; i < NY; ++i) y[i] = s->y[i] + h * s->f[i];
     if (!project(s->time + h, 0.0, y, NULL, f, work, s, NULL)) return STEP_TOO_SMALL;
     for (size_t i = NQ; i < NY; ++i) f[i] = f[i] - s->f[i];
-    rate = larger(rate, pow(size_of(f + NQ) / h, 1.0 / 3.0));
+    const double jerk = size_of(f + NQ) / h,
+                 cube = rate > 0.0 ? jerk / rate / rate / rate : HUGE_VAL;
+    /* powers of numbers without a unit: in other units of time bits are the same */
+    rate = cube < HUGE_VAL ? rate * larger(1.0, pow(cube, 1.0 / 3.0)) : pow(jerk, 1.0 / 3.0);
     double by_order = span;
     if (rate > 0.0)
         by_order = pow(FIRST_STEP_MOTION * settings->tolerance, 1.0 / (double)m->order) / rate;
