@@ -138,12 +138,12 @@ def _even_power(part: Expression) -> tuple[Expression, int] | None:
 
 def root_of_even_power(part: Expression) -> tuple[Expression, Fraction] | None:
     """Base a and exponent n b of (a^n)^b with an even n and a b that is not whole."""
-    exponent = _root_exponent(part)
+    exponent = root_exponent(part)
     found = None if exponent is None else _even_power(part.args[0])
     return None if exponent is None or found is None else (found[0], found[1] * exponent)
 
 
-def _root_exponent(part: Expression) -> Fraction | None:
+def root_exponent(part: Expression) -> Fraction | None:
     """Exponent b of a root, a^b where b is not whole; None of what is no root."""
     if part.op is Op.SQRT:
         return Fraction(1, 2)
@@ -157,7 +157,7 @@ def with_squares_apart(part: Expression) -> Expression:
     Written out it is known to half of its digits where it is near to zero, and is nowhere known to
     be an absolute value. What is no root is returned as it is.
     """
-    exponent = _root_exponent(part)
+    exponent = root_exponent(part)
     if exponent is None or _even_power(part.args[0]) or not (found := _squares_of(part.args[0])):
         return part
     squares = (power(a, number(n)) for a, n in found.powers)

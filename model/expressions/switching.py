@@ -10,7 +10,12 @@ from typing import TYPE_CHECKING
 from kousoku.model.expressions.derivative import derivative
 from kousoku.model.expressions.exponentials import without_overflow
 from kousoku.model.expressions.formulas import TIME
-from kousoku.model.expressions.polynomials import is_never_zero, root_of_even_power, square_part
+from kousoku.model.expressions.polynomials import (
+    is_never_zero,
+    root_exponent,
+    root_of_even_power,
+    square_part,
+)
 from kousoku.model.numbers.real import SMALLEST_SUBNORMAL
 from kousoku.model.operations.expression import (
     ONE,
@@ -141,6 +146,17 @@ def even_root(part: Expression) -> tuple[Expression, Fraction] | None:
     """Base a and exponent b of a root of an even power of a, which is abs(a) to the power b."""
     found = root_of_even_power(part)
     return None if found is None or found[1] % 2 == 0 else found
+
+
+def has_steep_root(formula: Expression) -> bool:
+    """Whether a formula has a root of what may be zero, so that it has no two derivatives there."""
+    for part in ordered(formula):
+        exponent = root_exponent(part)
+        even = even_root(part)
+        exponent = exponent if even is None else even[1]
+        if exponent is not None and 0 < exponent < SMOOTH and may_be_zero(part.args[0]):
+            return True
+    return False
 
 
 def places_of(law: Expression) -> Iterator[Expression]:

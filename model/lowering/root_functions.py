@@ -15,6 +15,7 @@ from kousoku.model.expressions.formulas import LAW_NAMES, RATE, TIME, used_names
 from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.switching import (
     edges_of,
+    has_steep_root,
     is_jump,
     jumping_functions,
     places_of,
@@ -117,6 +118,8 @@ class RootFunctions:
         kink, or one of an event gets or loses its value.
     narrow : tuple of Expression
         Smooth parts that vary with the state beyond polynomials.
+    has_roots : bool
+        Whether a force has a root of what may be zero.
     narrow_amounts, feature_amounts : tuple of Amount
         Of these, and of the features, in what they are told.
     jumps : tuple of bool
@@ -160,6 +163,7 @@ class RootFunctions:
     gaps: tuple[Expression, ...] = ()
     gap_drivers: tuple[str, ...] = ()
     breaks: tuple[Expression, ...] = ()
+    has_roots: bool = False
     narrow_amounts: tuple[Amount, ...] = ()
     feature_amounts: tuple[Amount, ...] = ()
 
@@ -245,6 +249,7 @@ def root_functions_of(system: System) -> RootFunctions:
         tuple(gaps),
         tuple(gaps.values()),
         breaks,
+        any(has_steep_root(parsed[text]) for text in texts if text in pushing),
         tuple(narrow.values()),
         tuple(features.values()),
     )

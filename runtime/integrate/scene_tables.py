@@ -79,6 +79,8 @@ class SceneTables:
         Whether bodies are put onto joints with the ground.
     has_drivers : bool
         Whether constraints depend on time.
+    has_roots : bool
+        Whether a force has a root of what may be zero, as sqrt(x).
     has_misses : bool
         Whether rows of the constraints that are left out may miss more than rounding.
     has_row_switch : bool
@@ -125,6 +127,7 @@ class SceneTables:
     fits: bool = False
     has_drivers: bool = False
     has_misses: bool = False
+    has_roots: bool = False
     has_row_switch: bool = False
     segments: Mapping[str, Segment] = field(init=False, repr=False)
     constants: list[float] = field(init=False, repr=False)

@@ -26,6 +26,7 @@ from kousoku.codegen.dynamics.recording.program import REGIONS, meaning_of
 from kousoku.codegen.dynamics.redundancy.varying_rank import rank_rows
 from kousoku.codegen.printers import C
 from kousoku.model.errors import EmitError
+from kousoku.model.lowering.root_functions import root_functions_of
 from kousoku.model.operations.graph import literal
 from kousoku.runtime.integrate.methods import METHODS, RungeKuttaMethod
 from kousoku.runtime.integrate.scene_tables import DENSE
@@ -465,6 +466,7 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
         "HAS_DISTANCE": "distance" in segments,
         "HAS_CROSSING": "crossing" in segments,
         "HAS_BREAKS": "breaks" in regions,
+        "HAS_ROOTS": root_functions_of(system).has_roots,
     }
     return tuple(name for name, has in features.items() if has)
 

@@ -30,6 +30,7 @@ from kousoku.codegen.dynamics.emission.context_numbers import (
 from kousoku.codegen.dynamics.emission.slots import Slots, slots_of
 from kousoku.codegen.dynamics.recording.program import levels, meaning_of
 from kousoku.codegen.printers import NUMPY, Printer
+from kousoku.model.lowering.root_functions import root_functions_of
 from kousoku.model.operations.graph import Op, literal
 from kousoku.runtime.integrate.scene_tables import SceneTables
 
@@ -168,6 +169,7 @@ def numpy_context(
         "has_drivers": has_drivers(system),
         "has_misses": program.has_misses,
         "has_row_switch": has_row_switch(program),
+        "has_roots": root_functions_of(system).has_roots,
     }
     lacking = {field.name: field.default for field in fields(SceneTables)}
     found = {"constants": _numbers(map(literal, program.constants))} | {

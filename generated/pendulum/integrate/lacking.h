@@ -156,6 +156,9 @@ static void measure(double *w) { (void)w; }
 #define W_LENGTHS 0
 #define W_DISTANCES 0
 #endif
+#ifndef HAS_ROOTS /* of what may be zero, in a force */
+#define HAS_ROOTS 0
+#endif
 #ifndef HAS_BREAKS
 #define N_BREAKS 0
 #define W_BREAKS 0
