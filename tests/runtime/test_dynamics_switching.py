@@ -121,7 +121,7 @@ position = [0, 0, 0]
 velocity = [{speed}, 0, 0]
 boxes = [{{ mass = 1, size = [0.2, 0.2, 0.2] }}]
 [joints]
-rail = {{ type = "prismatic", bodies = ["ground", "cart"], at = [0, 0, 0], axis = [1, 0, 0] }
+rail = {{ type = "prismatic", bodies = ["ground", "cart"], at = [0, 0, 0], axis = [1, 0, 0] }}
 [coordinates]
 x = {{ joint = "rail" }}
 [forces.hill]

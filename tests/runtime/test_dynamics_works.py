@@ -191,7 +191,7 @@ def pulsing(monkeypatch: pytest.MonkeyPatch) -> Mechanism:
     mechanism = shaker("t", "2*cos(40*pi*t)^2")
     target: Any = mechanism.solver.target
     integrator = sys.modules[type(target.solver).__module__]
-    monkeypatch.setattr(integrator, "resolved_step", lambda _h, _part, end, *_: end)
+    monkeypatch.setattr(integrator, "resolved_step", lambda _tolerance, _h, _part, end, *_: end)
     return mechanism
 
 

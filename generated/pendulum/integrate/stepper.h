@@ -563,8 +563,8 @@ static int is_made(Attempts *tried, Trial *trial, Work *work, State *s)
     return 1;
 }
 
-/* a factor of the error of a trial, more than 1 where a force may have a root beside it: that has no
- * slope where it is zero, and estimates of errors from there on are too small */
+/* a factor of the error of a trial, more than 1 where a force may have a root beside it: that has
+ * no slope where it is zero, and estimates of errors from there on are too small */
 static double near_root(const Attempts *tried, const Trial *trial, const State *s)
 {
     const int beside = s->time - s->switched < trial->h || trial->end == tried->search.cut;
