@@ -40,6 +40,9 @@ UNIT = 3e-13
 """The cost of a change that only rounds: about a thousand roundings, which a motion makes of those
 of its numbers and steps [m, rad]. The worst of 13 scenes, 1 1 0 in metres times 1e9, has one."""
 
+ROUNDED = 1.0 + 2.0**-30
+"""Lengths times this have other digits, and the motion has others by as much as they round."""
+
 STEPS = TOLERANCE
 """The cost of a change of the steps: more coordinates count for their error, or other states."""
 
@@ -167,7 +170,8 @@ def off(tree: Tree, motion: Any, change: Change) -> tuple[float, str]:
 
     Which step is rejected may depend on rounding, where forces bend or jump: the motion is then off
     by its own error. So both are run with a tolerance at which that counts as nothing. A change
-    that needs a larger tolerance costs at least what the scene itself loses by it.
+    that needs a larger tolerance costs at least what the scene itself loses by it, and one that
+    rounds what it loses where all its lengths are rounded anew.
     """
     units, details, rejected = _off(tree, motion, change)
     if details or units <= LIMIT:
@@ -177,7 +181,8 @@ def off(tree: Tree, motion: Any, change: Change) -> tuple[float, str]:
         loses, reason, _ = _off(tree, motion, same)
         return units if reason else units / max(1.0, loses), details
     if not rejected:
-        return units, details
+        loses, reason, _ = _off(tree, motion, _scaled(length=ROUNDED))
+        return units if reason else units / max(1.0, loses), details
     strict = ks.load(tree, target="c").simulate(END, samples=SAMPLES, tolerance=STRICT)
     more = replace(change, tolerance=STRICT, cost=STEPS)
     return _off(tree, strict, more)[:2]
