@@ -99,7 +99,7 @@ class SolverTarget(Protocol):
         """Write C(q) to ``found`` (nc,) [m, rad] where it was evaluated last."""
 
     def pivots(self, memory: Memory, found: Array) -> int:
-        """Write D (nc,) of C_q M⁻¹C_qᵀ = L D Lᵀ at the state, in SI units such as [1/kg]."""
+        """Write D (nc,) [1/kg] of C_q M⁻¹C_qᵀ = L D Lᵀ at the state, of angles at the length."""
 
 
 #: The types of C for those of Python.
@@ -187,7 +187,7 @@ class CompiledSolver:
         self._function("residuals", None)(_address(memory.work), _address(found))
 
     def pivots(self, memory: Memory, found: Array) -> int:
-        """Write D (nc,) of C_q M⁻¹C_qᵀ = L D Lᵀ at the state, in SI units such as [1/kg]."""
+        """Write D (nc,) [1/kg] of C_q M⁻¹C_qᵀ = L D Lᵀ at the state, of angles at the length."""
         arrays = map(_address, (memory.state, memory.work, found))
         return int(self._function("pivots")(*arrays))
 
@@ -256,7 +256,7 @@ class NumpySolver:
         self.solver.residuals(memory.work, found)
 
     def pivots(self, memory: Memory, found: Array) -> int:
-        """Write D (nc,) of C_q M⁻¹C_qᵀ = L D Lᵀ at the state, in SI units such as [1/kg]."""
+        """Write D (nc,) [1/kg] of C_q M⁻¹C_qᵀ = L D Lᵀ at the state, of angles at the length."""
         return int(self.solver.pivots(memory.state, memory.work, found))
 
 

@@ -148,13 +148,21 @@ def even_root(part: Expression) -> tuple[Expression, Fraction] | None:
     return None if found is None or found[1] % 2 == 0 else found
 
 
-def has_steep_root(formula: Expression) -> bool:
-    """Whether a formula has a root of what may be zero, so that it has no two derivatives there."""
+def has_fractional_power(formula: Expression, varying: Collection[str]) -> bool:
+    """Whether a formula goes with a fractional power, below two, of what varies and may be zero.
+
+    So do arc sines and arc cosines at their ends, and functions of a logarithm may.
+    """
     for part in ordered(formula):
-        exponent = root_exponent(part)
-        even = even_root(part)
+        if not part.args or set(varying).isdisjoint(names_of(part.args[0])):
+            continue
+        exponent, even = root_exponent(part), even_root(part)
         exponent = exponent if even is None else even[1]
-        if exponent is not None and 0 < exponent < SMOOTH and may_be_zero(part.args[0]):
+        is_power = exponent is not None and 0 < exponent < SMOOTH
+        is_power = is_power or (part.op is Op.POW and part.args[1].value is None)
+        if (is_power or part.op is Op.LOG) and may_be_zero(part.args[0]):
+            return True
+        if part.op in {Op.ASIN, Op.ACOS} and may_be_zero(_inside(part.args[0])):
             return True
     return False
 
@@ -370,6 +378,7 @@ def varying_parts(
     for part in ordered(formula):
         degree = degrees[id(part)] = _degree_of(part, varying, degrees)
         own = bool(part.args) and (degree > HIGHEST or not _is_transparent(part, varying))
+        own = own and degree > 0
         varies[id(part)] = own or any(varies[id(arg)] for arg in part.args)
     stack, seen = [(formula, ONE)], set()
     while stack:
@@ -378,16 +387,14 @@ def varying_parts(
             continue
         seen.add((id(part), factor))
         fast = [arg for arg in part.args if varies[id(arg)]]
-        is_whole = part.op is Op.POW or (part.op is Op.MUL and len(fast) != 1)
+        slow = [arg for arg in part.args if not varies[id(arg)]]
+        changes = any(name in varying for arg in slow for name in names_of(arg))
+        is_whole = part.op is Op.POW or (part.op is Op.MUL and (changes or len(fast) != 1))
         if is_whole or not _is_transparent(part, varying):
             yield part, factor
             continue
-        if part.op is Op.MUL:
-            (other,) = (arg for arg in part.args if arg is not fast[0])
-            for one in _factors(other):
-                factor = mul(factor, one) if set(varying).isdisjoint(names_of(one)) else factor
-        elif part.op is Op.DIV:
-            factor = apply(Op.DIV, factor, part.args[1])
+        if part.op in {Op.MUL, Op.DIV}:
+            factor = apply(part.op, factor, *slow)
         stack.extend((arg, factor) for arg in reversed(fast))
 
 

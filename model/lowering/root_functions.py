@@ -15,7 +15,7 @@ from kousoku.model.expressions.formulas import LAW_NAMES, RATE, TIME, used_names
 from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.switching import (
     edges_of,
-    has_steep_root,
+    has_fractional_power,
     is_jump,
     jumping_functions,
     places_of,
@@ -86,8 +86,8 @@ class Measure:
     is_length: bool = False
 
 
-class Amount(NamedTuple):
-    """In what a part of formulas is told.
+class PartScale(NamedTuple):
+    """Units of a part of formulas, and the size of its constant factor.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ class Amount(NamedTuple):
         Units of its formulas: ``N``, ``N m``, ``m/s^2``, ``m``, ``rad``, with the unit of the
         scene for a metre.
     size : float
-        The size of the constant that it is multiplied by, with the parameters of the scene.
+        With the parameters of the scene.
     """
 
     units: tuple[str, ...]
@@ -118,10 +118,6 @@ class RootFunctions:
         kink, or one of an event gets or loses its value.
     narrow : tuple of Expression
         Smooth parts that vary with the state beyond polynomials.
-    has_roots : bool
-        Whether a force has a root of what may be zero.
-    narrow_amounts, feature_amounts : tuple of Amount
-        Of these, and of the features, in what they are told.
     jumps : tuple of bool
         Of each event whether its formula may jump, also through infinity.
     laws : tuple of Expression
@@ -145,6 +141,10 @@ class RootFunctions:
         Which driver each of these is of.
     breaks : tuple of Expression
         Functions of the state that are zero where a formula jumps, and with it a force.
+    has_fractional_powers : bool
+        Whether a force goes with a fractional power of what may be zero.
+    narrow_scales, feature_scales : tuple of PartScale
+        Of narrow parts, and of features.
     """
 
     switches: tuple[Expression, ...]
@@ -163,9 +163,9 @@ class RootFunctions:
     gaps: tuple[Expression, ...] = ()
     gap_drivers: tuple[str, ...] = ()
     breaks: tuple[Expression, ...] = ()
-    has_roots: bool = False
-    narrow_amounts: tuple[Amount, ...] = ()
-    feature_amounts: tuple[Amount, ...] = ()
+    has_fractional_powers: bool = False
+    narrow_scales: tuple[PartScale, ...] = ()
+    feature_scales: tuple[PartScale, ...] = ()
 
 
 def root_functions_of(system: System) -> RootFunctions:
@@ -200,7 +200,8 @@ def root_functions_of(system: System) -> RootFunctions:
     breaks = found(jumping_functions, is_state=True)
     kinks = (one for one in found(switching_functions, is_state=True) if one not in breaks)
     crossings = (*events, *kinks, *edges)
-    varying = _varying_amounts(system, parsed, {TIME, *of_state})
+    changing = {TIME, *of_state}
+    varying = _varying_parts(system, parsed, changing)
     narrow = {one: of for one, of in varying.items() if of_state.intersection(names_of(one))}
     features = {one: of for one, of in varying.items() if one not in narrow and varies(one)}
     led = {
@@ -249,15 +250,15 @@ def root_functions_of(system: System) -> RootFunctions:
         tuple(gaps),
         tuple(gaps.values()),
         breaks,
-        any(has_steep_root(parsed[text]) for text in texts if text in pushing),
+        any(has_fractional_power(parsed[text], changing) for text in texts if text in pushing),
         tuple(narrow.values()),
         tuple(features.values()),
     )
 
 
-def _varying_amounts(
+def _varying_parts(
     system: System, parsed: Mapping[str, Expression], varying: Collection[str]
-) -> dict[Expression, Amount]:
+) -> dict[Expression, PartScale]:
     """Parts of formulas that vary beyond polynomials, with their constants, and in what units."""
     units: dict[Expression, dict[str, None]] = {}
     sizes: dict[Expression, float] = {}
@@ -266,7 +267,7 @@ def _varying_amounts(
             one = without_overflow(mul(factor, part))
             units.setdefault(one, {})[unit] = None
             sizes[one] = abs(value_of(factor, dict(system.parameters)))
-    return {one: Amount(tuple(of), sizes[one]) for one, of in units.items()}
+    return {one: PartScale(tuple(of), sizes[one]) for one, of in units.items()}
 
 
 def _nearly_none(law: Expression, system: System) -> Expression:
@@ -327,4 +328,4 @@ def _is_moment(force: ForceElement, system: System) -> bool:
     """Whether a force turns a body, or acts along an angle."""
     if force.coordinate >= 0:
         return not is_length(system.coordinates[force.coordinate].kind)
-    return force.kind.startswith("torque")
+    return force.is_torque

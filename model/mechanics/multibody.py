@@ -237,6 +237,11 @@ class ForceElement:
         return not self.has_potential or damping != (0.0,)
 
     @property
+    def is_torque(self) -> bool:
+        """Whether it is a torque on a body."""
+        return False
+
+    @property
     def needs_direction(self) -> bool:
         """Whether it acts along the distance of its own points, and has no direction at zero."""
         return False

@@ -156,8 +156,8 @@ static void measure(double *w) { (void)w; }
 #define W_LENGTHS 0
 #define W_DISTANCES 0
 #endif
-#ifndef HAS_ROOTS /* of what may be zero, in a force */
-#define HAS_ROOTS 0
+#ifndef HAS_FRACTIONAL_POWERS /* of what may be zero, in forces */
+#define HAS_FRACTIONAL_POWERS 0
 #endif
 #ifndef HAS_BREAKS
 #define N_BREAKS 0
@@ -206,8 +206,8 @@ static const size_t rank_rows[ROOM(RANK_ROWS)][2];
 static const double measure_sizes[ROOM(N_MEASURES)];
 /* what variations of features, and of narrow parts, are compared with, and 1 where that is over the
  * square of times */
-static const double feature_units[ROOM(N_FEATURES)][2];
-static const double narrow_units[ROOM(N_NARROW)][2];
+static const double feature_scales[ROOM(N_FEATURES)][2];
+static const double narrow_scales[ROOM(N_NARROW)][2];
 static const int events[ROOM(EVENTS)][3];
 enum { RECORD, COUNT, STOP }; /* what that may be */
 

@@ -12,14 +12,6 @@
  * leaves of their positions counts */
 #define FAR_AWAY 100.0
 
-/* what makes a mass [kg] of the inverse of a row's pivot: that of an angle is a moment of inertia,
- * which is compared with masses at LENGTH, so that units of length decide nothing */
-static double mass_of_inverse(size_t row)
-{
-    const double x = row_is_length[row] ? 1.0 : 1.0 / LENGTH;
-    return x * x;
-}
-
 /* the smallest and the largest inverse of the pivots in the workspace, as masses; 0 if one is not
  * positive, or not finite */
 static int inverse_pivots(const double *w, double *least, double *most)
@@ -31,14 +23,14 @@ static int inverse_pivots(const double *w, double *least, double *most)
     /* four at a time: a comparison waits for the one before */
     for (size_t k = 0; k != WHOLE; k += 4) {
         for (size_t j = 0; j < 4; ++j) {
-            const double x = inverse[k + j] * mass_of_inverse(k + j);
+            const double x = inverse[k + j] * inverse_pivot_factor(k + j);
             low[j] = smaller(low[j], x);
             high[j] = larger(high[j], x);
             sum[j] += x;
         }
     }
     for (size_t k = WHOLE; k != NC; ++k) {
-        const double x = inverse[k] * mass_of_inverse(k);
+        const double x = inverse[k] * inverse_pivot_factor(k);
         low[0] = smaller(low[0], x);
         high[0] = larger(high[0], x);
         sum[0] += x;

@@ -26,22 +26,12 @@ BRANCH_ROUNDING = 1e-14
 FAR_AWAY = 100.0
 
 
-def mass_of_inverse(scene: SceneTables) -> Array:
-    """Factors (rows,) [1, 1/m²] that make masses of inverse pivots.
-
-    The inverse of an angle's pivot is a moment of inertia, which is compared with masses at the
-    length of the scene, so that units of length decide nothing.
-    """
-    factors: Array = (scene.row_lengths / scene.length) ** 2
-    return factors
-
-
 def inverse_pivots(work: Work) -> tuple[float, float] | None:
     """Smallest and largest element of D⁻¹ (nc,) [kg], where C_q M⁻¹ C_qᵀ = L D Lᵀ.
 
     None unless all are positive and finite.
     """
-    inverses = work.w.pivots * mass_of_inverse(work.scene)[: work.scene.nc]
+    inverses = work.w.pivots * work.scene.inverse_pivot_factors[: work.scene.nc]
     least, most = float(inverses.min()), float(inverses.max())
     return (least, most) if least > 0.0 and most < math.inf else None
 

@@ -81,7 +81,7 @@ static void multiply_rows(Work *work)
 /* a pivot of all rows, as the inverse of a mass [1/kg] */
 static double comparable_pivot(const RowSwitch *all, size_t r)
 {
-    return all->matrix[r][r] / mass_of_inverse((size_t)all->order[r]);
+    return all->matrix[r][r] / inverse_pivot_factor((size_t)all->order[r]);
 }
 
 /* C_q M^-1 C_q^T of all rows becomes L D L^T of NC rows, those of drivers and those with the

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .arithmetic import larger, smaller
-from .pivot_monitor import mass_of_inverse, pivot_ratio
+from .pivot_monitor import pivot_ratio
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -62,7 +62,7 @@ def exchange(a: npt.NDArray[Any], i: int, j: int) -> None:
 
 def comparable_pivot(all_rows: RowMemory, work: Work) -> Array:
     """Pivots (rows,) of all rows in their order, as inverses of masses [1/kg]."""
-    found: Array = np.diagonal(all_rows.matrix) / mass_of_inverse(work.scene)[all_rows.order]
+    found: Array = np.diagonal(all_rows.matrix) / work.scene.inverse_pivot_factors[all_rows.order]
     return found
 
 

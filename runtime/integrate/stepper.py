@@ -109,10 +109,11 @@ LONGEST_IF_LOOSE = 1.2
 MANY_STAGES = 12
 LONGEST_OF_MANY_STAGES = 1.5
 LEVEL_RATIO_PART = 0.999
-#: Errors of a step, beside what both methods that it compares tell, of t^p from t = 0 on: for p
-#: from 0.1 to 1.5 it is 64 to 11 times as large, with many stages 7 to 3 times.
-ROOT_ERROR = 40.0
-ROOT_ERROR_OF_MANY_STAGES = 5.0
+#: By what errors are multiplied of steps from a place on where a force goes with t^p. Estimates
+#: compare two results that are off alike there: the error is 64 times what they tell for p = 0.1,
+#: 37 times for a square root and 11 times for p = 1.5, with many stages 7, 5 and 3 times.
+POWER_ERROR = 40.0
+POWER_ERROR_OF_MANY_STAGES = 5.0
 #: Where the line through two roots leads to less than this part of the next one, the root may have
 #: changed its sign in between.
 SIGN_CHANGE_PART = 0.2
@@ -705,15 +706,15 @@ def is_made(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     return True
 
 
-def near_root(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
-    """Factor [-] of the error of a trial: more than 1 where a force may have a root beside it.
+def near_fractional_power(tried: Attempts, trial: Trial, work: Work, state: State) -> float:
+    """Factor [-] of the error of a trial: more than 1 beside a fractional power of what is zero.
 
-    A root has no slope where it is zero, and estimates of errors from there on are too small.
+    A force has no two derivatives there, and estimates of errors from there on are too small.
     """
     beside = state.time - state.switched < trial.h or trial.end == tried.search.cut
-    if not (work.scene.has_roots and beside):
+    if not (work.scene.has_fractional_powers and beside):
         return 1.0
-    return ROOT_ERROR_OF_MANY_STAGES if tried.m.stages >= MANY_STAGES else ROOT_ERROR
+    return POWER_ERROR_OF_MANY_STAGES if tried.m.stages >= MANY_STAGES else POWER_ERROR
 
 
 def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
@@ -735,7 +736,7 @@ def find_error(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         is_close = is_locked or (is_behind and has_kinks)
         tolerance = smaller(s.tolerance, LOOSEST_AT_SWITCH) if is_close else s.tolerance
         trial.error = local_error(m, trial, state, work, tolerance, is_locked=is_locked)
-        trial.error *= near_root(tried, trial, work, state)
+        trial.error *= near_fractional_power(tried, trial, work, state)
         if tells_drift(trial, state, work):
             most = MOST_DRIFT * larger(s.tolerance, LEAST_DRIFT)
             trial.error = larger(trial.drift / most, trial.error)
@@ -996,10 +997,9 @@ def first_step(m: RungeKuttaMethod, s: Settings, end: float, state: State, work:
     y[:] = state.y + h * state.f
     if project(state.time + h, 0.0, y, None, f, work, state) < 0.0:
         return Status.STEP_TOO_SMALL
-    jerk = size_of((f - state.f)[nq:]) / h
-    cube = jerk / rate / rate / rate if rate > 0.0 else math.inf
     # powers of numbers without a unit: in other units of time bits are the same
-    rate = rate * larger(1.0, cube ** (1.0 / 3.0)) if cube < math.inf else jerk ** (1.0 / 3.0)
+    jerk, unit = size_of((f - state.f)[nq:]) / h, larger(rate, 1.0 / span)
+    rate = larger(rate, unit * (jerk / unit / unit / unit) ** (1.0 / 3.0))
     by_order = (FIRST_STEP_MOTION * s.tolerance) ** (1.0 / m.order) / rate if rate > 0.0 else span
     state.step_size = smaller(smaller(MOST_FIRST_FACTOR * h, by_order), span)
     return Status.GOOD

@@ -467,7 +467,7 @@ static int is_resolved(double tolerance, double first, double last, double *w)
     for (size_t k = 0; k != N_FEATURES; ++k) {
         const double largest = larger(-least[k], most[k]);
         const double enough = EXPLAINED * (most[k] - least[k]) + negligible_variation(largest,
-                                                                     feature_units[k], tolerance,
+                                                                     feature_scales[k], tolerance,
                                                                      first, last);
         if (!(change[k] <= enough)) return 0;
     }

@@ -241,8 +241,8 @@ def test_no_high_power_and_no_jump_of_an_angle_is_missed(
     text = HELD.replace(law, force).replace("mass = 1,", "mass = 1, velocity = [1, 0, 0],")
     solver = solver_of(text.replace("parameters = { w = 1e-7 }", ""))
     # one bounces in a few steps from 1e9 N/m: at 80 places beside this one dopri5 is off by up to
-    # 24 tolerances at 1e-3, and by 62 at 1e-4; what is missed is off by 2 m/s
-    limit = 100.0 if "x" in force else 10.0
+    # 24 tolerances at 1e-3; what is missed is off by 2 m/s
+    limit = 30.0 if "x" in force else 10.0
     for tolerance in (1e-3, 1e-6, 1e-9):
         run = solver.simulate(10.0, samples=2, method=method, tolerance=tolerance)
         speed = run.velocity["cart"][-1, 0]
@@ -891,7 +891,11 @@ f = { type = "force", body = "p", force = ["0", "FORCE", "0"] }
 def test_no_narrow_force_is_missed_that_is_large_for_its_constant_alone(
     solver_of: Callable[..., Any], method: str
 ) -> None:
-    """It passed one of 1e15*exp(-u) N where exp(-u) was 1e-13 at most, trusted."""
+    """It passed one of 1e15*exp(-u) N where exp(-u) was 1e-13 at most, trusted.
+
+    At y = 0.055 m its impulse is 1e15*exp(-30.25)*1e-3*sqrt(pi) = 0.129 N s, the less the further
+    it pushes the body away meanwhile.
+    """
     one = "1e15*exp(-((x - 5.3)/1e-3)^2 - (y/1e-2)^2)"
     factors = "1e15*exp(-(y/1e-2)^2)*exp(-((x - 5.3)/1e-3)^2)"
     found = [
@@ -899,7 +903,7 @@ def test_no_narrow_force_is_missed_that_is_large_for_its_constant_alone(
         for force in (one, factors)
     ]
     speeds = [run.velocity["p"][-1, 1] for run in found]
-    assert speeds[1] == pytest.approx(0.12234, rel=1e-4)
+    assert 0.9 * 0.129 < speeds[1] < 0.129
     assert speeds[0] == pytest.approx(speeds[1], rel=1e-6)
 
 
@@ -919,6 +923,8 @@ ROOTS = {
     "-1.5*sign(x)*(x^2)^0.25": 1.5,
     "-1.1*sign(x)*abs(x)^0.1": 1.1,
     "-1.75*sign(x)*abs(x)^0.75": 1.75,
+    "-1.5*sign(x)*abs(x)^half": 1.5,
+    "-1.5*sign(x)*exp(0.5*log(abs(x)))": 1.5,
 }
 
 
@@ -929,8 +935,42 @@ def test_errors_beside_a_root_are_not_underestimated(
 ) -> None:
     """They were off by up to 780 tolerances in a hundred steps, and works as much: trusted."""
     text = BEAM.replace("[0, 0.055, 0], velocity = [1, 0, 0]", "[1, 0, 0]")
-    solver = solver_of(text.replace('"0", "FORCE"', f'"{force}", "0"'))
+    text = text.replace('"0", "FORCE"', f'"{force}", "0"')
+    solver = solver_of(text + "[parameters]\nhalf = 0.5\n")
     for tolerance in (1e-4, 1e-6, 1e-8):
         run = solver.simulate(20.0, samples=2, method=method, tolerance=tolerance)
         x, v = abs(run.position["p"][-1, 0]), run.velocity["p"][-1, 0]
         assert abs(v**2 / 2.0 + x ** ROOTS[force] - 1.0) < 50.0 * tolerance
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize(
+    "force",
+    [
+        "(2.35e19*x + 2.35e19)*exp(-40 - ((t - 5.3)/1e-3)^2)",
+        "(2.35e19*t - 1.01e20)*exp(-40 - ((t - 5.3)/1e-3)^2)",
+    ],
+)
+def test_no_narrow_force_is_missed_whose_constant_stands_in_a_sum(
+    solver_of: Callable[..., Any], force: str, method: str
+) -> None:
+    text = BEAM.replace("velocity = [1, 0, 0], ", "").replace("0.055", "0")
+    run = solver_of(text.replace("FORCE", force)).simulate(10.0, samples=2, method=method)
+    height = 2.35e19 * math.exp(-40.0) * (1.0 if "*x" in force else 5.3 - 1.01e20 / 2.35e19)
+    speed = height * 1e-3 * math.sqrt(math.pi)
+    assert run.velocity["p"][-1, 1] == pytest.approx(speed, rel=1e-3)
+
+
+@pytest.mark.parametrize("mass", [1e-6, 1.0, 1e3])
+def test_no_pulse_is_missed_where_a_run_has_another_mass(
+    solver_of: Callable[..., Any], mass: float
+) -> None:
+    """With a default of 1000 kg half of what a body of 1 g got was lost."""
+    text = BEAM.replace("velocity = [1, 0, 0], mass = 1", 'mass = "m"')
+    text = text.replace("FORCE", "k*exp(-((t - 5.3)/1e-4)^2)")
+    solver = solver_of(text + "[parameters]\nm = 1e3\nk = 1.0\n")
+    parameters = {"m": mass, "k": 10.0 * mass}
+    for method in ("dopri5", "dop853"):
+        run = solver.simulate(10.0, samples=2, method=method, parameters=parameters)
+        speed = 10.0 * 1e-4 * math.sqrt(math.pi)
+        assert run.velocity["p"][-1, 1] == pytest.approx(speed, rel=1e-6)

@@ -218,3 +218,17 @@ def test_steps_of_random_scenes_are_the_same_in_other_units(number: int) -> None
         usual = in_units(tree, 1.0, 1.0, 1.0, "c")
         for units in EXACT_UNITS:
             assert_same_steps(usual, in_units(tree, *units, "c"))
+
+
+@pytest.mark.parametrize("power", [7, 31, 50])
+def test_a_force_that_grows_from_nothing_has_the_same_steps_in_other_times(power: int) -> None:
+    """At rest there is no rate yet, whose unit the first step could take."""
+
+    def pushed(time: float) -> Motion:
+        scene = oscillator(time, 1.0, 1.0)
+        scene["forces"]["spring"]["force"] = f"{1e5 / time**3!r}*t"
+        return moved(scene, 2.0 * time, tolerance=1e-9)
+
+    usual, other = pushed(1.0), pushed(2.0**power)
+    assert_same_steps(usual, other)
+    np.testing.assert_array_equal(other.position["cart"], usual.position["cart"])

@@ -159,8 +159,9 @@ def conservative(outcome: Outcome, name: str, way: str, steps: str) -> None:
         outcome.tabulate("energy lost, by steps (of what moves)", row, column, of_energy, at)
         outcome.tabulate("drift of constraints, by steps (m)", row, column, drift, at)
     outcome.measure("constraints at the end (m)", position, where, limit=1e-9)
-    first = max([*met.values()][-2:][0][1], 1e-15)
-    outcome.measure("constraints at the end (of a tenth)", position / first, where, limit=30.0)
+    drifts = [drift for _, drift in met.values()]
+    of_a_tenth = position / max(drifts[-2:][0], 1e-15)  # a column is ten times the one before
+    outcome.measure("constraints at the end (of a tenth)", of_a_tenth, where, limit=30.0)
 
 
 def driven(outcome: Outcome, method: str, turns: str) -> None:

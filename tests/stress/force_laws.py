@@ -93,6 +93,11 @@ PULSES: dict[str, tuple[str, Callable[[float], tuple[float, float]]]] = {
         "exp(60)*exp(-60 - (12*(t - place)/width - 6)^2) + 0*rise",
         lambda _: (math.sqrt(math.pi) / 12.0, 0.5),
     ),
+    "tiny_gauss_in_time": (
+        "(exp(60)*place/width - exp(60)*(place/width - 1) + 0*t)*exp(-60 - (12*(t - place)/width"
+        " - 6)^2) + 0*rise",
+        lambda _: (math.sqrt(math.pi) / 12.0, 0.5),
+    ),
     "sech": (
         "2/(exp(80*(t - place)/width - 40) + exp(40 - 80*(t - place)/width)) + 0*rise",
         lambda _: (math.pi / 80.0, 0.5),

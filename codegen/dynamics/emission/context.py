@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 PAIRS = frozenset(
     {
         *("shifts", "turns", "drivers", "starts", "parts", "events", "rank_rows"),
-        *("narrow_units", "feature_units"),
+        *("narrow_scales", "feature_scales"),
     }
 )
 #: The counts and places that come with what scenes may have or lack; those of what a scene lacks
@@ -466,7 +466,7 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
         "HAS_DISTANCE": "distance" in segments,
         "HAS_CROSSING": "crossing" in segments,
         "HAS_BREAKS": "breaks" in regions,
-        "HAS_ROOTS": root_functions_of(system).has_roots,
+        "HAS_FRACTIONAL_POWERS": root_functions_of(system).has_fractional_powers,
     }
     return tuple(name for name, has in features.items() if has)
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import ConstraintEquation, Program
-    from kousoku.model.lowering.root_functions import Amount, Measure
+    from kousoku.model.lowering.root_functions import Measure, PartScale
     from kousoku.model.mechanics.multibody import System
 
 #: An error that is compared with this counts as none.
@@ -129,8 +129,8 @@ def tables(
         "measure_sizes": [
             (one.name, float(measure_size(one, system, length))) for one in functions.measures
         ],
-        "narrow_units": variation_units(functions.narrow_amounts, program, system, length),
-        "feature_units": variation_units(functions.feature_amounts, program, system, length),
+        "narrow_scales": part_scales(functions.narrow_scales, program, system, length),
+        "feature_scales": part_scales(functions.feature_scales, program, system, length),
         "events": [
             (one.name, (one.direction, ACTIONS.index(one.action), int(jumps)))
             for one, jumps in zip(system.events, functions.jumps, strict=True)
@@ -142,25 +142,26 @@ def tables(
     }
 
 
-def variation_units(
-    amounts: Sequence[Amount], program: Program, system: System, length: float
+def part_scales(
+    parts: Sequence[PartScale], program: Program, system: System, length: float
 ) -> Table:
     """What variations of parts of formulas are compared with, and whether over a square of times.
 
     Of a force it is what moves the lightest body by the length of the scene in that time; where
-    bodies have no masses, its own size. Of what a driver leads along it is the length of the scene,
-    or 1 rad, or its own size where that is less.
+    bodies have no masses, or such as a run may change, its own size. Of what a driver leads along
+    it is the length of the scene, or 1 rad, or its own size where that is less.
     """
-    own = length / system.unit
-    mass, found = lightest_mass(system, length), []
-    for amount in amounts:
-        size = amount.size if 0.0 < amount.size < math.inf else 1.0
+    own, mass = length / system.unit, lightest_mass(system, length)
+    is_known = program.has_masses and not any(is_varying(body.mass) for body in system.bodies)
+    found: Table = []
+    for part in parts:
+        size = part.size if 0.0 < part.size < math.inf else 1.0
         forces = {"N": mass * own, "N m": mass * own * own, "m/s^2": own}
         led = {"m": min(own, size), "rad": min(1.0, size)}
-        if any(unit in led for unit in amount.units) or not program.has_masses:
-            found.append(("", (min(led.get(unit, size) for unit in amount.units), 0)))
+        if any(unit in led for unit in part.units) or not is_known:
+            found.append(("", (min(led.get(unit, size) for unit in part.units), 0)))
         else:
-            found.append(("", (min(forces[unit] for unit in amount.units), 1)))
+            found.append(("", (min(forces[unit] for unit in part.units), 1)))
     return found
 
 

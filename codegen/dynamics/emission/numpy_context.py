@@ -169,7 +169,7 @@ def numpy_context(
         "has_drivers": has_drivers(system),
         "has_misses": program.has_misses,
         "has_row_switch": has_row_switch(program),
-        "has_roots": root_functions_of(system).has_roots,
+        "has_fractional_powers": root_functions_of(system).has_fractional_powers,
     }
     lacking = {field.name: field.default for field in fields(SceneTables)}
     found = {"constants": _numbers(map(literal, program.constants))} | {

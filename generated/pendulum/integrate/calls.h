@@ -244,6 +244,6 @@ int PUBLIC(pivots)(const double *state, double *workspace, double *pivots)
     w[W_T] = s->time;
     memcpy(w + W_Q, s->y, NQ * sizeof *w);
     geometry(w);
-    for (size_t k = 0; k != NC; ++k) pivots[k] = 1.0 / (w[W_PIVOTS + k] * mass_of_inverse(k));
+    for (size_t k = 0; k != NC; ++k) pivots[k] = 1.0 / (w[W_PIVOTS + k] * inverse_pivot_factor(k));
     return GOOD;
 }

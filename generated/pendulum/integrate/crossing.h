@@ -81,8 +81,8 @@ enum {
     N_READ = 2 * N_MEASURES,
     /* one behind the other */
     W_FUNCTIONS = N_SWITCHING > N_BREAKS ? W_CROSSINGS
-    : N_BREAKS > 0                       ? W_BREAKS
-    : N_POLES > 0                        ? W_POLES
+                  : N_BREAKS > 0         ? W_BREAKS
+                  : N_POLES > 0          ? W_POLES
                                          : W_NARROW
 };
 
@@ -950,7 +950,7 @@ static int are_narrow_resolved(
     }
     for (size_t k = 0; k != N_NARROW; ++k) {
         const double range = most[k] - least[k], largest = larger(-least[k], most[k]);
-        const double nothing = band[k] + negligible_variation(largest, narrow_units[k],
+        const double nothing = band[k] + negligible_variation(largest, narrow_scales[k],
                                              search->tolerance, start, end);
         const int is_shown = search->has_error && reach[k] <= SHOWN * range + nothing;
         const int is_explained = is_shown || change[k] <= EXPLAINED * range + nothing;

@@ -935,7 +935,7 @@ def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
         reach = reach + (above - below)
         a = b
     size = largest(-least, most)
-    units = search.work.scene.narrow_units
+    units = search.work.scene.narrow_scales
     nothing = band + negligible_variation(size, units, search.tolerance, start, end)
     is_shown = (reach <= SHOWN * (most - least) + nothing) & search.has_error
     is_explained = is_shown | (change <= EXPLAINED * (most - least) + nothing)

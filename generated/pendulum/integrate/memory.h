@@ -102,6 +102,14 @@ static void displace(double *w, double *low)
     memcpy(w + W_Q, w + W_Q_MOVED, NQ * sizeof *w);
 }
 
+/* what makes a mass [kg] of the inverse of a row's pivot, 1 or 1/m^2: that of an angle is a moment
+ * of inertia, which is compared with masses at LENGTH, so that units of length decide nothing */
+static double inverse_pivot_factor(size_t row)
+{
+    const double x = row_is_length[row] ? 1.0 : 1.0 / LENGTH;
+    return x * x;
+}
+
 /* the largest element of a correction, lengths relative to LENGTH */
 static double size_of(const double *u)
 {

@@ -12,7 +12,7 @@ from .continuation import continue_parameters, is_possible, stay_closed
 from .crossing import first_without_value
 from .dense_output import add_driven_rows, has_driven_works, prepare_dense
 from .methods import METHODS
-from .pivot_monitor import branch_ratio, mass_of_inverse, note_largest_pivot, pivot_ratio
+from .pivot_monitor import branch_ratio, note_largest_pivot, pivot_ratio
 from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import find_reactions, write_row
@@ -340,8 +340,8 @@ class SceneSolver:
             w.t[0] = s.time
             w.q[:] = s.y[: self.scene.nq]
             w.run("geometry")
-            masses = mass_of_inverse(self.scene)[: self.scene.nc]
-            found[: self.scene.nc] = 1.0 / (w.pivots * masses)
+            factors = self.scene.inverse_pivot_factors[: self.scene.nc]
+            found[: self.scene.nc] = 1.0 / (w.pivots * factors)
         return Status.GOOD
 
 

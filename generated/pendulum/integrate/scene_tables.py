@@ -79,8 +79,8 @@ class SceneTables:
         Whether bodies are put onto joints with the ground.
     has_drivers : bool
         Whether constraints depend on time.
-    has_roots : bool
-        Whether a force has a root of what may be zero, as sqrt(x).
+    has_fractional_powers : bool
+        Whether a force goes with a fractional power of what may be zero, as sqrt(x).
     has_misses : bool
         Whether rows of the constraints that are left out may miss more than rounding.
     has_row_switch : bool
@@ -99,9 +99,12 @@ class SceneTables:
         left out.
     row_lengths : (n,) array
         What residuals of rows are compared with, as corrections are.
+    inverse_pivot_factors : (n,) array
+        What makes masses [kg] of inverse pivots of rows, 1 or 1/m²: the inverse of an angle's pivot
+        is a moment of inertia, which is compared with masses at the length of the scene.
     measure_sizes : (n,) array
         What errors are compared with of what formulas read.
-    feature_units, narrow_units : (n, 2) array
+    feature_scales, narrow_scales : (n, 2) array
         What variations of features, and of narrow parts, are compared with, and 1 where that is
         over the square of times.
     events : (n, 3) array
@@ -127,7 +130,7 @@ class SceneTables:
     fits: bool = False
     has_drivers: bool = False
     has_misses: bool = False
-    has_roots: bool = False
+    has_fractional_powers: bool = False
     has_row_switch: bool = False
     segments: Mapping[str, Segment] = field(init=False, repr=False)
     constants: list[float] = field(init=False, repr=False)
@@ -143,9 +146,10 @@ class SceneTables:
     positive: Slots = field(init=False, repr=False)
     rank_rows: Slots = field(init=False, repr=False)
     row_lengths: Array = field(init=False, repr=False)
+    inverse_pivot_factors: Array = field(init=False, repr=False)
     measure_sizes: Array = field(init=False, repr=False)
-    feature_units: Array = field(init=False, repr=False)
-    narrow_units: Array = field(init=False, repr=False)
+    feature_scales: Array = field(init=False, repr=False)
+    narrow_scales: Array = field(init=False, repr=False)
     events: Slots = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -160,12 +164,13 @@ class SceneTables:
         widths = {"shifts": 2, "turns": 3, "drivers": 2, "starts": 2, "events": 3, "rank_rows": 2}
         for name, width in widths.items():
             found[name] = places(tables[name], width)
-        for name in ("feature_units", "narrow_units"):
+        for name in ("feature_scales", "narrow_scales"):
             found[name] = np.array(numbers(tables[name])).reshape(-1, 2)
         for name in ("mass_places", "positive"):
             found[name] = places(tables[name], 1)[:, 0]
         for name, table in (("lengths", "is_length"), ("row_lengths", "row_is_length")):
             found[name] = np.where(numbers(tables[table]), self.length, 1.0)
+        found["inverse_pivot_factors"] = (np.asarray(found["row_lengths"]) / self.length) ** 2
         for name, value in found.items():
             object.__setattr__(self, name, value)
 
