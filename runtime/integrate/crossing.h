@@ -81,8 +81,8 @@ enum {
     N_READ = 2 * N_MEASURES,
     /* one behind the other */
     W_FUNCTIONS = N_SWITCHING > N_BREAKS ? W_CROSSINGS
-                  : N_BREAKS > 0         ? W_BREAKS
-                  : N_POLES > 0          ? W_POLES
+    : N_BREAKS > 0                       ? W_BREAKS
+    : N_POLES > 0                        ? W_POLES
                                          : W_NARROW
 };
 
