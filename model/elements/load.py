@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -93,8 +94,9 @@ class OnBody(ForceKind):
         if scene.bodies[force.body].point:
             self._check_on_point(scene, force, key)
 
+    @abstractmethod
     def _check_on_point(self, scene: Scene, force: Force, key: str) -> None:
-        raise NotImplementedError
+        """Refuse keys that a point mass cannot have."""
 
     def kind_of(self, force: Force) -> str:
         """Kind of its element."""

@@ -234,25 +234,27 @@ def root_functions_of(system: System) -> RootFunctions:
     told = (*crossings, *breaks, *narrow, *poles, *infinite, *lengths, *distances)
     read = set(chain.from_iterable(map(names_of, told)))
     return RootFunctions(
-        tuple(dict.fromkeys(switches)),
-        tuple(features),
-        tuple(one for one in measures if {one.name, one.rate} & read),
-        crossings,
-        tuple(narrow),
-        tuple(any(map(is_jump, ordered(one))) for one in events),
-        tuple(chain.from_iterable(map(with_rates, followed))),
-        tuple(laws[one] for one in followed),
-        tuple(poles),
-        tuple(poles.values()),
-        tuple(infinite),
-        lengths,
-        distances,
-        tuple(gaps),
-        tuple(gaps.values()),
-        breaks,
-        any(has_fractional_power(parsed[text], changing) for text in texts if text in pushing),
-        tuple(narrow.values()),
-        tuple(features.values()),
+        switches=tuple(dict.fromkeys(switches)),
+        features=tuple(features),
+        measures=tuple(one for one in measures if {one.name, one.rate} & read),
+        crossings=crossings,
+        narrow=tuple(narrow),
+        jumps=tuple(any(map(is_jump, ordered(one))) for one in events),
+        laws=tuple(chain.from_iterable(map(with_rates, followed))),
+        law_drivers=tuple(laws[one] for one in followed),
+        poles=tuple(poles),
+        pole_forces=tuple(poles.values()),
+        infinite=tuple(infinite),
+        lengths=lengths,
+        distances=distances,
+        gaps=tuple(gaps),
+        gap_drivers=tuple(gaps.values()),
+        breaks=breaks,
+        has_fractional_powers=any(
+            has_fractional_power(parsed[text], changing) for text in texts if text in pushing
+        ),
+        narrow_scales=tuple(narrow.values()),
+        feature_scales=tuple(features.values()),
     )
 
 

@@ -171,7 +171,7 @@ class _ProgramComposer:
             record_momenta(self.recorder, self.system, conserved, self.body)
         if "checks" in self.wanted:
             self._check()
-            self._where_rank_drops()
+            self._record_rank_loss()
         record_switching(self.recorder, self.system, self.parameters, self.forces)
         return self._program(conserved)
 
@@ -221,9 +221,9 @@ class _ProgramComposer:
     def _position(self) -> None:
         self.recorder.begin("position")
         residuals = [self._rows_of(self.residuals, joint) for joint in self.joints]
-        self._pull(self.schur.solve(residuals), None, self.dq)
+        self._record_corrections(self.schur.solve(residuals), None, self.dq)
 
-    def _pull(
+    def _record_corrections(
         self,
         multipliers: Sequence[SlotMatrix],
         free: Sequence[SlotMatrix] | None,
@@ -287,7 +287,7 @@ class _ProgramComposer:
         by_body = self._by_body(self.v)
         lacks, beyond = self.joint_coordinates.project_velocity(by_body)
         rates = self._rates("nu", by_body, beyond=beyond)
-        self._pull(self.schur.solve(rates), None, self.dv, lacks)
+        self._record_corrections(self.schur.solve(rates), None, self.dv, lacks)
 
     def _by_body(self, region: SlotMatrix) -> list[SlotMatrix]:
         """Parts of a region in the order of v."""
@@ -320,7 +320,7 @@ class _ProgramComposer:
         drift = self.joint_coordinates.reduce_forces(free)
         targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
         multipliers = self.schur.solve(self._rates("gamma", free, beyond=drift), targets)
-        self._pull(multipliers, free, self.v_dot, drift)
+        self._record_corrections(multipliers, free, self.v_dot, drift)
         powers = zip(drivers_of(self.system), self._powers(multipliers), strict=True)
         for name, power in powers:
             self._keep_rate(name, power)
@@ -392,7 +392,7 @@ class _ProgramComposer:
             rest = region.part(self.rows, self.others.height)
             self._rates(output, by_body, rest, [*self.left_out, *self.satisfied])
 
-    def _where_rank_drops(self) -> None:
+    def _record_rank_loss(self) -> None:
         """Record what runs need where digits are lost: where rows become dependent, as in loops."""
         if self.analysed.refines:
             self._refinement()
@@ -408,6 +408,6 @@ class _ProgramComposer:
         targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
         rates = self._rates("gamma", self._by_body(self.v_dot))
         multipliers = self.schur.solve(rates, targets)
-        self._pull(multipliers, None, self.dv)
+        self._record_corrections(multipliers, None, self.dv)
         for k, more in enumerate(self._powers(multipliers, is_whole=False)):
             self.recorder.call(Copy(), more, into=(power.part(k, 1),))

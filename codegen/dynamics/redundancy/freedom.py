@@ -154,7 +154,7 @@ class Freedom:
         return tuple(joints for joints in sets if len(joints) > 1)
 
 
-class _Found(NamedTuple):
+class _PartFreedom(NamedTuple):
     """Findings about a part, and where it was looked at."""
 
     branch: Branch
@@ -224,7 +224,7 @@ def _freedom_of_part(
     count = max(2, min(MOST_POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
     few = min(len(joints), len(columns))
 
-    def looked(branch: Branch) -> tuple[list[BranchPosition], Drivers]:
+    def sampled_positions(branch: Branch) -> tuple[list[BranchPosition], Drivers]:
         drivers = Drivers(system, branch, pairs, others)
         positions: list[BranchPosition] = []
         for position in branch.positions(bodies):
@@ -235,15 +235,15 @@ def _freedom_of_part(
                 break
         return positions, drivers
 
-    def exactly() -> _Found:
+    def exact_freedom() -> _PartFreedom:
         branch = Branch(residuals, chosen, columns, length)
-        positions, drivers = looked(branch)
+        positions, drivers = sampled_positions(branch)
         is_stuck = len(positions) == 1 and positions[0].factors.rank < few
         found = _shaky(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
-        return _Found(branch, positions, drivers, found)
+        return _PartFreedom(branch, positions, drivers, found)
 
-    def nearly() -> _Found | None:
-        positions, drivers = looked(near)
+    def freedom_within_tolerance() -> _PartFreedom | None:
+        positions, drivers = sampled_positions(near)
         positions = far_from_singular(positions)
         require_gap(system, near, joints, positions)
         if not near.is_redundant(positions, few):
@@ -252,15 +252,19 @@ def _freedom_of_part(
             return None
         found = _dependences(joints, positions, CLEARLY * system.closure_tolerance)
         closed = closed_rows(near, joints, found.dropped, positions)
-        return _Found(near, positions, drivers, replace(found, closed=closed)) if closed else None
+        return (
+            _PartFreedom(near, positions, drivers, replace(found, closed=closed))
+            if closed
+            else None
+        )
 
     near = near_branch(residuals, chosen, columns, bodies=bodies, system=system)
-    made = nearly() if is_near(near, bodies) else None
+    made = freedom_within_tolerance() if is_near(near, bodies) else None
     if made is None:
-        made = exactly()
+        made = exact_freedom()
         if made.positions[0].factors.rank < made.freedom.rank:
             # beside the start rows may depend on each other nearly
-            made = nearly() or made
+            made = freedom_within_tolerance() or made
     branch, positions, drivers, found = made
     takes_part = CLEARLY * system.closure_tolerance if found.closed else TAKES_PART
     drivers.require_free()

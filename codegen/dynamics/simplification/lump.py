@@ -71,6 +71,7 @@ def _in_plane(system: System, groups: Sequence[Sequence[int]]) -> System | None:
     Parts at different heights have products of inertia. In a plane that they are held in these do
     not count, and without them the principal axes stay in the plane.
     """
+    # asked before the plane of the scene is found, as that is of bodies that are joined already
     for plane in Plane if can_permute(system) else ():
         normal = plane.normal
         if all(x == 0 for body in system.bodies for k, x in enumerate(body.p[1:]) if k != normal):
