@@ -158,7 +158,7 @@ def has_fractional_power(formula: Expression, varying: Collection[str]) -> bool:
             continue
         exponent, even = root_exponent(part), even_root(part)
         exponent = exponent if even is None else even[1]
-        is_power = exponent is not None and 0 < exponent < SMOOTH
+        is_power = exponent is not None and exponent < SMOOTH  # below zero beside a zero, too
         is_power = is_power or (part.op is Op.POW and part.args[1].value is None)
         if (is_power or part.op is Op.LOG) and may_be_zero(part.args[0]):
             return True

@@ -920,6 +920,7 @@ def test_works_of_a_bump_are_summed_whatever_its_constants(solver_of: Callable[.
 ROOTS = {
     "-1.5*sign(x)*sqrt(abs(x))": 1.5,
     "-1.5*x/sqrt(abs(x))": 1.5,
+    "-1.5*(x + 0*x^3)*abs(x)^(-0.5)": 1.5,
     "-1.5*sign(x)*(x^2)^0.25": 1.5,
     "-1.1*sign(x)*abs(x)^0.1": 1.1,
     "-1.75*sign(x)*abs(x)^0.75": 1.75,
@@ -974,3 +975,28 @@ def test_no_pulse_is_missed_where_a_run_has_another_mass(
         run = solver.simulate(10.0, samples=2, method=method, parameters=parameters)
         speed = 10.0 * 1e-4 * math.sqrt(math.pi)
         assert run.velocity["p"][-1, 1] == pytest.approx(speed, rel=1e-6)
+
+
+#: A hinged body with a parameter for its moment of inertia.
+NEEDLE = """
+name = "needle"
+unit = "m"
+parameters = { I = 1.0, A = 1.0 }
+bodies = { b = { position = [0, 0, 0], mass = 1, inertia = { xx = "I", yy = "I", zz = "I" } } }
+joints = { h = { type = "hinge", bodies = ["ground", "b"], at = [0, 0, 0], axis = [0, 0, 1] } }
+coordinates = { a = { joint = "h" } }
+[forces]
+f = { type = "along", coordinate = "a", force = "A*exp(-((t - 6.3)/1e-3)^2 - 35)" }
+"""
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize("moment", [1e-15, 1e-6, 1.0])
+def test_no_push_is_missed_where_a_run_has_another_moment_of_inertia(
+    solver_of: Callable[..., Any], moment: float, method: str
+) -> None:
+    """It was compared with what turns the body as it is in the scene, and passed, trusted."""
+    parameters = {"I": moment, "A": moment * math.exp(35.0)}
+    run = solver_of(NEEDLE).simulate(10.0, samples=2, method=method, parameters=parameters)
+    angle = 2.0 * math.asin(run.orientation["b"][-1, 3])
+    assert angle == pytest.approx(1e-3 * math.sqrt(math.pi) * 3.7, rel=1e-6)

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from kousoku.model.lowering.root_functions import Measure, PartScale
     from kousoku.model.mechanics.multibody import System
 
+#: By what masses of a run may be smaller than those of the scene, where parameters change them.
+LEAST_MASS_PART = 1e-30
 #: An error that is compared with this counts as none.
 IGNORED = 1e300
 
@@ -148,17 +150,19 @@ def part_scales(
     """What variations of parts of formulas are compared with, and whether over a square of times.
 
     Of a force it is what moves the lightest body by the length of the scene in that time; where
-    bodies have no masses, or such as a run may change, its own size. Of what a driver leads along
-    it is the length of the scene, or 1 rad, or its own size where that is less.
+    bodies have no masses, its own size, and where a run may change these a small part of that. Of
+    what a driver leads along it is the length of the scene, or 1 rad, or its own size where that is
+    less.
     """
     own, mass = length / system.unit, lightest_mass(system, length)
-    is_known = program.has_masses and not any(is_varying(body.mass) for body in system.bodies)
+    changes = any(is_varying(x) for body in system.bodies for x in (body.mass, *body.inertia))
     found: Table = []
     for part in parts:
         size = part.size if 0.0 < part.size < math.inf else 1.0
+        size *= LEAST_MASS_PART if changes and program.has_masses else 1.0
         forces = {"N": mass * own, "N m": mass * own * own, "m/s^2": own}
         led = {"m": min(own, size), "rad": min(1.0, size)}
-        if any(unit in led for unit in part.units) or not is_known:
+        if any(unit in led for unit in part.units) or changes or not program.has_masses:
             found.append(("", (min(led.get(unit, size) for unit in part.units), 0)))
         else:
             found.append(("", (min(forces[unit] for unit in part.units), 1)))
