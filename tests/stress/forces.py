@@ -167,7 +167,8 @@ class Asked:
 @contextmanager
 def blind(*names: str) -> Iterator[None]:
     """Compose solvers that do not know some of the functions at which steps end."""
-    nothing: dict[str, Any] = dict.fromkeys(names, ())
+    scales = (SCALES[name] for name in names if name in SCALES)
+    nothing: dict[str, Any] = dict.fromkeys((*names, *scales), ())
 
     def blinded(system: System) -> RootFunctions:
         found = replace(root_functions_of(system), **nothing)
@@ -185,6 +186,8 @@ def blind(*names: str) -> Iterator[None]:
 
 #: Stages that ask which functions a run looks at, and which of these depend on measures.
 SEEING = ("composition.switching", "emission.context_numbers", "checking.start")
+#: What goes along with functions, of each one.
+SCALES = {"narrow": "narrow_scales", "features": "feature_scales"}
 OF_MEASURES = ("crossings", "narrow", "poles", "infinite", "lengths", "distances")
 TIGHT = (
     "when a force jumps is known no better than to the rounding of time, 2e-15 s; what the speed"
