@@ -306,3 +306,15 @@ def bodies_folder(shared_tree: Callable[..., Path]) -> Callable[..., Path]:
 def rng() -> np.random.Generator:
     """Random numbers that are the same in every run."""
     return np.random.default_rng(1981)
+
+
+@pytest.fixture
+def bead() -> dict[str, Any]:
+    """Tables of a bead on the x axis, new for each test."""
+    return {
+        "name": "bead",
+        "unit": "cm",
+        "parameters": {"at": 1.0},
+        "bodies": {"bead": {"position": [0, 0, 0], "point": True, "mass": 1}},
+        "coordinates": {"x": {"body": "bead", "along": [1, 0, 0]}},
+    }

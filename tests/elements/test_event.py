@@ -21,16 +21,10 @@ Tree = dict[str, Any]
 
 
 @pytest.fixture
-def bead() -> Tree:
-    """Tables of a bead on the x axis, new for each test."""
-    return {
-        "name": "bead",
-        "unit": "cm",
-        "parameters": {"at": 1.0},
-        "bodies": {"bead": {"position": [0, 0, 0], "point": True, "mass": 1}},
-        "coordinates": {"x": {"body": "bead", "along": [1, 0, 0]}},
-        "events": {"there": {"when": "x - at", "direction": "rising", "action": "stop"}},
-    }
+def bead(bead: Tree) -> Tree:
+    """Tables of a bead on the x axis that stops at a place."""
+    event = {"when": "x - at", "direction": "rising", "action": "stop"}
+    return {**bead, "events": {"there": event}}
 
 
 def test_an_event_comes_into_the_system_with_what_it_reads(bead: Tree) -> None:

@@ -13,18 +13,6 @@ from kousoku.model.reading.read import scene_from_dict
 Tree = dict[str, Any]
 
 
-@pytest.fixture
-def bead() -> Tree:
-    """Tables of a bead on the x axis, new for each test."""
-    return {
-        "name": "bead",
-        "unit": "cm",
-        "parameters": {"at": 1.0},
-        "bodies": {"bead": {"position": [0, 0, 0], "point": True, "mass": 1}},
-        "coordinates": {"x": {"body": "bead", "along": [1, 0, 0]}},
-    }
-
-
 @pytest.mark.parametrize(
     ("force", "count"),
     [
