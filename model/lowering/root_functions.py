@@ -322,8 +322,7 @@ def _texts(system: System) -> Iterator[tuple[str, str, str]]:
             text = re.sub(rf"\b{name}\b", f"{force.name}_{place}.{name}", text)
         yield text, key, unit
     yield from ((text, "gravity", "m/s^2") for text in system.gravity_law)
-    for one in system.constraints:
-        yield one.law, "", one.unit or ("m" if is_length(one.kind) else "rad")
+    yield from ((one.law, "", one.row_unit) for one in system.constraints)
 
 
 def _is_moment(force: ForceElement, system: System) -> bool:

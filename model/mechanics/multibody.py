@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.model.mechanics.constraints import COMBINATION, COORDINATES
+from kousoku.model.mechanics.constraints import COMBINATION, COORDINATES, is_length
 from kousoku.model.records.design import CLOSURE_TOLERANCE
 
 if TYPE_CHECKING:
@@ -179,6 +179,11 @@ class Instance:
     def is_combination(self) -> bool:
         """Whether it combines coordinates, and has no kernels."""
         return self.kind == COMBINATION
+
+    @property
+    def row_unit(self) -> str:
+        """Unit of its residual, ``m`` or ``rad``."""
+        return self.unit or ("m" if is_length(self.kind) else "rad")
 
     @property
     def is_driver(self) -> bool:

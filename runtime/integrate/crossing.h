@@ -906,14 +906,14 @@ static void note_crossings(double end, const Search *search, State *s, Work *wor
 }
 
 /* what a part of some size may vary by between two times, in the unit of its formula: a force that
- * acts as long moves a body on until the end, which is about as far as time has come */
+ * acts as long moves a body on meanwhile, and then in as much time as has passed since 0 */
 static double negligible_variation(
-    double size, const double *unit, double tolerance, double start, double end)
+    double size, const double *scale, double tolerance, double start, double end)
 {
     const double span = larger(fabs(start), fabs(end));
-    if (unit[1] == 0.0) return NEGLIGIBLE_VARIATION * larger(size, unit[0]);
+    if (scale[1] == 0.0) return NEGLIGIBLE_VARIATION * larger(size, scale[0]);
     return larger(NEGLIGIBLE_VARIATION * size,
-        NEGLIGIBLE_MOTION * tolerance * (unit[0] / ((end - start) * span)));
+        NEGLIGIBLE_MOTION * tolerance * (scale[0] / ((end - start) * span)));
 }
 
 /* whether samples between two times tell how parts vary: their rates change as little, or bounds

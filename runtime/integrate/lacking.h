@@ -201,13 +201,13 @@ static const size_t positive[ROOM(POSITIVE)];
 static const unsigned char row_is_length[ROOM(NCHECK)];
 /* of rows whose rank is looked at: which, and whether they are left out */
 static const size_t rank_rows[ROOM(RANK_ROWS)][2];
-/* what errors of measures are compared with; of events the direction, what a run does then, and
- * whether the formula may jump */
+/* what errors of measures are compared with */
 static const double measure_sizes[ROOM(N_MEASURES)];
 /* what variations of features, and of narrow parts, are compared with, and 1 where that is over the
  * square of times */
 static const double feature_scales[ROOM(N_FEATURES)][2];
 static const double narrow_scales[ROOM(N_NARROW)][2];
+/* of events the direction, what a run does then, and whether the formula may jump */
 static const int events[ROOM(EVENTS)][3];
 enum { RECORD, COUNT, STOP }; /* what that may be */
 

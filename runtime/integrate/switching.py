@@ -463,8 +463,8 @@ def is_resolved(tolerance: float, first: float, last: float, w: Workspace) -> bo
         change += h * (fastest - slowest)
         sample = bounds_between(b, b, w)[1][0]
         least, most = smallest(sample, least), largest(sample, most)
-    size, units = largest(-least, most), w.scene.feature_scales
-    nothing = negligible_variation(size, units, tolerance, first, last)
+    size, scales = largest(-least, most), w.scene.feature_scales
+    nothing = negligible_variation(size, scales, tolerance, first, last)
     enough = EXPLAINED * (most - least) + nothing
     return bool(np.all(change <= enough))
 

@@ -193,7 +193,7 @@ def row_of(row: ConstraintEquation, system: System) -> list[str]:
     """Joint of a row, or the key of its driver, and the unit of its residual."""
     instance = system.constraints[row.instance]
     name = f"drivers.{row.joint}" if instance.is_driver else row.joint
-    return [name, instance.unit or ("m" if is_length(instance.kind) else "rad")]
+    return [name, instance.row_unit]
 
 
 def owners(program: Program) -> dict[int, str]:

@@ -890,17 +890,18 @@ def note_crossings(end: float, search: Search) -> None:
 
 
 def negligible_variation(
-    size: Array, units: Array, tolerance: float, start: float, end: float
+    size: Array, scales: Array, tolerance: float, start: float, end: float
 ) -> Array:
     """What parts (n,) of some size may vary by between two times [s], in units of their formulas.
 
-    A force that acts as long moves a body on until the end, which is about as far as time has come.
+    A force that acts as long moves a body on meanwhile, and then in as much time as has passed
+    since 0.
 
     Parameters
     ----------
     size : (n,) array
         Their sizes.
-    units : (n, 2) array
+    scales : (n, 2) array
         As of a scene: what they are compared with, and whether that is over the square of times.
     tolerance : float [-]
         Of the run.
@@ -908,10 +909,10 @@ def negligible_variation(
         The times.
     """
     span = larger(abs(start), abs(end))
-    always = NEGLIGIBLE_VARIATION * largest(size, units[:, 0])
-    forces = NEGLIGIBLE_MOTION * tolerance * (units[:, 0] / ((end - start) * span))
+    always = NEGLIGIBLE_VARIATION * largest(size, scales[:, 0])
+    forces = NEGLIGIBLE_MOTION * tolerance * (scales[:, 0] / ((end - start) * span))
     found = largest(NEGLIGIBLE_VARIATION * size, forces)
-    return np.asarray(np.where(units[:, 1] == 0.0, always, found))
+    return np.asarray(np.where(scales[:, 1] == 0.0, always, found))
 
 
 def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
@@ -935,8 +936,8 @@ def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
         reach = reach + (above - below)
         a = b
     size = largest(-least, most)
-    units = search.work.scene.narrow_scales
-    nothing = band + negligible_variation(size, units, search.tolerance, start, end)
+    scales = search.work.scene.narrow_scales
+    nothing = band + negligible_variation(size, scales, search.tolerance, start, end)
     is_shown = (reach <= SHOWN * (most - least) + nothing) & search.has_error
     is_explained = is_shown | (change <= EXPLAINED * (most - least) + nothing)
     return bool(np.all(is_explained | (high - low <= STEADY * size + nothing)))
