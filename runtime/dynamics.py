@@ -370,7 +370,7 @@ def open_dynamics(sources: Sources, target: Target) -> DynamicsSolver:
         conserved=tuple(map(ConservedPlaces.from_data, data["kept"])),
         parameters=tuple((name, value) for name, value in data["parameters"]),
         is_driven=data["is_driven"],
-        has_masses=data["is_weighed"],
+        has_masses=data["has_masses"],
         places={name: (base, size) for name, (base, size) in data["places"].items()},
         state={field.name: field for field in fields_of(data["state"])},
         moved={name: Moved(*sizes) for name, *sizes in data["moved"]},

@@ -361,7 +361,7 @@ def ledger_of(
             rows,
             layout,
             options.settings(),
-            is_weighed=solver.has_masses,
+            has_masses=solver.has_masses,
             is_driven=solver.is_driven,
             error=error,
         ),

@@ -216,7 +216,7 @@ class RunAlone:
             CheckedRows(*checked),
             self._layout,
             self._settings,
-            is_weighed=data["is_weighed"],
+            has_masses=data["has_masses"],
             is_driven=data["is_driven"],
         )
         rows, is_complete = self._rows[:written], written == len(self.times)

@@ -71,7 +71,7 @@ def in_python(solver: DynamicsSolver, settings: Settings, state: Any) -> RunVerd
         CheckedRows(solver.rows, solver.left_out, solver.satisfied),
         solver.layout,
         settings,
-        is_weighed=solver.has_masses,
+        has_masses=solver.has_masses,
         is_driven=solver.is_driven,
     )
 

@@ -88,7 +88,7 @@ def motion_data(
         "bodies": _bodies(program, system, q, v),
         "parameters": [[name, value] for name, value in system.parameters],
         "is_driven": is_driven(program, system),
-        "is_weighed": program.has_masses,
+        "has_masses": program.has_masses,
         "length": characteristic_length(system),
         "closure_tolerance": system.closure_tolerance,
         "rows": [row_of(row, system) for row in program.rows],

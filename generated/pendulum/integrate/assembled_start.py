@@ -26,11 +26,15 @@ if TYPE_CHECKING:
 
 #: Least moment of inertia that weighs a displacement, as a part of the largest of the body.
 THIN = 1e-3
-#: The longest step towards the nearest place, lengths relative to the scene's; steps at most, of
-#: which so many need not be smaller than the one before, as where Euler parameters get norm one.
-LONGEST_PROJECTION_STEP, MOST, FIRST = 0.3, 100, 3
+#: The longest step towards the nearest place, lengths relative to the scene's.
+LONGEST_PROJECTION_STEP = 0.3
+#: Steps at most, and those that need not be smaller than the one before: Euler parameters get norm
+#: one in the first.
+MOST_PROJECTION_STEPS = 100
+FIRST_PROJECTION_STEPS = 3
 #: A step that counts as rounding, and one that is small enough where rounding goes on.
-ROUNDING_OF_PROJECTION_STEPS, SMALL = 1e-15, 1e-12
+ROUNDING_OF_PROJECTION_STEPS = 1e-15
+SMALL_PROJECTION_STEP = 1e-12
 #: Below this angle [rad] a series has all digits.
 SERIES = 1e-4
 #: What is told where no step leads nearer.
@@ -38,9 +42,12 @@ NOT_NEAREST = (
     "with these parameters bodies begin where they follow to from the start of the scene: the"
     " nearest place, where the file with them has bodies, was not found"
 )
-#: Notes leave out what is below this part of a scene's length or speed: "near" means that; what is
-#: below that part of them is known from no digit that people give. Bodies that are named.
-TOLD, KNOWN, SHOWN = 1e-2, 1e-6, 4
+#: Notes leave out what is below this part of a scene's length or speed: "near" means that.
+TOLD = 1e-2
+#: What is below this part of them is known from no digit that people give.
+KNOWN = 1e-6
+#: Bodies that notes name.
+MOST_BODIES_NAMED = 4
 #: How a note on a body that starts elsewhere begins.
 CHANGED = "assembly changed"
 #: A point does not turn.
@@ -258,8 +265,10 @@ class Change(NamedTuple):
 def notes_of(changes: Sequence[Change], metres: float, unit: str) -> tuple[str, ...]:
     """Notes on bodies that are not near where the scene has them, in its unit of length."""
     notes = [note for one in changes if (note := one.note(metres, unit))]
-    if len(notes) > SHOWN:
-        notes[SHOWN:] = [f"{CHANGED} {len(notes) - SHOWN} more bodies, by less"]
+    if len(notes) > MOST_BODIES_NAMED:
+        notes[MOST_BODIES_NAMED:] = [
+            f"{CHANGED} {len(notes) - MOST_BODIES_NAMED} more bodies, by less"
+        ]
     return tuple(notes)
 
 
@@ -360,12 +369,14 @@ def nearest(layout: Layout, given: WrittenBodies, evaluate: Evaluate, q: Array) 
     ):
         places.put(target, values)
     last, before, step = np.inf, rest, rest
-    for _ in range(MOST):
+    for _ in range(MOST_PROJECTION_STEPS):
         u = rest.copy()
         given.pull(q, u)
         u += evaluate(q, u)["dv"] - evaluate(q, rest)["dv"]
         size = float(np.max(np.abs(u) / sizes, initial=0.0))
-        if size <= ROUNDING_OF_PROJECTION_STEPS or (size <= SMALL and size > 0.5 * last):
+        if size <= ROUNDING_OF_PROJECTION_STEPS or (
+            size <= SMALL_PROJECTION_STEP and size > 0.5 * last
+        ):
             return q
         bend = step @ (weights * (u - before))
         part = float(step @ (weights * step) / bend) if bend > 0.0 else 1.0
@@ -380,12 +391,14 @@ def nearest(layout: Layout, given: WrittenBodies, evaluate: Evaluate, q: Array) 
 def _closed(evaluate: Evaluate, q: Array, rest: Array, sizes: Array) -> Array | None:
     """Position near q that meets the constraints; None where it is not near."""
     last = np.inf
-    for attempt in range(MOST):
+    for attempt in range(MOST_PROJECTION_STEPS):
         moved = evaluate(q, rest)["q_moved"]
         change = float(np.max(np.abs(moved - q) / sizes, initial=0.0))
-        if change <= ROUNDING_OF_PROJECTION_STEPS or (change <= SMALL and change > 0.5 * last):
+        if change <= ROUNDING_OF_PROJECTION_STEPS or (
+            change <= SMALL_PROJECTION_STEP and change > 0.5 * last
+        ):
             return moved
-        if not (change < last or attempt < FIRST):
+        if not (change < last or attempt < FIRST_PROJECTION_STEPS):
             break
         q, last = moved, change
     return None

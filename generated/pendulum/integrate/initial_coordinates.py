@@ -24,15 +24,24 @@ if TYPE_CHECKING:
     from .start_evaluation import Evaluate
 
 
-#: The largest correction after a step, and the longest step, lengths relative to the scene's.
-CLOSE, LONGEST_CONTINUATION_STEP = 0.02, 0.3
+#: The largest of the first corrections after a step, lengths relative to the scene's.
+LARGEST_CORRECTION = 0.02
+#: The longest step, likewise.
+LONGEST_CONTINUATION_STEP = 0.3
 #: The largest change of direction from step to step, relative; other branches lead elsewhere.
-SMOOTH = 0.5
-#: The shortest step, as a part of the way; what steps that fail and that succeed are changed by:
-#: halves would meet the middle of a way, where a parallelogram may lie flat.
-SHORTEST, SHRINK, GROW = 1e-7, 0.6, 1.7
-#: Corrections on the way, and at its end, that are small enough; how many may grow, and are tried.
-NEAR, ROUNDING_OF_COORDINATES, FIRST, MOST = 1e-6, 1e-15, 3, 30
+LARGEST_TURN = 0.5
+#: The shortest step, as a part of the way.
+SHORTEST_PART = 1e-7
+#: What steps that fail and that succeed are changed by: halves would meet the middle of a way,
+#: where a parallelogram may lie flat.
+SHRINK = 0.6
+GROW = 1.7
+#: A correction on the way that is small enough, and one at its end.
+CORRECTION_ON_THE_WAY = 1e-6
+ROUNDING_OF_COORDINATES = 1e-15
+#: Corrections that may be larger than the one before, and corrections at most.
+FIRST_CORRECTIONS = 3
+MOST_CORRECTIONS = 30
 #: A coordinate depends on others where so little of its motion is its own, squared.
 DEPENDENT = 1e-10
 #: One that is not given stays as in the scene where so much of its motion is its own, squared.
@@ -213,12 +222,12 @@ class Leader:
             The position, and the last correction, lengths relative to that of the scene.
         """
         last = np.inf
-        for attempt in range(MOST):
+        for attempt in range(MOST_CORRECTIONS):
             moved = self.evaluate(q, self.rest)["q_moved"]
             moves = (goal - self.value(moved)[chosen]) @ ways
             change = float(np.max(np.abs(moved - q) / self.sizes_q, initial=0.0))
             left = max(change, self.size(moves))
-            if not left <= (CLOSE if attempt < FIRST else last):
+            if not left <= (LARGEST_CORRECTION if attempt < FIRST_CORRECTIONS else last):
                 break
             q, last = self.displaced(moved, moves), left
             if left <= enough:
@@ -243,14 +252,14 @@ class Leader:
             following = min(made + step, 1.0)
             goal = wanted if following == 1.0 else begin + following * way
             tried = self.displaced(q, (following - made) * direction)
-            tried, left = self.met(tried, ways, chosen, goal, NEAR)
-            if left <= NEAR:
+            tried, left = self.met(tried, ways, chosen, goal, CORRECTION_ON_THE_WAY)
+            if left <= CORRECTION_ON_THE_WAY:
                 at = self.ways(self.jacobian(tried), chosen)
-                if self.size(way @ at - direction) <= SMOOTH * size:
+                if self.size(way @ at - direction) <= LARGEST_TURN * size:
                     q, ways, made, step = tried, at, following, GROW * step
                     continue
             step *= SHRINK
-            if not step >= SHORTEST:
+            if not step >= SHORTEST_PART:
                 return q, made
         return q, 1.0
 
@@ -268,7 +277,7 @@ class Leader:
     def polished(self, q: Array, chosen: Sequence[int], wanted: Array) -> Array:
         """Position (nq,) that meets constraints and values (c,) [m, rad] to rounding."""
         before = np.inf
-        for _ in range(MOST):
+        for _ in range(MOST_CORRECTIONS):
             q, left = self.met(
                 q, self.ways(self.jacobian(q), chosen), chosen, wanted, ROUNDING_OF_COORDINATES
             )
@@ -287,7 +296,10 @@ class Leader:
         columns = {k: (body, n) for body in bodies for n, k in enumerate(body.omega_b)}
         columns |= {k: (body, n) for body in bodies for n, k in enumerate(body.v)}
         for k, (body, n) in columns.items():
-            if self.size(self._left(self.probe, pairs)) <= NEAR or len(self.held) == MOST_HELD:
+            if (
+                self.size(self._left(self.probe, pairs)) <= CORRECTION_ON_THE_WAY
+                or len(self.held) == MOST_HELD
+            ):
                 break
             if not isinstance(k, int):
                 continue
@@ -334,7 +346,7 @@ class Leader:
         rows = rates_of_rows(self.evaluate, q, self.sizes)
         wanted = slopes * self.sizes
         shares, _, rank, _ = np.linalg.lstsq(rows, wanted, rcond=DEPENDENT)
-        size = NEAR * float(np.linalg.norm(wanted))
+        size = CORRECTION_ON_THE_WAY * float(np.linalg.norm(wanted))
         if not np.linalg.norm(rows @ shares - wanted) <= size:
             return ""  # it is free
         parts = np.abs(shares) * np.linalg.norm(rows, axis=0)

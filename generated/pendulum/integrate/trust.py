@@ -233,13 +233,18 @@ def fastest_or_nothing(single: Mapping[str, float]) -> float:
     return larger(single["fastest"], NOTHING_MOVES / stride if stride > 0.0 else 0.0)
 
 
+def relative_impulse(single: Mapping[str, float]) -> float:
+    """Impulse of what is too steep for doubles, relative to the largest speed so far [-]."""
+    return single["impulse"] / fastest_or_nothing(single) if single["impulse"] > 0.0 else 0.0
+
+
 def judge(
     state: Mapping[str, Array],
     rows: CheckedRows,
     layout: Layout,
     settings: Settings,
     *,
-    is_weighed: bool,
+    has_masses: bool,
     is_driven: bool,
 ) -> RunVerdict:
     """Doubts and numbers of the verdict on a run; :func:`trust_of` says what is what."""
@@ -264,7 +269,7 @@ def judge(
     doubts = beyond(single["not_finite"], 0.0, Doubt.NOT_FINITE)
     doubts |= beyond(missed, CLEARLY * layout.closure_tolerance, Doubt.OPEN)
     # where joints hold all that could move what energy there is is rounding
-    if settings.checks and is_weighed and (is_driven or is_free):
+    if settings.checks and has_masses and (is_driven or is_free):
         doubts |= beyond(single["energy_error"], energy_limit, Doubt.ENERGY)
         if settings.is_kinematic:
             doubts |= beyond(single["work_error"], work_limit, Doubt.WORKS)
@@ -278,46 +283,20 @@ def judge(
     return RunVerdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
 
 
-def trust_of(
+def problems_of(
+    verdict: RunVerdict,
     state: Mapping[str, Array],
     rows: CheckedRows,
     layout: Layout,
     settings: Settings,
-    *,
-    is_weighed: bool,
-    is_driven: bool,
-    error: Any = None,
-) -> Trust:
-    """Verdict on a run.
-
-    Parameters
-    ----------
-    state : mapping of str to array
-        Its state by names.
-    rows : CheckedRows
-        What was checked.
-    layout : Layout
-        What stands where in a row.
-    settings : Settings
-        How it was made.
-    is_weighed, is_driven : bool
-        Whether energies are known, and whether drivers determine the motion.
-    error : kousoku.runtime.error_estimate.ErrorEstimate, optional
-        Of its rows.
-    """
-    verdict = judge(state, rows, layout, settings, is_weighed=is_weighed, is_driven=is_driven)
+) -> list[str]:
+    """Doubts of a verdict in words, with what may help; arguments as of :func:`trust_of`."""
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
-    checks, is_kinematic = bool(settings.checks), settings.is_kinematic
-    knows_energy = checks and is_weighed
-    is_free = layout.sizes["v"] != len(rows.rows) + len(rows.satisfied)
-    told = larger(verdict.limit * single["energy_moved"], known_energy(single))
-    is_still = knows_energy and told < single["energy_error"] <= verdict.energy_limit
     advice = "a smaller step" if settings.fixed_step else "a smaller tolerance or largest_step"
-    advice = "a smaller largest_step, or more rows" if is_kinematic else advice
+    advice = "a smaller largest_step, or more rows" if settings.is_kinematic else advice
     opened = map(scene_key, released(missed_by(state["violations"][0], rows, layout), layout))
     moved, count = shortly(single["energy_moved"], 2), single["branch_points"]
-    impulse = single["impulse"] / fastest_or_nothing(single) if single["impulse"] > 0.0 else 0.0
-    has_impulse = impulse > (FIXED if settings.fixed_step > 0.0 else settings.tolerance)
+    impulse = shortly(relative_impulse(single))
     far = f"of a length of the scene, wanted at most {shortly(verdict.correction_limit)}"
     reasons = {
         Doubt.NOT_FINITE: f"numbers of rows are not finite, of {single['not_finite']:.0f} in all,"
@@ -340,11 +319,50 @@ def trust_of(
         Doubt.NARROW: untold(single, advice),
         Doubt.IMPULSE: "a force is infinite, or too steep for doubles, at"
         f" t = {single['impulse_time']:.9g} s, and what it does so near to it that rounding hides"
-        f" times and places may be {shortly(impulse)} of the largest speed, wanted at most"
+        f" times and places may be {impulse} of the largest speed, wanted at most"
         f" {shortly(verdict.limit)}: no tolerance tells more, write it so that it is finite and"
         " less steep",
     }
-    problems = [text for doubt, text in reasons.items() if doubt & verdict.doubts]
+    return [text for doubt, text in reasons.items() if doubt & verdict.doubts]
+
+
+def trust_of(
+    state: Mapping[str, Array],
+    rows: CheckedRows,
+    layout: Layout,
+    settings: Settings,
+    *,
+    has_masses: bool,
+    is_driven: bool,
+    error: Any = None,
+) -> Trust:
+    """Verdict on a run.
+
+    Parameters
+    ----------
+    state : mapping of str to array
+        Its state by names.
+    rows : CheckedRows
+        What was checked.
+    layout : Layout
+        What stands where in a row.
+    settings : Settings
+        How it was made.
+    has_masses, is_driven : bool
+        Whether energies are known, and whether drivers determine the motion.
+    error : kousoku.runtime.error_estimate.ErrorEstimate, optional
+        Of its rows.
+    """
+    verdict = judge(state, rows, layout, settings, has_masses=has_masses, is_driven=is_driven)
+    single = {name: float(field) for name, field in state.items() if field.ndim == 0}
+    checks, is_kinematic = bool(settings.checks), settings.is_kinematic
+    knows_energy = checks and has_masses
+    is_free = layout.sizes["v"] != len(rows.rows) + len(rows.satisfied)
+    told = larger(verdict.limit * single["energy_moved"], known_energy(single))
+    is_still = knows_energy and told < single["energy_error"] <= verdict.energy_limit
+    impulse = relative_impulse(single)
+    has_impulse = impulse > (FIXED if settings.fixed_step > 0.0 else settings.tolerance)
+    problems = problems_of(verdict, state, rows, layout, settings)
     if error is not None and error.unknown_from is not None:
         problems.append(error.unknown)
     return Trust(

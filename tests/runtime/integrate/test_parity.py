@@ -16,7 +16,8 @@ ONLY_C = sorted({path.stem for path in FOLDER.glob("*.h")} - set(BOTH))
 IN_C = {"substitute_back", "multiply_rows", "set_order", "inverse_mass", "sign_of"}
 IN_C |= {"are_changed", "largest_residual", "are_finite"}
 #: The verdict is put into words by those who have them: programs in C have bits.
-IN_WORDS = {"trust_of", "below_tolerance", "untold", "missed_by", "released"}
+IN_WORDS = {"trust_of", "problems_of", "relative_impulse", "below_tolerance", "untold"}
+IN_WORDS |= {"missed_by", "released"}
 IN_PYTHON = {"inverse_masses", "largest", "smallest", "laws_at", "mean_square", *IN_WORDS}
 
 
