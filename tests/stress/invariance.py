@@ -171,10 +171,14 @@ def off(tree: Tree, motion: Any, change: Change) -> tuple[float, str]:
     Which step is rejected may depend on rounding, where forces bend or jump: the motion is then off
     by its own error. So both are run with a tolerance at which that counts as nothing. A change
     that needs a larger tolerance costs at least what the scene itself loses by it, and one that
-    rounds what it loses where all its lengths are rounded anew.
+    rounds what it loses where all its lengths are rounded anew. Where rows are redundant but for
+    what they miss, as axes that are parallel to ten digits, other words may keep others of them.
     """
     units, details, rejected = _off(tree, motion, change)
     if details or units <= LIMIT:
+        return units, details
+    units /= max(1.0, motion.ledger.trust.missed / change.cost)
+    if units <= LIMIT:
         return units, details
     if change.tolerance != TOLERANCE:
         same = Change(lambda own: own, cost=change.cost, tolerance=change.tolerance)

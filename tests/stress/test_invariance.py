@@ -28,6 +28,19 @@ def test_a_step_that_rounding_rejects_is_no_other_motion() -> None:
     assert not details
 
 
+def test_redundant_rows_cost_what_they_miss() -> None:
+    """Axes of a loop are parallel to ten digits: turned, other rows of it stay, 16 units away."""
+    tree = random_scene(random.Random("1 27 0"))
+    with quick_to_compile():
+        motion = ks.load(tree, target="c").simulate(
+            END, samples=SAMPLES, tolerance=invariance.TOLERANCE
+        )
+        units, details = invariance.off(tree, motion, invariance.CHANGES["turned"])
+    assert motion.ledger.trust.missed > invariance.UNIT
+    assert units <= invariance.LIMIT
+    assert not details
+
+
 def test_a_larger_tolerance_costs_what_the_scene_loses_by_it() -> None:
     """At 1e6 m a scene was off by 52 units: it loses 12 by that tolerance where it is."""
     tree = random_scene(random.Random("1 19 1"))
