@@ -62,8 +62,8 @@ class ZeroCrossing:
         """
         scene, when, key = self.scene, self.event.when, f"{self.key}.when"
         names = state_names(scene)
-        if found := list(formula_problems(when, names, key, values_at_start(scene))):
-            raise SceneError.of(found)
+        if problems := list(formula_problems(when, names, key, values_at_start(scene))):
+            raise SceneError.of(problems)
         if not used_names(when, names - scene.parameters.keys()):
             raise SceneError(
                 "never changes, so that it passes zero nowhere; wanted a formula of t, of"
