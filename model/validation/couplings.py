@@ -65,16 +65,16 @@ def check_coupling(scene: Scene, joint: Joint, key: str) -> None:
 def _check_joints(scene: Scene, joint: Joint, sorts: Sequence[str], key: str) -> None:
     coupled: tuple[str, ...] = joint.joints or ()
     for index, (name, sort) in enumerate(zip(coupled, sorts, strict=True)):
-        place = f"{key}.joints[{index}]"
-        require_known("joint", name, scene.joints, place)
+        item_key = f"{key}.joints[{index}]"
+        require_known("joint", name, scene.joints, item_key)
         kind = scene.joints[name].type
         if sort not in leaves_of(kind):
             raise SceneError(
                 f"{name} is {with_a(kind)} joint, which has no {sort} that is one number; wanted a "
                 f"joint that leaves one free",
-                key=place,
+                key=item_key,
             )
-        check_counted(scene, name, sort, place)
+        check_counted(scene, name, sort, item_key)
     if len(set(coupled)) == 1:
         raise SceneError(
             f"couples {coupled[0]} to itself; wanted two different joints", key=f"{key}.joints"

@@ -80,8 +80,8 @@ def _check_laws(scene: Scene, driver: Driver, key: str) -> None:
         if entry.depends_on == "time" and driver.input(name) is not None:
             laws[f"{key}.{name}"] = driver.input(name)
     problems = Problems()
-    for place, value in laws.items():
-        problems.check(place, (), _check_law, scene, value, place)
+    for law_key, value in laws.items():
+        problems.check(law_key, (), _check_law, scene, value, law_key)
     problems.settle()
 
 

@@ -58,19 +58,19 @@ def _check_solid(solid: object, key: str, problems: Problems) -> None:
     mass = getattr(solid, "mass", None)
     problems.check(f"{key}.mass", (), _check_positive, mass, "mass", "kg", f"{key}.mass")
     for name in ("size", "radius", "ends", "orientation"):
-        value, place = getattr(solid, name, None), f"{key}.{name}"
+        value, value_key = getattr(solid, name, None), f"{key}.{name}"
         if value is None:
             continue
         if name == "radius":
-            problems.check(place, (), _check_positive, value, name, "", place)
+            problems.check(value_key, (), _check_positive, value, name, "", value_key)
         elif name == "size":
             for index, edge in enumerate(value):
-                part = f"{place}[{index}]"
-                problems.check(part, (), _check_positive, edge, "edge", "", part)
+                edge_key = f"{value_key}[{index}]"
+                problems.check(edge_key, (), _check_positive, edge, "edge", "", edge_key)
         elif name == "orientation":
-            problems.check(place, (), check_orientation, value, place)
+            problems.check(value_key, (), check_orientation, value, value_key)
         elif value[0] == value[1]:
-            problems.add("are the same point; wanted two", place)
+            problems.add("are the same point; wanted two", value_key)
 
 
 def _check_positive(value: float | None, noun: str, unit: str, key: str) -> None:

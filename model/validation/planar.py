@@ -80,8 +80,8 @@ def _check_links(scene: Scene, problems: Problems) -> None:
     for name, link in scene.links.items():
         key = join("links", name)
         uses = [join("nodes", node) for node in link.nodes]
-        for node, place in zip(link.nodes, uses, strict=True):
-            is_known = node in scene.nodes or problems.is_broken(place, key)
+        for node, node_key in zip(link.nodes, uses, strict=True):
+            is_known = node in scene.nodes or problems.is_broken(node_key, key)
             if not is_known and not problems.is_full:
                 broken = problems.broken("nodes")
                 problem = unknown(f"node {node[:40]!r}", node, (*known, *broken))
@@ -202,15 +202,15 @@ def _check_rigid(scene: Scene, rigid: Rigid, key: str) -> None:
     if len(rigid.links) < 2:
         raise SceneError("wanted two links or more", key=f"{key}.links")
     for index, name in enumerate(rigid.links):
-        place = f"{key}.links[{index}]"
-        require_known("link", name, scene.links, place)
+        item_key = f"{key}.links[{index}]"
+        require_known("link", name, scene.links, item_key)
         if name in rigid.links[:index]:
-            raise SceneError(f"the link {name} stands there twice", key=place)
+            raise SceneError(f"the link {name} stands there twice", key=item_key)
         if rigid.at not in scene.links[name].nodes:
             first, second = scene.links[name].nodes
             raise SceneError(
                 f"the link {name} runs from {first} to {second} and does not meet {rigid.at}",
-                key=place,
+                key=item_key,
             )
     if rigid.angle is not None and len(rigid.links) > 2:
         raise SceneError(

@@ -130,9 +130,9 @@ def _check_joint(scene: Scene, joint: Joint, key: str, problems: Problems) -> No
     ends = [join("bodies", body) for body in joint.bodies or () if body != GROUND]
     problems.check(key, (), _check_two_bodies, joint, key)
     for index, body in enumerate(joint.bodies or ()):  # each whatever is wrong with the other
-        place = f"{key}.bodies[{index}]"
+        body_key = f"{key}.bodies[{index}]"
         uses = [join("bodies", body)] if body != GROUND else []
-        problems.check(key, uses, require_known, "body", body, scene.bodies, place, GROUND)
+        problems.check(key, uses, require_known, "body", body, scene.bodies, body_key, GROUND)
     if own_kind is not None:
         problems.check(key, (), _check_inputs, joint, own_kind, key)
         problems.check(key, [key, *ends], _check_own_points, scene, joint, own_kind, key)

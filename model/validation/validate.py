@@ -130,13 +130,13 @@ def _check_names(scene: Scene, problems: Problems) -> None:
     seen: dict[str, str] = {}
     for table in TABLES:
         for name in getattr(scene, table):
-            place = join(table, name)
+            element_key = join(table, name)
             problem = name_problem(name)
             if problem:
-                problems.add(problem, table, breaks=place, place=place)
+                problems.add(problem, table, breaks=element_key, place=element_key)
             elif name in seen:
                 problem = f"the name {name!r} is also in {seen[name]}; wanted a name of its own"
-                problems.add(problem, place)
+                problems.add(problem, element_key)
             seen.setdefault(name, table)
 
 
