@@ -175,7 +175,7 @@ class AssemblyError(SolveError):
         super().__init__(problem)
 
     def at(self, file: str, lines: Mapping[str, int]) -> AssemblyError:
-        """Error with the file, the line of the worst joint, and that of each behind its key.
+        """Error with the file, the line of the worst joint, and the line of each key behind it.
 
         Parameters
         ----------
@@ -198,7 +198,7 @@ class AssemblyError(SolveError):
 
 
 class MotionError(SolveError):
-    """A mechanism cannot be moved on.
+    """A motion cannot be continued.
 
     Parameters
     ----------

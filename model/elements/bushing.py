@@ -38,7 +38,7 @@ class Bushing(ForceKind):
     keys = ("bodies", "points", "at", "axes", "stiffness", "damping")
 
     def check(self, scene: Scene, force: Force, key: str) -> None:
-        """Refuse a bushing without a middle, or between points."""
+        """Refuse points as bodies, and a bushing without a middle, a law or two directions."""
         for index, body in enumerate(force.bodies or ()):
             if body in scene.bodies and scene.bodies[body].point:
                 raise SceneError(
@@ -79,7 +79,7 @@ class Bushing(ForceKind):
         a_i = [i.from_ground(vector) for vector in directions]
         a_j = [j.from_ground(vector) for vector in directions]
         along = [PreciseMeasure("n2", (i, j), (("a_i_b", vector),), points) for vector in a_i]
-        # Of a turn of j about the axis k the sine is the cosine between k + 2 of i and k + 1 of j.
+        # The sine of a turn of j about axis k is the cosine between axis k + 2 of i and k + 1 of j.
         about = [
             PreciseMeasure("n1", (i, j), (("a_i_b", a_i[k - 1]), ("a_j_b", a_j[k - 2])))
             for k in range(3)

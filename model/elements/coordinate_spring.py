@@ -1,4 +1,4 @@
-"""The element that rotational springs, friction and bushings are made of."""
+"""The spring against a coordinate: the element of rotational springs, friction and bushings."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ DRIVERS: dict[str, DriverKind] = {
 
 
 def kind_of(driver: Driver) -> DriverKind:
-    """Kind of a driver that has one of these keys."""
+    """Kind of a driver, by the one of these keys that it has."""
     return next(kind for key, kind in DRIVERS.items() if key_value(driver, key) is not None)
 
 

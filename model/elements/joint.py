@@ -100,7 +100,7 @@ class JointKind:
         return (*self.keys, *self.inputs)
 
     def check_numbers(self, joint: Joint, key: str) -> None:
-        """Refuse numbers that it cannot have, and their lack.
+        """Refuse missing numbers, and numbers that it cannot have.
 
         Raises
         ------

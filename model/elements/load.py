@@ -60,7 +60,7 @@ class Load(ForceElement):
 
     @property
     def vectors(self) -> tuple[Vector, ...]:
-        """Vectors (n, 3) [N or N m] that it is the sum of, but for the values of formulas."""
+        """Summands (n, 3) [N or N m] of the load, without the values of formulas."""
         rows = (values for name, values in self.constants if name != "s_j_b")
         return tuple((x, y, z) for x, y, z in rows)
 
@@ -105,7 +105,7 @@ class OnBody(ForceKind):
     def vectors(
         self, force: Force, kind: str, frame: BodyFrame, unit: High
     ) -> tuple[Constants, Formulas]:
-        """Vectors (3,) [N or N m] that it is the sum of, and the formulas of some of them.
+        """Summands (3,) [N or N m] of the load, and the formulas of some of them.
 
         Components that are numbers make one vector. Each that is a formula stands beside the
         direction that it belongs to, in frame O or in the principal frame: F = F₀ + Σ f e.

@@ -46,7 +46,7 @@ class RotationalSpringDamper(ForceKind):
         check_law(force, "moment", key)
 
     def unused(self, force: Force) -> Iterator[tuple[str, str]]:
-        """Free angle that does not count, and a lost ``of``."""
+        """Free angle without effect, and an ``of`` beside a coordinate."""
         yield from unused_free(force, "free_angle", "moment")
         if force.coordinate is not None and force.of is not None:
             yield (
@@ -74,7 +74,7 @@ class RotationalSpringDamper(ForceKind):
 
 
 def _check_angle(scene: Scene, force: Force, key: str) -> None:
-    """Refuse a joint without an angle, or with two where neither is meant."""
+    """Refuse a joint without an angle, or with two angles of which none is named."""
     joint, of = force.joint or "", force.of
     if of in DISPLACEMENTS:
         raise SceneError("is no angle; wanted an angle", key=f"{key}.of")

@@ -71,7 +71,7 @@ class SpringDamper(ForceKind):
             )
 
     def unused(self, force: Force) -> Iterator[tuple[str, str]]:
-        """Free length that does not count."""
+        """Free length without effect."""
         yield from unused_free(force, "free_length", "tension")
 
     def elements(self, name: str, force: Force, lowering: Lowering) -> Iterator[ForceElement]:

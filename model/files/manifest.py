@@ -13,15 +13,15 @@ from kousoku.model.files.quantity import Quantity
 from kousoku.model.version import __version__
 
 MANIFEST_FORMAT = 2
-#: What a package and the runtime agree on: functions and records of C, rows, data files. It is
-#: raised when a package of before would not run with the runtime of now, or the other way round.
+#: Version of the interface of package and runtime: functions and records of C, rows, data files. It
+#: is raised when an older package would not run with the newer runtime, or the other way round.
 ABI = 4
 #: Formats of reference values: of a kind, of a scene of nodes, of a scene of bodies.
 REFERENCE_FORMATS = {"kind": 1, "linkage": 1, "dynamics": 4}
 #: A file of a package: in its folder, or in one folder of that, such as ``integrate/memory.h``.
 PLAIN = re.compile(r"(?=.{1,200}\Z)(?:[A-Za-z_]\w*/)?[A-Za-z_][\w-]*(?:\.\w+)+", re.ASCII)
 #: Files of a folder: the manifest; the reference values, compressed as
-#: :mod:`kousoku.model.files.compressed` does; of a scene what it tells about bodies, or nodes.
+#: :mod:`kousoku.model.files.compressed` does; of a scene the data about its bodies, or nodes.
 MANIFEST_FILE = "manifest.json"
 REFERENCE_FILE = "reference.json.gz"
 MOTION_FILE = "motion.json"

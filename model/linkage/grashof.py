@@ -44,7 +44,7 @@ class Dyad:
     ----------
     node : str
         The node.
-    parts : tuple of str
+    keys : tuple of str
         Keys of the links and the slider that hold it.
     distance : (n,) ndarray [unit of the scene]
         Between the known nodes, or from the known node to the line of the slider.
@@ -56,7 +56,7 @@ class Dyad:
     """
 
     node: str
-    parts: tuple[str, ...]
+    keys: tuple[str, ...]
     distance: np.ndarray
     least: float
     most: float
@@ -114,7 +114,7 @@ def _turning_points(scene: Scene) -> np.ndarray:
         if fixed:
             x, y = (b - a for a, b in zip(scene.nodes[cranks[0].center].at, *fixed, strict=True))
         else:
-            dx, dy = scene.sliders[dyad.parts[1].partition(".")[2]].direction
+            dx, dy = scene.sliders[dyad.keys[1].partition(".")[2]].direction
             x, y = -dy, dx
         motion, angle = scene.inputs[cranks[0].input], atan2(y, x) - cranks[0].offset
         travel = travel_of(motion)
@@ -141,22 +141,22 @@ def _dyads(scene: Scene, known: dict[str, Known]) -> Iterator[Dyad]:
         for second, b in rest:
             l_a, l_b = scene.length(first), scene.length(second)
             distance = np.hypot(*(known[b].at - known[a].at))
-            parts = (f"links.{first}", f"links.{second}")
-            yield Dyad(node, parts, distance, abs(l_a - l_b), l_a + l_b, (a, b))
+            keys = (f"links.{first}", f"links.{second}")
+            yield Dyad(node, keys, distance, abs(l_a - l_b), l_a + l_b, (a, b))
         if node in lines:
             name, slider = lines[node]
             (dx, dy), (x, y) = slider.direction, known[a].at
             offset = (x - slider.through[0]) * dy - (y - slider.through[1]) * dx
             distance = np.abs(offset) / hypot(dx, dy)
-            parts = (f"links.{first}", f"sliders.{name}")
+            keys = (f"links.{first}", f"sliders.{name}")
             rod = scene.length(first)
-            yield Dyad(node, parts, distance, -rod, rod, (a,))
+            yield Dyad(node, keys, distance, -rod, rod, (a,))
 
 
 def _refuse(scene: Scene, known: dict[str, Known], dyad: Dyad, index: int, k: float) -> None:
     fixed = [end for end in dyad.ends if scene.nodes[end].fixed]
     distance, unit = float(dyad.distance[index]), scene.unit
-    elements = " and ".join(dyad.parts)
+    elements = " and ".join(dyad.keys)
     if len(fixed) == len(dyad.ends):
         raise SceneError(
             f"cannot be assembled: {elements} meet only where {_distance_text(dyad)} is "
@@ -185,9 +185,8 @@ def _four_bar(scene: Scene, dyad: Dyad, crank: Crank, end: str, distance: float)
     frame = hypot(x, y)
     if frame == 0:
         return ""
-    lengths = [
-        (part.partition(".")[2], scene.length(part.partition(".")[2])) for part in dyad.parts
-    ]
+    names = [key.partition(".")[2] for key in dyad.keys]
+    lengths = [(name, scene.length(name)) for name in names]
     sides = [(crank.link, length), (_frame_name(scene, crank.center, end), frame)]
     if distance > dyad.most:
         left, right = sides, lengths
@@ -203,8 +202,8 @@ def _four_bar(scene: Scene, dyad: Dyad, crank: Crank, end: str, distance: float)
 
 def _slider_crank(scene: Scene, dyad: Dyad, crank: Crank) -> str:
     """Condition of a crank with an offset slider, and where the crank stops."""
-    slider = scene.sliders[dyad.parts[1].partition(".")[2]]
-    rod = dyad.parts[0].partition(".")[2]
+    slider = scene.sliders[dyad.keys[1].partition(".")[2]]
+    rod = dyad.keys[0].partition(".")[2]
     (dx, dy), (x, y) = slider.direction, scene.nodes[crank.center].at
     length = scene.length(crank.link)
     offset = ((x - slider.through[0]) * dy - (y - slider.through[1]) * dx) / hypot(dx, dy)
@@ -273,6 +272,6 @@ def _note(scene: Scene, dyad: Dyad, k: float) -> str:
     moves = not all(scene.nodes[end].fixed for end in dyad.ends)
     where = f"{_division_text(scene, k)} " if moves else ""
     return (
-        f"{where}{' and '.join(dyad.parts)} at {dyad.node} are stretched or folded: the motion is "
+        f"{where}{' and '.join(dyad.keys)} at {dyad.node} are stretched or folded: the motion is "
         "not determined there"
     )

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 Key = TypeVar("Key")
 
-#: A Mersenne prime. Each row is of degree 3 at most in the positions, so that random ones show n
-#: rows as dependent that are not with a chance below 3 n/2⁶¹ (Schwartz and Zippel).
+#: A Mersenne prime. Each row is of degree 3 at most in the positions: random positions make n
+#: independent rows dependent with a probability below 3 n/2⁶¹ (Schwartz and Zippel).
 PRIME = 2**61 - 1
 
 NodeCoordinate = tuple[str, int]

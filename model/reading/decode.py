@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 S = TypeVar("S", bound=msgspec.Struct)
 
 FAILED = object()
-"""Stands for a value that cannot be built."""
+"""Marker of a value that cannot be built."""
 
 
 MOST_ELEMENTS = 20_000

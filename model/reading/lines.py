@@ -96,7 +96,7 @@ class _Scanner:
         self._line, self._counted = 1, 0
 
     def statements(self) -> Iterator[None]:
-        """Read the document, and wait behind each header and each value."""
+        """Read the document statement by statement, a header or a key with its value."""
         table: KeyPath = ()
         self.skip(_BLANK)
         while self.position < len(self.text):

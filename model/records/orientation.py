@@ -25,7 +25,7 @@ FORMS = {
 """Forms of an orientation, and the keys that each needs beside its own."""
 
 RIGHT_ANGLES = 1e-6
-"""How far the columns of a matrix may be from unit vectors that are perpendicular."""
+"""Largest deviation of the columns of a matrix from perpendicular unit vectors."""
 
 
 class Orientation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

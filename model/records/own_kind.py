@@ -16,8 +16,8 @@ PREFIX = "own:"
 """Prefix of the names of kernels of one's own; no shipped kind has it."""
 
 ORIGINS, FRAMES = ("origin_i", "origin_j"), ("frame_i", "frame_j")
-"""Inputs of their kernels in a scene: where the origin of the body frame that the scene gives is in
-the principal frame [m], and Euler parameters from the former to the latter."""
+"""Inputs of their kernels in a scene: the origin of the body frame of the scene in the principal
+frame [m], and Euler parameters from the former to the latter."""
 
 KEYS = ("type", "bodies")
 """Keys of a joint that cannot be names of inputs of a kind."""
@@ -82,7 +82,7 @@ class OwnKind(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
 
 class OwnKinds(msgspec.Struct, frozen=True):
-    """The table of kinds of a scene alone.
+    """The table ``kinds`` of a scene alone.
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ def check_drivers(scene: Scene, problems: Problems) -> None:
             if used is not None
         ]
         problems.check(key, [key, *uses], _check_driven, scene, name, drives)
-        if not problems.touches("parameters"):  # a formula may use the one that is missing
+        if not problems.touches("parameters"):  # a formula may use a broken parameter
             problems.check(key, (), _check_laws, scene, driver, key)
             problems.check(key, [key, *uses], _check_turn, scene, driver, f"{key}.value")
     for name, motion in scene.inputs.items():

@@ -84,7 +84,7 @@ def _check_ends(scene: Scene, force: Force, key: str) -> None:
 
 
 def _check_formulas(scene: Scene, force: Force, key: str, names: Collection[str]) -> None:
-    """Refuse texts that are no formulas, all of them."""
+    """Refuse all texts that are no formulas, and unknown names in formulas."""
     constants, start = fixed_names(scene), values_at_start(scene)
     known: dict[str, Collection[str]]
     known = {"parameters": constants, "time": fixed_names(scene, TIME), "motion": names}

@@ -25,11 +25,11 @@ SAME_TIME = 1e-9
 """Relative difference that times of the same division may have: rounding of written numbers."""
 
 TARGETS = ("link", "slider", "joint")
-"""What an input may drive; its table in the scene has the same name with an s."""
+"""Targets of an input; the table of each in the scene has the same name with an s."""
 
 
 def check_inputs(scene: Scene, problems: Problems) -> None:
-    """Check all inputs; whether they are as many as wanted is left to the mobility.
+    """Check all inputs; their number is checked with the mobility.
 
     Parameters
     ----------

@@ -75,7 +75,7 @@ def _check_point(point: tuple[float, ...], key: str) -> None:
 
 
 def _check_links(scene: Scene, problems: Problems) -> None:
-    seen: dict[frozenset[str], str] = {}
+    link_of: dict[frozenset[str], str] = {}
     known = tuple(scene.nodes)
     for name, link in scene.links.items():
         key = join("links", name)
@@ -86,16 +86,16 @@ def _check_links(scene: Scene, problems: Problems) -> None:
                 broken = problems.broken("nodes")
                 problem = unknown(f"node {node[:40]!r}", node, (*known, *broken))
                 problems.add(problem, f"{key}.nodes", breaks=key)
-        problems.check(key, [key, *uses], _check_ends, scene, name, seen)
+        problems.check(key, [key, *uses], _check_ends, scene, name, link_of)
         problems.check(key, [], _check_length, link, key)
         problems.check(key, [key], _check_distance, scene, name)
 
 
-def _check_ends(scene: Scene, name: str, seen: dict[frozenset[str], str]) -> None:
+def _check_ends(scene: Scene, name: str, link_of: dict[frozenset[str], str]) -> None:
     link, key = scene.links[name], join("links", name)
     if link.nodes[0] == link.nodes[1]:
         raise SceneError(f"connects {link.nodes[0]} to itself; wanted two different nodes", key=key)
-    other = seen.setdefault(frozenset(link.nodes), name)
+    other = link_of.setdefault(frozenset(link.nodes), name)
     if other != name:
         first, second = scene.length(other), scene.length(name)
         why = "repeats it" if first == second else f"contradicts it: {second!r}, not {first!r}"

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from kousoku.model.records.spatial import Body, Joint
 
 PARALLEL = 1e-9
-"""Sine of the smallest angle between two directions that are distinguished."""
+"""Sine of the smallest angle between two directions that are not parallel."""
 
 OF_ONES_OWN = "kind of your own comes with kinds=[...], see docs/own_kind.md"
 """Hint of a message about an unknown type of joints, behind the nearest type."""
@@ -129,7 +129,7 @@ def _check_joint(scene: Scene, joint: Joint, key: str, problems: Problems) -> No
     kind = None if own_kind else problems.check(key, (), _kind_of, scene, joint, key)
     ends = [join("bodies", body) for body in joint.bodies or () if body != GROUND]
     problems.check(key, (), _check_two_bodies, joint, key)
-    for index, body in enumerate(joint.bodies or ()):  # each whatever is wrong with the other
+    for index, body in enumerate(joint.bodies or ()):  # each whatever is wrong with the other body
         body_key = f"{key}.bodies[{index}]"
         uses = [join("bodies", body)] if body != GROUND else []
         problems.check(key, uses, require_known, "body", body, scene.bodies, body_key, GROUND)

@@ -22,7 +22,7 @@ OF_LINKAGES = ("positions", "velocities", "accelerations", "angles")
 """All outputs of a planar linkage."""
 
 SOURCES = {"coordinates": ("coordinates",), "reactions": ("joints", "drivers")}
-"""The tables that an output comes from."""
+"""Tables whose elements an output needs."""
 
 
 def check_unused(scene: Scene, written_keys: Collection[str], problems: Problems) -> None:
@@ -68,7 +68,7 @@ def _check_outputs(scene: Scene, problems: Problems) -> None:
     """Refuse outputs of elements that the scene does not have."""
     for index, output in enumerate(scene.outputs):
         if output not in OUTPUTS or problems.touches(*SOURCES.get(output, ())):
-            continue  # it is refused elsewhere, or what it comes from is broken
+            continue  # the output is refused elsewhere, or its table is broken
         if problem := output_problem(scene, output):
             problems.add(problem, f"outputs[{index}]")
 

@@ -127,17 +127,17 @@ def _check_names(scene: Scene, problems: Problems) -> None:
     problem = scene_name_problem(scene.name)
     if problem and not problems.is_broken("name"):
         problems.add(problem, "name")
-    seen: dict[str, str] = {}
+    table_of: dict[str, str] = {}
     for table in TABLES:
         for name in getattr(scene, table):
             element_key = join(table, name)
             problem = name_problem(name)
             if problem:
                 problems.add(problem, table, breaks=element_key, place=element_key)
-            elif name in seen:
-                problem = f"the name {name!r} is also in {seen[name]}; wanted a name of its own"
+            elif name in table_of:
+                problem = f"the name {name!r} is also in {table_of[name]}; wanted a name of its own"
                 problems.add(problem, element_key)
-            seen.setdefault(name, table)
+            table_of.setdefault(name, table)
 
 
 def _check_settings(scene: Scene, problems: Problems) -> None:
