@@ -14,7 +14,7 @@ MOST_SHOWN = 20
 """Problems of a scene that a message shows; all are in the error."""
 
 MOST_FOUND = 200
-"""Problems after which no more are looked for."""
+"""Problems after which the checks of a scene end."""
 
 
 class KousokuError(Exception):
@@ -65,10 +65,10 @@ class SceneError(KousokuError):
         self.file = file
         self.key = key
         self.problems = tuple(problems) or (Problem(problem, key),)
-        shown = [self._line(one) for one in self.problems[:MOST_SHOWN]]
-        left = len(self.problems) - len(shown)
-        if left:
-            count = f"{left} more problem{'s' * (left > 1)}"
+        shown = [self._line(entry) for entry in self.problems[:MOST_SHOWN]]
+        n_hidden = len(self.problems) - len(shown)
+        if n_hidden:
+            count = f"{n_hidden} more problem{'s' * (n_hidden > 1)}"
             is_full = len(self.problems) >= MOST_FOUND
             shown.append(self._line(Problem(f"and {'at least ' * is_full}{count}")))
         super().__init__("\n".join(shown))
@@ -79,7 +79,7 @@ class SceneError(KousokuError):
         return cls(problems[0].problem, file=file, key=problems[0].key, problems=problems)
 
     def problems_beside(self, broken: Callable[[str], Sequence[str]]) -> Sequence[Problem]:
-        """Problems, where it is known which elements cannot be used.
+        """Problems of the error, which may depend on the elements that cannot be used.
 
         Parameters
         ----------
@@ -89,11 +89,11 @@ class SceneError(KousokuError):
         del broken  # a class of errors may depend on it
         return self.problems
 
-    def _line(self, one: Problem) -> str:
+    def _line(self, problem: Problem) -> str:
         where = self.file
-        if one.line:
-            where = f"{self.file}:{one.line}" if self.file else f"line {one.line}"
-        return printable(": ".join(part for part in (where, one.key, one.problem) if part))
+        if problem.line:
+            where = f"{self.file}:{problem.line}" if self.file else f"line {problem.line}"
+        return printable(": ".join(part for part in (where, problem.key, problem.problem) if part))
 
 
 def printable(text: str) -> str:
@@ -175,7 +175,7 @@ class AssemblyError(SolveError):
         super().__init__(problem)
 
     def at(self, file: str, lines: Mapping[str, int]) -> AssemblyError:
-        """Error with the file, the line of the worst joint, and that of each behind its key.
+        """Error with the file, the line of the worst joint, and the line of each key behind it.
 
         Parameters
         ----------
@@ -198,7 +198,7 @@ class AssemblyError(SolveError):
 
 
 class MotionError(SolveError):
-    """A mechanism cannot be moved on.
+    """A motion cannot be continued.
 
     Parameters
     ----------

@@ -20,16 +20,16 @@ def table(
     numbers: bool = False,
 ) -> str:
     """Table as lines, the same on a terminal and in a pipe; numbers stand to the right."""
-    lines = [columns, *rows]
-    widths = [max(len(line[k]) for line in lines) for k in range(len(columns))]
-    found = [title] if title else []
-    for line in lines:
+    all_rows = [columns, *rows]
+    widths = [max(len(row[k]) for row in all_rows) for k in range(len(columns))]
+    lines = [title] if title else []
+    for row in all_rows:
         cells = [
             cell.rjust(width) if numbers else cell.ljust(width)
-            for cell, width in zip(line, widths, strict=True)
+            for cell, width in zip(row, widths, strict=True)
         ]
-        found.append("  ".join(cells).rstrip())
-    return "\n".join(found)
+        lines.append("  ".join(cells).rstrip())
+    return "\n".join(lines)
 
 
 def counted(count: int, name: str, plural: str = "") -> str:

@@ -36,7 +36,7 @@ class Along(ForceKind):
     keys = ("coordinate", "force")
 
     def check(self, scene: Scene, force: Force, key: str) -> None:
-        """Refuse a force along no coordinate, and none or three of it."""
+        """Refuse a missing or unknown coordinate, and a force that is not one number."""
         if force.coordinate is None:
             raise SceneError(
                 "is missing; wanted the coordinate that it acts along", key=f"{key}.coordinate"
@@ -44,15 +44,15 @@ class Along(ForceKind):
         known_coordinate(scene, force, key)
         require_one(force.force, f"{key}.force", f", that increases {force.coordinate}")
 
-    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+    def elements(self, name: str, force: Force, lowering: Lowering) -> Iterator[ForceElement]:
         """Element of the force: one number τ (1,) in SI units, Jᵀτ."""
         assert force.coordinate is not None
         assert not isinstance(force.force, tuple)
-        place = given.coordinates.place(force.coordinate)
-        scale = given.unit if is_length(given, place) else given.unit**2
+        index = lowering.coordinates.place(force.coordinate)
+        scale = lowering.unit if is_length(lowering, index) else lowering.unit**2
         constants, formulas = scalars({"force": (force.force, scale)})
-        one = given.coordinates.record(place)
-        yield CoordinateForce(name, one.i, one.j, constants, formulas=formulas, coordinate=place)
+        u = lowering.coordinates.record(index)
+        yield CoordinateForce(name, u.i, u.j, constants, formulas=formulas, coordinate=index)
 
 
 def known_coordinate(scene: Scene, force: Force, key: str) -> str:
@@ -68,6 +68,6 @@ def known_coordinate(scene: Scene, force: Force, key: str) -> str:
     return name
 
 
-def is_length(given: Lowering, place: int) -> bool:
+def is_length(lowering: Lowering, index: int) -> bool:
     """Whether a coordinate is a length, not an angle."""
-    return given.coordinates.unit_of(place)[0] == "m"
+    return lowering.coordinates.unit_of(index)[0] == "m"

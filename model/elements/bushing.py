@@ -38,7 +38,7 @@ class Bushing(ForceKind):
     keys = ("bodies", "points", "at", "axes", "stiffness", "damping")
 
     def check(self, scene: Scene, force: Force, key: str) -> None:
-        """Refuse a bushing without a middle, or between points."""
+        """Refuse points as bodies, and a bushing without a middle, a law or two directions."""
         for index, body in enumerate(force.bodies or ()):
             if body in scene.bodies and scene.bodies[body].point:
                 raise SceneError(
@@ -68,18 +68,18 @@ class Bushing(ForceKind):
             if not (size >= 1 / LARGEST and across > PARALLEL * size):
                 raise SceneError("are parallel; wanted two directions", key=f"{key}.axes")
 
-    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+    def elements(self, name: str, force: Force, lowering: Lowering) -> Iterator[ForceElement]:
         """Springs along three directions (3,) of body i, and about them by sines of the turns."""
         from kousoku.model.mechanics.measures import PreciseMeasure
 
         assert force.bodies is not None
-        i, j = (given.frames[body] for body in force.bodies)
+        i, j = (lowering.frames[body] for body in force.bodies)
         points = _middle(force, (i, j))
         directions = _directions(force)
-        a_i = [i.from_ground(one) for one in directions]
-        a_j = [j.from_ground(one) for one in directions]
-        along = [PreciseMeasure("n2", (i, j), (("a_i_b", one),), points) for one in a_i]
-        # Of a turn of j about the axis k the sine is the cosine between k + 2 of i and k + 1 of j.
+        a_i = [i.from_ground(vector) for vector in directions]
+        a_j = [j.from_ground(vector) for vector in directions]
+        along = [PreciseMeasure("n2", (i, j), (("a_i_b", vector),), points) for vector in a_i]
+        # The sine of a turn of j about axis k is the cosine between axis k + 2 of i and k + 1 of j.
         about = [
             PreciseMeasure("n1", (i, j), (("a_i_b", a_i[k - 1]), ("a_j_b", a_j[k - 2])))
             for k in range(3)
@@ -88,10 +88,10 @@ class Bushing(ForceKind):
         springs = zip(
             names, (*along, *about), _six(force.stiffness), _six(force.damping), strict=True
         )
-        for own, measure, stiffness, damping in springs:
+        for direction, measure, stiffness, damping in springs:
             if stiffness or damping:
-                place = given.coordinates.add(f"{name}.{own}", measure)
-                yield linear_spring(name, place, (stiffness, damping), given)
+                index = lowering.coordinates.add(f"{name}.{direction}", measure)
+                yield linear_spring(name, index, (stiffness, damping), lowering)
 
 
 def _six(values: object) -> Sequence[Value]:
@@ -107,7 +107,9 @@ def _middle(force: Force, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, Tr
         return start, end
     assert force.at is not None
     at = precise.triple(force.at)
-    start, end = (precise.rotate_back(one.p, precise.subtract(at, one.position)) for one in ends)
+    start, end = (
+        precise.rotate_back(frame.p, precise.subtract(at, frame.position)) for frame in ends
+    )
     return start, end
 
 

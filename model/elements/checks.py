@@ -1,10 +1,10 @@
-"""Checks that kinds of elements share: one key of several, a coordinate of a joint, a place."""
+"""Checks that kinds of elements share: keys of a record, coordinates of joints, points."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model.elements.inputs import given as value_given
+from kousoku.model.elements.inputs import key_value
 from kousoku.model.elements.joint import DISPLACEMENTS
 from kousoku.model.elements.joints import JOINTS, NAMES, leaves_of, sort_of
 from kousoku.model.errors import SceneError
@@ -16,41 +16,41 @@ if TYPE_CHECKING:
     from kousoku.model.records.scene import Scene
 
 
-def only_one(given: object, names: tuple[str, ...], key: str) -> str:
-    """Key that is given of some, one of which is wanted.
+def only_one(record: object, names: tuple[str, ...], key: str) -> str:
+    """Key of a record that is written, the only one of some keys.
 
     Raises
     ------
     SceneError
-        None of them is, or more than one.
+        None of them is written, or more than one.
     """
-    found = [name for name in names if value_given(given, name) is not None]
-    if len(found) != 1:
-        got = " and ".join(found) or "none of them"
+    written = [name for name in names if key_value(record, name) is not None]
+    if len(written) != 1:
+        got = " and ".join(written) or "none of them"
         raise SceneError(f"wanted one of {in_words(names)}, got {got}", key=key)
-    return found[0]
+    return written[0]
 
 
-def refuse_foreign(given: object, own: tuple[str, ...], known: tuple[str, ...], key: str) -> None:
+def refuse_foreign(record: object, keys: tuple[str, ...], known: tuple[str, ...], key: str) -> None:
     """Refuse keys that belong to another sort.
 
     Raises
     ------
     SceneError
-        One of the known keys is given that is not the sort's own.
+        One of the known keys is written that the sort does not have.
     """
     for name in known:
-        if name not in own and value_given(given, name) is not None:
-            raise SceneError(f"does not belong to '{own[0]}'; leave it out", key=f"{key}.{name}")
+        if name not in keys and key_value(record, name) is not None:
+            raise SceneError(f"does not belong to '{keys[0]}'; leave it out", key=f"{key}.{name}")
 
 
 def check_leaves(scene: Scene, name: str, of: str | None, key: str) -> str:
-    """Coordinate of a joint that is meant.
+    """Free coordinate of a joint, checked: the one that is named, or the only one.
 
     Raises
     ------
     SceneError
-        There is no such joint, or it does not leave that free, or leaves two free.
+        There is no such joint, it does not leave that free, or leaves two free and none is named.
     """
     require_known("joint", name, scene.joints, f"{key}.joint")
     kind = scene.joints[name].type
@@ -123,7 +123,7 @@ def check_only_point(scene: Scene, body: str, point: Vector | None, key: str) ->
 
 
 def require_two(bodies: tuple[str, str], key: str) -> None:
-    """Refuse two bodies that are one.
+    """Refuse a body that is connected to itself.
 
     Raises
     ------

@@ -21,9 +21,9 @@ def as_written(
     name: str, terms: Sequence[tuple[int, High]], coordinates: CoordinateList
 ) -> Instance:
     """Combination that is zero at the positions as they are written."""
-    parts = [factor * coordinates.value(place) for place, factor in terms]
-    offset = -precise.total(parts)
-    if not isinstance(offset, Traced) and abs(offset) <= NOISE * sum(map(abs, parts)):
+    summands = [factor * coordinates.value(index) for index, factor in terms]
+    offset = -precise.total(summands)
+    if not isinstance(offset, Traced) and abs(offset) <= NOISE * sum(map(abs, summands)):
         offset = CONTEXT.mpf(0)
     return combination(name, terms, offset, coordinates)
 
@@ -31,17 +31,17 @@ def as_written(
 def combination(
     name: str, terms: Sequence[tuple[int, High]], offset: High, coordinates: CoordinateList
 ) -> Instance:
-    """Instance Σ factor · coordinate + offset = 0; coordinates are their places."""
-    records = [coordinates.record(place) for place, _ in terms]
+    """Instance Σ factor · coordinate + offset = 0; terms are (index, factor)."""
+    records = [coordinates.record(index) for index, _ in terms]
     bodies = dict.fromkeys(body for record in records for body in (record.i, record.j))
     i, j = coordinates.ends(terms[0][0])
-    units = [coordinates.unit_of(place)[0] for place, _ in terms]
+    units = [coordinates.unit_of(index)[0] for index, _ in terms]
     return Instance(
         name,
         COMBINATION,
         i,
         j,
-        terms=tuple(Term(place, precise.double(factor)) for place, factor in terms),
+        terms=tuple(Term(index, precise.double(factor)) for index, factor in terms),
         others=tuple(body for body in bodies if body not in (i, j)),
         offset=precise.double(offset),
         unit="m" if "m" in units else "rad",

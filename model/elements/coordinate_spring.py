@@ -1,4 +1,4 @@
-"""The element that rotational springs, friction and bushings are made of."""
+"""The spring against a coordinate: the element of rotational springs, friction and bushings."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ class CoordinateSpring(ForceElement):
 
 def linear_spring(
     name: str,
-    place: int,
+    index: int,
     law: tuple[Value | None, Value | None],
-    given: Lowering,
+    lowering: Lowering,
     free: Value | High = 0.0,
 ) -> CoordinateSpring:
     """Linear spring against a coordinate: τ = −k (u − u⁰) − c u̇ (1,) [N or N m].
@@ -47,12 +47,12 @@ def linear_spring(
     ----------
     name : str
         Of the force in the scene.
-    place : int
-        Of the coordinate.
+    index : int
+        Of the coordinate in the list of the scene.
     law : (float or str, float or str)
         Stiffness k and damping c in the unit of the scene; None is zero.
-    given : Lowering
-        The scene.
+    lowering : Lowering
+        Scene, frames and coordinates.
     free : float or str [m or rad]
         u⁰, where it has no force.
     """
@@ -60,15 +60,19 @@ def linear_spring(
 
     one = precise.number(1)
     stiffness, damping = law
-    scale = one if is_length(given, place) else given.unit**2
+    scale = one if is_length(lowering, index) else lowering.unit**2
     numbers = {"stiffness": (stiffness or 0.0, scale), "damping": (damping or 0.0, scale)}
-    return spring_against(name, place, numbers | {"free": (free, one)}, given)
+    return spring_against(name, index, numbers | {"free": (free, one)}, lowering)
 
 
 def spring_against(
-    name: str, place: int, numbers: Mapping[str, tuple[Any, High]], given: Lowering, law: str = ""
+    name: str,
+    index: int,
+    numbers: Mapping[str, tuple[Any, High]],
+    lowering: Lowering,
+    law: str = "",
 ) -> CoordinateSpring:
     """Spring against a coordinate, τ = τ(u, u̇) (1,) [N or N m]: of numbers with units, or a law."""
-    one = given.coordinates.record(place)
+    u = lowering.coordinates.record(index)
     constants, formulas = scalars(numbers)
-    return CoordinateSpring(name, one.i, one.j, constants, law, formulas, place)
+    return CoordinateSpring(name, u.i, u.j, constants, law, formulas, index)

@@ -29,18 +29,18 @@ class DrivenCoordinate(DriverKind):
         require_value(driver, key)
         name = driver.coordinate or ""
         require_known("coordinate", name, scene.coordinates, f"{key}.coordinate")
-        given = scene.coordinates[name]
-        if given.hold:
+        coordinate = scene.coordinates[name]
+        if coordinate.hold:
             raise SceneError(
                 f"{name} is driven by {key}; a driver says where it is, leave 'hold' out",
                 key=join("coordinates", name) + ".hold",
             )
-        if given.joint is not None:
-            yield given.joint, sort_of(scene.joints[given.joint].type, given.of)
-        elif given.bodies is not None and given.points is not None:
-            yield frozenset(zip(given.bodies, given.points, strict=True)), "length"
+        if coordinate.joint is not None:
+            yield coordinate.joint, sort_of(scene.joints[coordinate.joint].type, coordinate.of)
+        elif coordinate.bodies is not None and coordinate.points is not None:
+            yield frozenset(zip(coordinate.bodies, coordinate.points, strict=True)), "length"
         else:
-            yield given.body, given.point or (0.0, 0.0, 0.0), given.along
+            yield coordinate.body, coordinate.point or (0.0, 0.0, 0.0), coordinate.along
 
     def laws(
         self, name: str, driver: Driver, coordinates: CoordinateList
@@ -51,12 +51,12 @@ class DrivenCoordinate(DriverKind):
         yield coordinates.place(driver.coordinate), driver.value
 
     def of_joint(self, scene: Scene, driver: Driver) -> tuple[str, str | None] | None:
-        """Joint that the coordinate is of, if it is of one."""
-        named = scene.coordinates[driver.coordinate or ""]
-        return None if named.joint is None else (named.joint, named.of)
+        """Joint of the coordinate, and which of its free coordinates, if it has a joint."""
+        coordinate = scene.coordinates[driver.coordinate or ""]
+        return None if coordinate.joint is None else (coordinate.joint, coordinate.of)
 
     def near(self, scene: Scene, driver: Driver) -> tuple[str, float] | None:
-        """Coordinate and ``near``, if that is given."""
+        """Name of the coordinate and its ``near``, if that is given."""
         name = driver.coordinate or ""
         near = scene.coordinates[name].near
         return None if near is None else (name, near)

@@ -24,18 +24,18 @@ class DrivenPoint(DriverKind):
     keys = ("body", "point", "path")
 
     def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
-        """Places of the point along the axes of frame O."""
+        """Components of the position of the point along the axes of frame O."""
         check_place(scene, driver.body or "", driver.point, key)
         if driver.path is None:
             raise SceneError("is missing; wanted three formulas", key=f"{key}.path")
         for k in range(3):
-            along = tuple(float(k == axis) for axis in range(3))
-            yield driver.body, driver.point or (0.0, 0.0, 0.0), along
+            direction = tuple(float(k == axis) for axis in range(3))
+            yield driver.body, driver.point or (0.0, 0.0, 0.0), direction
 
     def laws(
         self, name: str, driver: Driver, coordinates: CoordinateList
     ) -> Iterator[tuple[int, Value]]:
-        """Places along the axes of frame O, each with its law f(t), in the unit of the scene."""
+        """Components along the axes of frame O and their laws f(t), in the unit of the scene."""
         from kousoku.model.mechanics.frames import DIRECTIONS
         from kousoku.model.mechanics.measures import place_measure
         from kousoku.model.numbers import precise
@@ -43,6 +43,6 @@ class DrivenPoint(DriverKind):
         assert driver.body is not None
         assert driver.path is not None
         point = precise.triple(driver.point or (0.0, 0.0, 0.0))
-        for (letter, along), value in zip(DIRECTIONS.items(), driver.path, strict=True):
-            measure = place_measure(coordinates.frames[driver.body], point, precise.triple(along))
+        for (letter, axis), value in zip(DIRECTIONS.items(), driver.path, strict=True):
+            measure = place_measure(coordinates.frames[driver.body], point, precise.triple(axis))
             yield coordinates.add(f"{name}.{letter}", measure), value

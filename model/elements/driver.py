@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from kousoku.model.records.scene import Scene
     from kousoku.model.records.spatial import Driver, Value
 
-    #: What is driven, the same for the same coordinate by other names.
+    #: Identity of a driven coordinate, equal for the same coordinate by another name.
     Driven = tuple[object, ...]
 
 
 class DriverKind(ElementKind):
-    """One sort of drivers in a scene, by the key that says which it is."""
+    """One sort of drivers in a scene; its first key selects it."""
 
     @abstractmethod
     def driven(self, scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
@@ -45,7 +45,7 @@ class DriverKind(ElementKind):
     def laws(
         self, name: str, driver: Driver, coordinates: CoordinateList
     ) -> Iterator[tuple[int, Value]]:
-        """Places of coordinates u and their laws, u = f(t) (1,) in rad or the unit of the scene.
+        """Indices of coordinates u and their laws, u = f(t) (1,) in rad or the unit of the scene.
 
         The coordinates are added to the list.
         """
@@ -55,7 +55,7 @@ class DriverKind(ElementKind):
         return None
 
     def near(self, scene: Scene, driver: Driver) -> tuple[str, float] | None:
-        """Coordinate that says which turn it is in at the start, and the value that it is near."""
+        """Name of the driven angle and its ``near``, which selects the turn, if that is given."""
         return None
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.elements.driven_coordinate import DrivenCoordinate
 from kousoku.model.elements.driven_joint import DrivenJoint
 from kousoku.model.elements.driven_point import DrivenPoint
-from kousoku.model.elements.inputs import given
+from kousoku.model.elements.inputs import key_value
 
 if TYPE_CHECKING:
     from kousoku.model.elements.driver import DriverKind
@@ -19,14 +19,14 @@ DRIVERS: dict[str, DriverKind] = {
     "joint": DrivenJoint(),
     "body": DrivenPoint(),
 }
-"""Drivers of a scene by the key that says which it is."""
+"""Kinds of drivers by the key that selects them."""
 
 
 def kind_of(driver: Driver) -> DriverKind:
-    """Kind of a driver that has one of these keys."""
-    return next(kind for key, kind in DRIVERS.items() if given(driver, key) is not None)
+    """Kind of a driver, by the one of these keys that it has."""
+    return next(kind for key, kind in DRIVERS.items() if key_value(driver, key) is not None)
 
 
 def own_inputs() -> dict[str, ElementInput]:
-    """Keys that one kind of drivers alone has, of all kinds."""
-    return {name: one for kind in DRIVERS.values() for name, one in kind.inputs.items()}
+    """Inputs of all kinds of drivers: keys that one kind alone has."""
+    return {name: entry for kind in DRIVERS.values() for name, entry in kind.inputs.items()}

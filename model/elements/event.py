@@ -53,7 +53,7 @@ class ZeroCrossing:
         return join("events", self.name)
 
     def check(self) -> None:
-        """Refuse an event whose formula is none, or never changes.
+        """Refuse an event whose text is no formula, or whose formula never changes.
 
         Raises
         ------
@@ -62,8 +62,8 @@ class ZeroCrossing:
         """
         scene, when, key = self.scene, self.event.when, f"{self.key}.when"
         names = state_names(scene)
-        if found := list(formula_problems(when, names, key, values_at_start(scene))):
-            raise SceneError.of(found)
+        if problems := list(formula_problems(when, names, key, values_at_start(scene))):
+            raise SceneError.of(problems)
         if not used_names(when, names - scene.parameters.keys()):
             raise SceneError(
                 "never changes, so that it passes zero nowhere; wanted a formula of t, of"
@@ -79,7 +79,7 @@ class ZeroCrossing:
         return SystemEvent(self.name, event.when, DIRECTIONS[event.direction], event.action)
 
     def notes(self) -> Iterator[str]:
-        """Note where its formula may jump over 0, and so does not count."""
+        """Note on jumps of its formula over 0, which do not count as events."""
         names = state_names(self.scene)
         formula = parse_expression(self.event.when, names)
         if may_jump(formula, names.difference(self.scene.parameters)):

@@ -76,8 +76,8 @@ class ForceKind(ElementKind):
         return ()
 
     @abstractmethod
-    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
-        """Elements that a checked force is made of: SI units, principal frames, rounded once.
+    def elements(self, name: str, force: Force, lowering: Lowering) -> Iterator[ForceElement]:
+        """Elements of a checked force: in SI units and principal frames, rounded once.
 
         Points s′ (3,) and vectors become a′ in A a′; each class gives its law. It imports what
         computes in 50 digits itself: scenes are read and checked without.
@@ -92,7 +92,7 @@ class ForceKind(ElementKind):
 
 
 def require_one(value: object, key: str, which: str = "") -> None:
-    """Refuse no number, and several.
+    """Refuse a missing number, and several numbers.
 
     Raises
     ------
@@ -104,12 +104,12 @@ def require_one(value: object, key: str, which: str = "") -> None:
         raise SceneError(f"{problem}; wanted one number or formula{which}", key=key)
 
 
-def scalars(given: Mapping[str, tuple[Value | High | None, High]]) -> tuple[Constants, Formulas]:
+def scalars(numbers: Mapping[str, tuple[Value | High | None, High]]) -> tuple[Constants, Formulas]:
     """Numbers in SI units; of a formula its unit, and the text.
 
     Parameters
     ----------
-    given : mapping of str to (float or str, number)
+    numbers : mapping of str to (float or str, number)
         By name the value in the scene, and its unit.
     """
     from kousoku.model.numbers import precise
@@ -118,7 +118,7 @@ def scalars(given: Mapping[str, tuple[Value | High | None, High]]) -> tuple[Cons
         return precise.number(1 if isinstance(value, str) else value)
 
     constants = tuple(
-        (name, (precise.double(unit * number(value)),)) for name, (value, unit) in given.items()
+        (name, (precise.double(unit * number(value)),)) for name, (value, unit) in numbers.items()
     )
-    texts = ((name, value) for name, (value, _) in given.items() if isinstance(value, str))
+    texts = ((name, value) for name, (value, _) in numbers.items() if isinstance(value, str))
     return constants, tuple(texts)

@@ -36,11 +36,11 @@ class Friction(ForceKind):
         check_leaves(scene, force.joint, of, key)
         require_one(force.damping, f"{key}.damping")
 
-    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+    def elements(self, name: str, force: Force, lowering: Lowering) -> Iterator[ForceElement]:
         """Damper against each coordinate u that the joint leaves free, c [N s/m or N m s/rad]."""
         assert force.joint is not None
         assert not isinstance(force.damping, tuple)
-        leaves = leaves_of(given.scene.joints[force.joint].type)
+        leaves = leaves_of(lowering.scene.joints[force.joint].type)
         sorts = leaves if force.of is None else (force.of,)
-        for place in [given.coordinates.of_joint(force.joint, sort) for sort in sorts]:
-            yield linear_spring(name, place, (0.0, force.damping), given)
+        for index in [lowering.coordinates.of_joint(force.joint, sort) for sort in sorts]:
+            yield linear_spring(name, index, (0.0, force.damping), lowering)

@@ -1,4 +1,4 @@
-"""Keys of a scene that one kind of force, joint, coupling or driver has beside those of all."""
+"""Keys that one kind of force, joint, coupling or driver has beside those of its record."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ that are checked with the forces: names of elements, and numbers of type
 
 @dataclass(frozen=True, slots=True)
 class ElementInput:
-    """A key that one kind has beside those of all forces, joints or drivers.
+    """A key that one kind has beside the keys of its record, a force, a joint or a driver.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class ElementKind(ABC):
         return (*self.keys, *self.inputs)
 
 
-def given(record: object, name: str) -> object:
+def key_value(record: object, name: str) -> object:
     """Value of a key of a record, or of one that its kind alone has; None where it is left out."""
-    own = getattr(record, getattr(record, "FLAT", ""), None) or {}
-    return own[name] if name in own else getattr(record, name, None)
+    inputs = getattr(record, getattr(record, "FLAT", ""), None) or {}
+    return inputs[name] if name in inputs else getattr(record, name, None)

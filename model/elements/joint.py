@@ -1,7 +1,7 @@
 """A kind of joint: its keys in a scene, the constraints in it, and its free coordinates.
 
 A joint has a frame in each of its two bodies: an axis, a direction across it, and a third that is
-perpendicular to both. Its parts say which kind keeps which of them.
+perpendicular to both. Its parts say which constraint relates which of them.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
 
 ANGLE, SECOND_ANGLE = "angle", "second_angle"
 DISPLACEMENT, SECOND_DISPLACEMENT = "displacement", "second_displacement"
-"""What a joint can leave free that is one number."""
+"""Relative coordinates that a joint can leave free, each one number."""
 
 ANGLES, DISPLACEMENTS = (ANGLE, SECOND_ANGLE), (DISPLACEMENT, SECOND_DISPLACEMENT)
-"""Those of them that are in rad, and those that are lengths."""
+"""The angles [rad] among them, and the displacements [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class JointPart:
-    """One kind in a joint.
+    """One constraint of a joint: its kind, and the vectors of the joint frames that it relates.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ class JointKind:
         return (*self.keys, *self.inputs)
 
     def check_numbers(self, joint: Joint, key: str) -> None:
-        """Refuse numbers that it cannot have, and their lack.
+        """Refuse missing numbers, and numbers that it cannot have.
 
         Raises
         ------
@@ -150,7 +150,7 @@ class JointKind:
 
     @property
     def keeps_zero(self) -> bool:
-        """Whether directions across its axis stay parallel, or stay so but for a bend."""
+        """Whether the zero directions across its axis stay parallel, or stay so but for a bend."""
         return self.has_zero and ANGLE not in self.leaves
 
     @property
@@ -160,7 +160,7 @@ class JointKind:
 
     @property
     def has_zero(self) -> bool:
-        """Whether directions across its axis count: it has an angle, or keeps one."""
+        """Whether zero directions across its axis matter: it has an angle, or keeps one fixed."""
         across = any("across" in (part.i, part.j) for part in self.parts)
         return across or ANGLE in self.leaves or (self.axes == 2 and COMBINED in self.parts)
 

@@ -138,7 +138,7 @@ NAMES: dict[str, str] = {
     for joint, entry in table.items()
     for name in (joint, *entry.aliases)
 }
-"""The joint or coupling that each accepted name stands for."""
+"""Name of the joint or coupling by each accepted name, its own or an alias."""
 
 
 def keys_of(kind: str) -> tuple[str, ...]:
@@ -156,16 +156,16 @@ def inputs_of(kind: str) -> Mapping[str, ElementInput]:
 
 
 def leaves_of(kind: str) -> tuple[str, ...]:
-    """Coordinate that a joint leaves free and that is one number, by its name or alias.
+    """Relative coordinates that a joint leaves free, each one number, by its name or alias.
 
-    Of a kind of one's own nobody has said that.
+    None are known of a kind of one's own.
     """
     name = NAMES.get(kind)
     return JOINTS[name].leaves if name in JOINTS else ()
 
 
 def sort_of(kind: str, of: str | None) -> str:
-    """Coordinate of a joint that is meant: the one that is named, or the only one.
+    """Free coordinate of a joint: the one that is named, or the only one.
 
     Parameters
     ----------

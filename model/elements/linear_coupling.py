@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from kousoku.model.records.spatial import Joint
 
 USUAL = 8
-"""Powers of two that the largest factor of a linear coupling may have, lengths counted in one of
-the scene."""
+"""Binary exponent of the largest factor, positive or negative, up to which a row is not scaled;
+factors of angles are first divided by a length of the scene."""
 
 
 class LinearCoupling(Coupling):
@@ -44,10 +44,10 @@ class LinearCoupling(Coupling):
                 key=f"{key}.factors",
             )
         for index, name in enumerate(names):
-            place = f"{key}.coordinates[{index}]"
-            require_known("coordinate", name, scene.coordinates, place)
+            item_key = f"{key}.coordinates[{index}]"
+            require_known("coordinate", name, scene.coordinates, item_key)
             if name in names[:index]:
-                raise SceneError(f"{name} stands there twice; leave one out", key=place)
+                raise SceneError(f"{name} stands there twice; leave one out", key=item_key)
         for index, factor in enumerate(factors):
             if factor == 0:
                 raise SceneError(
@@ -63,18 +63,20 @@ class LinearCoupling(Coupling):
 
         assert joint.coordinates is not None
         assert joint.factors is not None
-        places = [coordinates.place(coordinate) for coordinate in joint.coordinates]
+        indices = [coordinates.place(coordinate) for coordinate in joint.coordinates]
         factors = [precise.number(factor) for factor in joint.factors]
-        units = [coordinates.unit_of(place)[0] for place in places]
+        units = [coordinates.unit_of(index)[0] for index in indices]
         if "m" in units:  # what is multiplied with an angle is a length
             pairs = zip(factors, units, strict=True)
-            factors = [f * coordinates.unit if of == "rad" else f for f, of in pairs]
+            factors = [f * coordinates.unit if unit == "rad" else f for f, unit in pairs]
         sizes = [float(at_scene(factor)) for factor in factors]
         if "m" in units and "rad" in units:
             length = coordinates.length()
-            sizes = [f / length if of == "rad" else f for f, of in zip(sizes, units, strict=True)]
+            sizes = [
+                f / length if unit == "rad" else f for f, unit in zip(sizes, units, strict=True)
+            ]
         scale = _scale_of(sizes)
-        terms = [(place, scale * f) for place, f in zip(places, factors, strict=True)]
+        terms = [(index, scale * f) for index, f in zip(indices, factors, strict=True)]
         return replace(as_written(name, terms, coordinates), scale=scale)
 
 

@@ -55,14 +55,14 @@ class Load(ForceElement):
 
     @property
     def has_potential(self) -> bool:
-        """Whether it is constant in frame O; a torque has none even then."""
+        """Whether it has a potential: a force that is constant in frame O; no torque has one."""
         return not (self.is_torque or self.is_body_fixed or self.formulas)
 
     @property
     def vectors(self) -> tuple[Vector, ...]:
-        """Vectors (n, 3) [N or N m] that it is the sum of, but for the values of formulas."""
-        given = (values for name, values in self.constants if name != "s_j_b")
-        return tuple((x, y, z) for x, y, z in given)
+        """Summands (n, 3) [N or N m] of the load, without the values of formulas."""
+        rows = (values for name, values in self.constants if name != "s_j_b")
+        return tuple((x, y, z) for x, y, z in rows)
 
 
 class OnBody(ForceKind):
@@ -105,7 +105,7 @@ class OnBody(ForceKind):
     def vectors(
         self, force: Force, kind: str, frame: BodyFrame, unit: High
     ) -> tuple[Constants, Formulas]:
-        """Vectors (3,) [N or N m] that it is the sum of, and the formulas of some of them.
+        """Summands (3,) [N or N m] of the load, and the formulas of some of them.
 
         Components that are numbers make one vector. Each that is a formula stands beside the
         direction that it belongs to, in frame O or in the principal frame: F = F₀ + Σ f e.
@@ -115,17 +115,17 @@ class OnBody(ForceKind):
 
         turns = kind != self.name
 
-        def seen(vector: Triple) -> Vector:
+        def converted(vector: Triple) -> Vector:
             return to_vector(precise.scale(unit, frame.principal(vector) if turns else vector))
 
-        given = getattr(force, kind)
-        numbers = [0.0 if isinstance(value, str) else value for value in given]
-        constants = [(self.name, seen(precise.triple((numbers[0], numbers[1], numbers[2]))))]
+        components = getattr(force, kind)
+        numbers = [0.0 if isinstance(value, str) else value for value in components]
+        constants = [(self.name, converted(precise.triple((numbers[0], numbers[1], numbers[2]))))]
         formulas = []
-        for k, value in enumerate(given):
+        for k, value in enumerate(components):
             if isinstance(value, str):
                 x, y, z = (float(k == m) for m in range(3))
-                constants.append((f"{self.name}_{AXES[k]}", seen(precise.triple((x, y, z)))))
+                constants.append((f"{self.name}_{AXES[k]}", converted(precise.triple((x, y, z)))))
                 formulas.append((f"{self.name}_{AXES[k]}", value))
         return tuple(constants), tuple(formulas)
 
@@ -144,15 +144,15 @@ class ForceOnBody(OnBody):
             )
         check_only_point(scene, force.body or "", force.point, f"{key}.point")
 
-    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+    def elements(self, name: str, force: Force, lowering: Lowering) -> Iterator[ForceElement]:
         """Element of the force: s′ (3,) [m] in the principal frame, F (3,) [N] in its frame."""
         from kousoku.model.numbers import precise
 
-        frame = given.frames[force.body or ""]
+        frame = lowering.frames[force.body or ""]
         kind = self.kind_of(force)
-        vectors, formulas = self.vectors(force, kind, frame, given.unit)
-        place = precise.triple(force.point or (0.0, 0.0, 0.0))
-        constants = (("s_j_b", frame.point(place, given.unit)), *vectors)
+        vectors, formulas = self.vectors(force, kind, frame, lowering.unit)
+        point = precise.triple(force.point or (0.0, 0.0, 0.0))
+        constants = (("s_j_b", frame.point(point, lowering.unit)), *vectors)
         yield Load(name, kind, GROUND_INDEX, frame.index, constants, formulas=formulas)
 
 
@@ -166,9 +166,9 @@ class TorqueOnBody(OnBody):
     def _check_on_point(self, scene: Scene, force: Force, key: str) -> None:
         raise SceneError("a point does not turn; wanted a body", key=f"{key}.body")
 
-    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+    def elements(self, name: str, force: Force, lowering: Lowering) -> Iterator[ForceElement]:
         """Element of the torque: N (3,) [N m] in its frame."""
-        frame = given.frames[force.body or ""]
+        frame = lowering.frames[force.body or ""]
         kind = self.kind_of(force)
-        vectors, formulas = self.vectors(force, kind, frame, given.unit * given.unit)
+        vectors, formulas = self.vectors(force, kind, frame, lowering.unit * lowering.unit)
         yield Load(name, kind, GROUND_INDEX, frame.index, vectors, formulas=formulas)

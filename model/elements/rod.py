@@ -22,7 +22,7 @@ class RodJoint(JointKind):
 
     @property
     def point_keys(self) -> tuple[str, ...]:
-        """Keys of its points, which are apart."""
+        """Keys of its points, which lie apart: there is no common ``at``."""
         return ("points",)
 
     @property

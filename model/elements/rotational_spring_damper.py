@@ -32,10 +32,10 @@ class RotationalSpringDamper(ForceKind):
     def check(self, scene: Scene, force: Force, key: str) -> None:
         """Refuse a rotational spring without an angle, or without a law."""
         if (force.joint is None) == (force.coordinate is None):
-            both = (
+            problem = (
                 "is given too; wanted one of them" if force.joint else "is missing; or 'coordinate'"
             )
-            raise SceneError(f"{both}: the angle that it acts on", key=f"{key}.joint")
+            raise SceneError(f"{problem}: the angle that it acts on", key=f"{key}.joint")
         if force.joint is not None:
             _check_angle(scene, force, key)
         elif not _is_angle(scene, known_coordinate(scene, force, key)):
@@ -46,7 +46,7 @@ class RotationalSpringDamper(ForceKind):
         check_law(force, "moment", key)
 
     def unused(self, force: Force) -> Iterator[tuple[str, str]]:
-        """Free angle that does not count, and a lost ``of``."""
+        """Free angle without effect, and an ``of`` beside a coordinate."""
         yield from unused_free(force, "free_angle", "moment")
         if force.coordinate is not None and force.of is not None:
             yield (
@@ -54,27 +54,27 @@ class RotationalSpringDamper(ForceKind):
                 "belongs to 'joint'; the coordinate says which angle it is, leave it out",
             )
 
-    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+    def elements(self, name: str, force: Force, lowering: Lowering) -> Iterator[ForceElement]:
         """Spring against the coordinate θ [rad]."""
         from kousoku.model.numbers import precise
 
         assert not isinstance(force.stiffness, tuple)
         assert not isinstance(force.damping, tuple)
         if force.coordinate is not None:
-            place = given.coordinates.place(force.coordinate)
+            index = lowering.coordinates.place(force.coordinate)
         else:
             assert force.joint is not None
-            place = given.coordinates.of_joint(force.joint, force.of or ANGLE)
-        free = given.coordinates.value(place) if force.free_angle is None else force.free_angle
+            index = lowering.coordinates.of_joint(force.joint, force.of or ANGLE)
+        free = lowering.coordinates.value(index) if force.free_angle is None else force.free_angle
         if force.moment is None:
-            yield linear_spring(name, place, (force.stiffness, force.damping), given, free)
+            yield linear_spring(name, index, (force.stiffness, force.damping), lowering, free)
         else:
-            numbers = {"moment": (1.0, given.unit**2), "free": (free, precise.number(1))}
-            yield spring_against(name, place, numbers, given, force.moment)
+            numbers = {"moment": (1.0, lowering.unit**2), "free": (free, precise.number(1))}
+            yield spring_against(name, index, numbers, lowering, force.moment)
 
 
 def _check_angle(scene: Scene, force: Force, key: str) -> None:
-    """Refuse a joint without an angle, or with two where neither is meant."""
+    """Refuse a joint without an angle, or with two angles of which none is named."""
     joint, of = force.joint or "", force.of
     if of in DISPLACEMENTS:
         raise SceneError("is no angle; wanted an angle", key=f"{key}.of")
@@ -89,7 +89,7 @@ def _check_angle(scene: Scene, force: Force, key: str) -> None:
 
 
 def _is_angle(scene: Scene, name: str) -> bool:
-    given = scene.coordinates[name]
-    if given.joint is None:
+    coordinate = scene.coordinates[name]
+    if coordinate.joint is None:
         return False
-    return sort_of(scene.joints[given.joint].type, given.of) in ANGLES
+    return sort_of(scene.joints[coordinate.joint].type, coordinate.of) in ANGLES

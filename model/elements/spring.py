@@ -1,4 +1,4 @@
-"""Springs: a linear law or one of their own, and where they are free."""
+"""Springs: their law, linear or a formula, and their free length or angle."""
 
 from __future__ import annotations
 

@@ -41,10 +41,10 @@ class PointSpring(ForceElement):
 
     @property
     def needs_direction(self) -> bool:
-        """Whether it has no direction where its ends meet; T = k l has one, a force k **d**."""
-        given = dict(self.constants)
-        none = (0.0,)
-        return bool(self.law) or not given["damping"] == given["free_length"] == none
+        """Whether its force is undefined where its ends meet; that of T = k l is not: k **d**."""
+        constants = dict(self.constants)
+        zero = (0.0,)
+        return bool(self.law) or not constants["damping"] == constants["free_length"] == zero
 
 
 class SpringDamper(ForceKind):
@@ -71,16 +71,16 @@ class SpringDamper(ForceKind):
             )
 
     def unused(self, force: Force) -> Iterator[tuple[str, str]]:
-        """Free length that does not count."""
+        """Free length without effect."""
         yield from unused_free(force, "free_length", "tension")
 
-    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+    def elements(self, name: str, force: Force, lowering: Lowering) -> Iterator[ForceElement]:
         """Element of the spring: ends (3,) [m], l⁰ = |d| as written where it is not given."""
         from kousoku.model.numbers import precise
 
         assert force.bodies is not None
         assert force.points is not None
-        ends = [given.frames[body] for body in force.bodies]
+        ends = [lowering.frames[body] for body in force.bodies]
         points = [precise.triple(point) for point in force.points]
         free: Value | High | None = force.free_length
         if free is None:
@@ -90,16 +90,16 @@ class SpringDamper(ForceKind):
             )
             free = precise.length(precise.subtract(end, start))
         one = precise.number(1)
-        law: dict[str, tuple[Value | High, High]] = {"unit": (1.0, given.unit)}
+        law: dict[str, tuple[Value | High, High]] = {"unit": (1.0, lowering.unit)}
         if force.tension is None:
             assert not isinstance(force.stiffness, tuple)
             assert not isinstance(force.damping, tuple)
             linear = {"stiffness": force.stiffness, "damping": force.damping}
             law = {name: (value or 0.0, one) for name, value in linear.items()}
-        numbers, formulas = scalars(law | {"free_length": (free, given.unit)})
+        numbers, formulas = scalars(law | {"free_length": (free, lowering.unit)})
         constants = (
-            ("s_i_b", ends[0].point(points[0], given.unit)),
-            ("s_j_b", ends[1].point(points[1], given.unit)),
+            ("s_i_b", ends[0].point(points[0], lowering.unit)),
+            ("s_j_b", ends[1].point(points[1], lowering.unit)),
             *numbers,
         )
         i, j = (end.index for end in ends)
@@ -107,5 +107,5 @@ class SpringDamper(ForceKind):
 
     def line(self, force: Force) -> tuple[tuple[str, str], Points] | None:
         """Bodies i and j, and ends (3,) [unit of the scene] of the spring in their frames."""
-        both = force.bodies, force.points
-        return None if both[0] is None or both[1] is None else (both[0], both[1])
+        ends = force.bodies, force.points
+        return None if ends[0] is None or ends[1] is None else (ends[0], ends[1])

@@ -35,9 +35,8 @@ def own_inputs(
 ) -> Mapping[str, OwnInput | ElementInput] | None:
     """Inputs that a type alone has: a shipped one, or a kind of one's own.
 
-    Drivers have no type: theirs are those of all sorts, as no key says beforehand which it is. None
-    where nobody knows the type of a joint: what keys it has is not known either, and that it is
-    unknown is said where types are looked at.
+    Drivers have no type: they may have the inputs of all kinds of drivers. None for an unknown type
+    of joints, whose keys are unknown, too: the check of types reports it.
     """
     if record is Driver:
         return drivers.own_inputs()

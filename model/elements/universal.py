@@ -37,15 +37,15 @@ class Universal(JointKind):
         first, second = ends
         is_turned = sort != ANGLE
         if not is_turned:
-            own, arm, across = i["axis"], j["axis"], i["across"]
+            axis, arm, across = i["axis"], j["axis"], i["across"]
         else:
             ends = second, first
-            own, arm, across = j["axis"], i["axis"], j["across"]
+            axis, arm, across = j["axis"], i["axis"], j["across"]
         if joint.zero is None:
             seen = ends[0].from_ground(ends[1].to_ground(arm))
-            aside = precise.without(seen, own)
-            across = precise.across(own) if precise.length(aside) < NOISE else precise.unit(aside)
-        third = precise.cross(own, across)
+            aside = precise.without(seen, axis)
+            across = precise.across(axis) if precise.length(aside) < NOISE else precise.unit(aside)
+        third = precise.cross(axis, across)
         if is_turned:
             third = precise.scale(CONTEXT.mpf(-1), third)
         vectors = (("a_i_b", across), ("b_i_b", third), ("a_j_b", arm))

@@ -1,4 +1,4 @@
-"""Where kousoku keeps what it can make again, and how files are written whole or not at all."""
+"""The cache of files that kousoku can make again; files are written whole or not at all."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from kousoku.model.errors import CacheError, printable
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-#: Folders of the cache: solvers of scenes, where one is that was given with some bytes, kernels of
-#: kinds, those of derivations of one's own, what the compiler made of them, sources that came with
-#: what was pickled, and what a command was asked to generate.
+#: Folders of the cache: solvers of scenes, their keys by the bytes of a scene, derived kinds,
+#: kernels of derivations of one's own, compiled libraries, sources that came with pickled objects,
+#: and folders that a command was asked to generate.
 SHELVES = ("scenes", "found", "derived", "kernels", "lib", "verified", "sources", "generated")
-#: That one is the user's own, and is not removed to make room.
+#: The folder of what the user asked for, which is not removed to make room.
 ASKED_FOR = "generated"
 #: Bytes that the cache may take, unless ``KOUSOKU_CACHE_SIZE`` says another number.
 LARGEST_CACHE = 2 * 1024**3
@@ -108,7 +108,7 @@ def _write(path: Path, data: bytes) -> None:
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
-        _allow_what_the_umask_allows(temporary)
+        _grant_ordinary_rights(temporary)
         Path(temporary).replace(path)
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
@@ -122,8 +122,8 @@ def _home() -> Path:
         raise OSError(f"no cache folder: {problem}; set KOUSOKU_CACHE to a folder") from problem
 
 
-def _allow_what_the_umask_allows(path: str) -> None:
-    """Give a temporary file, made for its owner alone, the rights of an ordinary file."""
+def _grant_ordinary_rights(path: str) -> None:
+    """Grant a temporary file, made for its owner alone, the rights that the umask allows."""
     if os.name == "posix":
         mask = os.umask(0)
         os.umask(mask)
@@ -139,19 +139,19 @@ def touch(path: Path) -> None:
 def entries() -> list[CacheEntry]:
     """Entries of the cache, the longest unused first."""
     root = cache_folder()
-    every = [entry for shelf in SHELVES for entry in _on(root / shelf)]
-    return sorted(every, key=lambda entry: (entry.used, entry.path))
+    in_shelves = [entry for shelf in SHELVES for entry in _entries_of(root / shelf)]
+    return sorted(in_shelves, key=lambda entry: (entry.used, entry.path))
 
 
-def _on(shelf: Path) -> Iterator[CacheEntry]:
+def _entries_of(shelf: Path) -> Iterator[CacheEntry]:
     with suppress(OSError):
         for path in sorted(shelf.iterdir()):
             if path.name.startswith(".") or path.suffix == ".lock":
                 continue
             with suppress(OSError):
                 used = path.stat().st_mtime
-                files = (one for one in path.rglob("*") if one.is_file())
-                size = sum(one.stat().st_size for one in files) if path.is_dir() else 0
+                files = (file for file in path.rglob("*") if file.is_file())
+                size = sum(file.stat().st_size for file in files) if path.is_dir() else 0
                 yield CacheEntry(path, size or path.stat().st_size, used)
 
 
@@ -164,24 +164,24 @@ def size_limit() -> int:
     Raises
     ------
     CacheError
-        It is something else.
+        The variable holds no such number.
     """
-    given = os.environ.get("KOUSOKU_CACHE_SIZE", "")
-    if not given.strip():
+    setting = os.environ.get("KOUSOKU_CACHE_SIZE", "")
+    if not setting.strip():
         return LARGEST_CACHE
-    found = _SIZE.fullmatch(given)
-    if found is None:
-        text = printable(given if len(given) <= 40 else f"{given[:40]}…")
+    match = _SIZE.fullmatch(setting)
+    if match is None:
+        shown = printable(setting if len(setting) <= 40 else f"{setting[:40]}…")
         raise CacheError(
-            f"KOUSOKU_CACHE_SIZE={text}: wanted a number of bytes, alone or with a unit, such as"
+            f"KOUSOKU_CACHE_SIZE={shown}: wanted a number of bytes, alone or with a unit, such as"
             " 500M, 1.5GB or 2GiB"
         )
-    number, unit, binary = found.groups(default="")
+    number, unit, binary = match.groups(default="")
     return int(float(number) * (1024 if binary else 1000) ** _POWERS[unit.lower()])
 
 
 def shrink(limit: int | None = None) -> list[CacheEntry]:
-    """Remove the entries that were not used for longest, until the rest is small enough.
+    """Remove the longest unused entries until the rest is within the limit.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def shrink(limit: int | None = None) -> list[CacheEntry]:
     Returns
     -------
     list of CacheEntry
-        What is removed.
+        The entries that were removed.
     """
     limit = size_limit() if limit is None else limit
     kept = [entry for entry in entries() if entry.shelf != ASKED_FOR]
@@ -207,12 +207,12 @@ def shrink(limit: int | None = None) -> list[CacheEntry]:
 
 
 def clear() -> list[CacheEntry]:
-    """Remove all entries; return those that are gone."""
+    """Remove all entries; return those that were removed."""
     return [entry for entry in entries() if _remove(entry.path)]
 
 
 def _remove(path: Path) -> bool:
-    """Remove an entry at once: nobody finds half of it."""
+    """Remove an entry at once: no process finds a part of it."""
     try:
         if path.is_dir() and not path.is_symlink():
             gone = path.with_name(f".gone-{os.getpid()}-{path.name}")

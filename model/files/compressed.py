@@ -1,14 +1,14 @@
 """Files of a generated folder that are kept compressed, such as the reference values.
 
-What such a file holds counts, in manifests and where folders are compared: the compressed bytes
-depend on the version of zlib.
+Manifests and comparisons of folders use the decompressed content: the compressed bytes depend on
+the version of zlib.
 """
 
 from __future__ import annotations
 
 import zlib
 
-#: How the name of a compressed file ends.
+#: Suffix of the name of a compressed file.
 ENDING = ".gz"
 #: The format of gzip, without a date, for :mod:`zlib`.
 _GZIP = 31
@@ -32,10 +32,10 @@ def content(name: str, data: bytes) -> bytes:
         return data
     stream = zlib.decompressobj(_GZIP)
     try:
-        whole = stream.decompress(data)
+        decompressed = stream.decompress(data)
     except zlib.error as error:
         raise ValueError(f"{name} cannot be decompressed: {error}") from error
     if not stream.eof or stream.unused_data:
         problem = "something follows its end" if stream.eof else "it is cut off"
         raise ValueError(f"{name} cannot be decompressed: {problem}")
-    return whole
+    return decompressed

@@ -18,7 +18,7 @@ def to_text(value: object) -> str:
     return "\n".join(_lines(value, "", 0)) + "\n"
 
 
-def _lines(value: object, indent: str, before: int) -> list[str]:
+def _lines(value: object, indent: str, offset: int) -> list[str]:
     """Lines of ``value``, all but the first indented.
 
     Parameters
@@ -27,11 +27,11 @@ def _lines(value: object, indent: str, before: int) -> list[str]:
         What is written.
     indent : str
         Of the lines that follow.
-    before : int
-        Count of characters on the first line before it.
+    offset : int
+        Count of characters before it on the first line.
     """
     line = _one_line(value)
-    if len(indent) + before + len(line) < WIDTH or not isinstance(value, dict | list | tuple):
+    if len(indent) + offset + len(line) < WIDTH or not isinstance(value, dict | list | tuple):
         return [line]
     inner = indent + " "
     if isinstance(value, dict):
@@ -41,16 +41,16 @@ def _lines(value: object, indent: str, before: int) -> list[str]:
     lines, packed = [], ""
     for k, (head, item) in enumerate(zip(heads, items, strict=True)):
         first, *rest = _lines(item, inner, len(head))
-        own = [inner + head + first, *rest]
-        own[-1] += "," if k < len(items) - 1 else ""
+        item_lines = [inner + head + first, *rest]
+        item_lines[-1] += "," if k < len(items) - 1 else ""
         is_packed = not rest and _is_flat(item)
-        if packed and (not is_packed or len(packed) + len(own[0]) - len(indent) > WIDTH):
+        if packed and (not is_packed or len(packed) + len(item_lines[0]) - len(indent) > WIDTH):
             lines.append(packed)
             packed = ""
         if not is_packed:
-            lines += own
+            lines += item_lines
         else:
-            packed = f"{packed} {own[0].lstrip()}" if packed else own[0]
+            packed = f"{packed} {item_lines[0].lstrip()}" if packed else item_lines[0]
     lines += [packed] if packed else []
     return ["{", *lines, f"{indent}}}"] if isinstance(value, dict) else ["[", *lines, f"{indent}]"]
 

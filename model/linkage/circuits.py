@@ -1,4 +1,4 @@
-"""Circuits that no motion can close: a side that is longer than every way round it."""
+"""Circuits that no motion can close: a side that is longer than every other path of its ends."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Neighbours = dict[str, list[tuple[str, float]]]
 
 
 def check_circuits(scene: Scene) -> None:
-    """Check that no link, and no distance in the frame, exceeds the rest of a circuit.
+    """Check that no link, and no distance of fixed nodes, exceeds the other sides of a circuit.
 
     Raises
     ------
@@ -38,13 +38,13 @@ def check_circuits(scene: Scene) -> None:
 def _check_links(scene: Scene, graph: Neighbours, tolerance: float) -> None:
     for name, link in scene.links.items():
         first, second = link.nodes
-        limit = scene.length(name) - tolerance  # the link itself is too long to be a way
-        for node, way in _ways(scene, graph, first, limit):
+        limit = scene.length(name) - tolerance  # excludes the path of the link itself
+        for node, length in _shortest_paths(scene, graph, first, limit):
             if node == second and not scene.is_ground(name):
                 raise SceneError(
                     f"cannot be assembled: its length {scene.length(name):.12g} {scene.unit} "
                     f"exceeds the rest of a circuit from {first} to {second}, which reaches only "
-                    f"{way:.12g} {scene.unit}",
+                    f"{length:.12g} {scene.unit}",
                     key=f"links.{name}",
                 )
 
@@ -53,36 +53,36 @@ def _check_frame(scene: Scene, graph: Neighbours, tolerance: float) -> None:
     frame = {name: node.at for name, node in scene.nodes.items() if node.fixed}
     for first, origin in frame.items():
         reach = max(dist(origin, other) for other in frame.values())
-        for node, way in _ways(scene, graph, first, reach, jumps=False):
-            if node in frame and way < dist(origin, frame[node]) - tolerance:
+        for node, length in _shortest_paths(scene, graph, first, reach, uses_frame=False):
+            if node in frame and length < dist(origin, frame[node]) - tolerance:
                 raise SceneError(
                     f"cannot be assembled: {first} and {node} are fixed "
                     f"{dist(origin, frame[node]):.12g} {scene.unit} apart, but the links between "
-                    f"them reach only {way:.12g} {scene.unit}",
+                    f"them reach only {length:.12g} {scene.unit}",
                     key=f"nodes.{node}.at",
                 )
 
 
-def _ways(
-    scene: Scene, graph: Neighbours, start: str, limit: float, *, jumps: bool = True
+def _shortest_paths(
+    scene: Scene, graph: Neighbours, start: str, limit: float, *, uses_frame: bool = True
 ) -> Iterator[tuple[str, float]]:
-    """Nodes with their shortest way from `start`, as long as it is below `limit`.
+    """Nodes with the length of the shortest path from `start`, while it is below `limit`.
 
-    The frame is a way between fixed nodes where `jumps` says so.
+    Paths of Dijkstra's algorithm, along links, and with `uses_frame` between fixed nodes, too.
     """
-    frame = [name for name, node in scene.nodes.items() if node.fixed] if jumps else []
+    frame = [name for name, node in scene.nodes.items() if node.fixed] if uses_frame else []
     queue, reached = [(0.0, start)], set[str]()
     while queue:
-        way, node = heapq.heappop(queue)
-        if way >= limit:
+        length, node = heapq.heappop(queue)
+        if length >= limit:
             return
         if node in reached:
             continue
         reached.add(node)
-        yield node, way
-        for end, length in graph[node]:
-            heapq.heappush(queue, (way + length, end))
+        yield node, length
+        for end, edge in graph[node]:
+            heapq.heappush(queue, (length + edge, end))
         for end in frame if scene.nodes[node].fixed else ():
-            length = dist(scene.nodes[node].at, scene.nodes[end].at)
-            if way + length < limit and end not in reached:
-                heapq.heappush(queue, (way + length, end))
+            edge = dist(scene.nodes[node].at, scene.nodes[end].at)
+            if length + edge < limit and end not in reached:
+                heapq.heappush(queue, (length + edge, end))

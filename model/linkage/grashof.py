@@ -16,7 +16,7 @@ import numpy as np
 
 from kousoku.model.errors import SceneError
 from kousoku.model.linkage.circuits import check_circuits
-from kousoku.model.linkage.input_drivers import way_of
+from kousoku.model.linkage.input_drivers import travel_of
 from kousoku.model.linkage.input_motion import input_values, period
 from kousoku.model.linkage.prescribed import known_nodes
 
@@ -30,12 +30,12 @@ BLOCK = 65536
 """Divisions that are checked at once."""
 
 ROUNDING_OF_DIVISIONS = 1e-9
-"""A part of a division this near to a whole one is that one."""
+"""Distance to a whole division, in divisions, within which a turning point counts as it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dyad:
-    """A node between two known places: it exists where least ≤ distance ≤ most.
+    """A node held by two links, or a link and a slider: it exists where least ≤ distance ≤ most.
 
     Of two links that is |l_a − l_b| ≤ d ≤ l_a + l_b, from which (34) of Yamada and Tatsumi
     (1981) follows for a full turn of a four-bar; of a link and a slider it is 0 ≤ d ≤ l.
@@ -44,7 +44,7 @@ class Dyad:
     ----------
     node : str
         The node.
-    parts : tuple of str
+    keys : tuple of str
         Keys of the links and the slider that hold it.
     distance : (n,) ndarray [unit of the scene]
         Between the known nodes, or from the known node to the line of the slider.
@@ -56,7 +56,7 @@ class Dyad:
     """
 
     node: str
-    parts: tuple[str, ...]
+    keys: tuple[str, ...]
     distance: np.ndarray
     least: float
     most: float
@@ -64,7 +64,7 @@ class Dyad:
 
 
 def check_closure(scene: Scene) -> tuple[str, ...]:
-    """Check that dyads between known places close at every division, and on the way of a crank.
+    """Check that dyads between known nodes close at every division and at the extremes of a crank.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def check_closure(scene: Scene) -> tuple[str, ...]:
     check_circuits(scene)
     notes: dict[str, None] = {}
     turning_points = _turning_points(scene)
-    # where no crank turns there are none, but dyads between fixed nodes, which were looked at
+    # without turning points nothing is left: dyads between fixed nodes are checked in the blocks
     for ks in chain(_blocks(period(scene) + 1), [turning_points] * (len(turning_points) > 0)):
         known = known_nodes(scene, ks)
         for dyad in _dyads(scene, known):
@@ -95,33 +95,33 @@ def check_closure(scene: Scene) -> tuple[str, ...]:
 
 
 def _blocks(n_rows: int) -> Iterator[np.ndarray]:
-    """Blocks of all divisions, as many at once as are checked together."""
+    """Blocks of divisions that are checked together, all divisions in turn."""
     for first in range(0, n_rows, BLOCK):
         yield np.arange(first, min(first + BLOCK, n_rows))
 
 
 def _turning_points(scene: Scene) -> np.ndarray:
-    """Places where the distances of dyads at one crank are extreme, in parts of divisions.
+    """Crank positions with extreme distances of dyads at one crank, in fractional divisions.
 
     A crank that is stopped between two divisions is stopped all the same.
     """
     known, ks = known_nodes(scene, np.zeros(1)), []
     for dyad in _dyads(scene, known):
         cranks = [crank for crank in (known[end].crank for end in dyad.ends) if crank]
-        still = [scene.nodes[end].at for end in dyad.ends if scene.nodes[end].fixed]
-        if len(cranks) != 1 or len(dyad.ends) != 1 + len(still):
+        fixed = [scene.nodes[end].at for end in dyad.ends if scene.nodes[end].fixed]
+        if len(cranks) != 1 or len(dyad.ends) != 1 + len(fixed):
             continue
-        if still:
-            x, y = (b - a for a, b in zip(scene.nodes[cranks[0].center].at, *still, strict=True))
+        if fixed:
+            x, y = (b - a for a, b in zip(scene.nodes[cranks[0].center].at, *fixed, strict=True))
         else:
-            dx, dy = scene.sliders[dyad.parts[1].partition(".")[2]].direction
+            dx, dy = scene.sliders[dyad.keys[1].partition(".")[2]].direction
             x, y = -dy, dx
-        given, angle = scene.inputs[cranks[0].given], atan2(y, x) - cranks[0].offset
-        way = way_of(given)
+        motion, angle = scene.inputs[cranks[0].input], atan2(y, x) - cranks[0].offset
+        travel = travel_of(motion)
         for side in (angle, angle + tau / 2):
-            part = (side - given.start) % copysign(tau, way)
-            if 0 < abs(part) < abs(way):
-                ks.append(part / way * scene.divisions)
+            turn = (side - motion.start) % copysign(tau, travel)
+            if 0 < abs(turn) < abs(travel):
+                ks.append(turn / travel * scene.divisions)
     return np.array([k for k in ks if abs(k - round(k)) > ROUNDING_OF_DIVISIONS])
 
 
@@ -141,39 +141,39 @@ def _dyads(scene: Scene, known: dict[str, Known]) -> Iterator[Dyad]:
         for second, b in rest:
             l_a, l_b = scene.length(first), scene.length(second)
             distance = np.hypot(*(known[b].at - known[a].at))
-            parts = (f"links.{first}", f"links.{second}")
-            yield Dyad(node, parts, distance, abs(l_a - l_b), l_a + l_b, (a, b))
+            keys = (f"links.{first}", f"links.{second}")
+            yield Dyad(node, keys, distance, abs(l_a - l_b), l_a + l_b, (a, b))
         if node in lines:
             name, slider = lines[node]
             (dx, dy), (x, y) = slider.direction, known[a].at
-            away = (x - slider.through[0]) * dy - (y - slider.through[1]) * dx
-            distance = np.abs(away) / hypot(dx, dy)
-            parts = (f"links.{first}", f"sliders.{name}")
+            offset = (x - slider.through[0]) * dy - (y - slider.through[1]) * dx
+            distance = np.abs(offset) / hypot(dx, dy)
+            keys = (f"links.{first}", f"sliders.{name}")
             rod = scene.length(first)
-            yield Dyad(node, parts, distance, -rod, rod, (a,))
+            yield Dyad(node, keys, distance, -rod, rod, (a,))
 
 
 def _refuse(scene: Scene, known: dict[str, Known], dyad: Dyad, index: int, k: float) -> None:
-    still = [end for end in dyad.ends if scene.nodes[end].fixed]
+    fixed = [end for end in dyad.ends if scene.nodes[end].fixed]
     distance, unit = float(dyad.distance[index]), scene.unit
-    held = " and ".join(dyad.parts)
-    if len(still) == len(dyad.ends):
+    elements = " and ".join(dyad.keys)
+    if len(fixed) == len(dyad.ends):
         raise SceneError(
-            f"cannot be assembled: {held} meet only where {_span(dyad)} is "
-            f"{_range(dyad)} {unit}, but it is {distance:.12g} {unit}",
+            f"cannot be assembled: {elements} meet only where {_distance_text(dyad)} is "
+            f"{_range_text(dyad)} {unit}, but it is {distance:.12g} {unit}",
             key=f"nodes.{dyad.node}",
         )
     cranks = [crank for crank in (known[end].crank for end in dyad.ends) if crank]
     reason = ""
     if len(cranks) == 1 and len(dyad.ends) == 1:
         reason = _slider_crank(scene, dyad, cranks[0])
-    elif len(cranks) == 1 and still:
-        reason = _four_bar(scene, dyad, cranks[0], still[0], distance)
-    given = [crank.given for crank in cranks] or list(scene.inputs)
-    key = f"inputs.{given[0]}" if cranks or len(given) == 1 else "inputs"
+    elif len(cranks) == 1 and fixed:
+        reason = _four_bar(scene, dyad, cranks[0], fixed[0], distance)
+    inputs = [crank.input for crank in cranks] or list(scene.inputs)
+    key = f"inputs.{inputs[0]}" if cranks or len(inputs) == 1 else "inputs"
     raise SceneError(
-        f"{reason}{held} cannot close {_place(scene, k)}: {_span(dyad)} is "
-        f"{distance:.12g} {unit}, wanted {_range(dyad)} {unit}",
+        f"{reason}{elements} cannot close {_division_text(scene, k)}: {_distance_text(dyad)} is "
+        f"{distance:.12g} {unit}, wanted {_range_text(dyad)} {unit}",
         key=key,
     )
 
@@ -185,9 +185,8 @@ def _four_bar(scene: Scene, dyad: Dyad, crank: Crank, end: str, distance: float)
     frame = hypot(x, y)
     if frame == 0:
         return ""
-    lengths = [
-        (part.partition(".")[2], scene.length(part.partition(".")[2])) for part in dyad.parts
-    ]
+    names = [key.partition(".")[2] for key in dyad.keys]
+    lengths = [(name, scene.length(name)) for name in names]
     sides = [(crank.link, length), (_frame_name(scene, crank.center, end), frame)]
     if distance > dyad.most:
         left, right = sides, lengths
@@ -198,36 +197,37 @@ def _four_bar(scene: Scene, dyad: Dyad, crank: Crank, end: str, distance: float)
     limit = dyad.most if distance > dyad.most else dyad.least
     cosine = (length**2 + frame**2 - limit**2) / (2 * length * frame)
     stops = [atan2(y, x) + sign * acos(cosine) for sign in (1, -1)] if abs(cosine) <= 1 else []
-    return _stops(crank, "Grashof's condition (34) ", left, right, stops)
+    return _crank_problem(crank, "Grashof's condition (34) ", left, right, stops)
 
 
 def _slider_crank(scene: Scene, dyad: Dyad, crank: Crank) -> str:
     """Condition of a crank with an offset slider, and where the crank stops."""
-    slider = scene.sliders[dyad.parts[1].partition(".")[2]]
-    rod = dyad.parts[0].partition(".")[2]
+    slider = scene.sliders[dyad.keys[1].partition(".")[2]]
+    rod = dyad.keys[0].partition(".")[2]
     (dx, dy), (x, y) = slider.direction, scene.nodes[crank.center].at
     length = scene.length(crank.link)
     offset = ((x - slider.through[0]) * dy - (y - slider.through[1]) * dx) / hypot(dx, dy)
     sines = [(offset + sign * dyad.most) / length for sign in (1, -1)]
-    along = atan2(dy, dx)
-    reached = [asin(sine) for sine in sines if abs(sine) <= 1]
-    stops = [along + angle for one in reached for angle in (one, tau / 2 - one)]
+    line_angle = atan2(dy, dx)
+    arcs = [asin(sine) for sine in sines if abs(sine) <= 1]
+    stops = [line_angle + angle for arc in arcs for angle in (arc, tau / 2 - arc)]
     left = [(crank.link, length), ("offset", abs(offset))]
-    return _stops(crank, "", left, [(rod, dyad.most)], stops)
+    return _crank_problem(crank, "", left, [(rod, dyad.most)], stops)
 
 
 NamedLength = tuple[str, float]
 
 
-def _stops(
+def _crank_problem(
     crank: Crank, title: str, left: list[NamedLength], right: list[NamedLength], stops: list[float]
 ) -> str:
+    """Message of the inequality left ≤ right that fails, with the angles where the crank stops."""
     names = " <= ".join(" + ".join(name for name, _ in side) for side in (left, right))
     numbers = " > ".join(" + ".join(f"{value:.12g}" for _, value in side) for side in (left, right))
     angles = " and ".join(
         f"{angle:.6g}" for angle in sorted((s - crank.offset) % tau for s in stops)
     )
-    where = f", stops it at {crank.given} = {angles} rad" if stops else ", closes at no angle"
+    where = f", stops it at {crank.input} = {angles} rad" if stops else ", closes at no angle"
     return (
         f"the crank {crank.link!r} cannot make the motion: {title}{names} does not hold "
         f"({numbers}){where}; "
@@ -241,37 +241,37 @@ def _frame_name(scene: Scene, first: str, second: str) -> str:
     return f"{first}{second}"
 
 
-def _span(dyad: Dyad) -> str:
+def _distance_text(dyad: Dyad) -> str:
     if len(dyad.ends) == 1:
         return f"the distance from {dyad.ends[0]} to the line"
     return f"the distance from {dyad.ends[0]} to {dyad.ends[1]}"
 
 
-def _range(dyad: Dyad) -> str:
+def _range_text(dyad: Dyad) -> str:
     return (
         f"{dyad.least:.12g} to {dyad.most:.12g}" if dyad.least >= 0 else f"at most {dyad.most:.12g}"
     )
 
 
-def _place(scene: Scene, k: float) -> str:
-    """Say where division `k` is, which may lie between two."""
+def _division_text(scene: Scene, k: float) -> str:
+    """Division `k`, which may be fractional, in words, with the values of the inputs there."""
     is_whole, low = float(k).is_integer(), floor(k)
     where = f"at division {low}" if is_whole else f"between divisions {low} and {low + 1}"
-    return f"{where} ({_values(scene, k)})"
+    return f"{where} ({_inputs_text(scene, k)})"
 
 
-def _values(scene: Scene, k: float) -> str:
+def _inputs_text(scene: Scene, k: float) -> str:
     values = (
-        f"{name} = {float(input_values(given, scene.divisions, np.array([k]))[0]):.6g}"
-        for name, given in scene.inputs.items()
+        f"{name} = {float(input_values(motion, scene.divisions, np.array([k]))[0]):.6g}"
+        for name, motion in scene.inputs.items()
     )
     return ", ".join(values)
 
 
 def _note(scene: Scene, dyad: Dyad, k: float) -> str:
     moves = not all(scene.nodes[end].fixed for end in dyad.ends)
-    where = f"{_place(scene, k)} " if moves else ""
+    where = f"{_division_text(scene, k)} " if moves else ""
     return (
-        f"{where}{' and '.join(dyad.parts)} at {dyad.node} are stretched or folded: the motion is "
+        f"{where}{' and '.join(dyad.keys)} at {dyad.node} are stretched or folded: the motion is "
         "not determined there"
     )

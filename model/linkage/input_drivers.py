@@ -1,4 +1,4 @@
-"""Drivers of a scene: coordinates and points as functions of time."""
+"""Drivers of a scene, its inputs included: coordinates and points as functions of time."""
 
 from __future__ import annotations
 
@@ -15,47 +15,47 @@ if TYPE_CHECKING:
 
 
 SMALLEST = 50
-"""Negative exponent of the smallest number that is written as one."""
+"""Negative decimal exponent of the smallest number that is written without a quotient."""
 
 
 def drivers_of(scene: Scene) -> dict[str, Driver]:
     """Drivers of a spatial scene by name, and its inputs as drivers."""
     inputs = {
-        name: Driver(joint=given.joint, value=law_of(given))
-        for name, given in scene.inputs.items()
-        if given.joint is not None
+        name: Driver(joint=motion.joint, value=law_of(motion))
+        for name, motion in scene.inputs.items()
+        if motion.joint is not None
     }
     return {**scene.drivers, **inputs}
 
 
-def law_of(given: Input) -> str:
+def law_of(motion: Input) -> str:
     """Formula start + rate t + ½ acceleration t² of an input, in rad or the unit of the scene."""
-    start, rate, acceleration = map(formula_text, (given.start, given.rate, given.acceleration))
+    start, rate, acceleration = map(formula_text, (motion.start, motion.rate, motion.acceleration))
     return f"{start} + {rate}*t + {acceleration}/2*t^2"
 
 
-def way_of(given: Input) -> float:
-    """Way of an input with its sign, 2π turns or to − start [rad or unit of the scene]."""
-    turns = turns_of(given)
+def travel_of(motion: Input) -> float:
+    """Signed travel of an input from first to last value, 2π turns or to − start [rad or unit]."""
+    turns = turns_of(motion)
     if turns is not None:
         return tau * turns
-    assert given.to is not None
-    return given.to - given.start
+    assert motion.to is not None
+    return motion.to - motion.start
 
 
-def time_of(given: Input, part: float) -> float:
-    """Time [s] at which an input has gone a part of its way, from 0 to 1; not a number if never.
+def time_of(motion: Input, fraction: float) -> float:
+    """Time [s] at which an input has gone a fraction of its travel, 0 to 1; not a number if never.
 
-    It is the first t at which rate t + ½ acceleration t² = part · way. An input that first goes
-    the other way never does.
+    It is the first t at which rate t + ½ acceleration t² = fraction · travel. An input that first
+    starts in the other direction never does.
     """
-    way = way_of(given)
-    sign = copysign(1.0, way)
-    rate, acceleration, way = sign * given.rate, sign * given.acceleration, abs(way)
-    square = rate * rate + 2 * acceleration * way * part
-    if way == 0 or rate < 0 or (rate == 0 and acceleration <= 0) or square < 0:
+    travel = travel_of(motion)
+    sign = copysign(1.0, travel)
+    rate, acceleration, travel = sign * motion.rate, sign * motion.acceleration, abs(travel)
+    square = rate * rate + 2 * acceleration * travel * fraction
+    if travel == 0 or rate < 0 or (rate == 0 and acceleration <= 0) or square < 0:
         return nan
-    return 2 * way * part / (rate + sqrt(square)) if part else 0.0
+    return 2 * travel * fraction / (rate + sqrt(square)) if fraction else 0.0
 
 
 def times_of(scene: Scene) -> list[float] | None:
@@ -66,14 +66,14 @@ def times_of(scene: Scene) -> list[float] | None:
     (divisions + 1,) list of float [s], or None
         One time for each division 0 … ``divisions``; none where the scene has no inputs.
     """
-    given = next(iter(scene.inputs.values()), None)
-    if given is None:
+    motion = next(iter(scene.inputs.values()), None)
+    if motion is None:
         return None
-    return [time_of(given, k / scene.divisions) for k in range(scene.divisions + 1)]
+    return [time_of(motion, k / scene.divisions) for k in range(scene.divisions + 1)]
 
 
 def formula_text(value: Value) -> str:
-    """Value as a formula; what is too small for a number of the grammar as a quotient."""
+    """Value as a formula; a number that is too small for the grammar becomes a quotient."""
     if isinstance(value, str):
         return value
     digits, _, exponent = repr(value).partition("e-")

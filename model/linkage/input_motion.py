@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from kousoku.model.records.scene import Scene
 
 
-def turns_of(given: Input) -> float | None:
+def turns_of(motion: Input) -> float | None:
     """Turns [-] of an input that is described by turns, else None.
 
     An input of a link or of a joint with neither ``to`` nor ``turns`` makes one turn.
     """
-    if given.turns is not None:
-        return float(given.turns)
-    return 1.0 if given.slider is None and given.to is None else None
+    if motion.turns is not None:
+        return float(motion.turns)
+    return 1.0 if motion.slider is None and motion.to is None else None
 
 
-def input_values(given: Input, divisions: int, ks: Sequence[int] | np.ndarray) -> np.ndarray:
+def input_values(motion: Input, divisions: int, ks: Sequence[int] | np.ndarray) -> np.ndarray:
     """Values of an input at the divisions `ks`, angles with whole turns taken off.
 
     With N turns over n divisions the angle at division k is from + 2π·frac(N k / n), where the
@@ -34,7 +34,7 @@ def input_values(given: Input, divisions: int, ks: Sequence[int] | np.ndarray) -
 
     Parameters
     ----------
-    given : Input
+    motion : Input
         The prescribed motion.
     divisions : int
         Steps from the first to the last value.
@@ -45,26 +45,26 @@ def input_values(given: Input, divisions: int, ks: Sequence[int] | np.ndarray) -
     -------
     (n,) ndarray [rad or unit of the scene]
     """
-    turns = turns_of(given)
+    turns = turns_of(motion)
     k = np.asarray(ks)
     if turns is None:
-        to = given.start if given.to is None else given.to
-        return given.start + (to - given.start) * (k / divisions)
+        end = motion.start if motion.to is None else motion.to
+        return motion.start + (end - motion.start) * (k / divisions)
     fraction = Fraction(turns) / divisions
     if abs(fraction.numerator) * int(k.max(initial=1)) < 2**62 and fraction.denominator < 2**53:
-        part = (k * fraction.numerator) % fraction.denominator / fraction.denominator
+        fraction_of_turn = (k * fraction.numerator) % fraction.denominator / fraction.denominator
     else:  # no division of a later turn meets one of the first
-        part = k * turns / divisions % 1
-    return given.start + tau * part
+        fraction_of_turn = k * turns / divisions % 1
+    return motion.start + tau * fraction_of_turn
 
 
 def period(scene: Scene) -> int:
     """Period of all positions in divisions, at most the divisions of the scene."""
-    repeats = 1
-    for given in scene.inputs.values():
-        turns = turns_of(given)
+    common_period = 1
+    for motion in scene.inputs.values():
+        turns = turns_of(motion)
         if turns is None or not turns.is_integer():
             return scene.divisions
-        own = scene.divisions // gcd(int(turns), scene.divisions)
-        repeats = repeats * own // gcd(repeats, own)
-    return min(repeats, scene.divisions)
+        input_period = scene.divisions // gcd(int(turns), scene.divisions)
+        common_period = common_period * input_period // gcd(common_period, input_period)
+    return min(common_period, scene.divisions)

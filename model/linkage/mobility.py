@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 Key = TypeVar("Key")
 
-#: A Mersenne prime. Each row is of degree 3 at most in the positions, so that random ones show n
-#: rows as dependent that are not with a chance below 3 n/2⁶¹ (Schwartz and Zippel).
+#: A Mersenne prime. Each row is of degree 3 at most in the positions: random positions make n
+#: independent rows dependent with a probability below 3 n/2⁶¹ (Schwartz and Zippel).
 PRIME = 2**61 - 1
 
 NodeCoordinate = tuple[str, int]
@@ -31,7 +31,7 @@ SparseRow = dict[NodeCoordinate, int]
 
 
 def check_mobility(scene: Scene) -> None:
-    """Check that constraints are independent and that the inputs move all that is left.
+    """Check that constraints are independent and that the inputs take all degrees of freedom.
 
     The rank of the Jacobian is taken at random positions of the free nodes, in arithmetic modulo a
     prime: exact, and never below the rank at any position that the linkage can really take. What is
@@ -50,7 +50,7 @@ def check_mobility(scene: Scene) -> None:
         repeated = basis.add(key, row)
         if repeated is not None:
             raise SceneError(
-                f"repeats what {_names(repeated)} already {_determine(repeated)}; leave one of "
+                f"repeats what {_names_text(repeated)} already {_verb(repeated)}; leave one of "
                 "them out (linkages that move only thanks to special lengths are not supported)",
                 key=key,
             )
@@ -69,7 +69,7 @@ def check_mobility(scene: Scene) -> None:
         repeated = basis.add(key, row)
         if repeated is not None:
             raise SceneError(
-                f"prescribes what {_names(repeated)} already {_determine(repeated)}, while another "
+                f"prescribes what {_names_text(repeated)} already {_verb(repeated)}, while another "
                 "part of the linkage is left free; move the input to that part",
                 key=key,
             )
@@ -77,7 +77,7 @@ def check_mobility(scene: Scene) -> None:
 
 @dataclass(frozen=True, slots=True)
 class _Basis:
-    """Rows in echelon form by their pivots, each with the constraints that it is made of."""
+    """Rows in echelon form by their pivots, each with the constraints that it combines."""
 
     rows: dict[NodeCoordinate, SparseRow]
     origins: dict[NodeCoordinate, dict[str, int]]
@@ -85,27 +85,27 @@ class _Basis:
 
     def add(self, key: str, row: SparseRow) -> tuple[str, ...] | None:
         """Add a row; where it depends on earlier ones, return their keys instead."""
-        rest, origin = dict(row), {key: 1}
+        reduced, origin = dict(row), {key: 1}
         # A row holds no pivot of an earlier one, so that this walks forward and ends.
-        while pivot := next((column for column in rest if column in self.rows), None):
-            factor = -rest[pivot] % PRIME
-            _accumulate(rest, self.rows[pivot], factor)
+        while pivot := next((column for column in reduced if column in self.rows), None):
+            factor = -reduced[pivot] % PRIME
+            _accumulate(reduced, self.rows[pivot], factor)
             _accumulate(origin, self.origins[pivot], factor)
-        if not rest:
+        if not reduced:
             return tuple(name for name in self.order if name in origin)
         self.order.setdefault(key)
-        pivot = next(iter(rest))
-        scale = pow(rest[pivot], -1, PRIME)
-        self.rows[pivot] = {column: value * scale % PRIME for column, value in rest.items()}
+        pivot = next(iter(reduced))
+        scale = pow(reduced[pivot], -1, PRIME)
+        self.rows[pivot] = {column: value * scale % PRIME for column, value in reduced.items()}
         self.origins[pivot] = {name: value * scale % PRIME for name, value in origin.items()}
         return None
 
 
 def _accumulate(total: dict[Key, int], terms: dict[Key, int], factor: int) -> None:
     for key, value in terms.items():
-        new = (total.get(key, 0) + factor * value) % PRIME
-        if new:
-            total[key] = new
+        residue = (total.get(key, 0) + factor * value) % PRIME
+        if residue:
+            total[key] = residue
         else:
             total.pop(key, None)
 
@@ -143,14 +143,14 @@ def _constraints(scene: Scene, positions: dict[str, Residues]) -> Iterator[tuple
 
 
 def _inputs(scene: Scene, positions: dict[str, Residues]) -> Iterator[tuple[str, SparseRow]]:
-    for name, given in scene.inputs.items():
-        if given.slider is not None:
-            slider = scene.sliders[given.slider]
+    for name, motion in scene.inputs.items():
+        if motion.slider is not None:
+            slider = scene.sliders[motion.slider]
             dx, dy = (_residue(component) for component in slider.direction)
             row = {(slider.node, 0): dx, (slider.node, 1): dy}
             yield f"inputs.{name}", {column: value for column, value in row.items() if value}
-        elif given.link is not None:
-            yield f"inputs.{name}", _angle_row(scene, positions, given.link)
+        elif motion.link is not None:
+            yield f"inputs.{name}", _angle_row(scene, positions, motion.link)
 
 
 def _angle_row(scene: Scene, positions: dict[str, Residues], link: str) -> SparseRow:
@@ -179,10 +179,10 @@ def _relative(scene: Scene, ends: tuple[str, str], x: int, y: int) -> SparseRow:
     return row
 
 
-def _names(keys: tuple[str, ...]) -> str:
+def _names_text(keys: tuple[str, ...]) -> str:
     shown = [*keys[:6], "others"] if len(keys) > 6 else list(keys)
     return in_words(shown) if shown else "the frame"
 
 
-def _determine(keys: tuple[str, ...]) -> str:
+def _verb(keys: tuple[str, ...]) -> str:
     return "determine" if len(keys) > 1 else "determines"

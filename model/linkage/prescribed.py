@@ -20,13 +20,13 @@ class PrescribedDirection:
 
     Parameters
     ----------
-    given : str
+    input : str
         The input.
     offset : float [rad]
         Constant angle from the value of the input to the direction.
     """
 
-    given: str
+    input: str
     offset: float
 
 
@@ -36,13 +36,13 @@ class Crank:
 
     Parameters
     ----------
-    given, link, center : str
+    input, link, center : str
         The input, the link, the fixed node.
     offset : float [rad]
         Constant angle from the value of the input to the direction from center to pin.
     """
 
-    given: str
+    input: str
     link: str
     center: str
     offset: float
@@ -65,7 +65,7 @@ class Known:
 
 
 def known_nodes(scene: Scene, ks: np.ndarray) -> dict[str, Known]:
-    """Nodes that are known at the divisions `ks`, in the order of finding.
+    """Nodes whose positions at the divisions `ks` follow from the inputs, in the order of finding.
 
     The far end of a link of length l that starts at a known node r with the direction β is at
     r + l (cos β, sin β), that of a driven slider at through + unit direction · value.
@@ -88,11 +88,11 @@ def known_nodes(scene: Scene, ks: np.ndarray) -> dict[str, Known]:
         if node.fixed
     }
     values = {
-        name: input_values(given, scene.divisions, ks) for name, given in scene.inputs.items()
+        name: input_values(motion, scene.divisions, ks) for name, motion in scene.inputs.items()
     }
-    for name, given in scene.inputs.items():
-        if given.slider is not None:
-            slider = scene.sliders[given.slider]
+    for name, motion in scene.inputs.items():
+        if motion.slider is not None:
+            slider = scene.sliders[motion.slider]
             unit = np.array(slider.direction)[:, None] / hypot(*slider.direction)
             known[slider.node] = Known(np.array(slider.through)[:, None] + unit * values[name])
     directions = _directions(scene)
@@ -104,13 +104,13 @@ def known_nodes(scene: Scene, ks: np.ndarray) -> dict[str, Known]:
 def _directions(scene: Scene) -> dict[str, PrescribedDirection]:
     """Links whose direction is prescribed, through rigid connections too."""
     directions: dict[str, PrescribedDirection] = {}
-    for name, given in scene.inputs.items():
-        if given.link is not None:
-            turned = 0.0 if given.about == scene.links[given.link].nodes[0] else pi
-            directions[given.link] = PrescribedDirection(name, turned)
-    growing = True
-    while growing:
-        growing = False
+    for name, motion in scene.inputs.items():
+        if motion.link is not None:
+            turned = 0.0 if motion.about == scene.links[motion.link].nodes[0] else pi
+            directions[motion.link] = PrescribedDirection(name, turned)
+    is_growing = True
+    while is_growing:
+        is_growing = False
         for name, rigid in scene.rigid.items():
             base = next((link for link in rigid.links if link in directions), None)
             if base is None:
@@ -120,13 +120,13 @@ def _directions(scene: Scene) -> dict[str, PrescribedDirection]:
                     angle = scene.rigid_angle(name, link) - scene.rigid_angle(name, base)
                     angle += _flip(scene, link, rigid.at) - _flip(scene, base, rigid.at)
                     offset = directions[base].offset + angle
-                    directions[link] = PrescribedDirection(directions[base].given, offset)
-                    growing = True
+                    directions[link] = PrescribedDirection(directions[base].input, offset)
+                    is_growing = True
     return directions
 
 
 def _flip(scene: Scene, link: str, node: str) -> float:
-    """Angle from the direction that is seen from `node` to that of the link."""
+    """Angle, 0 or π, from the direction of a link as seen from `node` to its own direction."""
     return 0.0 if scene.links[link].nodes[0] == node else pi
 
 
@@ -144,9 +144,9 @@ def _reach(
         if near is None or link.other(near) in known:
             continue
         offset = direction.offset + _flip(scene, name, near)
-        angle = values[direction.given] + offset
+        angle = values[direction.input] + offset
         at = known[near].at + scene.length(name) * np.array([np.cos(angle), np.sin(angle)])
         is_crank = scene.nodes[near].fixed
-        crank = Crank(direction.given, name, near, offset) if is_crank else None
+        crank = Crank(direction.input, name, near, offset) if is_crank else None
         reached[link.other(near)] = Known(at, crank)
     return reached

@@ -42,7 +42,7 @@ RECORDS: MappingProxyType[str, type[msgspec.Struct]] = MappingProxyType(
         **{"forces": Force, "events": Event},
     }
 )
-"""What the elements of each table are."""
+"""Records of the elements of each table."""
 
 
 class SceneBuilder:
@@ -108,7 +108,8 @@ class SceneBuilder:
         )
 
     def __repr__(self) -> str:
-        counts = [f"{len(own)} in {table}" for table, own in self._tree.items() if table in RECORDS]
+        tables = [table for table in self._tree if table in RECORDS]
+        counts = [f"{len(self._tree[table])} in {table}" for table in tables]
         return f"<SceneBuilder {self._tree['name']}: {', '.join(counts) or 'nothing in it'}>"
 
     def node(self, name: str, *, at: Numbers, fixed: bool = False) -> Self:
@@ -145,8 +146,8 @@ class SceneBuilder:
     ) -> Self:
         """Prescribe a motion, see :class:`kousoku.model.records.planar.Input`."""
         target = {"link": link, "about": about, "slider": slider, "joint": joint}
-        way = {"from": start, "to": to, "turns": turns}
-        return self._add("inputs", name, **target, **way, rate=rate, acceleration=acceleration)
+        values = {"from": start, "to": to, "turns": turns}
+        return self._add("inputs", name, **target, **values, rate=rate, acceleration=acceleration)
 
     def body(self, name: str, **keys: Unpack[BodyKeys]) -> Self:
         """Add a body, see :class:`kousoku.model.records.spatial.Body`; its tables are dicts."""
@@ -173,7 +174,7 @@ class SceneBuilder:
         return self._add("forces", name, **keys)
 
     def event(self, name: str, **keys: Unpack[EventKeys]) -> Self:
-        """Say where a formula passes zero, see :class:`kousoku.model.records.spatial.Event`."""
+        """Add an event, a zero of a formula, see :class:`kousoku.model.records.spatial.Event`."""
         return self._add("events", name, **keys)
 
     def gravity(self, x: Value, y: Value, z: Value) -> Self:
@@ -185,7 +186,7 @@ class SceneBuilder:
         return self
 
     def outputs(self, *names: Output) -> Self:
-        """Say what is wanted beside positions, instead of the default."""
+        """Set the outputs beside positions, instead of the default."""
         self._tree["outputs"] = names
         return self
 

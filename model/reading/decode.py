@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 S = TypeVar("S", bound=msgspec.Struct)
 
 FAILED = object()
-"""Stands for a value that cannot be built."""
+"""Marker of a value that cannot be built."""
 
 
 MOST_ELEMENTS = 20_000
@@ -39,12 +39,12 @@ _FRICTION = (
     "there is no Coulomb friction; 'damping' is viscous, and a force along a coordinate s may be"
     " such as '-3*s_dot/sqrt(s_dot^2 + 1e-6)'"
 )
-#: What the key may say that tells in which order the numbers of a quaternion stand.
+#: Values of the key ``order`` of a quaternion.
 QUATERNIONS = ("wxyz", "xyzw")
-NOT_THERE = dict.fromkeys(
+MISSING_FEATURES = dict.fromkeys(
     ("limits", "limit", "range", "lower", "upper", "stop", "stops", "min", "max"), _LIMITS
 ) | dict.fromkeys(("coefficient", "coulomb", "friction", "mu", "static", "dynamic"), _FRICTION)
-"""Keys that people look for, and what stands against them."""
+"""Keys of features that are not supported, and the reason."""
 
 
 def decode(tree: object, record: type[S], *, key: str = "") -> S:
@@ -71,9 +71,9 @@ def decode(tree: object, record: type[S], *, key: str = "") -> S:
 
 
 def decode_parts(
-    tree: object, record: type[S], instead: Mapping[str, Any], problems: Problems
+    tree: object, record: type[S], defaults: Mapping[str, Any], problems: Problems
 ) -> S:
-    """Build as much of a record as can be: what is wrong is noted, broken, and left out.
+    """Build the valid part of a record: wrong values are noted, broken, and left out.
 
     Parameters
     ----------
@@ -82,8 +82,8 @@ def decode_parts(
     record : type
         The record to build. Of its mappings the elements that are wrong are left out, of its other
         fields each that is wrong.
-    instead : mapping of str to object
-        What stands in for required fields that are wrong.
+    defaults : mapping of str to object
+        Values of required fields that are wrong.
     problems : Problems
         Where to note what is wrong.
 
@@ -93,47 +93,49 @@ def decode_parts(
         The tree is no table: nothing can be built.
     """
     if not isinstance(tree, Mapping):
-        raise SceneError(f"{_got(tree)} stands where a table is wanted")
-    return record(**{**instead, **_fields(tree, record, "", problems)})
+        raise SceneError(f"{_value_text(tree)} stands where a table is wanted")
+    return record(**{**defaults, **_fields(tree, record, "", problems)})
 
 
 def _fields(
     tree: object, record: type[msgspec.Struct], key: str, problems: Problems
 ) -> dict[str, Any]:
-    """Fields that are right; a key that is unknown breaks the one that it resembles."""
+    """Valid fields; an unknown key breaks the known one that it resembles."""
     if not isinstance(tree, Mapping):
         example = getattr(record, "EXAMPLE", "")
-        such = f", such as {example}" if example else ""
-        problems.add(f"{_got(tree)} stands where a table is wanted{such}", key, breaks=key)
+        hint = f", such as {example}" if example else ""
+        problems.add(f"{_value_text(tree)} stands where a table is wanted{hint}", key, breaks=key)
         return {}
     fields = _fields_of(record)
     flat = getattr(record, "FLAT", "")
-    own = _own_inputs(tree, record, problems) if flat else {}
-    known = {name: field for name, field in fields.items() if name not in (own or ())}
-    meant: dict[str, None] = {}
+    inputs = _own_inputs(tree, record, problems) if flat else {}
+    known = {name: field for name, field in fields.items() if name not in (inputs or ())}
+    resembled: dict[str, None] = {}
     for name in tree:
-        if own is None or name in known or name in own or problems.is_full:
+        if inputs is None or name in known or name in inputs or problems.is_full:
             continue
-        problems.add(_unknown_key(str(name), tree, record, own), join(key, str(name)))
-        meant.setdefault(nearest(name, (*known, *own)))
+        problems.add(_unknown_key(str(name), tree, record, inputs), join(key, str(name)))
+        resembled.setdefault(nearest(name, (*known, *inputs)))
     values: dict[str, Any] = {}
-    if own:
-        given = {
-            name: _value(tree[name], one.type, join(key, name), problems)
-            for name, one in own.items()
+    if inputs:
+        own_values = {
+            name: _value(tree[name], entry.type, join(key, name), problems)
+            for name, entry in inputs.items()
             if name in tree
         }
-        values[flat] = {name: value for name, value in given.items() if value is not FAILED}
+        values[flat] = {name: value for name, value in own_values.items() if value is not FAILED}
     for name, field in known.items():
-        place = join(key, name)
+        field_key = join(key, name)
         if name in tree:
-            value = _value(tree[name], field.type, place, problems)
+            value = _value(tree[name], field.type, field_key, problems)
             if value is not FAILED:
                 values[field.name] = value
-        elif name in meant:
-            problems.break_(place)
+        elif name in resembled:
+            problems.break_(field_key)
         elif field.required:
-            problems.add(f"is missing; wanted {_wanted(field.type)}", place, breaks=place)
+            problems.add(
+                f"is missing; wanted {_type_text(field.type)}", field_key, breaks=field_key
+            )
     return values
 
 
@@ -148,9 +150,9 @@ def _fields_of(record: type[msgspec.Struct]) -> dict[str, Any]:
 def _own_inputs(
     tree: Mapping[Any, object], record: type[msgspec.Struct], problems: Problems
 ) -> Mapping[str, OwnInput | ElementInput] | None:
-    """Keys that a type alone has, or None where nobody knows what keys it has.
+    """Keys that the type of a record alone has, or None where the type is unknown.
 
-    Of records without a type, those that their sorts have.
+    Of records without a type, the keys of all their sorts.
     """
     sort = tree.get("type") if "type" in _fields_of(record) else ""
     if not isinstance(sort, str):
@@ -164,17 +166,17 @@ def _unknown_key(
     record: type[msgspec.Struct],
     inputs: Mapping[str, OwnInput | ElementInput],
 ) -> str:
-    """Message for a key that a record does not have, with those that it may have."""
+    """Message for an unknown key of a record, with the keys that it may have."""
     fields = (*inputs, *_fields_of(record))
     near = nearest(name, fields)
     sort = tree.get("type")
-    own = keys_of_type(record, sort)
-    if inputs and not own and "type" in tree:
-        own = ("type", "bodies", *inputs)
-    listed = ", ".join(own or fields)
-    known = f"{with_a(str(sort))} has {listed}" if own else f"known here: {listed}"
-    if name in NOT_THERE:
-        return f"unknown key: {NOT_THERE[name]}; {known}"
+    keys = keys_of_type(record, sort)
+    if inputs and not keys and "type" in tree:
+        keys = ("type", "bodies", *inputs)
+    listed = ", ".join(keys or fields)
+    known = f"{with_a(str(sort))} has {listed}" if keys else f"known here: {listed}"
+    if name in MISSING_FEATURES:
+        return f"unknown key: {MISSING_FEATURES[name]}; {known}"
     return f"unknown key; did you mean {near!r}?" if near else f"unknown key; {known}"
 
 
@@ -199,17 +201,17 @@ def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
     wanted, kind = kind, _chosen(kind, value)
     origin, arguments = get_origin(kind), get_args(kind)
     if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
-        return _whole(value, kind, key, problems)
+        return _record(value, kind, key, problems)
     if origin is Mapping:
         return _mapping(value, arguments[1], key, problems)
     if origin is tuple:
         return _tuple(value, kind, key, problems)
     if isinstance(value, int | float) and not abs(value) <= LARGEST:
         problem = "is too large" if abs(value) < inf else "is not a finite number"
-        shown = _got(value).removeprefix("the number ")
+        shown = _value_text(value).removeprefix("the number ")
         return _failed(f"{shown} {problem}; wanted at most {LARGEST:g}", key, problems)
     if isinstance(value, str) and any("\ud800" <= mark <= "\udfff" for mark in value):
-        return _failed(f"{_got(value)} has half of a character", key, problems)
+        return _failed(f"{_value_text(value)} has half of a character", key, problems)
     try:
         leaf: object = msgspec.convert(value, kind)
     except msgspec.ValidationError:
@@ -225,7 +227,9 @@ def _angle(text: str, key: str, problems: Problems) -> object:
             f"the text {error}; no formula may stand here, write the number itself", key, problems
         )
     if not abs(angle) <= LARGEST:
-        return _failed(f"{_got(text)} is too large; wanted at most {LARGEST:g}", key, problems)
+        return _failed(
+            f"{_value_text(text)} is too large; wanted at most {LARGEST:g}", key, problems
+        )
     return angle
 
 
@@ -234,8 +238,8 @@ def _failed(problem: str, key: str, problems: Problems) -> object:
     return FAILED
 
 
-def _whole(value: object, record: type[msgspec.Struct], key: str, problems: Problems) -> object:
-    """Record that has no problem, or ``FAILED``."""
+def _record(value: object, record: type[msgspec.Struct], key: str, problems: Problems) -> object:
+    """Record without problems, or ``FAILED``."""
     before = len(problems.found)
     values = _fields(value, record, key, problems)
     if len(problems.found) > before:
@@ -245,9 +249,9 @@ def _whole(value: object, record: type[msgspec.Struct], key: str, problems: Prob
 
 
 def _mapping(value: object, kind: Any, key: str, problems: Problems) -> object:
-    """Elements that have no problem, or ``FAILED`` where there is no table."""
+    """Elements without problems, or ``FAILED`` where there is no table."""
     if not isinstance(value, Mapping):
-        return _failed(f"{_got(value)} stands where a table is wanted", key, problems)
+        return _failed(f"{_value_text(value)} stands where a table is wanted", key, problems)
     if len(value) > MOST_ELEMENTS:
         problem = f"has {len(value)} elements; the limit is {MOST_ELEMENTS}"
         return _failed(problem, key, problems)
@@ -266,35 +270,38 @@ def _tuple(value: object, kind: Any, key: str, problems: Problems) -> object:
     if is_open:
         kinds = kinds[:1] * len(value)
     pairs = zip(value, kinds, strict=True)
-    items = [_value(item, of, f"{key}[{i}]", problems) for i, (item, of) in enumerate(pairs)]
+    items = [
+        _value(item, item_kind, f"{key}[{index}]", problems)
+        for index, (item, item_kind) in enumerate(pairs)
+    ]
     return FAILED if FAILED in items else tuple(items)
 
 
 def _without_none(kind: Any) -> Any:
     if get_origin(kind) in (Union, UnionType):
-        kinds = [of for of in get_args(kind) if of is not type(None)]
+        kinds = [choice for choice in get_args(kind) if choice is not type(None)]
         return Union[tuple(kinds)]  # noqa: UP007 of one type it is that type
     return kind
 
 
 def _choices(kind: Any) -> tuple[Any, ...]:
-    """Choices that a value has: a number, the text of a formula, a list."""
+    """Choices of a type: a number, the text of a formula, a list."""
     return get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
 
 
 def _chosen(kind: Any, value: object) -> Any:
-    """Choice of some types which a value is meant to have."""
+    """Choice of a type that a value is meant to be."""
     choices = _choices(kind)
-    lists = [of for of in choices if get_origin(of) is tuple]
+    lists = [choice for choice in choices if get_origin(choice) is tuple]
     if lists and isinstance(value, list | tuple):
         return lists[0]
     if str in choices and isinstance(value, str):
         return str
-    return next((of for of in choices if of not in lists), choices[0])
+    return next((choice for choice in choices if choice not in lists), choices[0])
 
 
 def _refusal(value: object, kind: Any) -> str:
-    problem = f"{_got(value)} stands where {_wanted(kind)} is wanted"
+    problem = f"{_value_text(value)} stands where {_type_text(kind)} is wanted"
     if isinstance(value, str) and kind in (int, float):
         problem += "; no formula may stand here, write the number itself"
     if get_args(_without_none(kind)) == QUATERNIONS:
@@ -302,7 +309,7 @@ def _refusal(value: object, kind: Any) -> str:
     return problem
 
 
-def _wanted(kind: Any) -> str:
+def _type_text(kind: Any) -> str:
     kind = _without_none(kind)
     if kind == Design:
         return "a number, or a formula of parameters,"
@@ -310,24 +317,24 @@ def _wanted(kind: Any) -> str:
         return "a number, or an angle such as '30 deg',"
     if str in _choices(kind) and kind is not str:
         names = {float: "a number", str: "a formula"}
-        return " or ".join(names.get(of) or _wanted(of) for of in _choices(kind))
-    simple = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
-    if kind in simple:
-        return simple[kind]
+        return " or ".join(names.get(choice) or _type_text(choice) for choice in _choices(kind))
+    nouns = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
+    if kind in nouns:
+        return nouns[kind]
     origin, arguments = get_origin(kind), get_args(kind)
     if origin is Literal:
         return "one of " + ", ".join(repr(choice) for choice in arguments)
     if origin is tuple and arguments[-1] is Ellipsis:
         return "a list"
     if origin is tuple:
-        what = "numbers or formulas" if float in _choices(arguments[0]) else "lists"
+        noun = "numbers or formulas" if float in _choices(arguments[0]) else "lists"
         numbers = dict.fromkeys((float, Design, NumberOrAngle), "numbers")
-        what = (numbers | {str: "names"}).get(arguments[0], what)
-        return f"a list of {len(arguments)} {what}"
+        noun = (numbers | {str: "names"}).get(arguments[0], noun)
+        return f"a list of {len(arguments)} {noun}"
     return "a table"
 
 
-def _got(value: object) -> str:
+def _value_text(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):

@@ -22,7 +22,7 @@ def chain(count: int) -> Scene:
         Bars, one at least.
     """
     builder = SceneBuilder(f"chain_{count}", unit="m").gravity(0, 0, -9.81)
-    before = "ground"
+    previous = "ground"
     for k in range(count):
         name = f"bar_{k}"
         builder.body(
@@ -33,11 +33,11 @@ def chain(count: int) -> Scene:
         builder.joint(
             f"joint_{k}",
             type="revolute",
-            bodies=(before, name),
+            bodies=(previous, name),
             at=(k, 0, 0),
             axis=(0, 0, 1) if k % 2 else (0, 1, 0),
         )
-        before = name
+        previous = name
     return builder.build()
 
 

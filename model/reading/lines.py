@@ -1,4 +1,4 @@
-"""The line of each key of a TOML document, which :mod:`tomllib` does not tell.
+"""The line of each key of a TOML document, which :mod:`tomllib` does not give.
 
 The text is one that tomllib has accepted: nothing is checked again, only followed.
 """
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 KeyPath = tuple[str | int, ...]
-"""The keys, and the places in lists, that lead to a value."""
+"""The keys, and the indices in lists, that lead to a value."""
 
 _SPACE = re.compile(r"[ \t]*")
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
@@ -27,7 +27,7 @@ _OTHER = re.compile(r"[^,\]}#\n]*")
 
 
 def each_key_line(text: str) -> Iterator[tuple[KeyPath, int]]:
-    """Go through the keys and the elements of lists, so that a reader can stop.
+    """Lines of keys and of elements of lists, one after the other, so that a reader can stop.
 
     Parameters
     ----------
@@ -52,60 +52,60 @@ def twice_given(text: str) -> tuple[KeyPath, int, int] | None:
     Parameters
     ----------
     text : str
-        What a parser refused because of a key; it is followed up to there.
+        Text that a parser refused because of a key; it is scanned up to there.
     """
-    scanner = _Twice(text)
+    scanner = _DuplicateScanner(text)
     try:
         for _ in scanner.statements():
-            if scanner.found:
+            if scanner.duplicate:
                 break
-    except (IndexError, KeyError, ValueError):  # it is no TOML in another way, too
+    except (IndexError, KeyError, ValueError):  # the text has another fault, too
         return None
-    return scanner.found
+    return scanner.duplicate
 
 
-def deep_key_line(text: str, parts: int) -> int:
-    """First line with a key of more than some parts between dots, 0 if there is none.
+def deep_key_line(text: str, most_parts: int) -> int:
+    """First line with a key of more than `most_parts` parts between dots, 0 if there is none.
 
     It takes a time that grows linearly with the text, which need not be TOML.
     """
     for number, line in enumerate(text.split("\n"), 1):
-        if line.count(".") >= parts and _longest_key(line) > parts:
+        if line.count(".") >= most_parts and _longest_key(line) > most_parts:
             return number
     return 0
 
 
 def _longest_key(line: str) -> int:
     longest = parts = 0
-    follows = False
+    follows_dot = False
     for token in _TOKEN.finditer(line):
-        word = token.group()
-        if word[0] in "\"'" or _BARE.match(word):
-            parts = parts + 1 if follows else 1
+        text = token.group()
+        if text[0] in "\"'" or _BARE.match(text):
+            parts = parts + 1 if follows_dot else 1
             longest = max(longest, parts)
-        follows = word == "." or (follows and word.isspace())
+        follows_dot = text == "." or (follows_dot and text.isspace())
     return longest
 
 
 class _Scanner:
     def __init__(self, text: str) -> None:
         self.text = text
-        self.place = 0
+        self.position = 0
         self.lines: dict[KeyPath, int] = {}
         self._counts: dict[KeyPath, int] = {}
         self._line, self._counted = 1, 0
 
     def statements(self) -> Iterator[None]:
-        """Read the document, and wait behind each header and each value."""
+        """Read the document statement by statement, a header or a key with its value."""
         table: KeyPath = ()
         self.skip(_BLANK)
-        while self.place < len(self.text):
+        while self.position < len(self.text):
             if self.takes("[["):
                 table = self.header(is_list=True)
-                self.place += 2
+                self.position += 2
             elif self.takes("["):
                 table = self.header(is_list=False)
-                self.place += 1
+                self.position += 1
             else:
                 self.value(self.assigned(table))
             yield
@@ -133,7 +133,7 @@ class _Scanner:
         for key in self.keys():
             path = (*path, key)
             self.lines.setdefault(path, line)
-        self.place += 1
+        self.position += 1
         self.skip(_SPACE)
         return path
 
@@ -146,7 +146,7 @@ class _Scanner:
 
     def key(self) -> str:
         self.skip(_SPACE)
-        start = self.text[self.place]
+        start = self.text[self.position]
         quoted = {'"': _BASIC, "'": _LITERAL}.get(start)
         raw = self.skip(quoted or _BARE)
         self.skip(_SPACE)
@@ -181,53 +181,53 @@ class _Scanner:
             opened.append((path, 0))
         elif self.takes("{"):
             opened.append((path, None))
-        elif self.text.startswith('"""', self.place):
+        elif self.text.startswith('"""', self.position):
             self.skip(_LONG_BASIC)
-        elif self.text.startswith("'''", self.place):
+        elif self.text.startswith("'''", self.position):
             self.skip(_LONG_LITERAL)
         else:
-            self.skip({'"': _BASIC, "'": _LITERAL}.get(self.text[self.place], _OTHER))
+            self.skip({'"': _BASIC, "'": _LITERAL}.get(self.text[self.position], _OTHER))
 
     def takes(self, mark: str) -> bool:
-        if not self.text.startswith(mark, self.place):
+        if not self.text.startswith(mark, self.position):
             return False
-        self.place += len(mark)
+        self.position += len(mark)
         return True
 
     def skip(self, pattern: re.Pattern[str]) -> str:
-        found = pattern.match(self.text, self.place)
-        if found is None:
+        match = pattern.match(self.text, self.position)
+        if match is None:
             return ""
-        self.place = found.end()
-        return found.group()
+        self.position = match.end()
+        return match.group()
 
     def line(self) -> int:
-        """Line of the place, counted from 1."""
-        self._line += self.text.count("\n", self._counted, self.place)
-        self._counted = self.place
+        """Line of the position, counted from 1."""
+        self._line += self.text.count("\n", self._counted, self.position)
+        self._counted = self.position
         return self._line
 
 
-class _Twice(_Scanner):
-    """Looks for a key that stands twice."""
+class _DuplicateScanner(_Scanner):
+    """Scanner that notes the first key that stands twice, with both lines."""
 
     def __init__(self, text: str) -> None:
         super().__init__(text)
-        self.found: tuple[KeyPath, int, int] | None = None
-        self._given: dict[KeyPath, int] = {}
+        self.duplicate: tuple[KeyPath, int, int] | None = None
+        self._first_lines: dict[KeyPath, int] = {}
 
     def header(self, *, is_list: bool) -> KeyPath:
         line, path = self.line(), super().header(is_list=is_list)
-        self._give(path, line)
+        self._note(path, line)
         return path
 
     def assigned(self, table: KeyPath) -> KeyPath:
         line, path = self.line(), super().assigned(table)
-        self._give(path, line)
+        self._note(path, line)
         return path
 
-    def _give(self, path: KeyPath, line: int) -> None:
-        if path not in self._given:
-            self._given[path] = line
-        elif self.found is None:
-            self.found = path, self._given[path], line
+    def _note(self, path: KeyPath, line: int) -> None:
+        if path not in self._first_lines:
+            self._first_lines[path] = line
+        elif self.duplicate is None:
+            self.duplicate = path, self._first_lines[path], line

@@ -7,7 +7,7 @@ import sys
 from typing import Any
 
 OF_SYMPY = {"Abs": "abs", "Min": "min", "Max": "max", "E": "exp(1)"}
-"""What SymPy writes otherwise than a formula of a scene."""
+"""Names of SymPy that formulas of a scene write in another way."""
 
 
 def is_of_sympy(value: object) -> bool:
@@ -30,7 +30,7 @@ def plain_of(value: Any) -> Any:
     if isinstance(value, sympy.MatrixBase):
         is_vector = 1 in value.shape
         rows = value if is_vector else value.tolist()
-        return [plain_of(row) if is_vector else [plain_of(one) for one in row] for row in rows]
+        return [plain_of(row) if is_vector else list(map(plain_of, row)) for row in rows]
     if not isinstance(value, sympy.Expr):
         raise ValueError(f"{type(value).__name__} of SymPy is no expression; wanted one, or text")
     if value.is_Integer:
@@ -38,6 +38,6 @@ def plain_of(value: Any) -> Any:
     if value.is_number and value.is_real and value.is_finite:
         return float(value)
     # A Float is printed in 15 digits: a name with all of them stands for it.
-    digits = {one: sympy.Symbol(f"({float(one)!r})") for one in value.atoms(sympy.Float)}
+    digits = {number: sympy.Symbol(f"({float(number)!r})") for number in value.atoms(sympy.Float)}
     text = str(value.xreplace(digits)).replace("**", "^")
     return re.sub(r"[A-Za-z_]\w*", lambda word: OF_SYMPY.get(word[0], word[0]), text)

@@ -83,10 +83,10 @@ def scene_text(path: str | Path) -> str:
 
 
 def _near_scene(path: str | Path) -> str:
-    """Question for the scene file of the folder whose name is nearest, where one is."""
+    """Question for the scene file in the folder whose name is nearest, if there is one."""
     path = Path(path)
     try:
-        scenes = [] if path.exists() else [found.name for found in path.parent.glob("*.toml")]
+        scenes = [] if path.exists() else [file.name for file in path.parent.glob("*.toml")]
     except OSError:
         return ""
     near = nearest(path.name, scenes)
@@ -116,7 +116,7 @@ def scene_from_toml(
         raise SceneError("is not a scene: its tables are nested too deeply", file=file) from None
     except ValueError as error:
         raise SceneError.of([toml_problem(error, text)], file=file) from error
-    return _scene(tree, text, file, kinds)
+    return _checked_scene(tree, text, file, kinds)
 
 
 def scene_from_dict(
@@ -139,7 +139,7 @@ def scene_from_dict(
     SceneError
         All problems that are found, each with its dotted key.
     """
-    return _scene(tree, "", file, kinds)
+    return _checked_scene(tree, "", file, kinds)
 
 
 def located(error: SceneError | AssemblyError, path: str | Path) -> SceneError | AssemblyError:
@@ -148,7 +148,7 @@ def located(error: SceneError | AssemblyError, path: str | Path) -> SceneError |
     Parameters
     ----------
     error : SceneError or AssemblyError
-        What was found when the scene was put together.
+        The problems that were found in the scene after it was read.
     path : str or Path
         The file that it was read from.
     """
@@ -160,21 +160,23 @@ def located(error: SceneError | AssemblyError, path: str | Path) -> SceneError |
         text = ""
     if isinstance(error, SceneError):
         return SceneError.of(_with_lines(error.problems, text), file=str(path))
-    lines = _lines(text)
+    lines = _key_lines(text)
     inputs = {f"drivers.{key[7:]}": lines[key] for key in lines if key.startswith("inputs.")}
     return error.at(str(path), inputs | lines)
 
 
-def _scene(tree: object, text: str, file: str, kinds: Mapping[str, OwnKind] | None) -> Scene:
+def _checked_scene(
+    tree: object, text: str, file: str, kinds: Mapping[str, OwnKind] | None
+) -> Scene:
     problems = Problems({**_written_kinds(tree), **(kinds or {})})
     try:
         scene = decode_parts(tree, Scene, {"name": "unnamed", "unit": "m"}, problems)
     except SceneError as error:
         raise SceneError.of(error.problems, file=file) from None
     assert isinstance(tree, Mapping)  # else nothing could be decoded
-    used = {joint.type for joint in scene.joints.values()}
-    own = {name: kind for name, kind in problems.kinds.items() if name in used}
-    scene = msgspec.structs.replace(scene, kinds=own)
+    types = {joint.type for joint in scene.joints.values()}
+    own_kinds = {name: kind for name, kind in problems.kinds.items() if name in types}
+    scene = msgspec.structs.replace(scene, kinds=own_kinds)
     if problems.has_formulas:
         scene = read_formulas(scene, problems)
     check_parts(scene, problems, list(tree))
@@ -184,9 +186,9 @@ def _scene(tree: object, text: str, file: str, kinds: Mapping[str, OwnKind] | No
 
 
 def _written_kinds(tree: object) -> dict[str, OwnKind]:
-    """Kinds of one's own that the text of a scene lists, as it was written by us.
+    """Kinds of one's own in the table ``kinds``, which the text of a mechanism has.
 
-    What is wrong with them is found where the scene is decoded.
+    Problems with them are found where the scene is decoded.
     """
     if not isinstance(tree, Mapping) or "kinds" not in tree:
         return {}
@@ -194,19 +196,22 @@ def _written_kinds(tree: object) -> dict[str, OwnKind]:
 
 
 def _with_lines(problems: Sequence[Problem], text: str) -> Sequence[Problem]:
-    """Problems with their lines, in the order of the text; a key stands for what holds it.
+    """Problems with their lines, in the order of the text; problems of the whole file come first.
 
-    What concerns the file as a whole comes first.
+    A key that is not written has the line of the table around it.
     """
     if not text:
         return problems
-    lines = _lines(text, [one.place or one.key for one in problems])
-    found = [replace(one, line=_line(lines, one.place or one.key)) for one in problems]
-    return sorted(found, key=lambda one: one.line)
+    lines = _key_lines(text, [problem.place or problem.key for problem in problems])
+    located_problems = [
+        replace(problem, line=_nearest_line(lines, problem.place or problem.key))
+        for problem in problems
+    ]
+    return sorted(located_problems, key=lambda problem: problem.line)
 
 
-def _lines(text: str, wanted: Sequence[str] = ()) -> dict[str, int]:
-    """Line of each dotted key; if some are wanted, of so many that those are there."""
+def _key_lines(text: str, wanted: Sequence[str] = ()) -> dict[str, int]:
+    """Line of each dotted key; if keys are wanted, of the text up to the last of them."""
     lines: dict[str, int] = {}
     missing = set(wanted)
     for path, line in each_key_line(text):
@@ -219,7 +224,7 @@ def _lines(text: str, wanted: Sequence[str] = ()) -> dict[str, int]:
     return lines
 
 
-def _line(lines: Mapping[str, int], key: str) -> int:
+def _nearest_line(lines: Mapping[str, int], key: str) -> int:
     """Line of a key, or of the nearest table around it that stands in the file."""
     while key and key not in lines:
         key = key[: max(key.rfind("."), key.rfind("["), 0)]

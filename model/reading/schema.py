@@ -55,7 +55,7 @@ LIMITS: dict[str, dict[str, dict[str, object]]] = {
     "Cylinder": {"mass": {"exclusiveMinimum": 0}, "radius": {"exclusiveMinimum": 0}},
     "Sphere": {"mass": {"exclusiveMinimum": 0}, "radius": {"exclusiveMinimum": 0}},
 }
-"""Limits of single values that the types do not say, by record and key."""
+"""Limits of single values that the types do not express, by record and key."""
 
 NUMBER = {"type": "number", "minimum": -LARGEST, "maximum": LARGEST}
 
@@ -64,10 +64,10 @@ TEXTS: dict[str, dict[str, Any]] = {
     "formula": {"type": "string"},
     "angle": {"type": "string", "pattern": r"^[-+ 0-9.eE]*[*]? *(deg|pi)? *(/[ 0-9.eE+-]+)?$"},
 }
-"""What may stand in place of a number, by the mark of its type."""
+"""Texts that may stand in place of a number, by the mark of its type."""
 
 
-def _three(name: str) -> dict[str, Any]:
+def _triple(name: str) -> dict[str, Any]:
     item = {"$ref": f"#/$defs/{name}"}
     return {
         "type": "array",
@@ -82,19 +82,18 @@ SHARED: dict[str, dict[str, Any]] = {
     "number": NUMBER,
     "formula": {"anyOf": [{"$ref": "#/$defs/number"}, {"type": "string"}]},
     "number_or_angle": {"anyOf": [{"$ref": "#/$defs/number"}, TEXTS["angle"]]},
-    "vector": _three("number"),
-    "turns": _three("number_or_angle"),
-    "place": _three("formula"),
+    "vector": _triple("number"),
+    "turns": _triple("number_or_angle"),
+    "place": _triple("formula"),
 }
-"""What stands in many places is defined once, under these names."""
+"""Schemas that occur in many keys: they are defined once, under these names."""
 
 
 def scene_schema() -> dict[str, Any]:
     """JSON schema (draft 2020-12) of a scene.
 
-    It holds what can be said of values one by one; what relates elements to each other, such as
-    names that resolve and degrees of freedom, is checked by
-    :func:`kousoku.model.validation.validate.check`.
+    It describes values one by one; relations of elements, such as names that resolve and degrees of
+    freedom, are checked by :func:`kousoku.model.validation.validate.check`.
     """
     schema = msgspec.json.schema(Scene)
     definitions: dict[str, Any] = schema["$defs"]
@@ -105,13 +104,13 @@ def scene_schema() -> dict[str, Any]:
         definition["properties"].pop(getattr(record, "FLAT", ""), None)
         for key, limits in LIMITS.get(name, {}).items():
             definition["properties"][key].update(limits)
-    of_joints = [one.inputs for one in JOINTS.values()]
-    of_joints += [one.inputs for one in COUPLINGS.values()]
-    of_forces = [one.inputs for one in FORCES.values()]
+    of_joints = [kind.inputs for kind in JOINTS.values()]
+    of_joints += [kind.inputs for kind in COUPLINGS.values()]
+    of_forces = [kind.inputs for kind in FORCES.values()]
     for name, types, inputs in (("Joint", NAMES, of_joints), ("Force", FORCES, of_forces)):
         definitions[name]["properties"]["type"]["enum"] = list(types)
-        definitions[name]["properties"] |= _of_types(inputs)
-    definitions["Driver"]["properties"] |= _of_types([own_inputs()])
+        definitions[name]["properties"] |= _own_keys(inputs)
+    definitions["Driver"]["properties"] |= _own_keys([own_inputs()])
     for table in TABLES:
         definitions["Scene"]["properties"][table]["propertyNames"] = {
             "pattern": PATTERN,
@@ -122,8 +121,8 @@ def scene_schema() -> dict[str, Any]:
         "$id": "urn:kousoku:scene",
         "title": "A scene of kousoku",
     }
-    found = dict(_shared(_bounded(schema)))
-    return head | found | {"$defs": found["$defs"] | SHARED}
+    shared = dict(_shared(_bounded(schema)))
+    return head | shared | {"$defs": shared["$defs"] | SHARED}
 
 
 def schema_text() -> str:
@@ -131,18 +130,18 @@ def schema_text() -> str:
     return json.dumps(scene_schema(), indent=2, ensure_ascii=False) + "\n"
 
 
-def _of_types(inputs: Iterable[Mapping[str, ElementInput]]) -> dict[str, Any]:
+def _own_keys(tables: Iterable[Mapping[str, ElementInput]]) -> dict[str, Any]:
     """Keys that some types of a record alone have."""
-    every = {name: one for own in inputs for name, one in own.items()}
+    entries = {name: entry for table in tables for name, entry in table.items()}
     return {
-        name: {"anyOf": [msgspec.json.schema(one.type), {"type": "null"}]}
-        | {"default": None, "description": one.meaning}
-        for name, one in every.items()
+        name: {"anyOf": [msgspec.json.schema(entry.type), {"type": "null"}]}
+        | {"default": None, "description": entry.meaning}
+        for name, entry in entries.items()
     }
 
 
 def _describe(definition: dict[str, Any], record: type[msgspec.Struct]) -> None:
-    """Move the numpydoc of a record to where editors look for it."""
+    """Copy the numpydoc of a record to the descriptions that editors show."""
     text = inspect.cleandoc(record.__doc__ or "")
     summary, _, parameters = text.partition("Parameters\n----------\n")
     definition["description"] = _plain(summary)
@@ -166,13 +165,13 @@ def _bounded(node: Any) -> Any:
         return node
     if "anyOf" in node:
         choices = [option for option in node["anyOf"] if option != {"type": "null"}]
-        rest = {key: item for key, item in node.items() if key not in ("anyOf", "default")}
+        keywords = {key: item for key, item in node.items() if key not in ("anyOf", "default")}
         if len(choices) > 1:  # a number, or the text of a formula
-            return rest | {"anyOf": _bounded(choices)}
-        return _bounded(choices[0] | rest)
+            return keywords | {"anyOf": _bounded(choices)}
+        return _bounded(choices[0] | keywords)
     for mark, text in TEXTS.items():
         if node.get(mark) is True:  # a key of a record may have the same name
-            return _or_text({key: item for key, item in node.items() if key != mark}, text)
+            return _number_or_text({key: item for key, item in node.items() if key != mark}, text)
     bounded = {key: _bounded(item) for key, item in node.items() if item is not None}
     if bounded.get("type") == "number":
         bounded = NUMBER | bounded
@@ -181,7 +180,7 @@ def _bounded(node: Any) -> Any:
     return bounded
 
 
-def _or_text(node: dict[str, Any], text: dict[str, Any]) -> Any:
+def _number_or_text(node: dict[str, Any], text: dict[str, Any]) -> Any:
     """Schema of a number: within its limits, or the text of a formula or an angle."""
     notes = {key: node[key] for key in ("description", "default") if key in node}
     number = {key: item for key, item in node.items() if key not in notes}
@@ -191,16 +190,16 @@ def _or_text(node: dict[str, Any], text: dict[str, Any]) -> Any:
 
 
 def _shared(node: Any) -> Any:
-    """Schema with references to :data:`SHARED` in place of what stands there."""
+    """Schema with references in place of the schemas of :data:`SHARED`."""
     if isinstance(node, list):
         return [_shared(item) for item in node]
     if not isinstance(node, dict):
         return node
-    found = {key: _shared(item) for key, item in node.items()}
-    notes = {key: found[key] for key in ("description", "default") if key in found}
-    rest = {key: item for key, item in found.items() if key not in notes}
-    name = next((name for name, shape in SHARED.items() if rest == shape), None)
-    return found if name is None else {"$ref": f"#/$defs/{name}"} | notes
+    shared = {key: _shared(item) for key, item in node.items()}
+    notes = {key: shared[key] for key in ("description", "default") if key in shared}
+    shape = {key: item for key, item in shared.items() if key not in notes}
+    name = next((name for name, definition in SHARED.items() if shape == definition), None)
+    return shared if name is None else {"$ref": f"#/$defs/{name}"} | notes
 
 
 if __name__ == "__main__":

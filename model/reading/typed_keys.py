@@ -55,9 +55,9 @@ def keys_text() -> str:
 def _record(record: type[msgspec.Struct]) -> str:
     lines = [f"class {record.__name__}Keys(TypedDict, total=False):"]
     lines.append(f'    """Keys of :class:`{record.__module__}.{record.__name__}`."""\n')
-    fields = msgspec.structs.fields(record)
-    for field in (one for one in fields if one.name != getattr(record, "FLAT", "")):
-        text = _text(field.type)
+    flat = getattr(record, "FLAT", "")
+    for field in (field for field in msgspec.structs.fields(record) if field.name != flat):
+        text = _annotation(field.type)
         text = f"Required[{text}]" if field.required else text
         lines.append(_line(field.encode_name, text))
     return "\n".join(lines) + "\n"
@@ -71,10 +71,10 @@ def _line(name: str, text: str) -> str:
     return f"    {name}: (\n        {text.replace(' | ', chr(10) + '        | ')}\n    )"
 
 
-def _text(kind: Any) -> str:
-    """Type as an annotation of what the builder takes in place of it."""
+def _annotation(kind: Any) -> str:
+    """Annotation of the values that the builder takes for a type."""
     choices = list(get_args(kind)) if get_origin(kind) in (Union, UnionType) else [kind]
-    texts = dict.fromkeys(_one(of) for of in choices)
+    texts = dict.fromkeys(_single_annotation(choice) for choice in choices)
     if "Value" in texts:  # a number or the text of a formula
         texts.pop("float", None)
         texts.pop("str", None)
@@ -83,7 +83,7 @@ def _text(kind: Any) -> str:
     return " | ".join(texts)
 
 
-def _one(kind: Any) -> str:
+def _single_annotation(kind: Any) -> str:
     if kind in (Design, NumberOrAngle):
         return "Value"
     if kind is type(None):
@@ -92,13 +92,13 @@ def _one(kind: Any) -> str:
     if origin is Literal:
         return f"Literal[{', '.join(map(repr, arguments))}]".replace("'", '"')
     if origin is tuple:
-        return _many(_text(arguments[0]))
+        return _list_annotation(_annotation(arguments[0]))
     if issubclass(kind, msgspec.Struct):
         return f"{kind.__name__}Keys"
     return str(kind.__name__)
 
 
-def _many(text: str) -> str:
+def _list_annotation(text: str) -> str:
     arrays = {"float": "Numbers", "Value": "Values", "Numbers": "Rows", "Values": "Points"}
     return arrays.get(text, f"Sequence[{text}]")
 

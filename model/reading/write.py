@@ -21,33 +21,34 @@ def to_toml(scene: Scene) -> str:
 
     Defaults are left out, numbers have all their digits, and elements keep their order.
     """
-    given = _given(scene)
-    own = {key: value for key, value in given.items() if key not in (*TABLES, "method")}
-    tables = {table: getattr(scene, table) for table in TABLES} | {"method": _given(scene.method)}
-    return toml_of(own | {table: one for table, one in tables.items() if one})
+    fields = _changed_fields(scene)
+    keys = {key: value for key, value in fields.items() if key not in (*TABLES, "method")}
+    tables = {table: getattr(scene, table) for table in TABLES}
+    tables["method"] = _changed_fields(scene.method)
+    return toml_of(keys | {table: elements for table, elements in tables.items() if elements})
 
 
 def toml_of(tree: Mapping[str, object]) -> str:
     """Text of a file that reads back as a tree: one line an element of each table."""
     tables = {key: value for key, value in tree.items() if isinstance(value, Mapping)}
-    own = {key: value for key, value in tree.items() if key not in tables}
-    parts = [f"[{_key(key)}]\n{_lines(value)}" for key, value in tables.items()]
-    return "\n".join([_lines(own), *parts])
+    keys = {key: value for key, value in tree.items() if key not in tables}
+    blocks = [f"[{_key(key)}]\n{_lines(value)}" for key, value in tables.items()]
+    return "\n".join([_lines(keys), *blocks])
 
 
 def _lines(table: Mapping[str, object]) -> str:
     return "".join(f"{_key(key)} = {_value(value)}\n" for key, value in table.items())
 
 
-def _given(record: msgspec.Struct) -> dict[str, object]:
+def _changed_fields(record: msgspec.Struct) -> dict[str, object]:
     """Fields that differ from their defaults, by their names in a file."""
-    found = {
+    fields = {
         field.encode_name: getattr(record, field.name)
         for field in msgspec.structs.fields(record)
         if field.required or getattr(record, field.name) not in (field.default, {})
     }
-    flat = found.pop(getattr(record, "FLAT", ""), None)
-    return found | flat if isinstance(flat, dict) else found
+    flat = fields.pop(getattr(record, "FLAT", ""), None)
+    return fields | flat if isinstance(flat, dict) else fields
 
 
 def _key(key: str) -> str:
@@ -60,7 +61,7 @@ def _quoted(text: str) -> str:
 
 def _value(value: object) -> str:
     if isinstance(value, msgspec.Struct):
-        value = _given(value)
+        value = _changed_fields(value)
     if isinstance(value, Mapping):
         inner = ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items())
         return f"{{ {inner} }}"

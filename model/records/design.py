@@ -20,13 +20,13 @@ Turns = tuple[NumberOrAngle, NumberOrAngle, NumberOrAngle]
 """Three angles, or a vector of an angular velocity."""
 
 DesignVector = tuple[Design, Design, Design]
-"""Three of them: a point, or a direction."""
+"""Three such numbers: a point, or a direction."""
 
 LARGEST = 1e50
 """Numbers beyond it are refused: their products would leave the range of doubles."""
 
 CLOSURE_TOLERANCE = 1e-4
-"""What joints may miss that others imply, in lengths of the scene or rad, unless it says so."""
+"""Default of ``closure_tolerance``: largest miss of redundant rows [lengths of the scene, rad]."""
 
 
 class Guarded(float):
@@ -71,9 +71,9 @@ class Formula(Guarded):
 
     def __new__(cls, text: str, value: float = float("nan")) -> Formula:
         """Keep the text."""
-        made = super().__new__(cls, value)
-        made.text = text
-        return made
+        number = super().__new__(cls, value)
+        number.text = text
+        return number
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Formula) and self.text == other.text

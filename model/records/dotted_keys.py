@@ -1,4 +1,4 @@
-"""Dotted keys of a scene, and names in it that nothing has: what the nearest one is."""
+"""Dotted keys of a scene, and messages for unknown names with the nearest known one."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ if TYPE_CHECKING:
     from kousoku.model.errors import Problem
 
 
-def unknown(what: str, name: str, known: tuple[str, ...]) -> str:
+def unknown(noun: str, name: str, known: tuple[str, ...]) -> str:
     """Message for a name that is not among `known`, with the nearest one."""
     near = nearest(name, known)
     if near:
-        return f"unknown {what}; did you mean {near!r}?"
+        return f"unknown {noun}; did you mean {near!r}?"
     listed = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
-    return f"unknown {what}; known here: {listed or 'none'}"
+    return f"unknown {noun}; known here: {listed or 'none'}"
 
 
 class UnknownNameError(SceneError):
-    """Something is named that is not there; the message says which name is nearest.
+    """An unknown name; the message says which known one is nearest.
 
     Parameters
     ----------
-    what : str
-        What is named, such as ``body``.
+    noun : str
+        Sort of what is named, such as ``body``.
     name : str
         Its name.
     known : tuple of str
@@ -39,26 +39,26 @@ class UnknownNameError(SceneError):
         The dotted key where it stands.
     """
 
-    def __init__(self, what: str, name: str, known: tuple[str, ...], key: str) -> None:
-        self.what, self.name, self.known = what, name, known
-        super().__init__(unknown(f"{what} {name[:40]!r}", name, known), key=key)
+    def __init__(self, noun: str, name: str, known: tuple[str, ...], key: str) -> None:
+        self.noun, self.name, self.known = noun, name, known
+        super().__init__(unknown(f"{noun} {name[:40]!r}", name, known), key=key)
 
     def problems_beside(self, broken: Callable[[str], Sequence[str]]) -> Sequence[Problem]:
-        """Problem with the names of elements among the known ones that are wrong."""
+        """Problem whose known names include those of broken elements."""
         if self.key.endswith(".type"):  # no name of an element
             return self.problems
-        also = broken({"body": "bodies"}.get(self.what, f"{self.what}s"))
-        known = tuple(dict.fromkeys((*self.known, *also)))
-        return UnknownNameError(self.what, self.name, known, self.key).problems
+        broken_names = broken({"body": "bodies"}.get(self.noun, f"{self.noun}s"))
+        known = tuple(dict.fromkeys((*self.known, *broken_names)))
+        return UnknownNameError(self.noun, self.name, known, self.key).problems
 
 
-def require_known(what: str, name: str, known: Collection[str], key: str, *also: str) -> None:
-    """Refuse a name of something that is not there.
+def require_known(noun: str, name: str, known: Collection[str], key: str, *also: str) -> None:
+    """Refuse an unknown name.
 
     Parameters
     ----------
-    what : str
-        What is named, such as ``body``.
+    noun : str
+        Sort of what is named, such as ``body``.
     name : str
         Its name.
     known : collection of str
@@ -66,7 +66,7 @@ def require_known(what: str, name: str, known: Collection[str], key: str, *also:
     key : str
         The dotted key where it stands.
     *also : str
-        What may stand there, too, such as the ground.
+        Other names that may stand there, such as the ground.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def require_known(what: str, name: str, known: Collection[str], key: str, *also:
         There is none of that name; the message says which is nearest.
     """
     if name not in known and name not in also:
-        raise UnknownNameError(what, name, (*known, *also), key)
+        raise UnknownNameError(noun, name, (*known, *also), key)
 
 
 def join(key: str, name: str) -> str:
@@ -86,8 +86,8 @@ def join(key: str, name: str) -> str:
 
 
 def dotted(path: Iterable[str | int]) -> str:
-    """Dotted key of a path of keys and of places in lists."""
+    """Dotted key of a path of keys and of indices in lists."""
     key = ""
-    for part in path:
-        key = f"{key}[{part}]" if isinstance(part, int) else join(key, part)
+    for step in path:
+        key = f"{key}[{step}]" if isinstance(step, int) else join(key, step)
     return key

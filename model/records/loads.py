@@ -10,7 +10,7 @@ from kousoku.model.records.design import DesignVector
 from kousoku.model.records.spatial import Components, Free, Value
 
 Six = tuple[Value, Value, Value, Value, Value, Value]
-"""Along three directions, then about them."""
+"""Six numbers: along three directions, then about them."""
 
 
 class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

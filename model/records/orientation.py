@@ -22,10 +22,10 @@ FORMS = {
     "angles": ("sequence", "about"),
     "matrix": (),
 }
-"""The ways to give an orientation, and the keys that each needs beside it."""
+"""Forms of an orientation, and the keys that each needs beside its own."""
 
 RIGHT_ANGLES = 1e-6
-"""How far the columns of a matrix may be from unit vectors that are perpendicular."""
+"""Largest deviation of the columns of a matrix from perpendicular unit vectors."""
 
 
 class Orientation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -71,24 +71,24 @@ class Orientation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
 
 
 def check_orientation(orientation: Orientation, key: str) -> None:
-    """Refuse an orientation that is given in no form, in two, or by what is no rotation.
+    """Refuse an orientation in no form or in two, and one that is no rotation.
 
     Raises
     ------
     SceneError
         With the dotted key of what is wrong.
     """
-    given = [form for form in FORMS if getattr(orientation, form) is not None]
-    if len(given) != 1:
-        got = " and ".join(given) or "none of them"
+    forms = [form for form in FORMS if getattr(orientation, form) is not None]
+    if len(forms) != 1:
+        got = " and ".join(forms) or "none of them"
         raise SceneError(f"wanted one of {', '.join(FORMS)}; got {got}", key=key)
-    (form,) = given
-    for other in (name for names in FORMS.values() for name in names):
-        has, needs = getattr(orientation, other) is not None, other in FORMS[form]
+    (form,) = forms
+    for name in (name for names in FORMS.values() for name in names):
+        has, needs = getattr(orientation, name) is not None, name in FORMS[form]
         if needs and not has:
-            raise SceneError(f"is missing; wanted {MEANINGS[other]}", key=f"{key}.{other}")
+            raise SceneError(f"is missing; wanted {MEANINGS[name]}", key=f"{key}.{name}")
         if has and not needs:
-            raise SceneError(f"does not belong to {form}; leave it out", key=f"{key}.{other}")
+            raise SceneError(f"does not belong to {form}; leave it out", key=f"{key}.{name}")
     value = getattr(orientation, form)
     if form in ("quaternion", "axis") and not hypot(*value) >= 1 / LARGEST:
         wanted = "Euler parameters of a rotation" if form == "quaternion" else "an axis"

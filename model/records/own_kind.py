@@ -1,4 +1,4 @@
-"""Kinds of one's own as types of joints: what a scene gives them, and how their kernels are found.
+"""Kinds of one's own as types of joints: their inputs in a scene, and the names of their kernels.
 
 The kernels themselves are the business of :mod:`kousoku.codegen.kernel_json`; a scene knows them by
 a name that their content gives them, so that a kind that is derived anew with a change is another.
@@ -13,14 +13,14 @@ import msgspec
 from kousoku.model.records.design import Design, DesignVector
 
 PREFIX = "own:"
-"""What the names of kernels of one's own begin with; no kind that is shipped does."""
+"""Prefix of the names of kernels of one's own; no shipped kind has it."""
 
 ORIGINS, FRAMES = ("origin_i", "origin_j"), ("frame_i", "frame_j")
-"""Inputs of their kernels in a scene: where the origin of the body frame that the scene gives is in
-the principal frame [m], and Euler parameters from the former to the latter."""
+"""Inputs of their kernels in a scene: the origin of the body frame of the scene in the principal
+frame [m], and Euler parameters from the former to the latter."""
 
 KEYS = ("type", "bodies")
-"""Keys of a joint that no input of a kind can be called."""
+"""Keys of a joint that cannot be names of inputs of a kind."""
 
 
 class OwnInput(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -77,12 +77,12 @@ class OwnKind(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
     def point_of(self, body: str) -> str:
         """Input that is the first point of body ``i`` or ``j``, empty of none."""
-        names = (k for k, x in self.inputs.items() if x.body == body and x.unit == "m")
-        return next(names, "")
+        points = (name for name, q in self.inputs.items() if q.body == body and q.unit == "m")
+        return next(points, "")
 
 
 class OwnKinds(msgspec.Struct, frozen=True):
-    """The table of kinds of a scene alone.
+    """The table ``kinds`` of a scene alone.
 
     Parameters
     ----------
@@ -106,6 +106,6 @@ def kind_name(kind: str) -> str:
 def input_name(name: str) -> str:
     """Name of an own input among those of the kernels in a scene.
 
-    No other input of a kernel, and none of what the scene knows by name, has such a name.
+    No other input of a kernel, and no element or parameter of a scene, has such a name.
     """
     return f"{PREFIX}{name}"

@@ -1,6 +1,7 @@
-"""Collect what is wrong with a scene, so that all of it is reported at once.
+"""Problems of a scene, collected so that all of them are reported at once.
 
-What failed is *broken*: checks that depend on it are left out, so that one mistake is one problem.
+An element that failed a check is *broken*: checks that depend on it are left out, so that one
+mistake is one problem.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ class Problems:
         return len(self.found) >= MOST_FOUND
 
     def add(self, problem: str, key: str, *, breaks: str = "", place: str = "") -> None:
-        """Note a problem, and what it makes unusable: the element or table `breaks`."""
+        """Note a problem, and the element or table `breaks` that it makes unusable."""
         self.found.append(Problem(problem, key, place=place))
         if breaks:
             self.break_(breaks)
@@ -55,11 +56,11 @@ class Problems:
         self._touched[key.partition(".")[0]] = None
 
     def is_broken(self, *keys: str) -> bool:
-        """Whether one of some elements, or its table, cannot be used."""
+        """Whether one of these elements, or its table, cannot be used."""
         return any(key in self._broken or key.partition(".")[0] in self._broken for key in keys)
 
     def touches(self, *tables: str) -> bool:
-        """Whether something in one of some tables, or all of it, cannot be used."""
+        """Whether an element of one of these tables, or the whole table, cannot be used."""
         return any(table in self._touched for table in tables)
 
     def check(
@@ -76,7 +77,7 @@ class Problems:
         function : callable
             The check; it raises :class:`SceneError`.
         *a, **k
-            What it takes.
+            Its arguments.
         """
         if self.is_full or self.is_broken(*uses):
             self.break_(key)
@@ -94,7 +95,7 @@ class Problems:
         return list(dict.fromkeys(path[1] for path in paths if path[0] == table and path[1:]))
 
     def settle(self, file: str = "") -> None:
-        """Raise what was found, if anything was.
+        """Raise the problems, if there are any.
 
         Raises
         ------

@@ -122,17 +122,17 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     kinds: Mapping[str, OwnKind] = {}
 
     def __post_init__(self) -> None:
-        for field in TABLES:
-            frozen = MappingProxyType(dict(getattr(self, field)))
-            msgspec.structs.force_setattr(self, field, frozen)
+        for table in TABLES:
+            frozen = MappingProxyType(dict(getattr(self, table)))
+            msgspec.structs.force_setattr(self, table, frozen)
 
     def __repr__(self) -> str:
-        own = ("nodes", "links", "sliders", "inputs")
-        tables = ("bodies", "joints", "drivers", "forces", "events", *own)
+        of_linkages = ("nodes", "links", "sliders", "inputs")
+        tables = ("bodies", "joints", "drivers", "forces", "events", *of_linkages)
         counts = {table: len(getattr(self, table)) for table in tables}
-        one = {"bodies": "body"}
-        parts = [counted(n, one.get(x, x[:-1]), x) for x, n in counts.items() if n]
-        return f"<Scene {self.name}: {', '.join(parts) or 'nothing in it'}>"
+        nouns = {table: table[:-1] for table in tables} | {"bodies": "body"}
+        shown = [counted(count, nouns[table], table) for table, count in counts.items() if count]
+        return f"<Scene {self.name}: {', '.join(shown) or 'nothing in it'}>"
 
     def __reduce__(self) -> tuple[partial[Self], tuple[()]]:
         """Pickle of a scene: tables as dictionaries."""
@@ -146,9 +146,9 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     def length(self, link: str) -> float:
         """Design length of a link [unit of the scene], |r₂ − r₁| of its nodes unless given."""
-        given = self.links[link].length
-        if given is not None:
-            return given
+        length = self.links[link].length
+        if length is not None:
+            return length
         first, second = (self.nodes[node].at for node in self.links[link].nodes)
         return hypot(second[0] - first[0], second[1] - first[1])
 
@@ -194,5 +194,5 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     @property
     def residual_limit(self) -> float:
         """Limit of the residual that the scene asks for [unit of the scene]."""
-        given = self.method.residual
-        return self.default_residual if given is None else given
+        residual = self.method.residual
+        return self.default_residual if residual is None else residual

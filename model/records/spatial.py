@@ -85,7 +85,7 @@ class Body(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
 
 
 SOLIDS = ("mass_points", "boxes", "rods", "cylinders", "spheres")
-"""The keys of a body that list what it is made of."""
+"""Keys of a body that list its solids and mass points."""
 
 
 class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

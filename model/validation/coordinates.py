@@ -1,4 +1,4 @@
-"""Check the parameters and coordinates of a spatial scene: names, and what is measured."""
+"""Check the parameters and coordinates of a spatial scene: their names, joints, points."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ KEYS = {
     "bodies": ("bodies", "points"),
     "body": ("body", "point", "along"),
 }
-"""Keys of each sort of coordinate, by the one that says which it is."""
+"""Keys of each sort of coordinate, by the key that selects the sort."""
 
 TITLES = {
     "joint": "the angle or the displacement of a joint",
     "bodies": "the distance of two points",
     "body": "the place of a point along a direction",
 }
-"""What each sort is, in one line."""
+"""Title of each sort in one line."""
 
 SECOND = "_ddot"
-"""What follows the name of a coordinate in the column of its accelerations."""
+"""Suffix of the column with the second derivative of a coordinate."""
 
 
 def check_coordinates(scene: Scene, problems: Problems) -> None:
@@ -59,12 +59,13 @@ def check_coordinates(scene: Scene, problems: Problems) -> None:
         for name in getattr(scene, table):
             key = join(table, name)
             problems.check(key, [key], _check_name, scene, table, name)
-    for name, given in scene.coordinates.items():
+    for name, coordinate in scene.coordinates.items():
         key = join("coordinates", name)
-        uses = [join("bodies", body) for body in (given.body, *(given.bodies or ())) if body]
-        if given.joint is not None:
-            uses.append(join("joints", given.joint))
-        problems.check(key, [key, *uses], _check_coordinate, scene, given, key)
+        bodies = (coordinate.body, *(coordinate.bodies or ()))
+        uses = [join("bodies", body) for body in bodies if body]
+        if coordinate.joint is not None:
+            uses.append(join("joints", coordinate.joint))
+        problems.check(key, [key, *uses], _check_coordinate, scene, coordinate, key)
 
 
 def _check_name(scene: Scene, table: str, name: str) -> None:
@@ -77,37 +78,37 @@ def _check_name(scene: Scene, table: str, name: str) -> None:
         raise SceneError(
             f"the name {name!r} is {taken[name]} in formulas; choose another name", key=key
         )
-    of = name.removesuffix(SECOND)
-    if table == "coordinates" and (name == "time" or (of != name and of in scene.coordinates)):
+    base = name.removesuffix(SECOND)
+    if table == "coordinates" and (name == "time" or (base != name and base in scene.coordinates)):
         raise SceneError(
             f"the name {name!r} is a column of the motion already; choose another name", key=key
         )
-    of = name.removesuffix(RATE)
-    if of != name and of in scene.coordinates:
+    base = name.removesuffix(RATE)
+    if base != name and base in scene.coordinates:
         raise SceneError(
-            f"the name {name!r} is the rate of coordinates.{of} in formulas; choose another name",
+            f"the name {name!r} is the rate of coordinates.{base} in formulas; choose another name",
             key=key,
         )
 
 
-def _check_coordinate(scene: Scene, given: Coordinate, key: str) -> None:
-    sort = only_one(given, tuple(KEYS), key)
+def _check_coordinate(scene: Scene, coordinate: Coordinate, key: str) -> None:
+    sort = only_one(coordinate, tuple(KEYS), key)
     known = tuple(name for names in KEYS.values() for name in names)
-    refuse_foreign(given, KEYS[sort], known, key)
+    refuse_foreign(coordinate, KEYS[sort], known, key)
     is_angle = False
-    if given.joint is not None:
-        is_angle = check_leaves(scene, given.joint, given.of, key) in ANGLES
-    elif given.bodies is not None:
-        _check_distance(scene, given, key)
+    if coordinate.joint is not None:
+        is_angle = check_leaves(scene, coordinate.joint, coordinate.of, key) in ANGLES
+    elif coordinate.bodies is not None:
+        _check_distance(scene, coordinate, key)
     else:
-        check_place(scene, given.body, given.point, key)
-        if given.along is None:
+        check_place(scene, coordinate.body, coordinate.point, key)
+        if coordinate.along is None:
             raise SceneError("is missing; wanted a direction in frame O", key=f"{key}.along")
-        if not hypot(*given.along) >= 1 / LARGEST:
+        if not hypot(*coordinate.along) >= 1 / LARGEST:
             raise SceneError("has zero length; wanted a direction", key=f"{key}.along")
-    if isinstance(given.near, Angle) and not is_angle:
+    if isinstance(coordinate.near, Angle) and not is_angle:
         raise SceneError("is an angle; wanted a distance", key=f"{key}.near")
-    if given.near is not None and not is_angle and not given.hold:
+    if coordinate.near is not None and not is_angle and not coordinate.hold:
         raise SceneError(
             "belongs to an angle, whose turns it tells apart, or to a coordinate with 'hold'; "
             "leave it out",
@@ -115,12 +116,12 @@ def _check_coordinate(scene: Scene, given: Coordinate, key: str) -> None:
         )
 
 
-def _check_distance(scene: Scene, given: Coordinate, key: str) -> None:
-    assert given.bodies is not None
-    if given.points is None:
+def _check_distance(scene: Scene, coordinate: Coordinate, key: str) -> None:
+    assert coordinate.bodies is not None
+    if coordinate.points is None:
         raise SceneError("is missing; wanted a point in each body", key=f"{key}.points")
-    for index, (body, point) in enumerate(zip(given.bodies, given.points, strict=True)):
+    for index, (body, point) in enumerate(zip(coordinate.bodies, coordinate.points, strict=True)):
         if body != GROUND:
             require_known("body", body, scene.bodies, f"{key}.bodies[{index}]", GROUND)
             check_only_point(scene, body, point, f"{key}.points[{index}]")
-    require_two(given.bodies, key)
+    require_two(coordinate.bodies, key)

@@ -22,7 +22,7 @@ MOST_BODIES = 4
 
 
 def check_coupling(scene: Scene, joint: Joint, key: str) -> None:
-    """Check a joint that couples coordinates of others.
+    """Check a coupling: its keys, its numbers, and the coordinates that it couples.
 
     Raises
     ------
@@ -37,11 +37,12 @@ def check_coupling(scene: Scene, joint: Joint, key: str) -> None:
             f"{with_a(joint.type)} couples what joints leave free, and has none; leave it out",
             key=f"{key}.{name}",
         )
-    wanted = [(name, what, getattr(joint, name)) for name, what in kind.wanted.items()]
-    wanted += [(name, one.meaning, joint.input(name)) for name, one in kind.inputs.items()]
-    for name, what, value in wanted:
+    wanted = [(name, meaning, getattr(joint, name)) for name, meaning in kind.wanted.items()]
+    wanted += [(name, entry.meaning, joint.input(name)) for name, entry in kind.inputs.items()]
+    for name, meaning, value in wanted:
         if value is None:
-            raise SceneError(f"is missing; {with_a(joint.type)} wants {what}", key=f"{key}.{name}")
+            problem = f"is missing; {with_a(joint.type)} wants {meaning}"
+            raise SceneError(problem, key=f"{key}.{name}")
     if joint.joints is not None:
         _check_joints(scene, joint, kind.couples, key)
     for name, _, value in wanted:
@@ -61,19 +62,19 @@ def check_coupling(scene: Scene, joint: Joint, key: str) -> None:
         )
 
 
-def _check_joints(scene: Scene, joint: Joint, wanted: Sequence[str], key: str) -> None:
+def _check_joints(scene: Scene, joint: Joint, sorts: Sequence[str], key: str) -> None:
     coupled: tuple[str, ...] = joint.joints or ()
-    for index, (name, sort) in enumerate(zip(coupled, wanted, strict=True)):
-        place = f"{key}.joints[{index}]"
-        require_known("joint", name, scene.joints, place)
+    for index, (name, sort) in enumerate(zip(coupled, sorts, strict=True)):
+        item_key = f"{key}.joints[{index}]"
+        require_known("joint", name, scene.joints, item_key)
         kind = scene.joints[name].type
         if sort not in leaves_of(kind):
             raise SceneError(
                 f"{name} is {with_a(kind)} joint, which has no {sort} that is one number; wanted a "
                 f"joint that leaves one free",
-                key=place,
+                key=item_key,
             )
-        check_counted(scene, name, sort, place)
+        check_counted(scene, name, sort, item_key)
     if len(set(coupled)) == 1:
         raise SceneError(
             f"couples {coupled[0]} to itself; wanted two different joints", key=f"{key}.joints"
@@ -82,8 +83,8 @@ def _check_joints(scene: Scene, joint: Joint, wanted: Sequence[str], key: str) -
 
 def _bodies(scene: Scene, joint: Joint) -> Iterator[str]:
     """Moving bodies that a coupling connects."""
-    given = [scene.coordinates[name] for name in joint.coordinates or ()]
-    names = [*(joint.joints or ()), *(one.joint for one in given if one.joint is not None)]
-    bodies = [body for name in names for body in scene.joints[name].ends]
-    bodies += [body for one in given for body in (one.body, *(one.bodies or ())) if body]
+    coordinates = [scene.coordinates[name] for name in joint.coordinates or ()]
+    joints = [*(joint.joints or ()), *(u.joint for u in coordinates if u.joint is not None)]
+    bodies = [body for name in joints for body in scene.joints[name].ends]
+    bodies += [body for u in coordinates for body in (u.body, *(u.bodies or ())) if body]
     yield from (body for body in bodies if body != GROUND)

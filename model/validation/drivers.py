@@ -1,4 +1,4 @@
-"""Check the drivers of a spatial scene: what each drives, and by which formula."""
+"""Check the drivers of a spatial scene: driven coordinates and laws of time."""
 
 from __future__ import annotations
 
@@ -48,22 +48,22 @@ def check_drivers(scene: Scene, problems: Problems) -> None:
             if used is not None
         ]
         problems.check(key, [key, *uses], _check_driven, scene, name, drives)
-        if not problems.touches("parameters"):  # a formula may use the one that is missing
+        if not problems.touches("parameters"):  # a formula may use a broken parameter
             problems.check(key, (), _check_laws, scene, driver, key)
             problems.check(key, [key, *uses], _check_turn, scene, driver, f"{key}.value")
-    for name, given in scene.inputs.items():
-        if given.joint is None or problems.is_broken(join("inputs", name)):
+    for name, motion in scene.inputs.items():
+        if motion.joint is None or problems.is_broken(join("inputs", name)):
             continue
-        driven = (given.joint, sort_of(scene.joints[given.joint].type, None))
+        driven = (motion.joint, sort_of(scene.joints[motion.joint].type, None))
         if other := drives.get(driven):
-            problem = f"prescribes the joint {given.joint}, as {other} does"
+            problem = f"prescribes the joint {motion.joint}, as {other} does"
             problems.add(problem, join("inputs", name))
 
 
 def _check_driven(scene: Scene, name: str, drives: dict[Driven, str]) -> None:
     driver, key = scene.drivers[name], join("drivers", name)
     kind = DRIVERS[only_one(driver, tuple(DRIVERS), key)]
-    known = tuple(dict.fromkeys(name for one in DRIVERS.values() for name in one.all_keys))
+    known = tuple(dict.fromkeys(name for sort in DRIVERS.values() for name in sort.all_keys))
     refuse_foreign(driver, kind.all_keys, known, key)
     for driven in kind.driven(scene, driver, key):
         other = drives.setdefault(driven, key)
@@ -76,17 +76,17 @@ def _check_laws(scene: Scene, driver: Driver, key: str) -> None:
     laws = {f"{key}.path[{index}]": value for index, value in enumerate(driver.path or ())}
     if driver.value is not None:
         laws[f"{key}.value"] = driver.value
-    for name, one in own_inputs().items():
-        if one.depends_on == "time" and driver.input(name) is not None:
+    for name, entry in own_inputs().items():
+        if entry.depends_on == "time" and driver.input(name) is not None:
             laws[f"{key}.{name}"] = driver.input(name)
     problems = Problems()
-    for place, value in laws.items():
-        problems.check(place, (), _check_law, scene, value, place)
+    for law_key, value in laws.items():
+        problems.check(law_key, (), _check_law, scene, value, law_key)
     problems.settle()
 
 
 def _check_turn(scene: Scene, driver: Driver, key: str) -> None:
-    """Check that an angle which says which turn it is in is driven in that one."""
+    """Check that the law of an angle starts within half a turn of its ``near``."""
     if driver.value is None:
         return
     turn = DRIVERS[only_one(driver, tuple(DRIVERS), key)].near(scene, driver)
@@ -103,7 +103,7 @@ def _check_turn(scene: Scene, driver: Driver, key: str) -> None:
 
 
 def _check_law(scene: Scene, value: Value, key: str) -> float:
-    """Check a formula of time: it is known at the start, and so are its two derivatives.
+    """Check a formula of time: it and its first two derivatives are finite at the start.
 
     Returns
     -------
@@ -117,23 +117,23 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
         raise SceneError(_with_state(scene, str(error)), key=key) from None
     kink = kink_of(law, TIME, scene.parameters)
     if kink is not None:
-        what = {Op.POW: "a power", Op.DIV: "a quotient"}.get(kink.op, kink.op.value)
+        operation = {Op.POW: "a power", Op.DIV: "a quotient"}.get(kink.op, kink.op.value)
         raise SceneError(
-            f"{what} has a kink, where velocities or accelerations would jump: a "
+            f"{operation} has a kink, where velocities or accelerations would jump: a "
             "driver must have two derivatives; wanted a smooth formula",
             key=key,
         )
-    starts = []
-    for order, what in enumerate(("value", "rate", "acceleration")):
-        starts.append(value_of(rate_of(law, order), start))
-        if not isfinite(starts[-1]):
-            raise SceneError(f"has no finite {what} at t = 0; wanted one", key=key)
-    return starts[0]
+    derivatives = []
+    for order, name in enumerate(("value", "rate", "acceleration")):
+        derivatives.append(value_of(rate_of(law, order), start))
+        if not isfinite(derivatives[-1]):
+            raise SceneError(f"has no finite {name} at t = 0; wanted one", key=key)
+    return derivatives[0]
 
 
 def _with_state(scene: Scene, problem: str) -> str:
-    """Message, and that formulas of drivers do not depend on coordinates."""
-    names = (f"{name}{end}" for name in scene.coordinates for end in ("", RATE))
+    """Message; for a name of a coordinate or its rate, what laws of drivers may depend on."""
+    names = (f"{name}{suffix}" for name in scene.coordinates for suffix in ("", RATE))
     if any(f"name {name!r}" in problem for name in names):
         return f"{problem.partition('; ')[0]}; a driver depends on t and on parameters only"
     return problem

@@ -39,7 +39,7 @@ def uses_of(force: Force) -> list[str]:
 def check_force(
     scene: Scene, force: Force, key: str, names: Collection[str], problems: Problems
 ) -> None:
-    """Check the parts of a force, each whatever is wrong with the others.
+    """Check the keys and the formulas of a force, each whatever is wrong with the other.
 
     Formulas are checked unless a table of names that they may use is not what it should be.
 
@@ -62,20 +62,20 @@ def check_force(
 
 
 def _check_keys(scene: Scene, force: Force, key: str) -> None:
-    """Refuse keys that do not belong to the type, bodies that are not there, and lost points."""
+    """Refuse keys that do not belong to the type, unknown bodies, and wrong values of its keys."""
     require_known("force", force.type, FORCES, f"{key}.type")
     kind = FORCES[force.type]
-    own = kind.keys
-    for name in dict.fromkeys(name for one in FORCES.values() for name in one.keys):
-        if name not in own and getattr(force, name) is not None:
+    every_key = dict.fromkeys(name for sort in FORCES.values() for name in sort.keys)
+    for name in every_key:
+        if name not in kind.keys and getattr(force, name) is not None:
             raise SceneError(f"{with_a(force.type)} has none; leave it out", key=f"{key}.{name}")
-    if "bodies" in own:
+    if "bodies" in kind.keys:
         _check_ends(scene, force, key)
     kind.check(scene, force, key)
 
 
 def _check_ends(scene: Scene, force: Force, key: str) -> None:
-    """Check what has two bodies."""
+    """Check the two bodies of a spring or a bushing."""
     if force.bodies is None:
         raise SceneError("is missing; wanted the two bodies", key=f"{key}.bodies")
     for index, name in enumerate(force.bodies):
@@ -84,19 +84,19 @@ def _check_ends(scene: Scene, force: Force, key: str) -> None:
 
 
 def _check_formulas(scene: Scene, force: Force, key: str, names: Collection[str]) -> None:
-    """Refuse texts that are no formulas, all of them."""
-    fixed, start = fixed_names(scene), values_at_start(scene)
+    """Refuse all texts that are no formulas, and unknown names in formulas."""
+    constants, start = fixed_names(scene), values_at_start(scene)
     known: dict[str, Collection[str]]
-    known = {"parameters": fixed, "time": fixed_names(scene, TIME), "motion": names}
+    known = {"parameters": constants, "time": fixed_names(scene, TIME), "motion": names}
     known["law"] = fixed_names(scene, *LAW_NAMES)
-    given = [(name, getattr(force, name), depends_on) for name, depends_on in DEPENDS_ON.items()]
+    values = [(name, getattr(force, name), depends_on) for name, depends_on in DEPENDS_ON.items()]
     inputs = FORCES[force.type].inputs if force.type in FORCES else {}
-    given += [(name, force.input(name), one.depends_on) for name, one in inputs.items()]
-    found = [
+    values += [(name, force.input(name), entry.depends_on) for name, entry in inputs.items()]
+    problems = [
         problem
-        for name, value, depends_on in given
+        for name, value, depends_on in values
         if depends_on != "nothing"
         for problem in formula_problems(value, known[depends_on], f"{key}.{name}", start)
     ]
-    if found:
-        raise SceneError.of(found)
+    if problems:
+        raise SceneError.of(problems)

@@ -1,4 +1,4 @@
-"""Check the mass properties of a body: what no body can have is refused."""
+"""Check the mass properties of a body: impossible masses, sizes and moments are refused."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def check_mass(body: Body, key: str) -> None:
         All that is wrong, each with its dotted key.
     """
     problems = Problems()
-    problems.check(key, (), _check_given, body, key)
+    problems.check(key, (), _check_keys, body, key)
     mass = f"{key}.mass"
     if body.mass is not None:
         problems.check(mass, (), _check_positive, body.mass, "mass", "kg", mass)
@@ -42,41 +42,41 @@ def check_mass(body: Body, key: str) -> None:
     problems.settle()
 
 
-def _check_given(body: Body, key: str) -> None:
-    """Refuse what a point does not have, and what has no meaning without a mass."""
-    direct = [of for of in ("mass", "center", "inertia") if getattr(body, of) is not None]
+def _check_keys(body: Body, key: str) -> None:
+    """Refuse centre, inertia and solids of a point, and centre and inertia without a mass."""
+    given_keys = [name for name in ("mass", "center", "inertia") if getattr(body, name) is not None]
     if body.point:
         for name in ("center", "inertia", *SOLIDS):
             if getattr(body, name) not in (None, ()):
                 raise SceneError("a point has a mass only; leave it out", key=f"{key}.{name}")
-    if direct and body.mass is None:
-        raise SceneError(f"is missing, but {direct[0]} is given", key=f"{key}.mass")
+    if given_keys and body.mass is None:
+        raise SceneError(f"is missing, but {given_keys[0]} is given", key=f"{key}.mass")
 
 
 def _check_solid(solid: object, key: str, problems: Problems) -> None:
-    """Check the parts of a solid, each whatever is wrong with the others."""
+    """Check the keys of a solid, each whatever is wrong with the others."""
     mass = getattr(solid, "mass", None)
     problems.check(f"{key}.mass", (), _check_positive, mass, "mass", "kg", f"{key}.mass")
     for name in ("size", "radius", "ends", "orientation"):
-        value, place = getattr(solid, name, None), f"{key}.{name}"
+        value, value_key = getattr(solid, name, None), f"{key}.{name}"
         if value is None:
             continue
         if name == "radius":
-            problems.check(place, (), _check_positive, value, name, "", place)
+            problems.check(value_key, (), _check_positive, value, name, "", value_key)
         elif name == "size":
             for index, edge in enumerate(value):
-                part = f"{place}[{index}]"
-                problems.check(part, (), _check_positive, edge, "edge", "", part)
+                edge_key = f"{value_key}[{index}]"
+                problems.check(edge_key, (), _check_positive, edge, "edge", "", edge_key)
         elif name == "orientation":
-            problems.check(place, (), check_orientation, value, place)
+            problems.check(value_key, (), check_orientation, value, value_key)
         elif value[0] == value[1]:
-            problems.add("are the same point; wanted two", place)
+            problems.add("are the same point; wanted two", value_key)
 
 
-def _check_positive(value: float | None, what: str, unit: str, key: str) -> None:
+def _check_positive(value: float | None, noun: str, unit: str, key: str) -> None:
     if value is None or not 1 / LARGEST <= value <= LARGEST:
         shown = f"{value!r} {unit}".rstrip()
-        raise SceneError(f"{with_a(what)} of {shown}; wanted a positive {what}", key=key)
+        raise SceneError(f"{with_a(noun)} of {shown}; wanted a positive {noun}", key=key)
 
 
 def _check_inertia(body: Body, key: str) -> None:
@@ -103,11 +103,11 @@ def _check_inertia(body: Body, key: str) -> None:
 
 def _principal_moments(body: Body) -> list[float]:
     """Principal moments about the centre of mass, from the smallest to the largest."""
-    given = body.inertia
-    assert given is not None
-    rows = (given.xx, given.xy, given.zx), (given.xy, given.yy, given.yz)
-    tensor = np.array([*rows, (given.zx, given.yz, given.zz)], dtype=float)
-    if given.about is not None:
-        d = np.subtract(body.center or (0.0, 0.0, 0.0), given.about)
+    inertia = body.inertia
+    assert inertia is not None
+    rows = (inertia.xx, inertia.xy, inertia.zx), (inertia.xy, inertia.yy, inertia.yz)
+    tensor = np.array([*rows, (inertia.zx, inertia.yz, inertia.zz)], dtype=float)
+    if inertia.about is not None:
+        d = np.subtract(body.center or (0.0, 0.0, 0.0), inertia.about)
         tensor -= float(body.mass or 0.0) * (d @ d * np.eye(3) - np.outer(d, d))
     return [float(moment) for moment in np.linalg.eigvalsh(tensor)]

@@ -29,7 +29,7 @@ C_KEYWORDS = _words(
     throw try typeid typename using virtual wchar_t xor xor_eq
     """
 )
-"""Of C99 to C23, and of C++, which includes the emitted header."""
+"""Keywords of C99 to C23, and of C++, which includes the emitted header."""
 
 C_LIBRARY = _words(
     """

@@ -1,4 +1,4 @@
-"""Check the elements of a planar linkage one by one: names resolve, lengths are lengths."""
+"""Check the elements of a planar linkage one by one: names resolve, lengths are positive."""
 
 from __future__ import annotations
 
@@ -75,27 +75,27 @@ def _check_point(point: tuple[float, ...], key: str) -> None:
 
 
 def _check_links(scene: Scene, problems: Problems) -> None:
-    seen: dict[frozenset[str], str] = {}
+    link_of: dict[frozenset[str], str] = {}
     known = tuple(scene.nodes)
     for name, link in scene.links.items():
         key = join("links", name)
         uses = [join("nodes", node) for node in link.nodes]
-        for node, place in zip(link.nodes, uses, strict=True):
-            is_known = node in scene.nodes or problems.is_broken(place, key)
+        for node, node_key in zip(link.nodes, uses, strict=True):
+            is_known = node in scene.nodes or problems.is_broken(node_key, key)
             if not is_known and not problems.is_full:
-                also = problems.broken("nodes")
-                problem = unknown(f"node {node[:40]!r}", node, (*known, *also))
+                broken = problems.broken("nodes")
+                problem = unknown(f"node {node[:40]!r}", node, (*known, *broken))
                 problems.add(problem, f"{key}.nodes", breaks=key)
-        problems.check(key, [key, *uses], _check_ends, scene, name, seen)
+        problems.check(key, [key, *uses], _check_ends, scene, name, link_of)
         problems.check(key, [], _check_length, link, key)
         problems.check(key, [key], _check_distance, scene, name)
 
 
-def _check_ends(scene: Scene, name: str, seen: dict[frozenset[str], str]) -> None:
+def _check_ends(scene: Scene, name: str, link_of: dict[frozenset[str], str]) -> None:
     link, key = scene.links[name], join("links", name)
     if link.nodes[0] == link.nodes[1]:
         raise SceneError(f"connects {link.nodes[0]} to itself; wanted two different nodes", key=key)
-    other = seen.setdefault(frozenset(link.nodes), name)
+    other = link_of.setdefault(frozenset(link.nodes), name)
     if other != name:
         first, second = scene.length(other), scene.length(name)
         why = "repeats it" if first == second else f"contradicts it: {second!r}, not {first!r}"
@@ -106,9 +106,9 @@ def _check_ends(scene: Scene, name: str, seen: dict[frozenset[str], str]) -> Non
 
 def _check_length(link: Link, key: str) -> None:
     if link.length is not None and not (1 / LARGEST <= link.length <= LARGEST):
-        what = "has zero length" if link.length == 0 else f"has the length {link.length!r}"
+        problem = "has zero length" if link.length == 0 else f"has the length {link.length!r}"
         raise SceneError(
-            f"{what}; wanted a length between {1 / LARGEST:g} and {LARGEST:g}",
+            f"{problem}; wanted a length between {1 / LARGEST:g} and {LARGEST:g}",
             key=f"{key}.length",
         )
 
@@ -118,9 +118,9 @@ def _check_distance(scene: Scene, name: str) -> None:
     first, second = (scene.nodes[node].at for node in link.nodes)
     distance = hypot(second[0] - first[0], second[1] - first[1])
     if distance == 0:
-        what = "has zero length" if link.length is None else "has no direction"
+        problem = "has zero length" if link.length is None else "has no direction"
         raise SceneError(
-            f"{what}: {link.nodes[0]} and {link.nodes[1]} are given at the same position; "
+            f"{problem}: {link.nodes[0]} and {link.nodes[1]} are given at the same position; "
             "wanted positions that show where the link points",
             key=key,
         )
@@ -134,7 +134,7 @@ def _check_distance(scene: Scene, name: str) -> None:
 
 
 def _check_scale(scene: Scene) -> None:
-    """Refuse what rounding would swallow: links and residuals below the last digit."""
+    """Refuse links within the limit of the residual, and a limit below rounding."""
     limit = scene.residual_limit
     for name in scene.links:
         if not scene.length(name) > limit:
@@ -168,20 +168,20 @@ def _check_frame(scene: Scene) -> None:
 
 
 def _check_sliders(scene: Scene, problems: Problems) -> None:
-    on: dict[str, str] = {}
+    slider_of: dict[str, str] = {}
     for name, slider in scene.sliders.items():
         key = join("sliders", name)
         uses = [key, join("nodes", slider.node)]
-        problems.check(key, uses, _check_sliding, scene, name, on)
+        problems.check(key, uses, _check_sliding, scene, name, slider_of)
         problems.check(key, [], _check_line, slider, key)
 
 
-def _check_sliding(scene: Scene, name: str, on: dict[str, str]) -> None:
+def _check_sliding(scene: Scene, name: str, slider_of: dict[str, str]) -> None:
     slider, key = scene.sliders[name], join("sliders", name)
     require_known("node", slider.node, scene.nodes, f"{key}.node")
     if scene.nodes[slider.node].fixed:
         raise SceneError(f"the node {slider.node} is fixed and cannot slide", key=f"{key}.node")
-    other = on.setdefault(slider.node, name)
+    other = slider_of.setdefault(slider.node, name)
     if other != name:
         raise SceneError(
             f"the node {slider.node} slides on sliders.{other} already; a node on two lines "
@@ -202,15 +202,15 @@ def _check_rigid(scene: Scene, rigid: Rigid, key: str) -> None:
     if len(rigid.links) < 2:
         raise SceneError("wanted two links or more", key=f"{key}.links")
     for index, name in enumerate(rigid.links):
-        place = f"{key}.links[{index}]"
-        require_known("link", name, scene.links, place)
+        item_key = f"{key}.links[{index}]"
+        require_known("link", name, scene.links, item_key)
         if name in rigid.links[:index]:
-            raise SceneError(f"the link {name} stands there twice", key=place)
+            raise SceneError(f"the link {name} stands there twice", key=item_key)
         if rigid.at not in scene.links[name].nodes:
             first, second = scene.links[name].nodes
             raise SceneError(
                 f"the link {name} runs from {first} to {second} and does not meet {rigid.at}",
-                key=place,
+                key=item_key,
             )
     if rigid.angle is not None and len(rigid.links) > 2:
         raise SceneError(

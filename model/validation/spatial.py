@@ -37,13 +37,13 @@ if TYPE_CHECKING:
     from kousoku.model.records.spatial import Body, Joint
 
 PARALLEL = 1e-9
-"""Sine of the smallest angle between two directions that are distinguished."""
+"""Sine of the smallest angle between two directions that are not parallel."""
 
 OF_ONES_OWN = "kind of your own comes with kinds=[...], see docs/own_kind.md"
-"""What is said of a type that is unknown, behind the nearest one."""
+"""Hint of a message about an unknown type of joints, behind the nearest type."""
 
 TURNING = ("orientation", "angular_velocity")
-"""What a point cannot hold."""
+"""Values of ``hold`` that a point does not have."""
 
 ROTATION_KEYS = ("orientation", "angular_velocity", "angular_velocity_b")
 """Keys of a body that a point does not have."""
@@ -101,7 +101,7 @@ def check_spatial(scene: Scene, problems: Problems) -> None:
 
 
 def _check_body(body: Body, key: str, problems: Problems) -> None:
-    """Check the parts of a body, each whatever is wrong with the others."""
+    """Check motion, orientation and mass of a body, each whatever is wrong with the others."""
     problems.check(key, (), _check_turning, body, key)
     if body.orientation is not None:
         problems.check(key, (), check_orientation, body.orientation, f"{key}.orientation")
@@ -124,18 +124,18 @@ def _check_turning(body: Body, key: str) -> None:
 
 
 def _check_joint(scene: Scene, joint: Joint, key: str, problems: Problems) -> None:
-    """Check the parts of a joint, each whatever is wrong with the others, or with its bodies."""
-    own = scene.kinds.get(joint.type)
-    kind = None if own else problems.check(key, (), _kind, scene, joint, key)
+    """Check bodies, axes, numbers and points of a joint, each whatever is wrong with the others."""
+    own_kind = scene.kinds.get(joint.type)
+    kind = None if own_kind else problems.check(key, (), _kind_of, scene, joint, key)
     ends = [join("bodies", body) for body in joint.bodies or () if body != GROUND]
     problems.check(key, (), _check_two_bodies, joint, key)
-    for index, body in enumerate(joint.bodies or ()):  # each whatever is wrong with the other
-        place = f"{key}.bodies[{index}]"
+    for index, body in enumerate(joint.bodies or ()):  # each whatever is wrong with the other body
+        body_key = f"{key}.bodies[{index}]"
         uses = [join("bodies", body)] if body != GROUND else []
-        problems.check(key, uses, require_known, "body", body, scene.bodies, place, GROUND)
-    if own is not None:
-        problems.check(key, (), _check_inputs, joint, own, key)
-        problems.check(key, [key, *ends], _check_own_points, scene, joint, own, key)
+        problems.check(key, uses, require_known, "body", body, scene.bodies, body_key, GROUND)
+    if own_kind is not None:
+        problems.check(key, (), _check_inputs, joint, own_kind, key)
+        problems.check(key, [key, *ends], _check_own_points, scene, joint, own_kind, key)
     if kind is None:
         return
     problems.check(key, (), _check_axes, joint, kind, key)
@@ -171,7 +171,7 @@ def _keeps_orientation(joint: Joint, index: int, key: str) -> SceneError:
     )
 
 
-def _kind(scene: Scene, joint: Joint, key: str) -> JointKind:
+def _kind_of(scene: Scene, joint: Joint, key: str) -> JointKind:
     if joint.type not in NAMES:
         known = (*NAMES, *scene.kinds)
         problem = unknown(f"joint {joint.type[:40]!r}", joint.type, known)
@@ -181,22 +181,22 @@ def _kind(scene: Scene, joint: Joint, key: str) -> JointKind:
 
 
 def _check_inputs(joint: Joint, kind: OwnKind, key: str) -> None:
-    """Check that a joint of one's own has what its kind wants, and nothing else."""
-    given = joint.inputs or {}
+    """Check that a joint of one's own kind has the inputs of the kind, and no other keys."""
+    values = joint.inputs or {}
     for name in joint.__struct_fields__:
         if name not in ("type", "bodies", joint.FLAT) and getattr(joint, name) is not None:
             wanted = ", ".join(("bodies", *kind.inputs))
             raise SceneError(
                 f"{with_a(joint.type)} joint has none; it has {wanted}", key=f"{key}.{name}"
             )
-    for name, one in kind.inputs.items():
-        if name not in given:
-            what = "a list of 3 numbers" if one.vector else "a number"
+    for name, own_input in kind.inputs.items():
+        if name not in values:
+            sort = "a list of 3 numbers" if own_input.vector else "a number"
             raise SceneError(
-                f"is missing; {with_a(joint.type)} joint wants {what}: {one.meaning}",
+                f"is missing; {with_a(joint.type)} joint wants {sort}: {own_input.meaning}",
                 key=f"{key}.{name}",
             )
-    directions = [name for name, one in kind.inputs.items() if one.is_direction]
+    directions = [name for name, own_input in kind.inputs.items() if own_input.is_direction]
     _check_lengths({f"{key}.{name}": joint.vector(name) for name in directions})
 
 
@@ -207,13 +207,13 @@ def _check_own_points(scene: Scene, joint: Joint, kind: OwnKind, key: str) -> No
             continue
         if turns:
             raise _keeps_orientation(joint, index, key)
-        for own, one in kind.inputs.items():
-            if one.body == end:
-                check_only_point(scene, name, joint.vector(own), f"{key}.{own}")
+        for input_name, own_input in kind.inputs.items():
+            if own_input.body == end:
+                check_only_point(scene, name, joint.vector(input_name), f"{key}.{input_name}")
 
 
 def _check_point(joint: Joint, kind: JointKind, key: str) -> None:
-    """Check that a joint has its point once."""
+    """Check that a joint that has a point is given it once, in frame O or in both bodies."""
     if not kind.has_point:
         for name in ("points", "at"):
             if getattr(joint, name) is not None:
@@ -238,22 +238,22 @@ def _check_point(joint: Joint, kind: JointKind, key: str) -> None:
 
 def _check_axes(joint: Joint, kind: JointKind, key: str) -> None:
     """Check the axes, and then the directions across them."""
-    given = [name for name in ("axes", "axis", "second_axis") if getattr(joint, name) is not None]
+    names = [name for name in ("axes", "axis", "second_axis") if getattr(joint, name) is not None]
     if not kind.axes and not (kind.has_zero and joint.zero is not None):
-        for name in given:
+        for name in names:
             raise SceneError(
                 f"{with_a(joint.type)} joint has no axis; leave it out", key=f"{key}.{name}"
             )
         _check_zero(joint, kind, key)
         return
-    if not given:
+    if not names:
         raise SceneError(
             f"is missing; {with_a(joint.type)} joint wants an axis in each body, or in frame O as"
             " 'axis'",
             key=f"{key}.axes",
         )
-    if joint.axes is not None and len(given) > 1:
-        raise SceneError("has axes too; wanted one of them", key=f"{key}.{given[1]}")
+    if joint.axes is not None and len(names) > 1:
+        raise SceneError("has axes too; wanted one of them", key=f"{key}.{names[1]}")
     if joint.axes is None and joint.axis is None:
         raise SceneError("is missing; wanted the axis of body i", key=f"{key}.axis")
     if kind.axes == 2 and joint.axes is None and joint.second_axis is None:
@@ -263,7 +263,7 @@ def _check_axes(joint: Joint, kind: JointKind, key: str) -> None:
             f"{with_a(joint.type)} joint has one axis; leave it out", key=f"{key}.second_axis"
         )
     axes = {f"{key}.axes[{index}]": axis for index, axis in enumerate(joint.axes or ())}
-    axes |= {f"{key}.{name}": getattr(joint, name) for name in given if name != "axes"}
+    axes |= {f"{key}.{name}": getattr(joint, name) for name in names if name != "axes"}
     _check_lengths(axes)
     _check_zero(joint, kind, key)
 
@@ -278,7 +278,7 @@ def _check_zero(joint: Joint, kind: JointKind, key: str) -> None:
             key=f"{key}.zero",
         )
     _check_lengths({f"{key}.zero[{index}]": zero for index, zero in enumerate(joint.zero)})
-    # Beside an axis in frame O they are looked at when the frames of the bodies are known.
+    # Beside an axis in frame O they are checked when the frames of the bodies are known.
     for index, (zero, axis) in enumerate(zip(joint.zero, joint.axes or (), strict=False)):
         sizes = hypot(*zero) * hypot(*axis)
         (a, b, c), (x, y, z) = zero, axis
@@ -291,8 +291,8 @@ def _check_zero(joint: Joint, kind: JointKind, key: str) -> None:
 def _check_numbers(joint: Joint, kind: JointKind, key: str) -> None:
     """Refuse numbers of other joints."""
     for name in ("pitch", "joints", "ratio", "radius", "coordinates", "factors"):
-        given = getattr(joint, name)
-        if given is not None and name not in kind.keys:
+        value = getattr(joint, name)
+        if value is not None and name not in kind.keys:
             raise SceneError(
                 f"{with_a(joint.type)} joint has none; leave it out", key=f"{key}.{name}"
             )
@@ -322,5 +322,5 @@ def _check_gravity(scene: Scene) -> None:
         All of them.
     """
     start = values_at_start(scene)
-    if found := list(formula_problems(scene.gravity, fixed_names(scene), "gravity", start)):
-        raise SceneError.of(found)
+    if problems := list(formula_problems(scene.gravity, fixed_names(scene), "gravity", start)):
+        raise SceneError.of(problems)

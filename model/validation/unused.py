@@ -1,4 +1,4 @@
-"""Refuse what a scene of bodies gives without effect: nothing is dropped silently."""
+"""Refuse keys of a scene of bodies that have no effect: nothing is dropped silently."""
 
 from __future__ import annotations
 
@@ -22,30 +22,32 @@ OF_LINKAGES = ("positions", "velocities", "accelerations", "angles")
 """All outputs of a planar linkage."""
 
 SOURCES = {"coordinates": ("coordinates",), "reactions": ("joints", "drivers")}
-"""The tables that an output comes from."""
+"""Tables whose elements an output needs."""
 
 
-def check_unused(scene: Scene, given: Collection[str], problems: Problems) -> None:
+def check_unused(scene: Scene, written_keys: Collection[str], problems: Problems) -> None:
     """Note each key of a scene of bodies that changes nothing.
 
-    What may depend on a part that is wrong is not looked at: the part may need it.
+    Keys that an element with a problem may need are left out.
 
     Parameters
     ----------
     scene : Scene
         What could be built of it.
-    given : collection of str
+    written_keys : collection of str
         The keys of the scene that are written, defaults included.
     problems : Problems
         What is broken in it, and where to note what else is wrong.
     """
-    if "divisions" in given and not (scene.inputs or problems.touches("inputs", "divisions")):
+    if "divisions" in written_keys and not (
+        scene.inputs or problems.touches("inputs", "divisions")
+    ):
         problem = (
             "divides the way of inputs, and there are none; leave it out: a run says its times, as "
             "kousoku simulate --end and --samples"
         )
         problems.add(problem, "divisions")
-    if "method" in given and scene.method == Method() and not problems.is_broken("method"):
+    if "method" in written_keys and scene.method == Method() and not problems.is_broken("method"):
         problems.add("belongs to a planar linkage; leave it out", "method")
     _check_outputs(scene, problems)
     _check_masses(scene, problems)
@@ -57,21 +59,22 @@ def check_unused(scene: Scene, given: Collection[str], problems: Problems) -> No
     for name, force in scene.forces.items():
         key = join("forces", name)
         if not problems.is_broken(key):
-            for own, problem in FORCES[force.type].unused(force) if force.type in FORCES else ():
-                problems.add(problem, f"{key}.{own}")
+            unused = FORCES[force.type].unused(force) if force.type in FORCES else ()
+            for own_key, problem in unused:
+                problems.add(problem, f"{key}.{own_key}")
 
 
 def _check_outputs(scene: Scene, problems: Problems) -> None:
-    """Refuse outputs of what the scene has none of."""
+    """Refuse outputs of elements that the scene does not have."""
     for index, output in enumerate(scene.outputs):
         if output not in OUTPUTS or problems.touches(*SOURCES.get(output, ())):
-            continue  # it is refused elsewhere, or what it comes from is broken
+            continue  # the output is refused elsewhere, or its table is broken
         if problem := output_problem(scene, output):
             problems.add(problem, f"outputs[{index}]")
 
 
 def output_problem(scene: Scene, output: str) -> str:
-    """Problem with an output of a scene: it knows none such, or has none.
+    """Problem with an output of a scene: it is unknown, or the scene has no elements for it.
 
     Parameters
     ----------
@@ -97,16 +100,16 @@ def output_problem(scene: Scene, output: str) -> str:
 
 
 def foreign_output(scene: Scene, output: str) -> str:
-    """Problem with an output that scenes of the other sort have, else nothing."""
+    """Problem with an output that scenes of the other sort alone have, else an empty text."""
     known, others = (OUTPUTS, OF_LINKAGES) if scene.is_spatial else (OF_LINKAGES, OUTPUTS)
     if output in known or output not in others:
         return ""
-    what = "bodies and joints" if scene.is_spatial else "a planar linkage"
-    return f"{output!r} is no output of {what}; leave it out"
+    mechanism = "bodies and joints" if scene.is_spatial else "a planar linkage"
+    return f"{output!r} is no output of {mechanism}; leave it out"
 
 
 def _check_masses(scene: Scene, problems: Problems) -> None:
-    """Refuse forces where there is no mass that they could move."""
+    """Refuse forces where no body has a mass."""
     if not scene.forces or not scene.bodies or problems.touches("bodies"):
         return
     if any(getattr(body, key) for body in scene.bodies.values() for key in ("mass", *SOLIDS)):

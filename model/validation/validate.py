@@ -1,4 +1,4 @@
-"""Check what can be known of a scene before anything is derived."""
+"""Check all that can be known of a scene before anything is derived of it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ MOST_ITERATIONS = 100_000
 """Largest limit of iterations in one step that is accepted."""
 
 MOST_CLOSURE = 0.01
-"""Largest ``closure_tolerance``: ten times that is distinguished from what joints do not imply."""
+"""Largest ``closure_tolerance``; rows that miss by ten times as much are independent."""
 
 LONGEST_TITLE = 120
 """Characters of the longest title, which becomes one line of generated text."""
@@ -54,14 +54,14 @@ def check(scene: Scene) -> tuple[str, ...]:
     """
     problems = Problems()
     fields = msgspec.structs.fields(scene)
-    given = [field.name for field in fields if getattr(scene, field.name) != field.default]
-    notes = check_parts(scene, problems, given)
+    written_keys = [field.name for field in fields if getattr(scene, field.name) != field.default]
+    notes = check_parts(scene, problems, written_keys)
     problems.settle()
     return notes
 
 
-def check_parts(scene: Scene, problems: Problems, given: Collection[str]) -> tuple[str, ...]:
-    """Check what there is of a scene; what concerns it as a whole only when all parts are right.
+def check_parts(scene: Scene, problems: Problems, written_keys: Collection[str]) -> tuple[str, ...]:
+    """Check the elements of a scene, and the whole mechanism only when all elements are right.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def check_parts(scene: Scene, problems: Problems, given: Collection[str]) -> tup
         What could be built of it.
     problems : Problems
         What is broken in it, and where to note what else is wrong.
-    given : collection of str
+    written_keys : collection of str
         The keys of the scene that are written, defaults included.
 
     Returns
@@ -100,7 +100,7 @@ def check_parts(scene: Scene, problems: Problems, given: Collection[str]) -> tup
     check_inputs(scene, problems)
     if is_spatial:
         check_drivers(scene, problems)
-        check_unused(written, given, problems)
+        check_unused(written, written_keys, problems)
     if is_spatial or problems.found:
         return ()
     problems.check("inputs", (), check_mobility, scene)
@@ -127,17 +127,17 @@ def _check_names(scene: Scene, problems: Problems) -> None:
     problem = scene_name_problem(scene.name)
     if problem and not problems.is_broken("name"):
         problems.add(problem, "name")
-    seen: dict[str, str] = {}
+    table_of: dict[str, str] = {}
     for table in TABLES:
         for name in getattr(scene, table):
-            place = join(table, name)
+            element_key = join(table, name)
             problem = name_problem(name)
             if problem:
-                problems.add(problem, table, breaks=place, place=place)
-            elif name in seen:
-                problem = f"the name {name!r} is also in {seen[name]}; wanted a name of its own"
-                problems.add(problem, place)
-            seen.setdefault(name, table)
+                problems.add(problem, table, breaks=element_key, place=element_key)
+            elif name in table_of:
+                problem = f"the name {name!r} is also in {table_of[name]}; wanted a name of its own"
+                problems.add(problem, element_key)
+            table_of.setdefault(name, table)
 
 
 def _check_settings(scene: Scene, problems: Problems) -> None:

@@ -47,12 +47,14 @@ class QuadraticDrag(ForceKind):
         require_known("body", force.body, scene.bodies, f"{key}.body")
         require_one(force.input("coefficient"), f"{key}.coefficient")
 
-    def elements(self, name: str, force: Force, given: Lowering) -> Iterator[ForceElement]:
+    def elements(self, name: str, force: Force, lowering: Lowering) -> Iterator[ForceElement]:
         """Drag as an element."""
         from kousoku.model.numbers import precise
 
-        frame = given.frames[force.body or ""]
+        frame = lowering.frames[force.body or ""]
         point = precise.triple(force.input("centre") or (0.0, 0.0, 0.0))
-        numbers, formulas = scalars({"coefficient": (force.input("coefficient"), 1 / given.unit)})
-        constants = (("s_j_b", frame.point(point, given.unit)), *numbers)
+        numbers, formulas = scalars(
+            {"coefficient": (force.input("coefficient"), 1 / lowering.unit)}
+        )
+        constants = (("s_j_b", frame.point(point, lowering.unit)), *numbers)
         yield Drag(name, GROUND_INDEX, frame.index, constants, formulas=formulas)
