@@ -109,11 +109,11 @@ def formula_problems(
     key : str
         Its dotted key.
     start : mapping of str to float
-        What is known at the start: a formula of nothing else must have a finite value there.
+        Values that are known at the start: a formula of these alone must have a finite value.
     """
     if isinstance(value, tuple):
-        for index, one in enumerate(value):
-            yield from formula_problems(one, names, f"{key}[{index}]", start)
+        for index, item in enumerate(value):
+            yield from formula_problems(item, names, f"{key}[{index}]", start)
     elif isinstance(value, str):
         try:
             formula = parse_expression(value, names)

@@ -124,10 +124,10 @@ class _Parser:
         if self.start == len(self.text):
             self.kind, self.token, self.end = "", "", self.start
             return
-        found = _TOKEN.match(self.text, self.start)
-        if found is None:
+        match = _TOKEN.match(self.text, self.start)
+        if match is None:
             raise self.error(f"{self.text[self.start]!r} belongs to no formula")
-        self.kind, self.token, self.end = found.lastgroup or "", found.group(), found.end()
+        self.kind, self.token, self.end = match.lastgroup or "", match.group(), match.end()
 
     def takes(self, *marks: str) -> str:
         """Read one of some marks if it comes next; return it, or nothing."""
@@ -199,8 +199,8 @@ class _Parser:
             return inner
         kind, token = self.kind, self.token
         if kind not in {"name", "number"}:
-            what = f"{token!r} stands" if kind else "the formula ends"
-            raise self.error(f"{what} where a number, a name or a '(' is wanted")
+            culprit = f"{token!r} stands" if kind else "the formula ends"
+            raise self.error(f"{culprit} where a number, a name or a '(' is wanted")
         self.advance()
         if kind == "number":
             value = self.number(token, start)
@@ -257,8 +257,8 @@ class _Parser:
 
     def close(self, opened: int) -> None:
         if not self.takes(")"):
-            what = f"{self.token[:40]!r} stands" if self.kind else "the formula ends"
-            raise self.error(f"{what} before the '(' of column {opened + 1} is closed")
+            culprit = f"{self.token[:40]!r} stands" if self.kind else "the formula ends"
+            raise self.error(f"{culprit} before the '(' of column {opened + 1} is closed")
 
     def nest(self, start: int) -> None:
         self.nesting += 1
