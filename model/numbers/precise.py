@@ -76,8 +76,8 @@ def total(values: Sequence[High]) -> High:
     """Sum Σ values (n,), a scalar in their unit, rounded once where no number is traced."""
     if any(isinstance(value, Traced) for value in values):
         return sum(values, ZERO[0])
-    found: High = CONTEXT.fsum(values)
-    return found
+    rounded_sum: High = CONTEXT.fsum(values)
+    return rounded_sum
 
 
 def triple(values: Iterable[float]) -> Triple:

@@ -80,7 +80,7 @@ class Package:
     kernels : tuple of Kernel
         In the order of the text.
     choices : tuple of str
-        Of a kind with several choices of its rows: what the names of its kernels end in, such as
+        Of a kind with several choices of its rows: endings of the names of its kernels, such as
         ``x`` of ``constraint_x``; they have the same arguments, and share what they compute alike.
     """
 
