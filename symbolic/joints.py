@@ -94,9 +94,9 @@ def own_point_drops(d: SymbolicMatrix, from_own_origin: Mapping[str, SymbolicMat
     def rule(x: SymbolicMatrix) -> SymbolicMatrix | None:
         scalar, factors = coefficient_and_factors(x)
         for k in range(len(factors) - 2):
-            for body, own in from_own_origin.items():
+            for body, arm in from_own_origin.items():
                 if factors[k : k + 3] == (transpose(d), A[body], skew(SYMBOLS[f"s_{body}_b"])):
-                    return mul(scalar, *factors[:k], transpose(own), *factors[k + 1 :])
+                    return mul(scalar, *factors[:k], transpose(arm), *factors[k + 1 :])
         return None
 
     return rule

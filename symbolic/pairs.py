@@ -48,8 +48,8 @@ def derive(package: str) -> Derivation:
 
 def body_frame_offset() -> SymbolicMatrix:
     """Offset A_iᵀ d (3,) [m] = y − (p·p)² s_i′, frame of i, by A_iᵀA_i = (p·p)² I and (8.8)."""
-    own = mul(transpose(A["i"]), FROM_CENTRE)
-    return add(Y, orthogonality(own) or own)
+    own_point = mul(transpose(A["i"]), FROM_CENTRE)
+    return add(Y, orthogonality(own_point) or own_point)
 
 
 def _offset_steps(*before: SymbolicMatrix) -> tuple[SymbolicMatrix, tuple[Step, ...]]:
