@@ -1,4 +1,4 @@
-"""The records that a derivation is made of, and how one looks into them."""
+"""Records of a derivation, and access to their parts."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ class Derivation:
     steps : tuple of Step
         The derivation on the matrix level, in the order of reading.
     functions : tuple of Function
-        What is emitted.
+        The functions that are emitted.
     numbers : range, optional
         The numbers of the steps, where they are those of a longer derivation; from 1 when left out.
     """

@@ -28,7 +28,7 @@ TO_POINT = add(SYMBOLS["r_j"], mul(A["j"], SYMBOLS["s_j_b"]), neg(SYMBOLS["r_i"]
 FROM_CENTRE = neg(mul(A["i"], SYMBOLS["s_i_b"]))
 #: The vector from the point on i to the point on j, frame O.
 D = NamedMatrix("d", add(TO_POINT, FROM_CENTRE))
-#: Why γ in the relative angular velocity Ω is equal to what the product rule leaves.
+#: Why γ in the relative angular velocity Ω is equal to the result of the product rule.
 TURNING_RULE = "seen from one body dy/dt = Ω × y and dΩ/dt = Ω × ω, by (7.15)"
 #: The point on j seen from the frame of i.
 Y = NamedMatrix("y", mul(transpose(A["i"]), TO_POINT))

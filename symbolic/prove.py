@@ -84,7 +84,7 @@ def prove_steps(derivation: Derivation) -> int:
     """Prove that the lines of a derivation follow from each other.
 
     Two lines with the same left-hand side must have equal right-hand sides; where the left-hand
-    side is itself a formula, it must equal the right. δA is what the component level gives. An
+    side is itself a formula, it must equal the right. δA is that of the component level. An
     identity that fails for Euler parameters of any norm must hold for those of norm one.
 
     Parameters

@@ -116,18 +116,18 @@ class Value(Scalar, SymbolicMatrix, Protocol):
 
 
 def as_matrix(x: Any) -> SymbolicMatrix:
-    """SymbolicMatrix that SymPy gave, as one for mypy."""
+    """Matrix of SymPy, typed for mypy."""
     matrix: SymbolicMatrix = x
     return matrix
 
 
 def as_scalar(x: Any) -> Scalar:
-    """Number that SymPy gave, as one for mypy."""
+    """Number of SymPy, typed for mypy."""
     scalar: Scalar = x
     return scalar
 
 
 def as_value(x: Any) -> Value:
-    """Number or matrix that SymPy gave, as either for mypy."""
+    """Number or matrix of SymPy, typed as either for mypy."""
     value: Value = x
     return value

@@ -38,7 +38,7 @@ def read_formulas(scene: Scene, problems: Problems) -> Scene:
     scene : Scene
         As it was decoded.
     problems : Problems
-        Where to note what is wrong; such a formula becomes the number 1, and its element is broken.
+        Where to note wrong formulas; such a formula becomes 1, and its element is broken.
     """
     values: dict[str, float] = {}
     broken = problems.broken("parameters")
@@ -73,7 +73,7 @@ def with_numbers(scene: Scene) -> Scene:
 
 
 def _require_fixed(text: str, moving: Collection[str]) -> None:
-    """Refuse a formula of what changes in a run."""
+    """Refuse a formula of names that change in a run."""
     for match in WORD.finditer(text):
         if (name := match.group()) in moving:
             quantity = "the time" if name == TIME else f"{name}, which moves"
@@ -88,7 +88,7 @@ def _in_fifty_digits(parameters: Mapping[str, float]) -> dict[str, Any]:
 
 
 def _value(text: str, parameters: Mapping[str, float], exact: Mapping[str, Any]) -> float:
-    """Number that a formula is in a scene: it has one in 50 digits and in doubles."""
+    """Value of a formula in a scene, which must be finite in 50 digits and in doubles."""
     from kousoku.model.numbers.traced import traced
 
     expression = parse_expression(text, parameters)
@@ -105,7 +105,7 @@ def changed_scene(scene: Scene, change: Callable[[Formula, str], float]) -> Scen
     Parameters
     ----------
     scene : Scene
-        What is changed.
+        The scene that is changed.
     change : callable
         Gets a formula and its dotted key.
     """

@@ -1,7 +1,7 @@
-"""Enclosures: what bounds a formula where its names are anywhere between two values.
+"""Enclosures: bounds of a formula whose names are anywhere between two values.
 
 The bounds are formulas themselves, the natural interval extension of Moore: each function is
-replaced by what it does to intervals. Rounding is not directed outward, so that a bound may be
+replaced by its effect on intervals. Rounding is not directed outward, so that a bound may be
 exceeded by units in the last place.
 """
 
@@ -61,7 +61,7 @@ def enclosure(expression: Expression, spans: Mapping[str, Bounds]) -> Bounds:
     expression : Expression
         The formula.
     spans : mapping of str to Bounds
-        What bounds each name that varies; others are what they are.
+        Bounds of each name that varies; other names bound themselves.
     """
     names = {name: spans.get(name) or _point(symbol(name)) for name in names_of(expression)}
     return evaluated(expression, lambda value: _point(number(value)), names, _applied)

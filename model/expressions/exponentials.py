@@ -33,7 +33,7 @@ class Form:
 
     Parameters
     ----------
-    whole, factor, exponent : Expression
+    formula, factor, exponent : Expression
         The formula and its parts.
     logarithm : Expression or None
         None where the numbers and exponentials in it do not tell that it is positive.
@@ -45,7 +45,7 @@ class Form:
         Terms that it is the sum of.
     """
 
-    whole: Expression
+    formula: Expression
     factor: Expression
     exponent: Expression = ZERO
     logarithm: Expression | None = None
@@ -64,7 +64,7 @@ def without_overflow(formula: Expression) -> Expression:
     for part in ordered(formula):
         args = [known[id(arg)] for arg in part.args]
         known[id(part)] = _form(part, args)
-    return known[id(formula)].whole
+    return known[id(formula)].formula
 
 
 def rate_of(law: Expression, order: int) -> Expression:
@@ -85,37 +85,37 @@ def _form(part: Expression, args: Sequence[Form]) -> Form:
     if not part.args:
         is_positive = part.value is not None and part.value > 0
         return Form(part, part, logarithm=_logarithm(part) if is_positive else None)
-    is_same = all(form.whole is arg for form, arg in zip(args, part.args, strict=True))
-    whole = part if is_same else apply(part.op, *(form.whole for form in args))
+    is_same = all(form.formula is arg for form, arg in zip(args, part.args, strict=True))
+    formula = part if is_same else apply(part.op, *(form.formula for form in args))
     a, b = args[0], args[-1]
     match part.op:
         case Op.EXP:
-            return Form(whole, ONE, a.whole, a.whole)
+            return Form(formula, ONE, a.formula, a.formula)
         case Op.NEG:
-            return _product(whole, neg(a.factor), a.exponent, None, args)
+            return _product(formula, neg(a.factor), a.exponent, None, args)
         case Op.ADD:
             logarithm = _combined_logarithms(_log_of_sum, args)
             is_sum = logarithm is not None and any(form.exponent != ZERO for form in args)
-            return Form(whole, whole, ZERO, logarithm, is_sum, terms=tuple(args))
+            return Form(formula, formula, ZERO, logarithm, is_sum, terms=tuple(args))
         case Op.MUL:
             exponent, logarithm = add(a.exponent, b.exponent), _combined_logarithms(add, args)
-            return _product(whole, mul(a.factor, b.factor), exponent, logarithm, args)
+            return _product(formula, mul(a.factor, b.factor), exponent, logarithm, args)
         case Op.DIV if b.is_sum:
             return _quotient(a, b)
         case Op.DIV:
             logarithm = _combined_logarithms(lambda x, y: add(x, neg(y)), args)
-            return _product(whole, div(a.factor, b.whole), a.exponent, logarithm, [a])
-        case Op.POW if a.is_sum and a.logarithm is not None and b.whole.value is not None:
-            logarithm = mul(b.whole, a.logarithm)
-            if b.whole.value > 0:
-                return Form(whole, whole, ZERO, logarithm, is_sum=True)
+            return _product(formula, div(a.factor, b.formula), a.exponent, logarithm, [a])
+        case Op.POW if a.is_sum and a.logarithm is not None and b.formula.value is not None:
+            logarithm = mul(b.formula, a.logarithm)
+            if b.formula.value > 0:
+                return Form(formula, formula, ZERO, logarithm, is_sum=True)
             return Form(apply(Op.EXP, logarithm), ONE, logarithm, logarithm, is_rewritten=True)
         case _:
-            return Form(whole, whole)
+            return Form(formula, formula)
 
 
 def _product(
-    whole: Expression,
+    formula: Expression,
     factor: Expression,
     exponent: Expression,
     logarithm: Expression | None,
@@ -124,9 +124,9 @@ def _product(
     """Product: its exponentials become one where there are several, or one was a quotient."""
     are_several = sum(form.exponent != ZERO for form in args) > 1
     is_rewritten = are_several or any(form.is_rewritten for form in args)
-    whole = mul(factor, apply(Op.EXP, exponent)) if is_rewritten else whole
+    formula = mul(factor, apply(Op.EXP, exponent)) if is_rewritten else formula
     is_sum = logarithm is not None and any(form.is_sum for form in args)
-    return Form(whole, factor, exponent, logarithm, is_sum, is_rewritten)
+    return Form(formula, factor, exponent, logarithm, is_sum, is_rewritten)
 
 
 def _quotient(a: Form, b: Form) -> Form:
@@ -135,11 +135,11 @@ def _quotient(a: Form, b: Form) -> Form:
     logarithm = None if a.logarithm is None else add(a.logarithm, neg(b.logarithm))
     if any(term.exponent != ZERO for term in a.terms):
         terms = tuple(_quotient(term, b) for term in a.terms)
-        whole = add(*(term.whole for term in terms))
-        return Form(whole, whole, ZERO, logarithm, terms=terms)
+        formula = add(*(term.formula for term in terms))
+        return Form(formula, formula, ZERO, logarithm, terms=terms)
     exponent = add(a.exponent, neg(b.logarithm))
-    whole = mul(a.factor, apply(Op.EXP, exponent))
-    return Form(whole, a.factor, exponent, logarithm, is_rewritten=True)
+    formula = mul(a.factor, apply(Op.EXP, exponent))
+    return Form(formula, a.factor, exponent, logarithm, is_rewritten=True)
 
 
 def _combined_logarithms(

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Set
 
 OTHER = {Op.SIN: Op.COS, Op.COS: Op.SIN}
-"""The function whose sign tells on which branch the inverse of one is."""
+"""The function whose sign tells the branch of the inverse of another."""
 
 SIZES = frozenset({Op.ABS, Op.LOG})
 """Functions, beside roots of even powers, of which quotients are jumps: logarithms in exponents."""

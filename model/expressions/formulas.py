@@ -48,9 +48,9 @@ def state_names(scene: Scene) -> frozenset[str]:
 
 
 def used_names(formula: str, names: Collection[str]) -> tuple[str, ...]:
-    """Names of those given that stand in a formula, in the order of its text.
+    """Names among ``names`` that stand in a formula, in the order of its text.
 
-    What is multiplied by zero stands there, too: the formula cannot be read without it.
+    Factors of zero count, too: the formula cannot be read without them.
     """
     return tuple(dict.fromkeys(name for name in WORD.findall(formula) if name in names))
 

@@ -48,7 +48,7 @@ LONGEST_FORMULA = 2000
 """Characters of the longest formula."""
 
 DEEPEST = 60
-"""Levels of the deepest formula: parentheses, and operations on what others give."""
+"""Levels of the deepest formula: parentheses, and operations on results of others."""
 
 ARGUMENTS = {
     op.value: 2 if op in BINARY_OPS else 1
@@ -95,7 +95,7 @@ def parse_expression(
 
 
 class _Parser:
-    """Rest of a text that is to be read, one token ahead."""
+    """Reader of the remaining text of a formula, one token ahead."""
 
     def __init__(self, text: str, names: Collection[str]) -> None:
         self.text = text
@@ -103,7 +103,7 @@ class _Parser:
         self.depths: dict[int, int] = {}
         self.kept: list[Expression] = []
         self.nesting = 0
-        self.counted = -1  # where the last number of degrees began
+        self.degrees_at = -1  # of the last number of degrees
         self.kind, self.token, self.start, self.end = "", "", 0, 0
         self.advance()
 
@@ -206,7 +206,7 @@ class _Parser:
             value = self.number(token, start)
             if self.token != "deg":
                 return number(value)
-            self.counted = start
+            self.degrees_at = start
             self.advance()
             return number(value * DEGREE)
         if token in self.names:
@@ -220,7 +220,9 @@ class _Parser:
 
     def is_degrees(self, start: int) -> bool:
         """Whether the text that was read since then begins with a number of degrees."""
-        return start <= self.counted and not self.text[start : self.counted].strip("+- \t\r\n")
+        return start <= self.degrees_at and not self.text[start : self.degrees_at].strip(
+            "+- \t\r\n"
+        )
 
     def number(self, token: str, start: int) -> Fraction:
         digits, _, exponent = token.lower().partition("e")

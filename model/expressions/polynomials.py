@@ -1,6 +1,7 @@
-"""Formulas as polynomials with exact numbers: what their square parts are, and their real roots.
+"""Formulas as polynomials with exact numbers: their square factors and real roots.
 
-What is no sum, product or whole power is a variable: ``sin(t)^2 - 2*sin(t) + 1`` is a polynomial.
+A part that is no sum, product or whole power is a variable: ``sin(t)^2 - 2*sin(t) + 1`` is a
+polynomial.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ HIGHEST = 24
 
 Powers = tuple[int, ...]
 Terms = dict[Powers, Fraction]
-#: Of one variable: the factor of its n-th power at place n, the last one not zero.
+#: Of one variable: the factor of its n-th power at index n, the last one not zero.
 Coefficients = tuple[Fraction, ...]
 
 
@@ -49,7 +50,7 @@ class Polynomial:
     Parameters
     ----------
     variables : tuple of Expression
-        What there are powers of.
+        Bases of the powers.
     terms : mapping of tuple of int to Fraction
         The factor of each product, by the powers of the variables; none is zero.
     """
@@ -145,7 +146,7 @@ def root_of_even_power(part: Expression) -> tuple[Expression, Fraction] | None:
 
 
 def root_exponent(part: Expression) -> Fraction | None:
-    """Exponent b of a root, a^b where b is not whole; None of what is no root."""
+    """Exponent b of a root, a^b where b is not whole; None of any other formula."""
     if part.op is Op.SQRT:
         return Fraction(1, 2)
     exponent = part.args[1].value if part.op is Op.POW else None
@@ -156,7 +157,7 @@ def with_squares_apart(part: Expression) -> Expression:
     """Root with the roots of squares in it apart: ``sqrt(x^2 - 2*x + 1)``, ``(x - 1)^2``.
 
     Written out it is known to half of its digits where it is near to zero, and is nowhere known to
-    be an absolute value. What is no root is returned as it is.
+    be an absolute value. Any other formula is returned as it is.
     """
     exponent = root_exponent(part)
     if exponent is None or _even_power(part.args[0]) or not (squares := _squares_of(part.args[0])):

@@ -1,4 +1,4 @@
-"""Quotients that are 0/0 somewhere and have a limit there, as sin(x)/x: what bounds them.
+"""Bounds of quotients that are 0/0 somewhere and have a limit there, as sin(x)/x.
 
 Intervals tell nothing of a quotient N/D where D may be zero. Where N and D are zero with z, and so
 are their derivatives by z before the k-th, both are divided by zᵏ: with Taylor's theorem N/zᵏ is
@@ -187,7 +187,7 @@ def _named(
 
 
 def _varying_parts(divisor: Expression, varying: Collection[str]) -> Iterator[Expression]:
-    """Parts of a divisor that vary, the largest first: any may be what is zero with it."""
+    """Parts of a divisor that vary, the largest first: candidates for z."""
     for part in reversed(ordered(divisor)):
         if not set(varying).isdisjoint(names_of(part)):
             yield part

@@ -368,8 +368,8 @@ def varying_parts(
 ) -> Iterator[tuple[Expression, Expression]]:
     """Smooth functions whose sum or extreme a formula is, except polynomials of low degree.
 
-    Where they vary much faster than elsewhere, steps that were long enough step over it. Products
-    and powers of them vary faster than they do: these are looked at as a whole.
+    Where they vary much faster than elsewhere, a step of the usual length may skip it. Products and
+    powers of them vary faster than they do: these are taken as a whole.
     Names that are not among the varying ones do not change in a run. With each function comes the
     constant that it is multiplied by, so that their product is in the unit of the formula.
     """
@@ -411,7 +411,7 @@ def _degree_of(
 
 
 def _is_transparent(part: Expression, varying: Collection[str]) -> bool:
-    """Whether a function of polynomials is one, but for kinks."""
+    """Whether a function of polynomials is a polynomial, but for kinks."""
     if part.op is Op.POW:
         exponent = part.args[1].value
         return exponent is not None and exponent.denominator == 1 and exponent >= 0

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.precise import High
     from kousoku.model.operations.expression import Expression
 
-#: Factors count as zero that are no more than this part of the largest in their row: rounding of
-#: doubles leaves as much of what cancels, as where gears drive each other in a circle.
+#: Factors up to this part of the largest in their row count as zero: rounding of doubles leaves as
+#: much of factors that cancel, as where gears drive each other in a circle.
 NO_FACTOR = 1e-12
 
 

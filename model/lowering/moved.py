@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def moved_by_parameters(system: System, constraint: Instance) -> bool:
-    """Whether parameters move what a constraint connects, seen in the frames of the user.
+    """Whether parameters move points or axes of a constraint, seen in the frames of the user.
 
     Where only a centre of mass moves in its body, they do not.
     """

@@ -178,7 +178,7 @@ def base_of(package: str) -> str:
 
 
 def kind_of(package: str) -> ConstraintKind:
-    """Constraint of a package of one of these kinds."""
+    """Kind of the constraint or coordinate of a package."""
     base = base_of(package)
     return CONSTRAINTS[base] if base in CONSTRAINTS else COORDINATES[base]
 

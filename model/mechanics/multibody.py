@@ -205,7 +205,7 @@ class ForceElement:
     kind : str
         Its name, that of the package of its kernels where it has one; each class has its own.
     i, j : int
-        The two bodies; what acts on one body alone acts on j, and i is the ground.
+        The two bodies; a force on one body alone acts on j, and i is the ground.
     constants : tuple of (str, tuple of float)
         Numbers, by names that its class knows. ``s_i_b`` and ``s_j_b`` [m] are points of bodies i
         and j in the principal frames, frame O for the ground; three numbers are a vector.

@@ -32,7 +32,7 @@ IDENTITY: Quadruple = (CONTEXT.mpf(1), *ZERO)
 def number(value: float | Fraction | High) -> High:
     """Number of a double without rounding, or of a fraction in 50 digits; 50 digits as they are.
 
-    Of an angle in degrees it is the angle: 90 degrees are a right one.
+    Of an angle in degrees it is the exact angle: 90 degrees are a right angle.
 
     Of a double that depends on parameters it is the number with its formula.
     """

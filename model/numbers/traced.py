@@ -6,8 +6,8 @@ Comparisons take the value; nothing is known to be zero or one that is so in the
 
 Whether a formula depends on parameters at all, as m/m does not, is seen at two further values of
 the parameters: a formula that has the same value at all three, to 40 digits, is a number. That
-holds for all values, because these formulas are made of analytic functions. What is not one
-everywhere, such as √ and max, counts there as a quantity of its own, of which nothing is known.
+holds for all values, because these formulas are made of analytic functions. A function that is
+not analytic everywhere, such as √ and max, counts there as an independent quantity.
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ class Package:
     name : str
         Folder and C prefix, an identifier such as ``p2_z``.
     title : str
-        What the kernels are of, in one line.
+        Subject of the kernels, in one line.
     regenerate : str
         The command that makes the folder again.
     kernels : tuple of Kernel
