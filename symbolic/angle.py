@@ -98,7 +98,7 @@ def _n1(vector: SymbolicMatrix) -> SymbolicMatrix:
 def _closed() -> ClosedForm:
     """Slopes θ_q and θ_qq: with u = c + i s, ln u = ρ + i θ and (ln u)_qq = u_qq/u − (u_q/u)²."""
     fixed = MatrixSymbol("h", 3, 1)
-    own, other = (
+    theta_q, rho_q = (
         name_blocks(letter, [replaced(block, fixed, vector) for block in _row(fixed)])
         for letter, vector in (("C", ACROSS), ("G", ALONG))
     )
@@ -108,12 +108,12 @@ def _closed() -> ClosedForm:
     across = NamedMatrix("m_j", mul(skew(axis_from_j), SYMBOLS["a_j_b"]))
     inverse = APART * squares[0] * squares[1] / SQUARE
     turn = mul(inverse, NamedMatrix("o_j", mul(skew(SYMBOLS["a_j_b"]), across)))
-    assert isinstance(own[3], NamedMatrix)
-    row = (*own[:3], NamedMatrix(own[3].name, transpose(turn)))
-    kept = [[replaced(block, fixed, ACROSS) for block in line] for line in _second(fixed)]
+    assert isinstance(theta_q[3], NamedMatrix)
+    row = (*theta_q[:3], NamedMatrix(theta_q[3].name, transpose(turn)))
+    n1_second = [[replaced(block, fixed, ACROSS) for block in line] for line in _second(fixed)]
     return ClosedForm(
         row,
-        name_lines("K", less_products(kept, (own, other), (other, own))),
+        name_lines("K", less_products(n1_second, (theta_q, rho_q), (rho_q, theta_q))),
         (
             "the Jacobian of n1 for h and a_j",
             "δh = −g δθ − h δρ, ρ = ln √(c² + s²): that of n1 for h, less products of rows",
@@ -144,11 +144,12 @@ def _plain() -> Plain:
     first, second = SYMBOLS["a_i_b"], symbol(THIRD)
     c_q, s_q = name_blocks("c", _row(first)), name_blocks("s", _row(second))
     lines = zip(name_lines("c", _second(first)), name_lines("s", _second(second)), strict=True)
-    row, other = zip(*(_chain(c, s) for c, s in zip(c_q, s_q, strict=True)), strict=True)
-    whole = [[_chain(c, s)[0] for c, s in zip(*line, strict=True)] for line in lines]
+    theta_q, rho_q = zip(*(_chain(c, s) for c, s in zip(c_q, s_q, strict=True)), strict=True)
+    chained = [[_chain(c, s)[0] for c, s in zip(*line, strict=True)] for line in lines]
     rates, gammas = zip(*((_n1_rate(x), n1_gamma(x, "i")) for x in (first, second)), strict=True)
     gamma = _plain_gamma(*rates, *gammas)
-    return Plain(row, less_products(whole, (row, other), (other, row)), gamma)
+    second = less_products(chained, (theta_q, rho_q), (rho_q, theta_q))
+    return Plain(theta_q, second, gamma)
 
 
 def _chain(of_c: SymbolicMatrix, of_s: SymbolicMatrix) -> tuple[SymbolicMatrix, SymbolicMatrix]:

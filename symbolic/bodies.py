@@ -55,8 +55,8 @@ class JacobianColumns:
     name : str
         ``r_i`` or ``θ_i``.
     delta, velocity, acceleration : Letter (3, 1)
-        δr [m] in frame O or δθ′ [rad] in the body frame, and what stands for it when δ is d/dt,
-        once and twice: lecture 7.1, (variation-and-rate).
+        δr [m] in frame O or δθ′ [rad] in the body frame, and its counterparts when δ is d/dt, once
+        and twice: lecture 7.1, (variation-and-rate).
     """
 
     name: str

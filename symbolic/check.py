@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from kousoku.symbolic.forms import Constraint
 
 
-def check_constraint(c: Constraint, given: Sequence[str]) -> None:
-    """Check the size of a constraint, and that its own inputs are not ``given`` already.
+def check_constraint(c: Constraint, taken: Sequence[str]) -> None:
+    """Check the size of a constraint, and that none of its own inputs has a ``taken`` name.
 
     Raises
     ------
@@ -42,10 +42,10 @@ def check_constraint(c: Constraint, given: Sequence[str]) -> None:
             "wanted a column, and one component for each of its rows"
         )
     for quantity in c.inputs:
-        if quantity.name in given:
+        if quantity.name in taken:
             raise DerivationError(
                 f"{c.name}: the input {quantity.name} is there already, with a meaning of its own "
-                f"({', '.join(given)}); choose another name"
+                f"({', '.join(taken)}); choose another name"
             )
 
 
@@ -99,13 +99,13 @@ def require_own_name(name: str) -> None:
     _check_each("a kind", name, (name,))
 
 
-def _check_each(what: str, where: str, names: Sequence[str]) -> None:
-    for place, name in enumerate(names):
+def _check_each(role: str, where: str, names: Sequence[str]) -> None:
+    for index, name in enumerate(names):
         problem = name_problem(name)
-        if name in names[:place]:
+        if name in names[:index]:
             problem = f"{name!r} is there twice; give each its own name"
         if problem is not None:
-            raise DerivationError(f"{where}: name of {what}: {problem}")
+            raise DerivationError(f"{where}: name of {role}: {problem}")
 
 
 def _check_size(where: str, output: DerivedOutput) -> None:

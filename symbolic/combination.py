@@ -69,8 +69,8 @@ RATE = Variation(
 )
 
 
-def _combined(parts: Sequence[SymbolicMatrix]) -> SymbolicMatrix:
-    return add(*(mul(symbol(FACTORS[k]), part) for k, part in zip(BOTH, parts, strict=True)))
+def _combined(terms: Sequence[SymbolicMatrix]) -> SymbolicMatrix:
+    return add(*(mul(symbol(FACTORS[k]), term) for k, term in zip(BOTH, terms, strict=True)))
 
 
 VALUE = add(
@@ -105,7 +105,7 @@ def _steps() -> tuple[Step, ...]:
         add(*(mul(block, changes[k]) for k, block in zip(BOTH, JACOBIAN, strict=True)))
         for changes in (DELTAS, VELOCITIES)
     ]
-    given = [NamedMatrix(f"gamma_{k}", neg(mul(TURNING[k], VELOCITIES[k]))) for k in BOTH]
+    gammas = [NamedMatrix(f"gamma_{k}", neg(mul(TURNING[k], VELOCITIES[k]))) for k in BOTH]
     blocks = [
         Step(MatrixSymbol(f"C_{k}", 1, COLUMNS), block, f"coefficient of δq_{k}", "")
         for k, block in zip(BOTH, JACOBIAN, strict=True)
@@ -125,7 +125,7 @@ def _steps() -> tuple[Step, ...]:
             "d²C/dt² = C_q dv/dt − γ: minus what is left without accelerations",
             "",
         ),
-        Step(left["gamma"], add(_combined(given), symbol(LAW_DDOT)), "γ = −(dJ/dt) v in each", ""),
+        Step(left["gamma"], add(_combined(gammas), symbol(LAW_DDOT)), "γ = −(dJ/dt) v in each", ""),
     )
 
 

@@ -138,7 +138,7 @@ class Flow:
             change = self(x.base)
             return as_scalar(S.Zero if change == 0 else x.exp * x.base ** (x.exp - 1) * change)
         if isinstance(x, sympy.atan2):
-            above, beside = x.args
-            turned = beside * self(above) - above * self(beside)
-            return as_scalar(turned / (above**2 + beside**2))
+            v, u = x.args
+            numerator = u * self(v) - v * self(u)
+            return as_scalar(numerator / (v**2 + u**2))
         return as_scalar(sympy.Add(*(x.diff(s) * change for s, change in self._direction.items())))

@@ -36,8 +36,8 @@ def derive_constraint(c: Constraint) -> Derivation:
     Raises
     ------
     DerivationError
-        The value is no column of as many rows as there are components, holds what is not declared,
-        or has no linear form; the message says which.
+        The value is no column of as many rows as there are components, holds undeclared symbols, or
+        has no linear form; the message says which.
     """
     check_constraint(c, [*(q.name for q in (*CONFIGURATION, *MOTION)), "lam"])
     forms = collect(c)

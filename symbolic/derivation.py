@@ -1,4 +1,4 @@
-"""The records that a derivation is made of, and how one looks into them."""
+"""Records of a derivation, and access to their parts."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Step:
     Parameters
     ----------
     left : sympy.Basic
-        What the line is about, e.g. δC.
+        Left-hand side, e.g. δC.
     right : sympy.Basic
-        What it equals now.
+        Right-hand side.
     rule : str
         Why: the rule that led here, in words.
     source : str
@@ -67,7 +67,7 @@ class DerivedOutput:
         Further forms on the matrix level, on the way to which ``expression`` is proved equal to
         the components: each next one equals the one before it.
     at_pole : float, optional
-        What is documented where the components have a pole or a kink: a number for each element,
+        Documented value where the components have a pole or a kink: a number for each element,
         NaN where it must not be finite. Nothing is checked there when left out.
     """
 
@@ -144,7 +144,7 @@ class Derivation:
     steps : tuple of Step
         The derivation on the matrix level, in the order of reading.
     functions : tuple of Function
-        What is emitted.
+        The functions that are emitted.
     numbers : range, optional
         The numbers of the steps, where they are those of a longer derivation; from 1 when left out.
     """
@@ -237,8 +237,8 @@ class Derivation:
         """
         from kousoku.symbolic.prove import prove, prove_steps
 
-        found = {function.name: prove(function) for function in self.functions}
-        return {"steps": prove_steps(self), **found}
+        counts = {function.name: prove(function) for function in self.functions}
+        return {"steps": prove_steps(self), **counts}
 
     @overload
     def __getitem__(self, key: int) -> Step: ...
@@ -278,11 +278,11 @@ class Derivation:
         numbers = self.step_numbers
         steps = f"steps {numbers[0]} to {numbers[-1]}" if numbers else "no steps"
         functions = [f"  {function!r}" for function in self.functions[:MOST_FUNCTIONS]]
-        left = len(self.functions) - len(functions)
-        more = [f"  and {left} more in .functions"] if left else []
+        hidden = len(self.functions) - len(functions)
+        more = [f"  and {hidden} more in .functions"] if hidden else []
         head = _line(f"<Derivation {self.name}: {self.title}")
-        how = f"{steps}, which print() shows; of a part, print(...[:5])"
-        return "\n".join([head, _line(f"  {self.source}; {how}"), *functions, *more]) + ">"
+        usage = f"{steps}, which print() shows; of a part, print(...[:5])"
+        return "\n".join([head, _line(f"  {self.source}; {usage}"), *functions, *more]) + ">"
 
     def _repr_latex_(self) -> str:
         from kousoku.symbolic.printing import print_steps
@@ -298,8 +298,8 @@ def _line(text: str, tail: str = "") -> str:
     """Line of a repr, cut where it is too long; the tail goes first."""
     room = LONGEST_LINE - min(len(tail), LONGEST_LINE // 2)
     head = text if len(text) <= room else text[: room - 1] + "…"
-    whole = head + tail
-    return whole if len(whole) <= LONGEST_LINE else whole[: LONGEST_LINE - 2] + "…" + whole[-1]
+    line = head + tail
+    return line if len(line) <= LONGEST_LINE else line[: LONGEST_LINE - 2] + "…" + line[-1]
 
 
 def _shaped(quantity: Quantity, elements: Any) -> Any:

@@ -38,7 +38,7 @@ VARIATIONS = tuple(column.delta for column in COLUMNS)
 class Plain:
     """The chain rule, in the polynomials that a value is a function of, each with a name.
 
-    They are what both levels have in common: nothing needs to be multiplied out.
+    Both levels have these in common: nothing needs to be multiplied out.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class Plain:
 class ClosedForm:
     """Short forms of the derivatives of a value that is no polynomial.
 
-    What the product rule leaves of it is longer, and loses digits. The multiplier comes last in the
+    The result of the product rule is longer, and loses digits. The multiplier comes last in the
     reaction, so that no number is rounded to a subnormal one and then multiplied.
 
     Parameters
@@ -68,11 +68,11 @@ class ClosedForm:
     second : tuple of tuple of SymbolicMatrix (3, 3)
         δ of each of them, transposed, by the same four.
     rules : tuple of str
-        Why the Jacobian equals what is left of δC; what its variation rests on.
+        Why the Jacobian equals the coefficients of δC; the rule of its variation.
     plain : Plain
-        What they are proved by.
+        Longer forms that prove these.
     lines : tuple of Step
-        On the way to γ.
+        Steps on the way to γ.
     through : tuple of SymbolicMatrix (1, 1)
         Forms between γ and its plain one.
     """
@@ -105,14 +105,14 @@ class Constraint:
     components : tuple of sympy.Expr, (m,)
         C as polynomials of the input components.
     names : tuple of NamedMatrix
-        What ``value`` abbreviates.
+        Abbreviations that the derivatives of ``value`` are written with.
     rule : callable, optional
         A rewriting of products that holds for this constraint, applied to the Jacobian blocks.
     gamma : Step, optional
-        γ of C̈ = C_q v̇ − γ in a form that loses fewer digits than what the product rule leaves,
+        γ of C̈ = C_q v̇ − γ in a form that loses fewer digits than the result of the product rule,
         and why it is equal.
     inputs : tuple of Quantity
-        What the constraint takes beside the arrays of both bodies, e.g. a given angle; constant in
+        Inputs of the constraint beside the arrays of both bodies, e.g. a given angle; constant in
         time. ``symbolic.matrices`` gives the ``symbol`` and the ``elements`` of each.
     closed : ClosedForm, optional
         Of a value that is no polynomial: the forms of its derivatives that are emitted.
@@ -152,7 +152,7 @@ class Forms:
     variation, rate, acceleration : SymbolicMatrix (m, 1)
         δC, Ċ and C̈ as the product rule leaves them.
     collected, jacobian : tuple of SymbolicMatrix (m, 3)
-        The coefficients of δr^i, δθ′^i, δr^j, δθ′^j, as they are left and as they are emitted.
+        The coefficients of δr^i, δθ′^i, δr^j, δθ′^j, as collected and as emitted.
     nu, gamma : SymbolicMatrix (m, 1)
         Ċ = C_q v − ν [unit of C/s] and C̈ = C_q v̇ − γ [unit of C/s²].
     reaction : tuple of SymbolicMatrix (3, 1)
@@ -280,11 +280,11 @@ def _index(column: JacobianColumns) -> str:
 
 
 def _weighted(
-    block: SymbolicMatrix, lam: SymbolicMatrix, known: dict[str, SymbolicMatrix]
+    block: SymbolicMatrix, lam: SymbolicMatrix, named_vectors: dict[str, SymbolicMatrix]
 ) -> SymbolicMatrix:
     """Product blockᵀ λ; a single multiplier is a number and goes to the vector on the right.
 
-    The ``known`` names of such vectors are added to: another vector gets another name.
+    Such vectors are added to ``named_vectors`` by name: another vector gets another name.
     """
     if lam.shape[0] > 1 or is_zero(block):
         return mul(transpose(block), lam)
@@ -296,7 +296,7 @@ def _weighted(
     )
     value = mul(sign * scalar * lam[0, 0], vector)
     names = (f"b{suffix}", *(f"b_{number}" for number in range(2, len(COLUMNS) + 2)))
-    name = next(name for name in names if known.setdefault(name, value) == value)
+    name = next(name for name in names if named_vectors.setdefault(name, value) == value)
     return mul(sign, *factors[:-1], NamedMatrix(name, value))
 
 

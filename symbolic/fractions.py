@@ -50,21 +50,24 @@ class SparsePolynomial(Protocol):
 class Fraction:
     """A fraction of two polynomials; common factors stay."""
 
-    over: SparsePolynomial
-    under: SparsePolynomial
+    numerator: SparsePolynomial
+    denominator: SparsePolynomial
 
     def __add__(self, other: Fraction) -> Fraction:
-        if self.under == other.under:
-            return Fraction(self.over + other.over, self.under)
-        if not self.over:
+        if self.denominator == other.denominator:
+            return Fraction(self.numerator + other.numerator, self.denominator)
+        if not self.numerator:
             return other
-        if not other.over:
+        if not other.numerator:
             return self
-        for one, two in ((self, other), (other, self)):
-            times, rest = one.under.div(two.under)
-            if not rest:  # powers of one norm, say
-                return Fraction(one.over + two.over * times, one.under)
-        return Fraction(self.over * other.under + other.over * self.under, self.under * other.under)
+        for a, b in ((self, other), (other, self)):
+            factor, remainder = a.denominator.div(b.denominator)
+            if not remainder:  # powers of one norm, say
+                return Fraction(a.numerator + b.numerator * factor, a.denominator)
+        return Fraction(
+            self.numerator * other.denominator + other.numerator * self.denominator,
+            self.denominator * other.denominator,
+        )
 
     def cancelled(self, norms: Sequence[Norm] | None) -> Fraction:
         """Fraction without norms that divide both parts.
@@ -73,42 +76,39 @@ class Fraction:
         """
         if norms is None:
             return self
-        if not norms and self.under != self.under.ring.one:
-            if not _may_divide(self.under, self.over):
+        if not norms and self.denominator != self.denominator.ring.one:
+            if not _may_divide(self.denominator, self.numerator):
                 return self
-            quotient, rest = self.over.div(self.under)
-            return self if rest else Fraction(quotient, self.under.ring.one)
-        over, under = self.over, self.under
+            quotient, remainder = self.numerator.div(self.denominator)
+            return self if remainder else Fraction(quotient, self.denominator.ring.one)
+        numerator, denominator = self.numerator, self.denominator
         for norm in norms:
-            while under != under.ring.one:
-                less = norm.divide(under)
-                quotient = None if less is None else norm.divide(over)
-                if less is None or quotient is None:
+            while denominator != denominator.ring.one:
+                reduced = norm.divide(denominator)
+                quotient = None if reduced is None else norm.divide(numerator)
+                if reduced is None or quotient is None:
                     break
-                over, under = quotient, less
-        return Fraction(over, under)
+                numerator, denominator = quotient, reduced
+        return Fraction(numerator, denominator)
 
     def __sub__(self, other: Fraction) -> Fraction:
-        return self + Fraction(-other.over, other.under)
+        return self + Fraction(-other.numerator, other.denominator)
 
     def __mul__(self, other: Fraction) -> Fraction:
-        return Fraction(self.over * other.over, self.under * other.under)
+        return Fraction(self.numerator * other.numerator, self.denominator * other.denominator)
 
     def __rmul__(self, number: int) -> Fraction:
-        return Fraction(number * self.over, self.under)
+        return Fraction(number * self.numerator, self.denominator)
 
 
-def _may_divide(under: SparsePolynomial, over: SparsePolynomial) -> bool:
-    """Whether the first and the last monomial of a polynomial divide those of another.
+def _may_divide(divisor: SparsePolynomial, dividend: SparsePolynomial) -> bool:
+    """Whether the first and the last monomial of a divisor divide those of a dividend.
 
-    Those of a product are the products of those of its factors.
+    End monomials of a product are the products of those of its factors.
     """
-    order = over.ring.order
-    return not over or all(
-        all(
-            less <= more
-            for less, more in zip(end(under, key=order), end(over, key=order), strict=True)
-        )
+    order = dividend.ring.order
+    return not dividend or all(
+        all(m <= n for m, n in zip(end(divisor, key=order), end(dividend, key=order), strict=True))
         for end in (min, max)
     )
 
@@ -117,20 +117,20 @@ def _may_divide(under: SparsePolynomial, over: SparsePolynomial) -> bool:
 class Norm:
     """A polynomial g² + s, g a generator that s does not hold, such as p·p."""
 
-    place: int
-    rest: SparsePolynomial
+    index: int
+    s: SparsePolynomial
 
     def divide(self, x: SparsePolynomial) -> SparsePolynomial | None:
         """Quotient x / (g² + s), or None where that is no polynomial: long division in g."""
-        parts: dict[int, SparsePolynomial] = {}
+        coefficients: dict[int, SparsePolynomial] = {}
         for powers, value in x.terms():
-            k = powers[self.place]
-            part = parts.setdefault(k, x.ring.zero)
-            part[(*powers[: self.place], 0, *powers[self.place + 1 :])] = value
+            k = powers[self.index]
+            coefficient = coefficients.setdefault(k, x.ring.zero)
+            coefficient[(*powers[: self.index], 0, *powers[self.index + 1 :])] = value
         quotient = x.ring.zero
-        for k in range(max(parts, default=0), 1, -1):
-            over = parts.get(k)
-            if over:
-                parts[k - 2] = parts.get(k - 2, x.ring.zero) - self.rest * over
-                quotient += over * x.ring.gens[self.place] ** (k - 2)
-        return None if parts.get(0) or parts.get(1) else quotient
+        for k in range(max(coefficients, default=0), 1, -1):
+            leading = coefficients.get(k)
+            if leading:
+                coefficients[k - 2] = coefficients.get(k - 2, x.ring.zero) - self.s * leading
+                quotient += leading * x.ring.gens[self.index] ** (k - 2)
+        return None if coefficients.get(0) or coefficients.get(1) else quotient

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     Rule = Callable[[SymbolicMatrix], SymbolicMatrix | None]
 
-#: Why the γ of a distance and of a length is equal to what the product rule leaves.
+#: Why the γ of a distance and of a length is equal to the result of the product rule.
 GAMMA_RULE = "|ω′~ s′|² + s′·ω′~ ω′~ s′ = 0, (7.15) for ω, and (x × y)·z = x·(y × z)"
 
 
@@ -94,9 +94,9 @@ def own_point_drops(d: SymbolicMatrix, from_own_origin: Mapping[str, SymbolicMat
     def rule(x: SymbolicMatrix) -> SymbolicMatrix | None:
         scalar, factors = coefficient_and_factors(x)
         for k in range(len(factors) - 2):
-            for body, own in from_own_origin.items():
+            for body, arm in from_own_origin.items():
                 if factors[k : k + 3] == (transpose(d), A[body], skew(SYMBOLS[f"s_{body}_b"])):
-                    return mul(scalar, *factors[:k], transpose(own), *factors[k + 1 :])
+                    return mul(scalar, *factors[:k], transpose(arm), *factors[k + 1 :])
         return None
 
     return rule
@@ -107,8 +107,8 @@ def half_square_curvature() -> SymbolicMatrix:
 
     v and r belong to the origins, s = A s′, w = A ω̃′s′ and u = A ω̃′ω̃′s′ to the points, Ω to the
     orientations, in frame O as of :func:`parts_of_motion`; those without an index are of body j
-    less those of body i. Each term is small where the bodies move together, and none holds what a
-    point far from its own origin adds to ḋ·ḋ and takes from d·d̈, so that no digits cancel.
+    less those of body i. Each term is small where the bodies move together, and none holds the part
+    that a point far from its own origin adds to ḋ·ḋ and takes from d·d̈, so that no digits cancel.
     """
     motion = relative_motion()
     v, w = motion["v"], motion["w"]

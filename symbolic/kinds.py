@@ -24,7 +24,7 @@ class Kind:
     module : str
         The module of ``kousoku.symbolic`` whose ``derive(package)`` derives it.
     packages : tuple of str
-        What is derived for it: one for each choice of its rows. They are emitted as one package.
+        Derivations of it: one for each choice of its rows. They are emitted as one package.
     aliases : tuple of str
         Other names, compared without case, blanks and hyphens.
     """
@@ -35,7 +35,7 @@ class Kind:
     aliases: tuple[str, ...] = ()
 
 
-#: All kinds by name. What a new one wants beside a line here, CONTRIBUTING says: Add a kind.
+#: All kinds by name. How to add one, CONTRIBUTING says: Add a kind.
 KINDS: dict[str, Kind] = {
     "rotation": Kind("rotation by Euler parameters", "rotation", ("rotation",)),
     "n1": Kind("two vectors perpendicular", "pairs", ("n1",), ("dot-1", "perpendicular", "perp-1")),

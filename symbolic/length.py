@@ -7,8 +7,8 @@ each other jumps from −|ḋ| to |ḋ|, so that γ is minus infinity; it is zer
 derivative of the reaction is not finite. Squares underflow where |d| is below 10⁻¹⁵⁴ m: no digit of
 a shorter length is right.
 
-No form subtracts what moves along the line from the whole, or what lies along an axis from one:
-what is across the line is found by itself.
+No form subtracts the part along the line from a whole vector, or n nᵀ from the identity: parts
+across the line are computed by themselves.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ BY_POINTS = add(
 )
 #: One divided by l, infinite where l is zero.
 CURVED = NamedScalar("c", 1 / Divisor(L))
-#: What comes out where the points coincide and stay so.
+#: Values where the points coincide and stay so.
 AT_POLE = {"C": 0.0, "C_q": 0.0, "nu": 0.0, "gamma": 0.0, "reaction": 0.0, "reaction_q": math.nan}
 OWN_POINT_DROPS = own_point_drops(D, FROM_OWN_ORIGIN)
 
@@ -87,19 +87,19 @@ def _gamma(by_points: SymbolicMatrix) -> SymbolicMatrix:
         d·w.
     """
     v, w = RELATIVE["v"], RELATIVE["w"]
-    own = NamedMatrix("k", by_points)
-    # Divided by the square, which is there before its root is.
+    k = NamedMatrix("k", by_points)
+    # Divided by the square, which is computed before its root.
     by_origins = NamedMatrix("h_v", mul(transpose(D), v))
-    along_v, along_w = (mul(1 / Divisor(Dot(D, D)), x) for x in (by_origins, own))
+    along_v, along_w = (mul(1 / Divisor(Dot(D, D)), x) for x in (by_origins, k))
     across_v = NamedMatrix("v_p", add(v, neg(mul(D, NamedMatrix("e", along_v)))))
     across_w = NamedMatrix("w_p", add(w, neg(mul(D, NamedMatrix("f", along_w)))))
-    whole = mul(transpose(across_v), add(across_v, mul(2, across_w)))
-    rest = add(NamedMatrix("y", turning_curvature()), neg(mul(own, NamedMatrix("f", along_w))))
-    return mul(-1 / Divisor(L), add(whole, rest))
+    across = mul(transpose(across_v), add(across_v, mul(2, across_w)))
+    further = add(NamedMatrix("y", turning_curvature()), neg(mul(k, NamedMatrix("f", along_w))))
+    return mul(-1 / Divisor(L), add(across, further))
 
 
 def _plain_gamma(rate: SymbolicMatrix, curved: SymbolicMatrix) -> SymbolicMatrix:
-    """γ = ((h/l)² − z)/l, h = d·ḋ and z what d·ḋ has as its rate without accelerations."""
+    """γ = ((h/l)² − z)/l, h = d·ḋ and z the rate of d·ḋ without accelerations."""
     along = mul(CURVED, NamedMatrix("h", rate))
     return mul(CURVED, add(mul(along, along), neg(NamedMatrix("z", curved))))
 
@@ -157,11 +157,11 @@ def _closed() -> ClosedForm:
 def _across(columns: Blocks) -> tuple[Blocks, ...]:
     """Products of n~ d_q with each other, divided by l."""
     turned = [mul(skew(ALONG), column) for column in columns]
-    parts = [
+    vectors = [
         part if column.name[0] == "r" else block
         for part, block, column in zip(turned, name_blocks("V", turned), COLUMNS, strict=True)
     ]
-    return tuple(tuple(mul(CURVED, transpose(one), other) for other in parts) for one in parts)
+    return tuple(tuple(mul(CURVED, transpose(u), v) for v in vectors) for u in vectors)
 
 
 def _with_own_angles(
@@ -170,8 +170,8 @@ def _with_own_angles(
     """Second derivative with these blocks where it is by the angles of one body twice."""
     return tuple(
         tuple(
-            own if m == n and COLUMNS[m].name[0] != "r" else block
-            for n, (block, own) in enumerate(zip(*line, strict=True))
+            of_angles if m == n and COLUMNS[m].name[0] != "r" else block
+            for n, (block, of_angles) in enumerate(zip(*line, strict=True))
         )
         for m, line in enumerate(zip(blocks, of_own_angles, strict=True))
     )

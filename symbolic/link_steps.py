@@ -61,11 +61,11 @@ def element_steps() -> tuple[Step, ...]:
 
 def _reference_steps() -> tuple[Step, ...]:
     """Steps (1)–(3), (8), (10) and (11): the reference position."""
-    place, beta = MatrixSymbol("x_0", 6, 1), Symbol("beta_0")
-    x = [place[k, 0] for k in range(6)]
+    reference, beta = MatrixSymbol("x_0", 6, 1), Symbol("beta_0")
+    x = [reference[k, 0] for k in range(6)]
     length = sympy.sqrt((x[3] - x[0]) ** 2 + (x[4] - x[1]) ** 2)
     return (
-        Step(symbol(X), add(place, MatrixSymbol("u", 6, 1)), "reference, displaced", "1, 2, 3"),
+        Step(symbol(X), add(reference, MatrixSymbol("u", 6, 1)), "reference, displaced", "1, 2, 3"),
         Step(L0, length, "length of the link at the reference", "8"),
         Step(beta, sympy.atan2(x[4] - x[1], x[3] - x[0]), "its angle there", "10, 11"),
         Step(
@@ -133,32 +133,34 @@ def _rate_steps() -> tuple[Step, ...]:
 def assembly_steps() -> tuple[Step, ...]:
     """Steps (16)–(21): all elements together, parted into unknown and known."""
     m, n, k = sympy.symbols("m n k", integer=True, positive=True)
-    whole, u = MatrixSymbol("D", m, n), MatrixSymbol("u", n, 1)
-    element, place = MatrixSymbol("D_e", 3, 6), MatrixSymbol("B_e", 6, n)
+    jacobian, u = MatrixSymbol("D", m, n), MatrixSymbol("u", n, 1)
+    element, selection = MatrixSymbol("D_e", 3, 6), MatrixSymbol("B_e", 6, n)
     unknown, known = MatrixSymbol("L_1", n, m), MatrixSymbol("L_2", n, k)
     u1, u2 = MatrixSymbol("u_1", m, 1), MatrixSymbol("u_2", k, 1)
     rigid = Step(
-        mul(element, place, u),
+        mul(element, selection, u),
         ZeroMatrix(3, 1),
         "links are rigid: ε = 0 for every element e, whose ends are x_e = B_e x",
         "16",
     )
     return (
         rigid,
-        Step(mul(whole, u), ZeroMatrix(m, 1), "assembly: the rows D_e B_e of all elements", "17"),
+        Step(
+            mul(jacobian, u), ZeroMatrix(m, 1), "assembly: the rows D_e B_e of all elements", "17"
+        ),
         Step(u, add(mul(unknown, u1), mul(known, u2)), "partition: unknown and known", "18, 19"),
         Step(
-            add(mul(whole, unknown, u1), mul(whole, known, u2)),
+            add(mul(jacobian, unknown, u1), mul(jacobian, known, u2)),
             ZeroMatrix(m, 1),
             "(19) in (17)",
             "20",
         ),
-        Step(u1, neg(mul(_solved(whole, unknown), whole, known, u2)), "solved", "21"),
+        Step(u1, neg(mul(_solved(jacobian, unknown), jacobian, known, u2)), "solved", "21"),
     )
 
 
-def _solved(whole: SymbolicMatrix, unknown: SymbolicMatrix) -> SymbolicMatrix:
-    return as_matrix(Inverse(mul(whole, unknown)))
+def _solved(jacobian: SymbolicMatrix, unknown: SymbolicMatrix) -> SymbolicMatrix:
+    return as_matrix(Inverse(mul(jacobian, unknown)))
 
 
 def method_steps() -> tuple[Step, ...]:
@@ -168,16 +170,18 @@ def method_steps() -> tuple[Step, ...]:
 
 def _transfer_steps() -> tuple[Step, ...]:
     m, n, k = sympy.symbols("m n k", integer=True, positive=True)
-    whole, slope = MatrixSymbol("D", m, n), MatrixSymbol("D′", m, n)
+    jacobian, slope = MatrixSymbol("D", m, n), MatrixSymbol("D′", m, n)
     unknown, known = MatrixSymbol("L_1", n, m), MatrixSymbol("L_2", n, k)
     first, second = MatrixSymbol("x′", n, 1), MatrixSymbol("x″", n, 1)
     x1, x2 = MatrixSymbol("x′_1", m, 1), MatrixSymbol("x′_2", k, 1)
-    inverse = _solved(whole, unknown)
+    inverse = _solved(jacobian, unknown)
     return (
-        Step(x1, neg(mul(inverse, whole, known, x2)), "first transfer function, x′ = dx/dα", "22"),
+        Step(
+            x1, neg(mul(inverse, jacobian, known, x2)), "first transfer function, x′ = dx/dα", "22"
+        ),
         Step(first, add(mul(unknown, x1), mul(known, x2)), "all coordinates", "19"),
         Step(
-            add(mul(slope, first), mul(whole, second)),
+            add(mul(slope, first), mul(jacobian, second)),
             ZeroMatrix(m, 1),
             "d/dα of D x′ = 0, with D′ = dD/dα at this position",
             "",
@@ -208,7 +212,7 @@ def _motion_steps() -> tuple[Step, ...]:
 
 def _iteration_steps() -> tuple[Step, ...]:
     m, n = sympy.symbols("m n", integer=True, positive=True)
-    whole, unknown = MatrixSymbol("D", m, n), MatrixSymbol("L_1", n, m)
+    jacobian, unknown = MatrixSymbol("D", m, n), MatrixSymbol("L_1", n, m)
     first, second = MatrixSymbol("x′", n, 1), MatrixSymbol("x″", n, 1)
     reference, step = MatrixSymbol("x_ref", n, 1), Symbol("Δα")
     residual, correction = MatrixSymbol("zeta", m, 1), MatrixSymbol("u^*", m, 1)
@@ -221,7 +225,7 @@ def _iteration_steps() -> tuple[Step, ...]:
         ),
         Step(
             correction,
-            neg(mul(_solved(whole, unknown), residual)),
+            neg(mul(_solved(jacobian, unknown), residual)),
             "corrector: ζ is ε at x_adj",
             "27",
         ),

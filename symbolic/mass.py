@@ -223,7 +223,7 @@ def derive_mass_points(n: int) -> Derivation:
         *_form_steps(matrix, right),
         *reduction_steps(body.mass, body.inertia, body.force, body.torque),
     )
-    whole = Function(
+    equations = Function(
         "newton_euler",
         f"{title}: Newton-Euler equations",
         "M (a, dω′/dt) = h",
@@ -234,7 +234,7 @@ def derive_mass_points(n: int) -> Derivation:
             output_of(RIGHT, right, points.right_components()),
         ),
     )
-    functions = (_inertia(points, body, title), _resultant(points, body, title), whole)
+    functions = (_inertia(points, body, title), _resultant(points, body, title), equations)
     return Derivation("mass_points", "mass_points", title, SOURCE, steps, functions)
 
 

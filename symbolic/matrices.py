@@ -137,8 +137,8 @@ class NamedScalar(Expr):
 
 def vector(name: str, size: int = 3) -> Letter:
     """Symbol of an input vector."""
-    found: Letter = MatrixSymbol(name, size, 1)
-    return found
+    letter: Letter = MatrixSymbol(name, size, 1)
+    return letter
 
 
 def symbol(quantity: Quantity) -> Any:
@@ -206,9 +206,9 @@ def mul(*factors: Any) -> SymbolicMatrix:
         if not getattr(factor, "is_Matrix", False):
             scalar = scalar * factor
             continue
-        inner, parts = coefficient_and_factors(factor)
-        scalar = scalar * inner
-        matrices.extend(parts)
+        coefficient, matrix_factors = coefficient_and_factors(factor)
+        scalar = scalar * coefficient
+        matrices.extend(matrix_factors)
     if not matrices:
         raise DerivationError(
             f"a product of {scalar} alone is a number; multiply it by Identity(1) for a matrix"

@@ -1,7 +1,7 @@
 """A ring in which names stand for themselves: an identity for all values holds for theirs.
 
 Without it a quotient of sums in many Euler parameters would be multiplied out. An equality that is
-found here is one; an inequality is not, as the values may have what the names have not.
+found here holds; an inequality may not, as the values may have relations that the names lack.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ class NamedRing(Ring):
 
     Parameters
     ----------
-    quantities, given
+    quantities, matrices
         As of :class:`Ring`.
     names : Collection of NamedMatrix, NamedScalar or OrientationMatrix
-        What stands for itself; a mapping to the values of the elements in ``plain``.
+        Names that stand for themselves; a mapping to the values of the elements in ``plain``.
     plain : Ring, optional
         The ring of the quantities alone. With it, a sum whose value is that of a name, or a
         multiple of it, is replaced by the name: so both levels of a derivation come to hold it.
@@ -44,13 +44,13 @@ class NamedRing(Ring):
         quantities: Sequence[Quantity],
         names: Collection[Any],
         *,
-        given: Mapping[str, Any] | None = None,
+        matrices: Mapping[str, Any] | None = None,
         is_unit: bool = False,
         plain: Ring | None = None,
     ) -> None:
         extra = [Quantity(f"name {k}", _shape(name), "", "") for k, name in enumerate(names)]
-        super().__init__([*quantities, *extra], given, is_unit=is_unit)
-        self._cancelled = None  # what divides is a name, and names are not divided
+        super().__init__([*quantities, *extra], matrices, is_unit=is_unit)
+        self._cancelled = None  # divisors are names, and names are not divided
         self._plain = plain
         self._values: dict[frozenset[Any], tuple[Any, Fraction]] = {}
         for name, quantity in zip(names, extra, strict=True):
@@ -73,11 +73,11 @@ class NamedRing(Ring):
         leading, cell = self._values.get(_key(value), (None, None))
         if cell is None:
             return None
-        return self._number(sympy.Rational(*_parts(value.LC / leading))) * cell
+        return self._number(sympy.Rational(*_ratio(value.LC / leading))) * cell
 
     def _scalar(self, x: Any) -> Fraction:
         if self._plain is not None and isinstance(x, sympy.Add) and _products(x) <= MOST_PRODUCTS:
-            known = self._multiple(self._plain.scalar(x).over)
+            known = self._multiple(self._plain.scalar(x).numerator)
             if known is not None:
                 return known
         return super()._scalar(x)
@@ -88,13 +88,13 @@ class NamedRing(Ring):
 
 def polynomial_names(plain: Ring, x: Any) -> dict[Any, list[Any]]:
     """Names in an expression whose values are polynomials, and these values."""
-    found = {}
+    values_of = {}
     for name in _sorted(x.atoms(NamedMatrix, NamedScalar)):
         if _is_free_of_roots(name):
-            values = [_whole(cell) for cell in plain.cells(name)]
+            values = [_as_polynomial(cell) for cell in plain.cells(name)]
             if None not in values:
-                found[name] = values
-    return found
+                values_of[name] = values
+    return values_of
 
 
 def _is_free_of_roots(x: Any) -> bool:
@@ -102,10 +102,10 @@ def _is_free_of_roots(x: Any) -> bool:
     return not roots and not x.atoms(sympy.atan2, sympy.sin, sympy.cos)
 
 
-def _whole(x: Fraction) -> Any:
+def _as_polynomial(x: Fraction) -> Any:
     """Fraction as a polynomial, or None if it is not one."""
-    quotient, rest = x.over.div(x.under)
-    return None if rest else quotient
+    quotient, remainder = x.numerator.div(x.denominator)
+    return None if remainder else quotient
 
 
 def _sorted(names: Any) -> list[Any]:
@@ -130,7 +130,7 @@ def _shape(name: Any) -> tuple[int, int]:
     return (1, 1) if _is_number(name) else (int(name.shape[0]), int(name.shape[1]))
 
 
-def _parts(x: Any) -> tuple[int, int]:
+def _ratio(x: Any) -> tuple[int, int]:
     return int(x.numerator), int(x.denominator)
 
 

@@ -238,10 +238,10 @@ def in_lines(formula: str) -> list[str]:
     depth, start = 0, 0
     lines = [""]
     for mark in re.finditer(r"\\(?:begin|left)\b|\\(?:end|right)\b|[{}]| (?=[+-] )|$", formula):
-        found = mark.group()
-        if found in {"{", "\\begin", "\\left"}:
+        token = mark.group()
+        if token in {"{", "\\begin", "\\left"}:
             depth += 1
-        elif found in {"}", "\\end", "\\right"}:
+        elif token in {"}", "\\end", "\\right"}:
             depth -= 1
         elif depth == 0:
             term, start = formula[start : mark.start()], mark.start()

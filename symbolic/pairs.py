@@ -28,7 +28,7 @@ TO_POINT = add(SYMBOLS["r_j"], mul(A["j"], SYMBOLS["s_j_b"]), neg(SYMBOLS["r_i"]
 FROM_CENTRE = neg(mul(A["i"], SYMBOLS["s_i_b"]))
 #: The vector from the point on i to the point on j, frame O.
 D = NamedMatrix("d", add(TO_POINT, FROM_CENTRE))
-#: Why γ in the relative angular velocity Ω is equal to what the product rule leaves.
+#: Why γ in the relative angular velocity Ω is equal to the result of the product rule.
 TURNING_RULE = "seen from one body dy/dt = Ω × y and dΩ/dt = Ω × ω, by (7.15)"
 #: The point on j seen from the frame of i.
 Y = NamedMatrix("y", mul(transpose(A["i"]), TO_POINT))
@@ -48,8 +48,8 @@ def derive(package: str) -> Derivation:
 
 def body_frame_offset() -> SymbolicMatrix:
     """Offset A_iᵀ d (3,) [m] = y − (p·p)² s_i′, frame of i, by A_iᵀA_i = (p·p)² I and (8.8)."""
-    own = mul(transpose(A["i"]), FROM_CENTRE)
-    return add(Y, orthogonality(own) or own)
+    own_point = mul(transpose(A["i"]), FROM_CENTRE)
+    return add(Y, orthogonality(own_point) or own_point)
 
 
 def _offset_steps(*before: SymbolicMatrix) -> tuple[SymbolicMatrix, tuple[Step, ...]]:

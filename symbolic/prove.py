@@ -50,22 +50,22 @@ def prove(function: Function) -> int:
     DerivationError
         Names the first element that differs.
     """
-    at_a_point = Ring(function.inputs, at=rational_point(function.inputs))
-    whole = Ring(function.inputs)
+    point_ring = Ring(function.inputs, at=rational_point(function.inputs))
+    ring = Ring(function.inputs)
     for output in function.outputs:
         # At one rational point first: a mistake is then found at once, however much is to prove.
-        _compare(function, output, at_a_point, output.expression)
+        _compare(function, output, point_ring, output.expression)
         forms = (output.expression, *output.through)
-        for one, other in itertools.pairwise(forms):
-            same = _with_names_of(one, other)
-            if same != other and not _agree((same, other), is_unit=False):
+        for form, following in itertools.pairwise(forms):
+            renamed = _with_names_of(form, following)
+            if renamed != following and not _agree((renamed, following), is_unit=False):
                 raise DerivationError(
                     f"{function.name}: two forms of {output.quantity.name} differ; correct one"
                 )
-        carrier = whole
+        carrier = ring
         if output.through:
-            names = polynomial_names(whole, forms[-1])
-            carrier = NamedRing(function.inputs, names, plain=whole)
+            names = polynomial_names(ring, forms[-1])
+            carrier = NamedRing(function.inputs, names, plain=ring)
         _compare(function, output, carrier, forms[-1])
     return sum(output.quantity.size for output in function.outputs)
 
@@ -84,7 +84,7 @@ def prove_steps(derivation: Derivation) -> int:
     """Prove that the lines of a derivation follow from each other.
 
     Two lines with the same left-hand side must have equal right-hand sides; where the left-hand
-    side is itself a formula, it must equal the right. δA is what the component level gives. An
+    side is itself a formula, it must equal the right. δA is that of the component level. An
     identity that fails for Euler parameters of any norm must hold for those of norm one.
 
     Parameters
@@ -103,7 +103,7 @@ def prove_steps(derivation: Derivation) -> int:
         Names the first step that does not follow.
     """
     before: dict[Any, Any] = {}
-    same: dict[Any, Any] = {}  # names of one thing, written out in two ways
+    equal_names: dict[Any, Any] = {}  # names of one quantity, written out in two ways
     count = 0
     for number, step in enumerate(derivation.steps, 1):
         left = step.left
@@ -113,34 +113,34 @@ def prove_steps(derivation: Derivation) -> int:
             left, before[step.left] = before.get(step.left), step.right
         if left is None:
             continue
-        renamed = tuple(_with_one_name(x, same) for x in (left, step.right))
+        renamed = tuple(_with_one_name(x, equal_names) for x in (left, step.right))
         forms = dict.fromkeys([renamed, (left, step.right)])
         if not any(_agree(*forms, is_unit=is_unit) for is_unit in (False, True)):
             raise DerivationError(
                 f"{derivation.name}: step {number} does not follow: {step.rule}; correct it"
             )
         if isinstance(step.left, MatrixSymbol):
-            same[NamedMatrix(step.left.name, left)] = NamedMatrix(step.left.name, step.right)
+            equal_names[NamedMatrix(step.left.name, left)] = NamedMatrix(step.left.name, step.right)
         count += 1
     return count
 
 
-def _with_one_name(x: Any, same: Mapping[Any, Any]) -> Any:
+def _with_one_name(x: Any, equal_names: Mapping[Any, Any]) -> Any:
     """``x`` with names by the last of the values that were proved equal."""
-    for old, new in same.items():
+    for old, new in equal_names.items():
         x = x.xreplace({old: new})
     return x
 
 
-def _with_names_of(one: Any, other: Any) -> Any:
-    """``one`` with the values that its names have in ``other``, where these are equal."""
+def _with_names_of(form: Any, other: Any) -> Any:
+    """``form`` with the values that its names have in ``other``, where these are equal."""
     while True:
         values = {x.name: x for x in other.atoms(NamedMatrix)}
-        differing = (x for x in one.atoms(NamedMatrix) if values.get(x.name, x) != x)
+        differing = (x for x in form.atoms(NamedMatrix) if values.get(x.name, x) != x)
         name = min(differing, key=lambda x: (len(str(x)), str(x)), default=None)
         if name is None or not _agree((name.value, values[name.name].value), is_unit=False):
-            return one
-        one = one.xreplace({name: values[name.name]})
+            return form
+        form = form.xreplace({name: values[name.name]})
 
 
 def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:
@@ -166,12 +166,12 @@ def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:
             if name not in known:
                 quantities.append(Quantity(name, shape, "", ""))
                 known.add(name)
-    given = {
+    varied = {
         name: _varied_orientation(f"p{body}", _virtual_rotation(body, known), is_unit=is_unit)
         for name, body in variations.items()
     }
     point = rational_point(quantities, is_unit=is_unit)  # a counterexample is found sooner
-    if not _is_same(Ring(quantities, given, is_unit=is_unit, at=point), left, right):
+    if not _is_same(Ring(quantities, varied, is_unit=is_unit, at=point), left, right):
         return False
     sorts_of_names = (
         (NamedMatrix, Divisor, OrientationMatrix),
@@ -179,15 +179,15 @@ def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:
         (NamedMatrix, OrientationMatrix),
         (NamedScalar,),
     )
-    if any(one == other for one, other in forms):
+    if any(a == b for a, b in forms):
         return True
     ordered = sorted(forms, key=lambda form: -len(shared(*form, NamedMatrix)))
-    for (one, other), sorts in itertools.product(ordered, sorts_of_names):
-        names = shared(one, other, *sorts)
-        carrier = NamedRing(quantities, names, given=given, is_unit=is_unit)
-        if names and _is_same(carrier, one, other):
+    for (a, b), sorts in itertools.product(ordered, sorts_of_names):
+        names = shared(a, b, *sorts)
+        carrier = NamedRing(quantities, names, matrices=varied, is_unit=is_unit)
+        if names and _is_same(carrier, a, b):
             return True
-    return _is_same(Ring(quantities, given, is_unit=is_unit), left, right)
+    return _is_same(Ring(quantities, varied, is_unit=is_unit), left, right)
 
 
 def _is_same(carrier: Ring, left: Any, right: Any) -> bool:

@@ -91,7 +91,7 @@ class Ring:
         self._norms: list[Norm] = []
         self._cancelled: Sequence[Norm] | None = self._norms
         self._quantities = {q.name: q for q in quantities}
-        self._given = dict(matrices or {})
+        self._matrices = dict(matrices or {})
         self._memo: dict[Any, FractionRows] = {}
 
     # -- numbers -------------------------------------------------------------------------------
@@ -143,7 +143,7 @@ class Ring:
         return self._integer_power(self.scalar(base), int(exponent))
 
     def _integer_power(self, x: Fraction, n: int) -> Fraction:
-        over, under = (x.over, x.under) if n > 0 else (x.under, x.over)
+        over, under = (x.numerator, x.denominator) if n > 0 else (x.denominator, x.numerator)
         return self._reduced(Fraction(over ** abs(n), under ** abs(n)))
 
     def _function(self, name: str, args: Sequence[Fraction]) -> Fraction:
@@ -157,38 +157,40 @@ class Ring:
         value = Fraction(self._spare[len(self._functions)], self._one)
         self._functions.append((name, tuple(args), value))
         if name == "sqrt":
-            self._squares.append((value.over, args[0].over, args[0].under))
+            self._squares.append((value.numerator, args[0].numerator, args[0].denominator))
         if name == "cos":
-            sine = self._function("sin", args).over
-            self._squares.append((value.over, self._one - sine**2, self._one))
+            sine = self._function("sin", args).numerator
+            self._squares.append((value.numerator, self._one - sine**2, self._one))
         return value
 
     def _reduced(self, x: Fraction) -> Fraction:
         """Replace the squares of roots and cosines."""
-        if x.over == x.under:
+        if x.numerator == x.denominator:
             return Fraction(self._one, self._one)
-        over, under = x.over, x.under
+        numerator, denominator = x.numerator, x.denominator
         for generator, square_over, square_under in reversed(self._squares):
-            over, factor = _without_squares(over, generator, square_over, square_under)
-            under = under * factor
-            under, factor = _without_squares(under, generator, square_over, square_under)
-            over = over * factor
-        return Fraction(over, under)
+            numerator, factor = _without_squares(numerator, generator, square_over, square_under)
+            denominator = denominator * factor
+            denominator, factor = _without_squares(
+                denominator, generator, square_over, square_under
+            )
+            numerator = numerator * factor
+        return Fraction(numerator, denominator)
 
     def is_equal(self, x: Fraction, y: Fraction) -> bool:
         """Whether two numbers are the same for all values of the inputs."""
-        if x.under == y.under and x.over == y.over:
+        if x.denominator == y.denominator and x.numerator == y.numerator:
             return True
         if not self._functions and self._differ_at_a_point(x, y):
             return False
-        difference = Fraction((x - y).over, self._one)
-        return not self._reduced(self._reduced(difference)).over
+        difference = Fraction((x - y).numerator, self._one)
+        return not self._reduced(self._reduced(difference)).numerator
 
     def _differ_at_a_point(self, x: Fraction, y: Fraction) -> bool:
         """Whether two rational functions differ at one rational point: a counterexample."""
         point = [QQ(2 * k + 3, k + 2) for k in range(len(self._ring.gens))]
         x_over, x_under, y_over, y_under = (
-            _value(part, point) for part in (x.over, x.under, y.over, y.under)
+            _value(part, point) for part in (x.numerator, x.denominator, y.numerator, y.denominator)
         )
         return bool(x_over * y_under != y_over * x_under)
 
@@ -250,10 +252,10 @@ class Ring:
         if not self._is_unit:
             return form
         square = _sum([e * e for e in p])
-        if p[0].over.is_generator:
-            place = self._ring.gens.index(p[0].over)
-            self._norms.append(Norm(place, square.over - p[0].over ** 2))
-        return [[Fraction(cell.over, square.over) for cell in row] for row in form]
+        if p[0].numerator.is_generator:
+            index = self._ring.gens.index(p[0].numerator)
+            self._norms.append(Norm(index, square.numerator - p[0].numerator ** 2))
+        return [[Fraction(cell.numerator, square.numerator) for cell in row] for row in form]
 
     def cells(self, x: Any) -> list[Fraction]:
         """Elements of a scalar or matrix expression, row-major."""
@@ -263,8 +265,8 @@ class Ring:
 
     def _array(self, x: Any) -> FractionRows:
         rows, columns = (int(n) for n in x.shape)
-        if x.name in self._given:
-            flat = [self.scalar(value) for value in self._given[x.name]]
+        if x.name in self._matrices:
+            flat = [self.scalar(value) for value in self._matrices[x.name]]
         elif x.name in self._quantities:
             flat = [self.scalar(value) for value in elements(self._quantities[x.name])]
         else:
@@ -301,18 +303,18 @@ def _without_squares(
     under: SparsePolynomial,
 ) -> tuple[SparsePolynomial, SparsePolynomial]:
     """Products x·f and f, f a power of ``under``, where generator² = over / under."""
-    place = x.ring.gens.index(generator)
-    highest = max((powers[place] for powers in x), default=0) // 2
+    index = x.ring.gens.index(generator)
+    highest = max((powers[index] for powers in x), default=0) // 2
     if highest == 0:
         return x, x.ring.one
     result = x.ring.zero
     for half in range(highest + 1):
-        part = x.ring.zero
+        term = x.ring.zero
         for powers, value in x.terms():
-            if powers[place] // 2 == half:
-                rest = (*powers[:place], powers[place] % 2, *powers[place + 1 :])
-                part[rest] = part.get(rest, QQ.zero) + value
-        result += part * over**half * under ** (highest - half)
+            if powers[index] // 2 == half:
+                reduced = (*powers[:index], powers[index] % 2, *powers[index + 1 :])
+                term[reduced] = term.get(reduced, QQ.zero) + value
+        result += term * over**half * under ** (highest - half)
     return result, under**highest
 
 
@@ -332,7 +334,7 @@ def _product(left: FractionRows, right: FractionRows, norms: Sequence[Norm] | No
     return [
         [
             _sum(
-                [a * b for a, b in zip(row, column, strict=True) if a.over and b.over]
+                [a * b for a, b in zip(row, column, strict=True) if a.numerator and b.numerator]
                 or [row[0] - row[0]]
             ).cancelled(norms)
             for column in columns

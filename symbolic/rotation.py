@@ -136,8 +136,8 @@ def _point() -> Function:
 def _collected_displacement() -> SymbolicMatrix:
     """Displacement δr − A s′~ δθ′, by collecting δ(r + A s′)."""
     change = DELTA(add(symbol(R), mul(A, symbol(S_B))))
-    parts = (mul(coefficient(change, x), x) for x in (symbol(DR), symbol(DTHETA_B)))
-    return add(*parts)
+    terms = (mul(coefficient(change, x), x) for x in (symbol(DR), symbol(DTHETA_B)))
+    return add(*terms)
 
 
 def _virtual_displacement() -> Function:
@@ -230,8 +230,8 @@ def _update() -> Function:
     theta, p, t = symbol(DTHETA_B), elements(P), elements(DTHETA_B)
     angle = sympy.sqrt(Dot(theta, theta) + TINY)
     c, s = sympy.cos(angle / 2), sympy.sin(angle / 2) / angle
-    whole = NamedMatrix("w", add(mul(c, symbol(P)), mul(s, _turned(theta))))
-    norm = sympy.sqrt(Dot(whole, whole))
+    rotated = NamedMatrix("w", add(mul(c, symbol(P)), mul(s, _turned(theta))))
+    norm = sympy.sqrt(Dot(rotated, rotated))
     length = sympy.sqrt(dot(t, t) + TINY)
     half = [sympy.cos(length / 2), *(sympy.sin(length / 2) / length * x for x in t)]
     new = compose(p, half)
@@ -243,7 +243,7 @@ def _update() -> Function:
         "p_new = w / |w|, w = p∘(cos(θ/2), δθ′ sin(θ/2)/θ), θ = |δθ′|",
         "lecture 7.1, (7.16)",
         (P, DTHETA_B),
-        (output_of(quantity, mul(1 / norm, whole), [x / size for x in new]),),
+        (output_of(quantity, mul(1 / norm, rotated), [x / size for x in new]),),
     )
 
 

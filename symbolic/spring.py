@@ -1,9 +1,9 @@
 """A spring and damper between two points: tension, generalised forces and energy.
 
-A tension T, here k (l − l⁰) + c dl/dt, does the virtual work −T δl. What stands beside each column
-of δl is the generalised force, so that it is dual to the columns of every Jacobian. Where the
-points coincide there is no line between them; the force is then zero, as its limit is without free
-length and damping.
+A tension T, here k (l − l⁰) + c dl/dt, does the virtual work −T δl. The coefficient of each
+virtual displacement in it is the generalised force, so that it is dual to the columns of every
+Jacobian. Where the points coincide there is no line between them; the force is then zero, as its
+limit is without free length and damping.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ FREE_LENGTH = Quantity("free_length", (), "m", "l⁰, length without tension")
 LAW_INPUTS = (LENGTH, LENGTH_RATE, STIFFNESS, DAMPING, FREE_LENGTH)
 PLACES = tuple(q for q in CONFIGURATION if q.name[0] in "rps")
 
-#: What the bodies have each, and j less i.
+#: Motion of each body, and of j less that of i.
 OF_BODY, RELATIVE = {body: parts_of_motion(body) for body in BODIES}, relative_motion()
 #: The vector between the points: zero to the last bit where the bodies are in the same place.
 D = NamedMatrix("d", add(RELATIVE["r"], RELATIVE["s"]))
@@ -96,10 +96,11 @@ def derive(_: str) -> Derivation:
 def length_rate() -> tuple[SymbolicMatrix, SymbolicMatrix]:
     """Rate dl/dt = h l / d·d, zero where d is, and h / l; h = d·v + r·w + s_i·(Ω_i × s_j).
 
-    The rate is (1, 1) [m/s], the vectors (3,) are in frame O. Without an index is what j has less
-    what i has; Ω_i is what i turns more than j, seen from j, so that nothing is lost of what turns
-    about the line to the point. Each term is small where the bodies move together, and none holds
-    what a point far from its own origin adds to d·ḋ and takes from it.
+    The rate is (1, 1) [m/s], the vectors (3,) are in frame O. Without an index they are those of j
+    less those of i; Ω_i is the angular velocity of i less that of j, seen from j, so that nothing
+    is lost of a turn about the line to the point. Each term is small where the bodies move
+    together, and none holds the part that a point far from its own origin adds to d·ḋ and takes
+    from it.
     """
     # Named, so that it does not wait for the angular velocity.
     seen = NamedMatrix("s_seen", mul(transpose(A["j"]), OF_BODY["i"]["s"]))
@@ -116,13 +117,13 @@ def generalised_forces() -> tuple[SymbolicMatrix, ...]:
     In a torque T s̃′Aᵀd / l the point's own arm drops out, (A s′)ᵀA s̃′ = 0, and with it digits
     where the point is far from its origin.
     """
-    found = []
+    forces = []
     tension = symbol(TENSION)
     for body, sign in zip(BODIES, (1, -1), strict=True):
         turning = mul(skew(SYMBOLS[f"s_{body}_b"]), transpose(A[body]), FROM_OWN_ORIGIN[body])
         arm = NamedMatrix(f"m_{body}", mul(INVERSE, turning))
-        found += [mul(sign * tension, ALONG), mul(sign * tension, arm)]
-    return tuple(found)
+        forces += [mul(sign * tension, ALONG), mul(sign * tension, arm)]
+    return tuple(forces)
 
 
 def _steps() -> tuple[Step, ...]:

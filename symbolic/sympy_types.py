@@ -40,10 +40,10 @@ class SymbolicExpression(Protocol):
         """The derivative by symbols."""
 
     def subs(self, *pairs: Any) -> Any:
-        """The same with other expressions in the place of some, and evaluated."""
+        """The expression with some replaced by others, and evaluated."""
 
     def xreplace(self, rule: Any) -> Any:
-        """The same with other nodes in the place of some."""
+        """The expression with some nodes replaced by others."""
 
 
 class Scalar(SymbolicExpression, Protocol):
@@ -60,7 +60,7 @@ class Scalar(SymbolicExpression, Protocol):
 
     @property
     def exp(self) -> Any:
-        """Of a power: how often."""
+        """Exponent of a power."""
 
     def __add__(self, other: Scalar | int, /) -> Scalar: ...
     def __radd__(self, other: Scalar | int, /) -> Scalar: ...
@@ -91,7 +91,7 @@ class SymbolicMatrix(SymbolicExpression, Protocol):
 
     @property
     def blocks(self) -> Any:
-        """Of a matrix of blocks: these."""
+        """Blocks of a matrix of blocks."""
 
     def __getitem__(self, place: Any, /) -> Any: ...
     def __iter__(self) -> Iterator[Any]: ...
@@ -108,26 +108,26 @@ class Letter(SymbolicMatrix, Protocol):
 
     @property
     def name(self) -> str:
-        """How it is called."""
+        """Its name."""
 
 
 class Value(Scalar, SymbolicMatrix, Protocol):
-    """A number or a matrix: which of them is known to who reads the formula only."""
+    """A number or a matrix: only the formula tells which."""
 
 
 def as_matrix(x: Any) -> SymbolicMatrix:
-    """SymbolicMatrix that SymPy gave, as one for mypy."""
-    found: SymbolicMatrix = x
-    return found
+    """Matrix of SymPy, typed for mypy."""
+    matrix: SymbolicMatrix = x
+    return matrix
 
 
 def as_scalar(x: Any) -> Scalar:
-    """Number that SymPy gave, as one for mypy."""
-    found: Scalar = x
-    return found
+    """Number of SymPy, typed for mypy."""
+    scalar: Scalar = x
+    return scalar
 
 
 def as_value(x: Any) -> Value:
-    """Number or matrix that SymPy gave, as either for mypy."""
-    found: Value = x
-    return found
+    """Number or matrix of SymPy, typed as either for mypy."""
+    value: Value = x
+    return value

@@ -34,25 +34,25 @@ def values_at(
     wanted = _wanted(derivation, set(numbers), outputs)
     symbols: dict[Any, Any] = {}
     sorts: set[str] = set()
-    for name, given in numbers.items():
-        cells = _cells(f"{derivation.name}.at: {name}", inputs[name], given)
+    for name, value in numbers.items():
+        cells = _cells(f"{derivation.name}.at: {name}", inputs[name], value)
         sorts |= {_sort(cell) for cell in cells}
         symbols |= zip(elements(inputs[name]), map(_exact, cells), strict=True)
     finish = _finish(sorts)
     known: dict[Any, Any] = symbols
-    found = {}
+    arrays = {}
     for output in wanted:
         values = [finish(_value(x, known)) for x in output.components]
         array = np.empty(len(values), dtype=float if "float" in sorts else object)
         array[:] = values
-        found[output.quantity.name] = array.reshape(output.quantity.shape)
-    return found
+        arrays[output.quantity.name] = array.reshape(output.quantity.shape)
+    return arrays
 
 
 def _wanted(
     derivation: Derivation, given: set[str], names: Sequence[str] | None
 ) -> list[DerivedOutput]:
-    """Outputs that are asked for, or all that the given inputs are enough for."""
+    """Outputs that are asked for, or all for which the given inputs suffice."""
     where = f"{derivation.name}.at"
     if isinstance(names, str):
         names = (names,)
@@ -63,24 +63,24 @@ def _wanted(
     lacking: dict[str, tuple[dict[str, None], list[str]]] = {}
     for function in derivation.functions:
         needs = {quantity.name: None for quantity in function.inputs}
-        own = [o for o in function.outputs if names is None or o.quantity.name in names]
+        asked = [o for o in function.outputs if names is None or o.quantity.name in names]
         missing = [name for name in needs if name not in given]
-        if own and not missing:
-            wanted += own
+        if asked and not missing:
+            wanted += asked
             used |= needs.keys()
-        elif own:
-            lacking[", ".join(o.quantity.name for o in own)] = (needs, missing)
-    # What is given and used by nothing was meant for outputs that lack something else.
-    left = given - used
+        elif asked:
+            lacking[", ".join(o.quantity.name for o in asked)] = (needs, missing)
+    # Inputs that are given and unused were meant for outputs that lack another input.
+    unused = given - used
     short = {
-        what: missing
-        for what, (needs, missing) in lacking.items()
-        if names is not None or not wanted or left & needs.keys()
+        outputs: missing
+        for outputs, (needs, missing) in lacking.items()
+        if names is not None or not wanted or unused & needs.keys()
     }
     if short:
-        what, missing = min(short.items(), key=lambda item: len(item[1]))
+        outputs, missing = min(short.items(), key=lambda item: len(item[1]))
         raise DerivationError(
-            f"{where}: {what} cannot be had without {', '.join(missing)}; give it"
+            f"{where}: {outputs} cannot be had without {', '.join(missing)}; give it"
         )
     return wanted
 
@@ -93,12 +93,12 @@ def _require(what: str, name: str, derivation: Derivation, known: Mapping[str, A
         )
 
 
-def _cells(where: str, quantity: Quantity, given: Any) -> list[Any]:
+def _cells(where: str, quantity: Quantity, value: Any) -> list[Any]:
     """Cells of a list of numbers, row by row."""
-    if isinstance(given, sympy.MatrixBase):
-        given = given.tolist() if len(quantity.shape) > 1 else list(given)
+    if isinstance(value, sympy.MatrixBase):
+        value = value.tolist() if len(quantity.shape) > 1 else list(value)
     try:
-        array = np.array(given, dtype=object)
+        array = np.array(value, dtype=object)
     except ValueError:
         array = np.empty((0, 0, 0))
     if array.shape != quantity.shape:
@@ -142,11 +142,11 @@ def _exact(x: Any) -> Any:
 
 
 def _value(x: Any, known: dict[Any, Any]) -> Any:
-    """Value of a formula, each part that stands in it more than once computed once."""
-    found = known.get(x)
-    if found is None:
-        found = known[x] = x.func(*(_value(arg, known) for arg in x.args)) if x.args else x
-    return found
+    """Value of a formula; repeated parts are computed once."""
+    value = known.get(x)
+    if value is None:
+        value = known[x] = x.func(*(_value(arg, known) for arg in x.args)) if x.args else x
+    return value
 
 
 def _finish(sorts: set[str]) -> Callable[[Any], Any]:

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 class Variation:
     """The operator δ (or d/dt): a linear map that obeys the product rule.
 
-    What it is applied to keeps shape, frame and unit, of d/dt per second.
+    Its result has the shape, frame and unit of the operand, of d/dt per second.
 
     Parameters
     ----------
@@ -194,10 +194,11 @@ def coefficient(x: SymbolicMatrix, symbol: SymbolicMatrix) -> SymbolicMatrix:
 
 def _of_product(x: SymbolicMatrix, symbol: SymbolicMatrix) -> SymbolicMatrix:
     scalar, factors = coefficient_and_factors(x)
-    where = [k for k, factor in enumerate(factors) if contains(factor, symbol)]
-    if len(where) != 1:
+    indices = [k for k, factor in enumerate(factors) if contains(factor, symbol)]
+    if len(indices) != 1:
         raise DerivationError(f"linear form: {x} is not linear in {symbol}")
-    before, factor, after = factors[: where[0]], factors[where[0]], factors[where[0] + 1 :]
+    index = indices[0]
+    before, factor, after = factors[:index], factors[index], factors[index + 1 :]
     if not after and factor.shape[1] == 1:
         return mul(scalar, *before, coefficient(factor, symbol))
     if isinstance(factor, MatAdd):
@@ -209,8 +210,8 @@ def _of_product(x: SymbolicMatrix, symbol: SymbolicMatrix) -> SymbolicMatrix:
     if isinstance(factor, Skew):
         right = mul(*after)
         return neg(mul(scalar, *before, skew(right), coefficient(factor.v, symbol)))
-    first = max((k for k in range(where[0] + 1) if factors[k].shape[0] == 1), default=-1)
-    last = min((k for k in range(where[0], len(factors)) if factors[k].shape[1] == 1), default=-1)
+    first = max((k for k in range(index + 1) if factors[k].shape[0] == 1), default=-1)
+    last = min((k for k in range(index, len(factors)) if factors[k].shape[1] == 1), default=-1)
     if min(first, last) >= 0 and x.shape[1] == 1:  # the number that holds it may stand at the end
         number = transpose(mul(*factors[first : last + 1]))
         return mul(scalar, *factors[:first], *factors[last + 1 :], coefficient(number, symbol))
@@ -289,12 +290,12 @@ def abbreviate(x: SymbolicMatrix, *names: NamedMatrix) -> SymbolicMatrix:
     def shorten(node: SymbolicMatrix) -> SymbolicMatrix | None:
         scalar, factors = coefficient_and_factors(node)
         for name in names:
-            whole = coefficient_and_factors(name.value)[1]
+            product = coefficient_and_factors(name.value)[1]
             if isinstance(node, MatAdd) and transpose(node) == name.value:
                 return transpose(name)
-            for start in range(len(factors) - len(whole) + 1):
-                if factors[start : start + len(whole)] == whole:
-                    return mul(scalar, *factors[:start], name, *factors[start + len(whole) :])
+            for start in range(len(factors) - len(product) + 1):
+                if factors[start : start + len(product)] == product:
+                    return mul(scalar, *factors[:start], name, *factors[start + len(product) :])
         return None
 
     return rewrite(x, shorten)

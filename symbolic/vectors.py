@@ -63,7 +63,7 @@ class _Term:
     power : int
         Of the unit of length.
     inputs : tuple of Quantity
-        What it depends on, without the orientations and positions of the bodies.
+        Inputs that it depends on, without the orientations and positions of the bodies.
     """
 
     matrix: SymbolicMatrix
@@ -129,14 +129,14 @@ class Vector(_Term):
             total += _square(name) ** 2 * dot(self.parts[name], other.parts[name])
         if total == 0:
             return dot(self.components, other.components)
-        for one, u in self._turned().items():
-            for two, v in other._turned().items():
-                if one != two or one == self.frame:
+        for frame_u, u in self._turned().items():
+            for frame_v, v in other._turned().items():
+                if frame_u != frame_v or frame_u == self.frame:
                     total += dot(u, v)
         return as_scalar(total)
 
     def _turned(self) -> dict[str, Sequence[Scalar]]:
-        """Terms, each in the frame of the whole."""
+        """Terms, each in the frame of the sum."""
         return {
             name: x if name == self.frame else rotate(bodies.COMPONENTS[f"p_{name}"], x)
             for name, x in self.parts.items()
@@ -163,13 +163,13 @@ class Vector(_Term):
         _require_name(name)
         return replace(self, matrix=NamedMatrix(name, self.matrix))
 
-    def __getitem__(self, place: int) -> Number:
-        if place not in (0, 1, 2):
-            raise IndexError(f"{self.text} has the components 0, 1 and 2; there is no {place!r}")
-        unit = ImmutableDenseMatrix([int(k == place) for k in range(3)])
+    def __getitem__(self, index: int) -> Number:
+        if index not in (0, 1, 2):
+            raise IndexError(f"{self.text} has the components 0, 1 and 2; there is no {index!r}")
+        unit = ImmutableDenseMatrix([int(k == index) for k in range(3)])
         return Number(
             mul(unit.T, self.matrix),
-            (self.components[place],),
+            (self.components[index],),
             self.power,
             self.inputs,
             Dot(unit, self.matrix),
@@ -276,8 +276,8 @@ class Number(_Term):
     __rmul__ = __mul__
 
     def __truediv__(self, other: Number | int | Fraction) -> Number:
-        found: Number = self * _inverse(self, other)
-        return found
+        quotient: Number = self * _inverse(self, other)
+        return quotient
 
     def __rtruediv__(self, other: int | Fraction) -> Number:
         return number_of(other, f"by {self.text} is divided") / self
@@ -288,10 +288,10 @@ class Number(_Term):
                 f"the power {exponent!r} of {self.text}: wanted a positive integer; a root of what "
                 "varies is stated as docs/own_kind.md says"
             )
-        whole = self
+        product = self
         for _ in range(exponent - 1):
-            whole = whole * self
-        return whole
+            product = product * self
+        return product
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,9 +331,9 @@ class Rotation:
         # AᵀA = (p·p)² I for p of any norm: a term that A turned comes back with this factor.
         turned = [x for k, x in v._turned().items() if k != self.name]
         back = rotate_back(bodies.COMPONENTS[f"p_{self.name}"], _sum(turned))
-        own = [_square(self.name) ** 2 * x for x in v.parts.get(self.name, (S.Zero,) * 3)]
+        unturned = [_square(self.name) ** 2 * x for x in v.parts.get(self.name, (S.Zero,) * 3)]
         product = mul(transpose(matrix), v.matrix)
-        return v._with({after: plus(back, own)}, frame=after, matrix=product)
+        return v._with({after: plus(back, unturned)}, frame=after, matrix=product)
 
 
 @dataclass(frozen=True, slots=True)
@@ -384,9 +384,9 @@ class Body:
             What it is, in a few words, for the generated files.
         """
         _require_name(name)
-        what = meaning or f"{'point' if unit == 'm' else 'axis'} fixed in body {self.name}"
+        text = meaning or f"{'point' if unit == 'm' else 'axis'} fixed in body {self.name}"
         frame = f"frame of {self.name}"
-        quantity = _input(f"{name}_{self.name}_b", (3,), unit, f"{what}, {frame}")
+        quantity = _input(f"{name}_{self.name}_b", (3,), unit, f"{text}, {frame}")
         return _vector(quantity, self.name)
 
     def axis(self, name: str = "a") -> Vector:
@@ -397,7 +397,7 @@ class Body:
         """Point r + A s′ (3,) [m], fixed in the body, in frame O; lecture 7.1, (4.28)."""
         return self.r + self.A @ self.fixed(name, "m")
 
-    if not TYPE_CHECKING:  # which tells what there is by itself
+    if not TYPE_CHECKING:  # type checkers know the members themselves
 
         def __getattr__(self, name: str) -> NoReturn:
             if name.startswith("_") or name == "name":
@@ -540,30 +540,30 @@ def resolve(x: SymbolicMatrix) -> SymbolicMatrix | None:
         if isinstance(left, MatAdd) == isinstance(right, MatAdd):
             continue
         terms = (left if isinstance(left, MatAdd) else right).args
-        apart: list[SymbolicMatrix] = []
-        found: list[SymbolicMatrix] = []
+        plain: list[SymbolicMatrix] = []
+        reduced: list[SymbolicMatrix] = []
         for term in terms:
             product = mul(term, right) if isinstance(left, MatAdd) else mul(left, term)
-            met = orthogonality(product)
-            (apart if met is None else found).append(term if met is None else met)
-        if found:
-            if apart:
-                rest = add(*apart)
-                found.insert(0, mul(rest, right) if isinstance(left, MatAdd) else mul(left, rest))
+            resolved = orthogonality(product)
+            (plain if resolved is None else reduced).append(term if resolved is None else resolved)
+        if reduced:
+            if plain:
+                rest = add(*plain)
+                reduced.insert(0, mul(rest, right) if isinstance(left, MatAdd) else mul(left, rest))
             around = factors[:k], factors[k + 2 :]
-            return add(*(mul(scalar, *around[0], product, *around[1]) for product in found))
+            return add(*(mul(scalar, *around[0], product, *around[1]) for product in reduced))
     return orthogonality(x)
 
 
 def _column_of(parts: Sequence[_Term]) -> SymbolicMatrix:
-    """Parts one below the other, as a sum: part k times the columns that place it."""
+    """Parts one below the other, as a sum: part k times a selection of rows."""
     if len(parts) == 1:
         return parts[0].matrix
     rows = [(k, n) for k, part in enumerate(parts) for n in range(len(part.components))]
     placed = []
     for k, part in enumerate(parts):
-        places = [[int(row == (k, n)) for n in range(len(part.components))] for row in rows]
-        placed.append(mul(ImmutableDenseMatrix(places), part.matrix))
+        selection = [[int(row == (k, n)) for n in range(len(part.components))] for row in rows]
+        placed.append(mul(ImmutableDenseMatrix(selection), part.matrix))
     return add(*placed)
 
 
@@ -586,30 +586,30 @@ def _square(body: str) -> Scalar:
 
 
 def _input(name: str, shape: tuple[int, ...], unit: str, meaning: str) -> Quantity:
-    """Input by a name; those of every constraint, such as a′ of body i, are there already."""
+    """Input by a name; those of every constraint, such as a′ of body i, are shared."""
     if unit not in POWERS:
         raise DerivationError(f"{name}: unit {unit!r}; wanted one of {', '.join(POWERS)}")
-    there = _SHARED.get(name)
-    if there is None:
+    shared = _SHARED.get(name)
+    if shared is None:
         return Quantity(name, shape, unit, meaning)
-    if (there.shape, there.unit) != (shape, unit):
+    if (shared.shape, shared.unit) != (shape, unit):
         raise DerivationError(
-            f"{name} is {there.meaning}, of shape {there.shape} in {there.unit}; choose another "
+            f"{name} is {shared.meaning}, of shape {shared.shape} in {shared.unit}; choose another "
             "name"
         )
-    return there
+    return shared
 
 
 def _joined(*terms: _Term) -> tuple[Quantity, ...]:
-    found: dict[str, Quantity] = {}
+    inputs: dict[str, Quantity] = {}
     for quantity in (quantity for term in terms for quantity in term.inputs):
-        there = found.setdefault(quantity.name, quantity)
-        if there != quantity:
+        known = inputs.setdefault(quantity.name, quantity)
+        if known != quantity:
             raise DerivationError(
-                f"{quantity.name} is there twice, as {there.meaning} [{there.unit}] and as "
+                f"{quantity.name} is there twice, as {known.meaning} [{known.unit}] and as "
                 f"{quantity.meaning} [{quantity.unit}]; give each its own name"
             )
-    return tuple(found.values())
+    return tuple(inputs.values())
 
 
 def _inverse(term: _Term, other: Any) -> Number:
@@ -631,10 +631,10 @@ def _inverse(term: _Term, other: Any) -> Number:
 
 def _require(x: Any, wanted: type, where: str) -> None:
     if not isinstance(x, wanted):
-        what = "vector" if wanted is Vector else "vector or number"
+        noun = "vector" if wanted is Vector else "vector or number"
         shown = x.text if isinstance(x, _Term) else repr(x)
         raise DerivationError(
-            f"{where} {shown}, of type {type(x).__name__}; wanted a {what}, made of those of "
+            f"{where} {shown}, of type {type(x).__name__}; wanted a {noun}, made of those of "
             "body('i'), body('j') and number(...)"
         )
 

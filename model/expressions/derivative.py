@@ -36,19 +36,19 @@ def derivative(expression: Expression, name: str) -> Expression:
     Parameters
     ----------
     expression : Expression
-        What is differentiated.
+        The formula.
     name : str
-        By what.
+        The name that it is differentiated by.
     """
     known: dict[int, Expression] = {}
     for part in ordered(expression):
         if not part.args:
             known[id(part)] = ONE if part.name == name else ZERO
-        elif (same := _smooth_root(part)) is not None:
-            known[id(part)] = derivative(same, name)
+        elif (smooth := _smooth_root(part)) is not None:
+            known[id(part)] = derivative(smooth, name)
         else:
             derivatives = tuple(known[id(arg)] for arg in part.args)
-            is_fixed = all(one == ZERO for one in derivatives)
+            is_fixed = all(slope == ZERO for slope in derivatives)
             known[id(part)] = ZERO if is_fixed else _derivative(part, derivatives)
     return known[id(expression)]
 
@@ -58,11 +58,11 @@ def _smooth_root(part: Expression) -> Expression | None:
 
     Those of the root, ``(a^2)^1.5``, are 0/0 where a is zero.
     """
-    found = root_of_even_power(part)
-    if found is None or found[1] < 2:
+    root = root_of_even_power(part)
+    if root is None or root[1] < 2:
         return None
-    size = found[0] if found[1] % 2 == 0 else apply(Op.ABS, found[0])
-    return power(size, number(found[1]))
+    size = root[0] if root[1] % 2 == 0 else apply(Op.ABS, root[0])
+    return power(size, number(root[1]))
 
 
 def _derivative(part: Expression, derivatives: tuple[Expression, ...]) -> Expression:
@@ -84,8 +84,8 @@ def _derivative(part: Expression, derivatives: tuple[Expression, ...]) -> Expres
         case Op.SHARE:
             return part * apply(Op.SHARE, -part.args[0]) * derivatives[0]
         case _:
-            found: Expression = DIFFERENTIALS[part.op](part, part.args, derivatives, FORMULAS)
-            return found
+            slope: Expression = DIFFERENTIALS[part.op](part, part.args, derivatives, FORMULAS)
+            return slope
 
 
 def _of_power(part: Expression, da: Expression, db: Expression) -> Expression:
@@ -114,12 +114,12 @@ def _of_extreme(part: Expression, da: Expression, db: Expression) -> Expression:
     return ((1 + sign) * da + (1 - sign) * db) / 2
 
 
-def _made(op: Op) -> Callable[..., Expression]:
+def _builder(op: Op) -> Callable[..., Expression]:
     return partial(apply, op)
 
 
-#: The arithmetic of formulas: what is computed is one.
+#: The arithmetic of formulas: results are formulas.
 FORMULAS: FormulaArithmetic[Expression] = FormulaArithmetic(
     number=lambda value: number(Fraction(value)),
-    **{one.name: _made(Op(one.name)) for one in fields(FormulaArithmetic)[1:]},
+    **{field.name: _builder(Op(field.name)) for field in fields(FormulaArithmetic)[1:]},
 )

@@ -27,7 +27,7 @@ TABLES = ("bodies", "joints", "coordinates", "drivers", "forces")
 """The tables with numbers of a design."""
 
 FORMULAS = "formulas"
-"""What a wrong formula breaks in an element, beside the element: what is computed of it all."""
+"""Key that a wrong formula breaks beside its element: what is computed from the whole element."""
 
 
 def read_formulas(scene: Scene, problems: Problems) -> Scene:
@@ -38,23 +38,23 @@ def read_formulas(scene: Scene, problems: Problems) -> Scene:
     scene : Scene
         As it was decoded.
     problems : Problems
-        Where to note what is wrong; such a formula becomes the number 1, and its element is broken.
+        Where to note wrong formulas; such a formula becomes 1, and its element is broken.
     """
-    read: dict[str, float] = {}
-    wrong = problems.broken("parameters")
+    values: dict[str, float] = {}
+    broken = problems.broken("parameters")
     moving = state_names(scene) - {*scene.parameters}
     exact: dict[str, Any] = {}
 
-    def number(given: Formula, key: str) -> float:
-        if given.text in read:
-            return read[given.text]
-        is_known = not problems.is_broken("parameters") and not used_names(given.text, wrong)
+    def number(formula: Formula, key: str) -> float:
+        if formula.text in values:
+            return values[formula.text]
+        is_known = not problems.is_broken("parameters") and not used_names(formula.text, broken)
         if is_known and not problems.is_full:
             try:
-                _require_fixed(given.text, moving)
+                _require_fixed(formula.text, moving)
                 exact.update({} if exact else _in_fifty_digits(scene.parameters))
-                read[given.text] = _value(given.text, scene.parameters, exact)
-                return read[given.text]
+                values[formula.text] = _value(formula.text, scene.parameters, exact)
+                return values[formula.text]
             except ExpressionError as error:
                 problems.add(str(error), key)
         element = ".".join(key.split(".")[:2])
@@ -69,16 +69,16 @@ def with_numbers(scene: Scene) -> Scene:
     """Scene with the values of its formulas in place of them."""
     if not scene.parameters:
         return scene
-    return changed_scene(scene, lambda given, _: float(given))
+    return changed_scene(scene, lambda formula, _: float(formula))
 
 
 def _require_fixed(text: str, moving: Collection[str]) -> None:
-    """Refuse a formula of what changes in a run."""
-    for found in WORD.finditer(text):
-        if (name := found.group()) in moving:
-            what = "the time" if name == TIME else f"{name}, which moves"
-            problem = f"depends on {what}; a number of the design may depend on parameters only"
-            raise ExpressionError(problem, column=found.start() + 1)
+    """Refuse a formula of names that change in a run."""
+    for match in WORD.finditer(text):
+        if (name := match.group()) in moving:
+            quantity = "the time" if name == TIME else f"{name}, which moves"
+            problem = f"depends on {quantity}; a number of the design may depend on parameters only"
+            raise ExpressionError(problem, column=match.start() + 1)
 
 
 def _in_fifty_digits(parameters: Mapping[str, float]) -> dict[str, Any]:
@@ -88,7 +88,7 @@ def _in_fifty_digits(parameters: Mapping[str, float]) -> dict[str, Any]:
 
 
 def _value(text: str, parameters: Mapping[str, float], exact: Mapping[str, Any]) -> float:
-    """Number that a formula is in a scene: it has one in 50 digits and in doubles."""
+    """Value of a formula in a scene, which must be finite in 50 digits and in doubles."""
     from kousoku.model.numbers.traced import traced
 
     expression = parse_expression(text, parameters)
@@ -105,38 +105,38 @@ def changed_scene(scene: Scene, change: Callable[[Formula, str], float]) -> Scen
     Parameters
     ----------
     scene : Scene
-        What is changed.
+        The scene that is changed.
     change : callable
         Gets a formula and its dotted key.
     """
-    found = {}
+    tables = {}
     for table in TABLES:
         old = getattr(scene, table)
         new = {name: _with(item, join(table, name), change) for name, item in old.items()}
         if any(new[name] is not item for name, item in old.items()):
-            found[table] = new
-    return msgspec.structs.replace(scene, **found) if found else scene
+            tables[table] = new
+    return msgspec.structs.replace(scene, **tables) if tables else scene
 
 
 def _with(value: T, key: str, change: Callable[[Formula, str], float]) -> T:
     """Record, tuple or number with its formulas changed, itself where it has none."""
-    found: Any = value
+    result: Any = value
     if isinstance(value, Formula):
-        found = change(value, key)
+        result = change(value, key)
     elif isinstance(value, tuple):
-        parts = tuple(_with(item, f"{key}[{k}]", change) for k, item in enumerate(value))
-        found = value if all(a is b for a, b in zip(parts, value, strict=True)) else parts
+        elements = tuple(_with(item, f"{key}[{k}]", change) for k, item in enumerate(value))
+        result = value if all(a is b for a, b in zip(elements, value, strict=True)) else elements
     elif isinstance(value, msgspec.Struct):
         names = zip(value.__struct_fields__, value.__struct_encode_fields__, strict=True)
-        given = [(name, shown, getattr(value, name)) for name, shown in names]
+        members = [(name, encoded, getattr(value, name)) for name, encoded in names]
         flat = getattr(value, "FLAT", "")
         pairs = (
-            (name, old, _with(old, key if name == flat else join(key, shown), change))
-            for name, shown, old in given
+            (name, old, _with(old, key if name == flat else join(key, encoded), change))
+            for name, encoded, old in members
         )
         changed = {name: new for name, old, new in pairs if new is not old}
-        found = msgspec.structs.replace(value, **changed) if changed else value
+        result = msgspec.structs.replace(value, **changed) if changed else value
     elif isinstance(value, dict):
         items = {name: _with(item, join(key, name), change) for name, item in value.items()}
-        found = items if any(items[name] is not item for name, item in value.items()) else value
-    return cast("T", found)
+        result = items if any(items[name] is not item for name, item in value.items()) else value
+    return cast("T", result)

@@ -1,7 +1,7 @@
-"""Enclosures: what bounds a formula where its names are anywhere between two values.
+"""Enclosures: bounds of a formula whose names are anywhere between two values.
 
 The bounds are formulas themselves, the natural interval extension of Moore: each function is
-replaced by what it does to intervals. Rounding is not directed outward, so that a bound may be
+replaced by its effect on intervals. Rounding is not directed outward, so that a bound may be
 exceeded by units in the last place.
 """
 
@@ -38,7 +38,7 @@ class Bounds(NamedTuple):
     most: Expression
 
     @property
-    def is_one(self) -> bool:
+    def is_point(self) -> bool:
         """Whether both are the same formula."""
         return self.least is self.most or self.least == self.most
 
@@ -61,7 +61,7 @@ def enclosure(expression: Expression, spans: Mapping[str, Bounds]) -> Bounds:
     expression : Expression
         The formula.
     spans : mapping of str to Bounds
-        What bounds each name that varies; others are what they are.
+        Bounds of each name that varies; other names bound themselves.
     """
     names = {name: spans.get(name) or _point(symbol(name)) for name in names_of(expression)}
     return evaluated(expression, lambda value: _point(number(value)), names, _applied)
@@ -73,8 +73,8 @@ def _point(formula: Expression) -> Bounds:
 
 def _applied(op: Op, args: Sequence[Bounds]) -> Bounds:
     """Bounds of a function of intervals."""
-    if all(one.is_one for one in args):
-        return _point(composed(op, *(one.least for one in args)))
+    if all(x.is_point for x in args):
+        return _point(composed(op, *(x.least for x in args)))
     first = args[0]
     match op:
         case Op.ADD:
@@ -92,7 +92,7 @@ def _applied(op: Op, args: Sequence[Bounds]) -> Bounds:
         case Op.SIN | Op.COS:
             return _wave(op, first)
         case Op.TAN:
-            waves = (_wave(one, first) for one in (Op.SIN, Op.COS))
+            waves = (_wave(function, first) for function in (Op.SIN, Op.COS))
             sine, cosine = waves
             return quotient_of(sine, cosine)
         case Op.ACOS:
@@ -122,23 +122,23 @@ def composed(op: Op, *args: Expression) -> Expression:
 
 
 def _least(*terms: Expression) -> Expression:
-    found = terms[0]
+    least = terms[0]
     for term in terms[1:]:
-        found = apply(Op.MIN, found, term)
-    return found
+        least = apply(Op.MIN, least, term)
+    return least
 
 
 def _most(*terms: Expression) -> Expression:
-    found = terms[0]
+    most = terms[0]
     for term in terms[1:]:
-        found = apply(Op.MAX, found, term)
-    return found
+        most = apply(Op.MAX, most, term)
+    return most
 
 
 def product_of(a: Bounds, b: Bounds) -> Bounds:
     """Bounds of a product."""
     # The ends are not hashed: parts are shared, and a tree has many times as many.
-    sides = [(one.least,) if one.is_one else one for one in (a, b)]
+    sides = [(x.least,) if x.is_point else x for x in (a, b)]
     products = [mul(x, y) for x in sides[0] for y in sides[1]]
     return Bounds(_least(*products), _most(*products))
 
@@ -155,7 +155,7 @@ def _magnitude(x: Bounds) -> Bounds:
 
 def _reciprocal(x: Bounds) -> Bounds:
     """Bounds of 1 / x: infinite where x may be zero, as then the product of both ends is."""
-    if x.is_one:
+    if x.is_point:
         return _point(div(ONE, x.least))
     product = apply(Op.ABS, _most(mul(x.least, x.most), ZERO))
     return Bounds(div(x.least, product), div(x.most, product))
@@ -171,8 +171,8 @@ def _power(a: Bounds, b: Bounds) -> Bounds:
         a = Bounds(_most(a.least, _least(a.most, ZERO)), a.most)
     elif exponent.numerator % 2 == 0:
         a = _magnitude(a)
-    found = Bounds(power(a.least, size), power(a.most, size))
-    return found if exponent > 0 else _reciprocal(found)
+    bounds = Bounds(power(a.least, size), power(a.most, size))
+    return bounds if exponent > 0 else _reciprocal(bounds)
 
 
 def _wave(op: Op, x: Bounds) -> Bounds:

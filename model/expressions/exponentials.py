@@ -33,24 +33,24 @@ class Form:
 
     Parameters
     ----------
-    whole, factor, exponent : Expression
+    formula, factor, exponent : Expression
         The formula and its parts.
     logarithm : Expression or None
         None where the numbers and exponentials in it do not tell that it is positive.
     is_sum : bool
         Whether it is positive and exponentials are added in it: these may overflow.
-    is_anew : bool
+    is_rewritten : bool
         Whether the exponent has the logarithm of such a sum.
     terms : tuple of Form
-        What it is the sum of.
+        Terms that it is the sum of.
     """
 
-    whole: Expression
+    formula: Expression
     factor: Expression
     exponent: Expression = ZERO
     logarithm: Expression | None = None
     is_sum: bool = False
-    is_anew: bool = False
+    is_rewritten: bool = False
     terms: tuple[Form, ...] = ()
 
 
@@ -64,7 +64,7 @@ def without_overflow(formula: Expression) -> Expression:
     for part in ordered(formula):
         args = [known[id(arg)] for arg in part.args]
         known[id(part)] = _form(part, args)
-    return known[id(formula)].whole
+    return known[id(formula)].formula
 
 
 def rate_of(law: Expression, order: int) -> Expression:
@@ -85,69 +85,69 @@ def _form(part: Expression, args: Sequence[Form]) -> Form:
     if not part.args:
         is_positive = part.value is not None and part.value > 0
         return Form(part, part, logarithm=_logarithm(part) if is_positive else None)
-    is_same = all(form.whole is arg for form, arg in zip(args, part.args, strict=True))
-    whole = part if is_same else apply(part.op, *(form.whole for form in args))
+    is_same = all(form.formula is arg for form, arg in zip(args, part.args, strict=True))
+    formula = part if is_same else apply(part.op, *(form.formula for form in args))
     a, b = args[0], args[-1]
     match part.op:
         case Op.EXP:
-            return Form(whole, ONE, a.whole, a.whole)
+            return Form(formula, ONE, a.formula, a.formula)
         case Op.NEG:
-            return _product(whole, neg(a.factor), a.exponent, None, args)
+            return _product(formula, neg(a.factor), a.exponent, None, args)
         case Op.ADD:
-            logarithm = _both(_log_of_sum, args)
-            is_sum = logarithm is not None and any(one.exponent != ZERO for one in args)
-            return Form(whole, whole, ZERO, logarithm, is_sum, terms=tuple(args))
+            logarithm = _combined_logarithms(_log_of_sum, args)
+            is_sum = logarithm is not None and any(form.exponent != ZERO for form in args)
+            return Form(formula, formula, ZERO, logarithm, is_sum, terms=tuple(args))
         case Op.MUL:
-            exponent, logarithm = add(a.exponent, b.exponent), _both(add, args)
-            return _product(whole, mul(a.factor, b.factor), exponent, logarithm, args)
+            exponent, logarithm = add(a.exponent, b.exponent), _combined_logarithms(add, args)
+            return _product(formula, mul(a.factor, b.factor), exponent, logarithm, args)
         case Op.DIV if b.is_sum:
-            return _divided(a, b)
+            return _quotient(a, b)
         case Op.DIV:
-            logarithm = _both(lambda x, y: add(x, neg(y)), args)
-            return _product(whole, div(a.factor, b.whole), a.exponent, logarithm, [a])
-        case Op.POW if a.is_sum and a.logarithm is not None and b.whole.value is not None:
-            logarithm = mul(b.whole, a.logarithm)
-            if b.whole.value > 0:
-                return Form(whole, whole, ZERO, logarithm, is_sum=True)
-            return Form(apply(Op.EXP, logarithm), ONE, logarithm, logarithm, is_anew=True)
+            logarithm = _combined_logarithms(lambda x, y: add(x, neg(y)), args)
+            return _product(formula, div(a.factor, b.formula), a.exponent, logarithm, [a])
+        case Op.POW if a.is_sum and a.logarithm is not None and b.formula.value is not None:
+            logarithm = mul(b.formula, a.logarithm)
+            if b.formula.value > 0:
+                return Form(formula, formula, ZERO, logarithm, is_sum=True)
+            return Form(apply(Op.EXP, logarithm), ONE, logarithm, logarithm, is_rewritten=True)
         case _:
-            return Form(whole, whole)
+            return Form(formula, formula)
 
 
 def _product(
-    whole: Expression,
+    formula: Expression,
     factor: Expression,
     exponent: Expression,
     logarithm: Expression | None,
     args: Sequence[Form],
 ) -> Form:
-    """Product: its exponentials are one where there are more, or one was a quotient."""
-    are_many = sum(one.exponent != ZERO for one in args) > 1
-    is_anew = are_many or any(one.is_anew for one in args)
-    whole = mul(factor, apply(Op.EXP, exponent)) if is_anew else whole
-    is_sum = logarithm is not None and any(one.is_sum for one in args)
-    return Form(whole, factor, exponent, logarithm, is_sum, is_anew)
+    """Product: its exponentials become one where there are several, or one was a quotient."""
+    are_several = sum(form.exponent != ZERO for form in args) > 1
+    is_rewritten = are_several or any(form.is_rewritten for form in args)
+    formula = mul(factor, apply(Op.EXP, exponent)) if is_rewritten else formula
+    is_sum = logarithm is not None and any(form.is_sum for form in args)
+    return Form(formula, factor, exponent, logarithm, is_sum, is_rewritten)
 
 
-def _divided(a: Form, b: Form) -> Form:
+def _quotient(a: Form, b: Form) -> Form:
     """Quotient a / b, each term of a by itself where exponentials are among them."""
     assert b.logarithm is not None
     logarithm = None if a.logarithm is None else add(a.logarithm, neg(b.logarithm))
-    if any(one.exponent != ZERO for one in a.terms):
-        terms = tuple(_divided(one, b) for one in a.terms)
-        whole = add(*(one.whole for one in terms))
-        return Form(whole, whole, ZERO, logarithm, terms=terms)
+    if any(term.exponent != ZERO for term in a.terms):
+        terms = tuple(_quotient(term, b) for term in a.terms)
+        formula = add(*(term.formula for term in terms))
+        return Form(formula, formula, ZERO, logarithm, terms=terms)
     exponent = add(a.exponent, neg(b.logarithm))
-    whole = mul(a.factor, apply(Op.EXP, exponent))
-    return Form(whole, a.factor, exponent, logarithm, is_anew=True)
+    formula = mul(a.factor, apply(Op.EXP, exponent))
+    return Form(formula, a.factor, exponent, logarithm, is_rewritten=True)
 
 
-def _both(
+def _combined_logarithms(
     combine: Callable[[Expression, Expression], Expression], args: Sequence[Form]
 ) -> Expression | None:
     """Combined logarithms, if all are known."""
-    logarithms = [one.logarithm for one in args]
-    known = [one for one in logarithms if one is not None]
+    logarithms = [form.logarithm for form in args]
+    known = [logarithm for logarithm in logarithms if logarithm is not None]
     return reduce(combine, known) if len(known) == len(logarithms) else None
 
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Set
 
 OTHER = {Op.SIN: Op.COS, Op.COS: Op.SIN}
-"""The function whose sign tells on which branch the inverse of one is."""
+"""The function whose sign tells the branch of the inverse of another."""
 
 SIZES = frozenset({Op.ABS, Op.LOG})
 """Functions, beside roots of even powers, of which quotients are jumps: logarithms in exponents."""
@@ -41,7 +41,7 @@ SIZES = frozenset({Op.ABS, Op.LOG})
 def without_folds(
     formula: Expression, constant: Set[str] | None = None
 ) -> tuple[Expression, dict[Expression, Expression]]:
-    """Formula with ``abs`` and ``sign`` in place of its folds, and which fold each of them was.
+    """Formula with ``abs`` and ``sign`` in place of its folds, and the fold that each replaces.
 
     ``asin(sin(x))`` is ``atan2(sin(x), abs(cos(x)))``, ``a/abs(a)`` is ``sign(a)``, and
     ``atan(1/b)`` is ``pi/2*sign(b) - atan(b)``.
@@ -62,12 +62,12 @@ def without_folds(
             folds[size] = part
             return apply(Op.ATAN2, *((args[0], size) if op is Op.ASIN else (size, args[0])))
         if constant is not None and op is Op.ATAN and args[0].op is Op.DIV:
-            above, below = args[0].args
-            is_fixed = set(names_of(above)) <= constant and above != ZERO
-            if is_fixed and may_be_zero(below):
-                jump = apply(Op.SIGN, mul(above, below))
+            numerator, denominator = args[0].args
+            is_fixed = set(names_of(numerator)) <= constant and numerator != ZERO
+            if is_fixed and may_be_zero(denominator):
+                jump = apply(Op.SIGN, mul(numerator, denominator))
                 folds[jump] = part
-                smooth = apply(Op.ATAN, div(below, above))
+                smooth = apply(Op.ATAN, div(denominator, numerator))
                 return add(mul(number(Fraction(pi / 2)), jump), neg(smooth))
         return part
 
@@ -77,18 +77,18 @@ def without_folds(
 
 
 def with_signs(formula: Expression) -> tuple[Expression, dict[Expression, Expression]]:
-    """Formula with ``sign(a)`` in place of quotients such as ``a/abs(a)``, and what each was."""
+    """Formula with ``sign(a)`` in place of quotients like ``a/abs(a)``, and what each replaces."""
     signs: dict[Expression, Expression] = {}
-    if not any(one.op in SIZES or root_of_even_power(one) for one in ordered(formula)):
+    if not any(part.op in SIZES or root_of_even_power(part) for part in ordered(formula)):
         return formula, signs
 
     def build(op: Op, args: tuple[Expression, ...]) -> Expression:
         part = Expression(op, args)
-        same = without_quotient(part) if op in {Op.MUL, Op.DIV} else None
-        if same is None:
+        cancelled = without_quotient(part) if op in {Op.MUL, Op.DIV} else None
+        if cancelled is None:
             return part
-        signs.update({one: part for one in ordered(same) if one.op in {Op.SIGN, Op.ABS}})
-        return same
+        signs.update({sign: part for sign in ordered(cancelled) if sign.op in {Op.SIGN, Op.ABS}})
+        return cancelled
 
     unfolded = rebuilt(formula, build)
     return (formula if unfolded == formula else unfolded), signs

@@ -48,9 +48,9 @@ def state_names(scene: Scene) -> frozenset[str]:
 
 
 def used_names(formula: str, names: Collection[str]) -> tuple[str, ...]:
-    """Names of those given that stand in a formula, in the order of its text.
+    """Names among ``names`` that stand in a formula, in the order of its text.
 
-    What is multiplied by zero stands there, too: the formula cannot be read without it.
+    Factors of zero count, too: the formula cannot be read without them.
     """
     return tuple(dict.fromkeys(name for name in WORD.findall(formula) if name in names))
 
@@ -109,11 +109,11 @@ def formula_problems(
     key : str
         Its dotted key.
     start : mapping of str to float
-        What is known at the start: a formula of nothing else must have a finite value there.
+        Values that are known at the start: a formula of these alone must have a finite value.
     """
     if isinstance(value, tuple):
-        for index, one in enumerate(value):
-            yield from formula_problems(one, names, f"{key}[{index}]", start)
+        for index, item in enumerate(value):
+            yield from formula_problems(item, names, f"{key}[{index}]", start)
     elif isinstance(value, str):
         try:
             formula = parse_expression(value, names)

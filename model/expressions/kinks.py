@@ -29,7 +29,7 @@ KINKS = (Op.ABS, Op.SIGN, Op.MIN, Op.MAX)
 """Functions that do not have two derivatives everywhere."""
 
 DEEPEST = 6
-"""Kinks in the arguments of one, at most: each doubles what is looked at."""
+"""Kinks in the arguments of one, at most: each doubles the branches that are compared."""
 
 DIGITS = 1e-30
 """Parts of their size by which both sides of a kink may differ: of 50 digits, and of π."""
@@ -67,8 +67,8 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Expr
         sides = (*part.args, neg(part.args[0]))[:2]
         for factor in PARAMETER_FACTORS:
             values: dict[str, Any] = {
-                name: CONTEXT.mpf(value) * CONTEXT.mpf(factor) ** place
-                for place, (name, value) in enumerate(parameters.items(), 1)
+                name: CONTEXT.mpf(value) * CONTEXT.mpf(factor) ** exponent
+                for exponent, (name, value) in enumerate(parameters.items(), 1)
             }
             if (
                 part.op is Op.SIGN
@@ -80,19 +80,19 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Expr
 
 
 def _without_roots(law: Expression) -> tuple[Expression, dict[Expression, Expression]]:
-    """Formula with ``abs(a)`` in its roots of even powers, and which root each one was.
+    """Formula with ``abs(a)`` in its roots of even powers, and the root that each replaces.
 
     ``sqrt(a^2)`` is ``abs(a)``, and ``(a^2)^0.75`` is ``abs(a)^1.5``.
     """
     roots: dict[Expression, Expression] = {}
 
     def build(op: Op, args: tuple[Expression, ...]) -> Expression:
-        same = Expression(op, args)
-        root = even_root(same)
+        operation = Expression(op, args)
+        root = even_root(operation)
         if root is None or not 0 < root[1] < SMOOTH or not may_be_zero(root[0]):
-            return same
+            return operation
         size = Expression(Op.ABS, (root[0],))
-        roots[size] = same
+        roots[size] = operation
         return power(size, number(root[1]))
 
     return rebuilt(law, build), roots
@@ -115,26 +115,26 @@ def _is_smooth(
     gap = add(sides[0], neg(sides[1]))
     meetings = []
     for branch in _branches(gap):
-        start, one, two = (at(branch, CONTEXT.mpf(k)) for k in range(3))
-        rate, size = one - start, abs(start) + abs(one) + abs(two)
-        if not abs(two - one - rate) <= DIGITS * size or (rate == 0 and start == 0):
+        start, first, second = (at(branch, CONTEXT.mpf(k)) for k in range(3))
+        rate, size = first - start, abs(start) + abs(first) + abs(second)
+        if not abs(second - first - rate) <= DIGITS * size or (rate == 0 and start == 0):
             return False
         if rate != 0 and abs(at(gap, -start / rate)) <= DIGITS * size:
             meetings.append(-start / rate)
-    first, second = (replaced(law, part, side) for side in sides)
+    left, right = (replaced(law, part, side) for side in sides)
     size = CONTEXT.mpf(0)
     for _ in range(3):
         for meeting in meetings:
-            a, b = at(first, meeting), at(second, meeting)
-            size = max(size, *(abs(at(_sizes(side), meeting)) for side in (first, second)))
+            a, b = at(left, meeting), at(right, meeting)
+            size = max(size, *(abs(at(_sizes(side), meeting)) for side in (left, right)))
             if not abs(a - b) <= DIGITS * size:
                 return False
-        first, second = derivative(first, time), derivative(second, time)
+        left, right = derivative(left, time), derivative(right, time)
     return True
 
 
 def _count(expression: Expression) -> int:
-    return sum(one.op in KINKS for one in ordered(expression))
+    return sum(part.op in KINKS for part in ordered(expression))
 
 
 def _branches(gap: Expression) -> list[Expression]:
@@ -142,12 +142,12 @@ def _branches(gap: Expression) -> list[Expression]:
     for part in ordered(gap):
         if part.op in KINKS:
             sides = (*part.args, neg(part.args[0]))[:2]
-            return [one for side in sides for one in _branches(replaced(gap, part, side))]
+            return [branch for side in sides for branch in _branches(replaced(gap, part, side))]
     return [gap]
 
 
 def _sizes(expression: Expression) -> Expression:
-    """Formula with all its sums over absolute values: what its terms are like."""
+    """Formula with all its sums over absolute values: the size of its terms."""
 
     def build(op: Op, args: tuple[Expression, ...]) -> Expression:
         is_sum = op is Op.ADD

@@ -48,7 +48,7 @@ LONGEST_FORMULA = 2000
 """Characters of the longest formula."""
 
 DEEPEST = 60
-"""Levels of the deepest formula: parentheses, and operations on what others give."""
+"""Levels of the deepest formula: parentheses, and operations on results of others."""
 
 ARGUMENTS = {
     op.value: 2 if op in BINARY_OPS else 1
@@ -95,7 +95,7 @@ def parse_expression(
 
 
 class _Parser:
-    """Rest of a text that is to be read, one token ahead."""
+    """Reader of the remaining text of a formula, one token ahead."""
 
     def __init__(self, text: str, names: Collection[str]) -> None:
         self.text = text
@@ -103,7 +103,7 @@ class _Parser:
         self.depths: dict[int, int] = {}
         self.kept: list[Expression] = []
         self.nesting = 0
-        self.counted = -1  # where the last number of degrees began
+        self.degrees_at = -1  # of the last number of degrees
         self.kind, self.token, self.start, self.end = "", "", 0, 0
         self.advance()
 
@@ -124,10 +124,10 @@ class _Parser:
         if self.start == len(self.text):
             self.kind, self.token, self.end = "", "", self.start
             return
-        found = _TOKEN.match(self.text, self.start)
-        if found is None:
+        match = _TOKEN.match(self.text, self.start)
+        if match is None:
             raise self.error(f"{self.text[self.start]!r} belongs to no formula")
-        self.kind, self.token, self.end = found.lastgroup or "", found.group(), found.end()
+        self.kind, self.token, self.end = match.lastgroup or "", match.group(), match.end()
 
     def takes(self, *marks: str) -> str:
         """Read one of some marks if it comes next; return it, or nothing."""
@@ -199,14 +199,14 @@ class _Parser:
             return inner
         kind, token = self.kind, self.token
         if kind not in {"name", "number"}:
-            what = f"{token!r} stands" if kind else "the formula ends"
-            raise self.error(f"{what} where a number, a name or a '(' is wanted")
+            culprit = f"{token!r} stands" if kind else "the formula ends"
+            raise self.error(f"{culprit} where a number, a name or a '(' is wanted")
         self.advance()
         if kind == "number":
             value = self.number(token, start)
             if self.token != "deg":
                 return number(value)
-            self.counted = start
+            self.degrees_at = start
             self.advance()
             return number(value * DEGREE)
         if token in self.names:
@@ -220,7 +220,9 @@ class _Parser:
 
     def is_degrees(self, start: int) -> bool:
         """Whether the text that was read since then begins with a number of degrees."""
-        return start <= self.counted and not self.text[start : self.counted].strip("+- \t\r\n")
+        return start <= self.degrees_at and not self.text[start : self.degrees_at].strip(
+            "+- \t\r\n"
+        )
 
     def number(self, token: str, start: int) -> Fraction:
         digits, _, exponent = token.lower().partition("e")
@@ -257,8 +259,8 @@ class _Parser:
 
     def close(self, opened: int) -> None:
         if not self.takes(")"):
-            what = f"{self.token[:40]!r} stands" if self.kind else "the formula ends"
-            raise self.error(f"{what} before the '(' of column {opened + 1} is closed")
+            culprit = f"{self.token[:40]!r} stands" if self.kind else "the formula ends"
+            raise self.error(f"{culprit} before the '(' of column {opened + 1} is closed")
 
     def nest(self, start: int) -> None:
         self.nesting += 1

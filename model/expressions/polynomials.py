@@ -1,6 +1,7 @@
-"""Formulas as polynomials with exact numbers: what their square parts are, and their real roots.
+"""Formulas as polynomials with exact numbers: their square factors and real roots.
 
-What is no sum, product or whole power is a variable: ``sin(t)^2 - 2*sin(t) + 1`` is a polynomial.
+A part that is no sum, product or whole power is a variable: ``sin(t)^2 - 2*sin(t) + 1`` is a
+polynomial.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ HIGHEST = 24
 
 Powers = tuple[int, ...]
 Terms = dict[Powers, Fraction]
-#: Of one variable: the factor of its n-th power at place n, the last one not zero.
+#: Of one variable: the factor of its n-th power at index n, the last one not zero.
 Coefficients = tuple[Fraction, ...]
 
 
@@ -49,7 +50,7 @@ class Polynomial:
     Parameters
     ----------
     variables : tuple of Expression
-        What there are powers of.
+        Bases of the powers.
     terms : mapping of tuple of int to Fraction
         The factor of each product, by the powers of the variables; none is zero.
     """
@@ -68,14 +69,14 @@ class Polynomial:
 
 
 class Squares(NamedTuple):
-    """A product f a² b⁴ of even powers, and of what is left of them.
+    """A product f a² b⁴ of even powers, and of a remaining factor.
 
     Parameters
     ----------
     rest : Expression
-        f, which is not zero where the others are.
+        f, which is not zero where the even powers are.
     powers : tuple of (Expression, int)
-        The others, with their even powers.
+        The bases a, b with their even exponents.
     """
 
     rest: Expression
@@ -91,38 +92,39 @@ def polynomial_of(formula: Expression) -> Polynomial | None:
                 inner.add(id(arg))
                 stack.append(arg)
     parts = [part for part in ordered(formula) if id(part) in inner]
-    single = (one for one in parts if one.value is None and not _is_sum(one))
-    variables = tuple(dict.fromkeys(single))
+    atoms = (part for part in parts if part.value is None and not _is_sum(part))
+    variables = tuple(dict.fromkeys(atoms))
     known: dict[int, Terms] = {}
     for part in parts:
-        found = _terms(part, variables, known)
-        if found is None or len(found) > MOST_TERMS:
+        terms = _terms(part, variables, known)
+        if terms is None or len(terms) > MOST_TERMS:
             return None
-        if any(bits_of(factor) > LARGEST_BITS for factor in found.values()):
+        if any(bits_of(factor) > LARGEST_BITS for factor in terms.values()):
             return None
-        if any(sum(powers) > HIGHEST for powers in found):
+        if any(sum(powers) > HIGHEST for powers in terms):
             return None
-        known[id(part)] = found
+        known[id(part)] = terms
     return Polynomial(variables, known[id(formula)])
 
 
 def square_part(formula: Expression) -> Squares | None:
     """Polynomial as a product with even powers; None where there are none.
 
-    In one variable all are found, in several those of variables and a square that these leave.
+    In one variable all are found, in several those of variables and a square of the remainder.
     """
-    found = polynomial_of(formula)
-    if found is None or not found.terms or not found.variables:
+    polynomial = polynomial_of(formula)
+    if polynomial is None or not polynomial.terms or not polynomial.variables:
         return None
-    rest, parts = (_even_parts if len(found.variables) == 1 else _even_variables)(found.terms)
-    if not parts:
+    split = _even_factors if len(polynomial.variables) == 1 else _even_variables
+    rest, squares = split(polynomial.terms)
+    if not squares:
         return None
 
     def expression_of(terms: Terms) -> Expression:
-        return Polynomial(found.variables, terms).expression()
+        return Polynomial(polynomial.variables, terms).expression()
 
     return Squares(
-        expression_of(rest), tuple((expression_of(terms), count) for terms, count in parts)
+        expression_of(rest), tuple((expression_of(terms), count) for terms, count in squares)
     )
 
 
@@ -139,12 +141,12 @@ def _even_power(part: Expression) -> tuple[Expression, int] | None:
 def root_of_even_power(part: Expression) -> tuple[Expression, Fraction] | None:
     """Base a and exponent n b of (a^n)^b with an even n and a b that is not whole."""
     exponent = root_exponent(part)
-    found = None if exponent is None else _even_power(part.args[0])
-    return None if exponent is None or found is None else (found[0], found[1] * exponent)
+    even = None if exponent is None else _even_power(part.args[0])
+    return None if exponent is None or even is None else (even[0], even[1] * exponent)
 
 
 def root_exponent(part: Expression) -> Fraction | None:
-    """Exponent b of a root, a^b where b is not whole; None of what is no root."""
+    """Exponent b of a root, a^b where b is not whole; None of any other formula."""
     if part.op is Op.SQRT:
         return Fraction(1, 2)
     exponent = part.args[1].value if part.op is Op.POW else None
@@ -155,25 +157,25 @@ def with_squares_apart(part: Expression) -> Expression:
     """Root with the roots of squares in it apart: ``sqrt(x^2 - 2*x + 1)``, ``(x - 1)^2``.
 
     Written out it is known to half of its digits where it is near to zero, and is nowhere known to
-    be an absolute value. What is no root is returned as it is.
+    be an absolute value. Any other formula is returned as it is.
     """
     exponent = root_exponent(part)
-    if exponent is None or _even_power(part.args[0]) or not (found := _squares_of(part.args[0])):
+    if exponent is None or _even_power(part.args[0]) or not (squares := _squares_of(part.args[0])):
         return part
-    squares = (power(a, number(n)) for a, n in found.powers)
-    return mul(*(_root_of(one, exponent) for one in (found.rest, *squares)))
+    factors = (squares.rest, *(power(a, number(n)) for a, n in squares.powers))
+    return mul(*(_root_of(factor, exponent) for factor in factors))
 
 
 def _squares_of(part: Expression) -> Squares | None:
     """Even powers of a product unless it is negative, also if it is a quotient."""
     if part.op is Op.DIV and not _is_sum(part):
         above, below = part.args
-        single = _even_power(above)
-        found = _squares_of(above) if single is None else Squares(ONE, (single,))
-        return None if found is None else found._replace(rest=div(found.rest, below))
-    found = square_part(part)
-    is_negative = found is not None and found.rest.value is not None and found.rest.value < 0
-    return None if is_negative else found
+        even = _even_power(above)
+        squares = _squares_of(above) if even is None else Squares(ONE, (even,))
+        return None if squares is None else squares._replace(rest=div(squares.rest, below))
+    squares = square_part(part)
+    is_negative = squares is not None and squares.rest.value is not None and squares.rest.value < 0
+    return None if is_negative else squares
 
 
 def _root_of(part: Expression, exponent: Fraction) -> Expression:
@@ -189,12 +191,12 @@ def _root_of(part: Expression, exponent: Fraction) -> Expression:
 
 def is_never_zero(formula: Expression) -> bool:
     """Whether a formula is a polynomial in one variable that has no real root."""
-    found = polynomial_of(formula)
-    if found is None or len(found.variables) != 1 or not found.terms:
+    polynomial = polynomial_of(formula)
+    if polynomial is None or len(polynomial.variables) != 1 or not polynomial.terms:
         return False
-    chain = _sturm_chain(_in_one(found.terms))
-    below, above = ([one[-1] * side ** (len(one) - 1) for one in chain] for side in (-1, 1))
-    return _changes(below) == _changes(above)
+    chain = _sturm_chain(_coefficients(polynomial.terms))
+    left, right = ([p[-1] * side ** (len(p) - 1) for p in chain] for side in (-1, 1))
+    return _sign_changes(left) == _sign_changes(right)
 
 
 def _is_power(part: Expression) -> bool:
@@ -229,13 +231,13 @@ def _terms(
     if part.value is not None:
         return {(0,) * len(variables): part.value} if part.value else {}
     if not _is_sum(part):
-        return {tuple(int(one == part) for one in variables): Fraction(1)}
+        return {tuple(int(variable == part) for variable in variables): Fraction(1)}
     args = [known[id(arg)] for arg in _args_of(part)]
     match part.op:
         case Op.ADD:
             total: Terms = {}
-            for one in args:
-                total = _plus(total, one)
+            for terms in args:
+                total = _plus(total, terms)
             return total
         case Op.NEG:
             return {powers: -factor for powers, factor in args[0].items()}
@@ -263,14 +265,14 @@ def _plus(a: Terms, b: Terms) -> Terms:
 
 def _times(a: Terms, b: Terms) -> Terms:
     product: Terms = {}
-    for one, x in a.items():
-        for other, y in b.items():
-            powers = tuple(map(int.__add__, one, other))
+    for a_powers, x in a.items():
+        for b_powers, y in b.items():
+            powers = tuple(map(int.__add__, a_powers, b_powers))
             product[powers] = product.get(powers, Fraction(0)) + x * y
     return {powers: factor for powers, factor in product.items() if factor}
 
 
-def _less(powers: Powers, by: Powers) -> Powers:
+def _lowered(powers: Powers, by: Powers) -> Powers:
     return tuple(map(int.__sub__, powers, by))
 
 
@@ -281,20 +283,20 @@ def _root(terms: Terms) -> Terms | None:
         return None
     first = tuple(n // 2 for n in highest)
     root: Terms = {first: Fraction(1)}
-    left = _plus(terms, {highest: Fraction(-1)})
-    while left:
-        powers = _less(max(left), first)
+    remainder = _plus(terms, {highest: Fraction(-1)})
+    while remainder:
+        powers = _lowered(max(remainder), first)
         # the next term of a root is lower than the one before, and no less than the square root
         if min(powers) < 0 or not powers < min(root) or len(root) > MOST_TERMS:
             return None
-        half = left[max(left)] / 2
-        twice = {one: 2 * factor for one, factor in root.items()} | {powers: half}
-        left = _plus(left, _times(twice, {powers: -half}))
+        half = remainder[max(remainder)] / 2
+        twice = {m: 2 * factor for m, factor in root.items()} | {powers: half}
+        remainder = _plus(remainder, _times(twice, {powers: -half}))
         root[powers] = half
     return root
 
 
-def _in_one(terms: Mapping[Powers, Fraction]) -> Coefficients:
+def _coefficients(terms: Mapping[Powers, Fraction]) -> Coefficients:
     highest = max(terms)[0]
     return tuple(terms.get((n,), Fraction(0)) for n in range(highest + 1))
 
@@ -302,85 +304,85 @@ def _in_one(terms: Mapping[Powers, Fraction]) -> Coefficients:
 def _even_variables(terms: Mapping[Powers, Fraction]) -> tuple[Terms, list[tuple[Terms, int]]]:
     """Rest of a polynomial without even powers, and these, one for each variable."""
     least = tuple(map(min, zip(*terms, strict=True)))
-    one = (0,) * len(least)
-    rest = {_less(powers, least): factor for powers, factor in terms.items()}
-    parts: list[tuple[Terms, int]] = []
+    zeroth = (0,) * len(least)
+    rest = {_lowered(powers, least): factor for powers, factor in terms.items()}
+    squares: list[tuple[Terms, int]] = []
     odd = list(least)
     for k, count in enumerate(least):
         if count and count % 2 == 0:
             odd[k] = 0
-            parts.append(({(*one[:k], 1, *one[k + 1 :]): Fraction(1)}, count))
+            squares.append(({(*zeroth[:k], 1, *zeroth[k + 1 :]): Fraction(1)}, count))
     scale = rest[max(rest)]
     root = _root({powers: factor / scale for powers, factor in rest.items()})
     if root is not None and len(root) > 1:
-        rest = {one: scale}
-        parts.append((root, 2))
-    return _times(rest, {tuple(odd): Fraction(1)}), parts
+        rest = {zeroth: scale}
+        squares.append((root, 2))
+    return _times(rest, {tuple(odd): Fraction(1)}), squares
 
 
-def _even_parts(terms: Mapping[Powers, Fraction]) -> tuple[Terms, list[tuple[Terms, int]]]:
+def _even_factors(terms: Mapping[Powers, Fraction]) -> tuple[Terms, list[tuple[Terms, int]]]:
     """Rest of a polynomial without even powers, and these, by Yun's algorithm."""
-    p = _in_one(terms)
+    p = _coefficients(terms)
     rest: Coefficients = (p[-1],)
-    parts: list[tuple[Terms, int]] = []
-    common, count = _gcd(p, _slope(p)), 1
-    left = _divided(p, common)[0]
-    while len(left) > 1:
-        more = _gcd(left, common)
-        simple = _divided(left, more)[0]  # what is there as often as counted
+    squares: list[tuple[Terms, int]] = []
+    common, count = _gcd(p, _derivative(p)), 1
+    remaining = _divided(p, common)[0]
+    while len(remaining) > 1:
+        repeated = _gcd(remaining, common)
+        simple = _divided(remaining, repeated)[0]  # the factors of that multiplicity
         simple = tuple(x / simple[-1] for x in simple)
         if count % 2:
             for _ in range(count):
                 rest = _product(rest, simple)
         elif len(simple) > 1:
-            parts.append((_of_one(simple), count))
-        left, common = more, _divided(common, more)[0]
+            squares.append((_univariate_terms(simple), count))
+        remaining, common = repeated, _divided(common, repeated)[0]
         count += 1
-    return _of_one(rest), parts
+    return _univariate_terms(rest), squares
 
 
-def _of_one(p: Coefficients) -> Terms:
+def _univariate_terms(p: Coefficients) -> Terms:
     return {(n,): x for n, x in enumerate(p) if x}
 
 
 def _sturm_chain(p: Coefficients) -> list[Coefficients]:
-    chain = [p, _slope(p)] if len(p) > 1 else [p]
+    chain = [p, _derivative(p)] if len(p) > 1 else [p]
     while len(chain[-1]) > 1:
-        left = _divided(chain[-2], chain[-1])[1]
-        if not left:
+        remainder = _divided(chain[-2], chain[-1])[1]
+        if not remainder:
             break
-        size = abs(left[-1])
-        chain.append(tuple(-x / size for x in left))
+        size = abs(remainder[-1])
+        chain.append(tuple(-x / size for x in remainder))
     return chain
 
 
-def _changes(values: Sequence[Fraction]) -> int:
+def _sign_changes(values: Sequence[Fraction]) -> int:
     """Number of sign changes along a list."""
     return sum(a * b < 0 for a, b in pairwise(values))
 
 
-def _slope(p: Coefficients) -> Coefficients:
+def _derivative(p: Coefficients) -> Coefficients:
     return tuple(n * x for n, x in enumerate(p))[1:]
 
 
 def _product(a: Coefficients, b: Coefficients) -> Coefficients:
-    found = [Fraction(0)] * (len(a) + len(b) - 1)
+    product = [Fraction(0)] * (len(a) + len(b) - 1)
     for n, x in enumerate(a):
         for m, y in enumerate(b):
-            found[n + m] += x * y
-    return tuple(found)
+            product[n + m] += x * y
+    return tuple(product)
 
 
 def _divided(a: Coefficients, b: Coefficients) -> tuple[Coefficients, Coefficients]:
     """Quotient and remainder; an empty one is zero."""
-    left, found = list(a), [Fraction(0)] * max(len(a) - len(b) + 1, 0)
-    for n in reversed(range(len(found))):
-        found[n] = left[n + len(b) - 1] / b[-1]
+    remainder, quotient = list(a), [Fraction(0)] * max(len(a) - len(b) + 1, 0)
+    for n in reversed(range(len(quotient))):
+        quotient[n] = remainder[n + len(b) - 1] / b[-1]
         for m, y in enumerate(b):
-            left[n + m] -= found[n] * y
-    while left and left[-1] == 0:
-        left.pop()
-    return tuple(found), tuple(left)
+            remainder[n + m] -= quotient[n] * y
+    while remainder and remainder[-1] == 0:
+        remainder.pop()
+    return tuple(quotient), tuple(remainder)
 
 
 def _gcd(a: Coefficients, b: Coefficients) -> Coefficients:

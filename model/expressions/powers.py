@@ -107,48 +107,48 @@ MINUS = number(-1)
 
 def without_quotient(part: Expression) -> Expression | None:
     """Product in which quotients of numbers and their sizes have cancelled; None where none do."""
-    found = _powers_of(part)
-    if found is None or not any(one.cancels and names_of(base) for base, one in found.items()):
+    powers = _powers_of(part)
+    if powers is None or not any(p.cancels and names_of(base) for base, p in powers.items()):
         return None
-    factors = [pair for base, one in found.items() for pair in _written(base, one)]
+    factors = [pair for base, signed in powers.items() for pair in _written(base, signed)]
     above, below = (
-        mul(*(one for one, is_below in factors if is_below is side)) for side in (False, True)
+        mul(*(factor for factor, is_below in factors if is_below is side)) for side in (False, True)
     )
     return above if below == ONE else div(above, below)
 
 
-def _written(base: Expression, one: SignedPower) -> Iterator[tuple[Expression, bool]]:
+def _written(base: Expression, signed: SignedPower) -> Iterator[tuple[Expression, bool]]:
     """Factors of a power, and whether each is divided by."""
     if base == MINUS:
-        if not one.is_size:
+        if not signed.is_size:
             yield base, False
         return
     if base.value is not None:
-        one = SignedPower.of(0, one.exponent)
-    if not (one.cancels and names_of(base)):
+        signed = SignedPower.of(0, signed.exponent)
+    if not (signed.cancels and names_of(base)):
         size = base if base.value is not None else apply(Op.ABS, base)
-        for kept, exponent in ((base, Fraction(one.power)), (size, one.size)):
+        for factor, exponent in ((base, Fraction(signed.power)), (size, signed.size)):
             if exponent:
-                yield power(kept, number(abs(exponent))), exponent < 0
+                yield power(factor, number(abs(exponent))), exponent < 0
         return
-    left = one.exponent
-    if not one.is_size:
-        yield base if left >= 1 else apply(Op.SIGN, base), False
-        left -= left >= 1
-    is_even = left.denominator == 1 and left % 2 == 0
-    yield power(base if is_even else apply(Op.ABS, base), number(left)), False
+    remaining = signed.exponent
+    if not signed.is_size:
+        yield base if remaining >= 1 else apply(Op.SIGN, base), False
+        remaining -= remaining >= 1
+    is_even = remaining.denominator == 1 and remaining % 2 == 0
+    yield power(base if is_even else apply(Op.ABS, base), number(remaining)), False
 
 
 def _powers_of(part: Expression) -> Powers | None:
     """Formula as a product of powers; None where it is too long."""
-    found: Powers = {}
+    powers: Powers = {}
     stack, count = [(part, 1)], 0
     while stack:
-        one, exponent = stack.pop()
+        factor, exponent = stack.pop()
         count += 1
         if count > MOST_FACTORS:
             return None
-        match one:
+        match factor:
             case Expression(Op.MUL, args):
                 stack += ((arg, exponent) for arg in reversed(args))
             case Expression(Op.DIV, (a, b)):
@@ -156,9 +156,9 @@ def _powers_of(part: Expression) -> Powers | None:
             case Expression(Op.NEG, (a,)):
                 stack += ((a, exponent), (MINUS, 1))
             case _:
-                for base, own in _single(one).items():
-                    _multiply(found, base, own.raised(Fraction(exponent)))
-    return found
+                for base, signed in _single(factor).items():
+                    _multiply(powers, base, signed.raised(Fraction(exponent)))
+    return powers
 
 
 def _multiply(powers: Powers, base: Expression, by: SignedPower) -> None:
@@ -167,22 +167,22 @@ def _multiply(powers: Powers, base: Expression, by: SignedPower) -> None:
 
 def _single(part: Expression) -> Powers:
     """Powers in a formula that is no product."""
-    found: Powers | None = None
+    powers: Powers | None = None
     match part:
         case Expression(value=Fraction() as value) if value < 0 and value != -1:
-            found = {MINUS: ITSELF, number(-value): ITSELF}
+            powers = {MINUS: ITSELF, number(-value): ITSELF}
         case Expression(Op.ABS, (a,)):
-            found = _powers_of(a)
-            found = None if found is None else {b: one.sized() for b, one in found.items()}
+            powers = _powers_of(a)
+            powers = None if powers is None else {b: signed.sized() for b, signed in powers.items()}
         case Expression(Op.SQRT, (a,)):
-            found = _raised(_powers_of(a), Fraction(1, 2))
+            powers = _raised(_powers_of(a), Fraction(1, 2))
         case Expression(Op.POW, (a, Expression(value=Fraction() as exponent))):
-            found = _raised(_powers_of(a), exponent)
+            powers = _raised(_powers_of(a), exponent)
         case Expression(Op.EXP, (a,)):
-            found = _exponential(a)
+            powers = _exponential(a)
         case Expression(Op.ADD):
-            found = _powers_of_sum(part)
-    return {part: ITSELF} if found is None else found
+            powers = _powers_of_sum(part)
+    return {part: ITSELF} if powers is None else powers
 
 
 @lru_cache(maxsize=1024)
@@ -194,14 +194,14 @@ def _powers_of_sum(part: Expression) -> Powers | None:
     squares = square_part(part)
     if squares is not None:
         return _powers_of(mul(squares.rest, *(power(a, number(n)) for a, n in squares.powers)))
-    found = polynomial_of(part)
-    if found is None or not found.terms:
+    polynomial = polynomial_of(part)
+    if polynomial is None or not polynomial.terms:
         return None
-    order = sorted(range(len(found.variables)), key=lambda k: found.variables[k].key)
-    terms = {tuple(powers[k] for k in order): factor for powers, factor in found.terms.items()}
+    order = sorted(range(len(polynomial.variables)), key=lambda k: polynomial.variables[k].key)
+    terms = {tuple(powers[k] for k in order): factor for powers, factor in polynomial.terms.items()}
     highest = terms[max(terms)]
     scaled = {powers: factor / highest for powers, factor in terms.items()}
-    base = Polynomial(tuple(found.variables[k] for k in order), scaled).expression()
+    base = Polynomial(tuple(polynomial.variables[k] for k in order), scaled).expression()
     return {base: ITSELF, **_single(number(highest))}
 
 
@@ -210,40 +210,40 @@ def _raised(powers: Powers | None, exponent: Fraction) -> Powers | None:
     is_whole = exponent.denominator == 1
     if powers is None or not all(is_whole or _is_positive(*pair) for pair in powers.items()):
         return None
-    return {base: one.raised(exponent) for base, one in powers.items()}
+    return {base: signed.raised(exponent) for base, signed in powers.items()}
 
 
-def _is_positive(base: Expression, one: SignedPower) -> bool:
-    return one.is_size or (base.value is not None and base.value > 0)
+def _is_positive(base: Expression, signed: SignedPower) -> bool:
+    return signed.is_size or (base.value is not None and base.value > 0)
 
 
 def _exponential(a: Expression) -> Powers | None:
-    """Powers in an exponential, of what its summands have logarithms of."""
-    found: Powers = {}
+    """Powers in an exponential, of the arguments of logarithms in its exponent."""
+    powers: Powers = {}
     others = []
     for term in a.args if a.op is Op.ADD else (a,):
-        own = _logarithm(term)
-        if own is None:
+        of_term = _logarithm(term)
+        if of_term is None:
             others.append(term)
             continue
-        for base, one in own.items():
-            _multiply(found, base, one)
-    if found and others:
-        _multiply(found, apply(Op.EXP, add(*others)), ITSELF)
-    return found or None
+        for base, signed in of_term.items():
+            _multiply(powers, base, signed)
+    if powers and others:
+        _multiply(powers, apply(Op.EXP, add(*others)), ITSELF)
+    return powers or None
 
 
 def _logarithm(term: Expression) -> Powers | None:
     """Powers in the exponential of a multiple of a logarithm."""
-    inside, exponent = None, Fraction(1)
-    for base, one in (_powers_of(term) or {}).items():
-        if base.value is not None and one.size.denominator == 1:
-            exponent *= base.value**one.power * abs(base.value) ** int(one.size)
-        elif base.op is Op.LOG and one == ITSELF and inside is None:
-            inside = base.args[0]
+    argument, exponent = None, Fraction(1)
+    for base, signed in (_powers_of(term) or {}).items():
+        if base.value is not None and signed.size.denominator == 1:
+            exponent *= base.value**signed.power * abs(base.value) ** int(signed.size)
+        elif base.op is Op.LOG and signed == ITSELF and argument is None:
+            argument = base.args[0]
         else:
             return None
-    found = None if inside is None else _powers_of(inside)
-    if found is None or not all(_is_positive(*pair) for pair in found.items()):
-        return None  # where what a logarithm is of is negative it has no value
-    return _raised(found, exponent)
+    powers = None if argument is None else _powers_of(argument)
+    if powers is None or not all(_is_positive(*pair) for pair in powers.items()):
+        return None  # a logarithm of a negative number has no value
+    return _raised(powers, exponent)

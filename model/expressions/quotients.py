@@ -1,4 +1,4 @@
-"""Quotients that are 0/0 somewhere and have a limit there, as sin(x)/x: what bounds them.
+"""Bounds of quotients that are 0/0 somewhere and have a limit there, as sin(x)/x.
 
 Intervals tell nothing of a quotient N/D where D may be zero. Where N and D are zero with z, and so
 are their derivatives by z before the k-th, both are divided by zᵏ: with Taylor's theorem N/zᵏ is
@@ -38,11 +38,11 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
 
 
-#: The names of z, of the quotient itself, and of what is left of a series of two.
-PLACE, ITSELF, REST = ".z", ".itself", ".rest"
-#: The highest power of z that is divided by.
+#: Names of z, of the quotient itself, and of the remainders of both Taylor series.
+Z, ITSELF, REMAINDER = ".z", ".itself", ".rest"
+#: The highest power of z that cancels.
 HIGHEST = 3
-#: What functions are of zero; of others that is not known.
+#: Values of functions at zero, where these are known.
 AT_ZERO = {
     **dict.fromkeys((Op.SIN, Op.TAN, Op.ASIN, Op.ATAN), ZERO),
     Op.COS: ONE,
@@ -50,7 +50,7 @@ AT_ZERO = {
 }
 
 
-#: What bounds names.
+#: Bounds by name.
 Spans = dict[str, Bounds]
 
 
@@ -65,17 +65,17 @@ class Quotient(NamedTuple):
         As it is written.
     place : Expression
         z.
-    above, below : Expression
-        What is divided and by what, of :data:`PLACE`.
+    numerator, denominator : Expression
+        N and D, as functions of :data:`Z`.
     order : int
-        Of z: both are divided by that power of it.
+        k: both are divided by that power of z.
     """
 
     name: str
     whole: Expression
     place: Expression
-    above: Expression
-    below: Expression
+    numerator: Expression
+    denominator: Expression
     order: int
 
     @property
@@ -96,22 +96,24 @@ class Quotient(NamedTuple):
         place = enclosure(self.place, spans)
         ends = (apply(Op.MIN, place.least, ZERO), apply(Op.MAX, place.most, ZERO))
         near = {
-            PLACE: place,
-            **self._rests(self.above, 0, ends),
-            **self._rests(self.below, 1, ends),
+            Z: place,
+            **self._remainders(self.numerator, 0, ends),
+            **self._remainders(self.denominator, 1, ends),
         }
-        (a, da), (b, db) = (self._series(one, k) for k, one in enumerate((self.above, self.below)))
-        near[ITSELF] = value = self._both(
+        a, da = self._series(self.numerator, 0)
+        b, db = self._series(self.denominator, 1)
+        near[ITSELF] = value = self._intersection(
             enclosure(self.whole, spans), enclosure(div(a, b), near), place
         )
         slope = enclosure(div(add(da, neg(mul(symbol(ITSELF), db))), b), near)
-        moved = product_of(slope, enclosure(speed, spans))
-        return {self.name: value, self.rate: self._both(enclosure(rate, spans), moved, place)}
+        rate_near = product_of(slope, enclosure(speed, spans))
+        far = enclosure(rate, spans)
+        return {self.name: value, self.rate: self._intersection(far, rate_near, place)}
 
     def _series(self, formula: Expression, k: int) -> tuple[Expression, Expression]:
-        """One of both divided by a power of z, to the second power, and its derivative."""
+        """Series of N (k = 0) or D (1) over the power of z, and its derivative."""
         a, b = coefficients(formula, self.order + 2)[self.order :]
-        z, rest, slope = symbol(PLACE), symbol(f"{REST}{k}"), symbol(f"{REST}{k}.slope")
+        z, rest, slope = symbol(Z), symbol(f"{REMAINDER}{k}"), symbol(f"{REMAINDER}{k}.slope")
         square = power(z, number(2))
         if _is_short(formula, self.order):
             return add(a, mul(b, z)), b
@@ -120,20 +122,22 @@ class Quotient(NamedTuple):
             add(b, mul(number(2), mul(rest, z)), mul(slope, square)),
         )
 
-    def _rests(self, formula: Expression, k: int, ends: tuple[Expression, Expression]) -> Spans:
-        """Bounds of the factor of z² in it, and of the derivative of that."""
+    def _remainders(
+        self, formula: Expression, k: int, ends: tuple[Expression, Expression]
+    ) -> Spans:
+        """Bounds of the factor of z² in such a series, and of the derivative of that factor."""
         if _is_short(formula, self.order):
             return {}
-        found: Spans = {}
-        for n, name in enumerate((f"{REST}{k}", f"{REST}{k}.slope"), self.order + 2):
-            bounds = enclosure(_derived(formula, n), {PLACE: Bounds(*ends)})
-            found[name] = Bounds(*(div(one, number(factorial(n))) for one in bounds))
-        return found
+        spans: Spans = {}
+        for n, name in enumerate((f"{REMAINDER}{k}", f"{REMAINDER}{k}.slope"), self.order + 2):
+            bounds = enclosure(_derived(formula, n), {Z: Bounds(*ends)})
+            spans[name] = Bounds(*(div(bound, number(factorial(n))) for bound in bounds))
+        return spans
 
-    def _both(self, far: Bounds, near: Bounds, place: Bounds) -> Bounds:
-        """Bounds that meet two others, of which the first hold where z has a sign."""
+    def _intersection(self, far: Bounds, near: Bounds, place: Bounds) -> Bounds:
+        """Intersection of two bounds, of which the first hold where z keeps its sign only."""
         sign = apply(Op.MAX, mul(place.least, place.most), ZERO)
-        none = add(div(sign, sign), number(-1))  # no number where z has no sign: none is left out
+        none = add(div(sign, sign), number(-1))  # no number where z changes sign: far is left out
         return Bounds(
             apply(Op.MAX, add(far.least, none), near.least),
             apply(Op.MIN, add(far.most, none), near.most),
@@ -152,82 +156,84 @@ def without_quotients(
     varying : collection of str
         Names that change in a run.
     """
-    found: dict[Expression, Quotient] = {}
+    quotients: dict[Expression, Quotient] = {}
 
     def build(op: Op, args: tuple[Expression, ...]) -> Expression:
-        same = apply(op, *args)
-        if same.op is not Op.DIV:
-            return same
-        return _named(same, {*varying, *(one.name for one in found.values())}, found)
+        operation = apply(op, *args)
+        if operation.op is not Op.DIV:
+            return operation
+        names = (quotient.name for quotient in quotients.values())
+        return _named(operation, {*varying, *names}, quotients)
 
-    return rebuilt(formula, build), tuple(found.values())
+    return rebuilt(formula, build), tuple(quotients.values())
 
 
 def _named(
-    part: Expression, varying: Collection[str], found: dict[Expression, Quotient]
+    part: Expression, varying: Collection[str], quotients: dict[Expression, Quotient]
 ) -> Expression:
-    """Quotient with a name for what has a limit in it, if something has."""
-    above, below = ([*_factors(one)] for one in part.args)
-    for place in _places(part.args[1], varying):
-        own, other = (_apart(one, place, varying) for one in (above, below))
-        order = _order(own[0], other[0])
+    """Quotient with a name for the factor of it that has a limit, if there is one."""
+    above, below = ([*_factors(side)] for side in part.args)
+    for place in _varying_parts(part.args[1], varying):
+        numerator, written_above, factor = _split_by_z(above, place, varying)
+        denominator, written_below, divisor = _split_by_z(below, place, varying)
+        order = _order(numerator, denominator)
         if order is None:
             continue
-        whole = div(own[1], other[1])
-        name = found[whole].name if whole in found else f".quotient{len(found)}"
-        found.setdefault(whole, Quotient(name, whole, place, own[0], other[0], order))
-        return div(mul(own[2], symbol(name)), other[2])
+        whole = div(written_above, written_below)
+        name = quotients[whole].name if whole in quotients else f".quotient{len(quotients)}"
+        quotients.setdefault(whole, Quotient(name, whole, place, numerator, denominator, order))
+        return div(mul(factor, symbol(name)), divisor)
     return part
 
 
-def _places(below: Expression, varying: Collection[str]) -> Iterator[Expression]:
-    """Parts that may be zero where a formula is."""
-    for part in reversed(ordered(below)):
+def _varying_parts(divisor: Expression, varying: Collection[str]) -> Iterator[Expression]:
+    """Parts of a divisor that vary, the largest first: candidates for z."""
+    for part in reversed(ordered(divisor)):
         if not set(varying).isdisjoint(names_of(part)):
             yield part
 
 
 def _factors(part: Expression) -> Iterator[Expression]:
     if part.op is Op.MUL:
-        for one in part.args:
-            yield from _factors(one)
+        for arg in part.args:
+            yield from _factors(arg)
     else:
         yield part
 
 
-def _apart(
+def _split_by_z(
     factors: list[Expression], place: Expression, varying: Collection[str]
 ) -> tuple[Expression, Expression, Expression]:
-    """Factors that depend on z alone: of z, and as they are; and the others."""
-    of_place: list[Expression] = []
-    own: list[Expression] = []
+    """Product of factors that depend on z alone, in z and as written, and that of the others."""
+    functions_of_z: list[Expression] = []
+    written: list[Expression] = []
     others: list[Expression] = []
-    for one in factors:
-        same = _of_place(one, place, varying)
-        if set(varying).isdisjoint(names_of(same)):
-            of_place.append(same)
-            own.append(one)
+    for factor in factors:
+        in_z = _in_z(factor, place, varying)
+        if set(varying).isdisjoint(names_of(in_z)):
+            functions_of_z.append(in_z)
+            written.append(factor)
         else:
-            others.append(one)
-    return mul(*of_place), mul(*own), mul(*others)
+            others.append(factor)
+    return mul(*functions_of_z), mul(*written), mul(*others)
 
 
-def _of_place(formula: Expression, place: Expression, varying: Collection[str]) -> Expression:
+def _in_z(formula: Expression, place: Expression, varying: Collection[str]) -> Expression:
     """Formula with z in it, also where z is linear in the only name that varies."""
-    same = replaced(formula, place, symbol(PLACE), _value)
-    names = [one for one in names_of(place) if one in varying]
+    in_z = replaced(formula, place, symbol(Z), _applied)
+    names = [name for name in names_of(place) if name in varying]
     line = polynomial_of(place)
-    if set(varying).isdisjoint(names_of(same)) or len(names) != 1 or line is None:
-        return same
+    if set(varying).isdisjoint(names_of(in_z)) or len(names) != 1 or line is None:
+        return in_z
     if line.variables != (symbol(names[0]),) or max(line.terms, default=(0,)) != (1,):
-        return same
+        return in_z
     start, slope = (line.terms.get((n,)) for n in range(2))
     assert slope is not None
-    value = div(add(symbol(PLACE), number(-(start or 0))), number(slope))
-    return replaced(same, symbol(names[0]), value, _value)
+    value = div(add(symbol(Z), number(-(start or 0))), number(slope))
+    return replaced(in_z, symbol(names[0]), value, _applied)
 
 
-def _value(op: Op, args: tuple[Expression, ...]) -> Expression:
+def _applied(op: Op, args: tuple[Expression, ...]) -> Expression:
     """Function of formulas, also of zero."""
     if args == (ZERO,) and op in AT_ZERO:
         return AT_ZERO[op]
@@ -242,27 +248,28 @@ def _value(op: Op, args: tuple[Expression, ...]) -> Expression:
     return apply(op, *args)
 
 
-def _order(above: Expression, below: Expression) -> int | None:
-    """Power of z that below has, if above has it, too."""
-    if below == ONE:
+def _order(numerator: Expression, denominator: Expression) -> int | None:
+    """Order of the zero of a denominator, if the numerator has one of it, too."""
+    if denominator == ONE:
         return None
-    pairs = zip(*(coefficients(one, HIGHEST + 3) for one in (above, below)), strict=True)
+    sides = (numerator, denominator)
+    pairs = zip(*(coefficients(side, HIGHEST + 3) for side in sides), strict=True)
     order = next((k for k, pair in enumerate(pairs) if pair != (ZERO, ZERO)), 0)
-    found = [coefficients(one, order + 2) for one in (above, below)]
-    if not 0 < order <= HIGHEST or found[1][order] == ZERO:
+    series = [coefficients(side, order + 2) for side in sides]
+    if not 0 < order <= HIGHEST or series[1][order] == ZERO:
         return None
-    return order if all(map(_has_value, chain(*found))) else None
+    return order if all(map(_has_value, chain(*series))) else None
 
 
 def coefficients(formula: Expression, count: int) -> list[Expression]:
-    """First factors of powers of z, from the zeroth on."""
-    values = (replaced(_derived(formula, n), symbol(PLACE), ZERO, _value) for n in range(count))
-    return [div(one, number(factorial(n))) for n, one in enumerate(values)]
+    """First Taylor coefficients in z, from the zeroth on."""
+    values = (replaced(_derived(formula, n), symbol(Z), ZERO, _applied) for n in range(count))
+    return [div(value, number(factorial(n))) for n, value in enumerate(values)]
 
 
 def _derived(formula: Expression, count: int) -> Expression:
     for _ in range(count):
-        formula = derivative(formula, PLACE)
+        formula = derivative(formula, Z)
     return formula
 
 

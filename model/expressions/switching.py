@@ -35,16 +35,16 @@ if TYPE_CHECKING:
 
 #: Functions with a kink or a jump.
 SWITCHES = frozenset({Op.MIN, Op.MAX, Op.ABS, Op.SIGN})
-#: Powers from this one on have two derivatives where what they are of is zero.
+#: Powers from this exponent on have two derivatives where their base is zero.
 SMOOTH = 2
 #: Polynomials up to this degree vary no faster than the stages of a step see: (1 - t^2)^n is a hill
 #: of a width of 1.7/sqrt(n) in an interval of 2, a third of it for n = 6.
 HIGHEST = 12
 #: Functions with a jump, or that jump through infinity.
 JUMPING = frozenset({Op.SIGN, Op.TAN, Op.ATAN2})
-#: Functions that are bounded where what they are of is infinite, too.
+#: Functions that are bounded where their argument is infinite, too.
 BOUNDED = frozenset({Op.SIGN, Op.SIN, Op.COS, Op.ATAN, Op.ATAN2})
-#: Functions of which those of their arguments may be looked at instead.
+#: Functions whose arguments may be watched in their place.
 TRANSPARENT = frozenset({*SWITCHES, Op.ADD, Op.NEG, Op.MUL})
 
 
@@ -54,28 +54,28 @@ def square(a: Expression) -> Expression:
 
 
 def squares_of(formula: Expression) -> Iterator[Expression]:
-    """Squares of distances in a formula: what is never negative and may come down to zero.
+    """Squares of distances in a formula: never negative, they may come down to zero.
 
-    Roots are of them, or they divide: x/sqrt(x^2 + y^2) turns round, and ``atan2(y, x)``.
+    They stand in roots or in divisors: x/sqrt(x^2 + y^2) turns round, and ``atan2(y, x)``.
     """
     for part in ordered(formula):
-        found: Iterable[Expression] = ()
-        root = None  # it has no value where this is negative
+        candidates: Iterable[Expression] = ()
+        radicand = None  # the root has no value where this is negative
         match part:
             case Expression(Op.ATAN2, (a, b)):
-                found = (add(square(a), square(b)),)
+                candidates = (add(square(a), square(b)),)
             case Expression(Op.SQRT | Op.LOG, (a,)) if even_root(part) is None:
-                found, root = _zeros_of(a), a
+                candidates, radicand = _zero_crossings(a), a
             case Expression(Op.DIV, (_, a)):
-                found = _zeros_of(a)
+                candidates = _zero_crossings(a)
             case Expression(Op.POW, (a, Expression(value=power))) if even_root(part) is None:
                 if power is None or power.denominator > 1:
-                    found, root = _zeros_of(a), a
+                    candidates, radicand = _zero_crossings(a), a
                 elif power < 0:
-                    found = _zeros_of(a)
-        for one in found:
-            if (one == root or range_of(one)[0] >= 0.0) and may_be_zero(one):
-                yield one
+                    candidates = _zero_crossings(a)
+        for candidate in candidates:
+            if (candidate == radicand or range_of(candidate)[0] >= 0.0) and may_be_zero(candidate):
+                yield candidate
 
 
 def switching_functions(formula: Expression) -> Iterator[Expression]:
@@ -85,7 +85,7 @@ def switching_functions(formula: Expression) -> Iterator[Expression]:
     ``atan(1/a)`` jumps where a is zero, and ``atan2(a, b)`` where b is negative there.
     """
     smooth = {id(factor) for part in ordered(formula) for factor in _signed_squares(part)}
-    divided = {id(factor) for part in ordered(formula) for factor in _divided(part)}
+    divided = {id(factor) for part in ordered(formula) for factor in _divided_magnitudes(part)}
     for part in ordered(formula):
         if part.op in SWITCHES and (id(part) not in smooth or id(part) in divided):
             first, *rest = part.args
@@ -93,23 +93,23 @@ def switching_functions(formula: Expression) -> Iterator[Expression]:
         elif (root := even_root(part)) is not None and root[1] < SMOOTH:
             yield root[0]
         else:
-            yield from _wrapped(part)
+            yield from _angle_jumps(part)
 
 
 def jumping_functions(formula: Expression) -> Iterator[Expression]:
     """Switching functions that are zero where a formula jumps, or may do so."""
-    divided = {id(factor) for part in ordered(formula) for factor in _divided(part)}
+    divided = {id(factor) for part in ordered(formula) for factor in _divided_magnitudes(part)}
     for part in ordered(formula):
         if part.op is Op.SIGN or id(part) in divided:
             yield part.args[0]
         else:
-            yield from _wrapped(part)
+            yield from _angle_jumps(part)
 
 
-def _wrapped(part: Expression) -> Iterator[Expression]:
+def _angle_jumps(part: Expression) -> Iterator[Expression]:
     """Functions that are zero where an angle jumps."""
     if part.op is Op.ATAN2 and range_of(part.args[1])[0] < 0.0:
-        yield from filter(may_be_zero, _crossed(part.args[0]))
+        yield from filter(may_be_zero, _sign_changing_factors(part.args[0]))
     elif part.op is Op.ATAN:
         yield from _divisors_of(part)
 
@@ -118,7 +118,7 @@ def _divisors_of(formula: Expression) -> Iterator[Expression]:
     """Divisors in a formula that may be zero."""
     for part in ordered(formula):
         if part.op is Op.DIV:
-            yield from filter(may_be_zero, _zeros_of(part.args[1]))
+            yield from filter(may_be_zero, _zero_crossings(part.args[1]))
 
 
 def edges_of(formula: Expression) -> Iterator[Expression]:
@@ -144,12 +144,12 @@ def _inside(a: Expression) -> Expression:
 
 def even_root(part: Expression) -> tuple[Expression, Fraction] | None:
     """Base a and exponent b of a root of an even power of a, which is abs(a) to the power b."""
-    found = root_of_even_power(part)
-    return None if found is None or found[1] % 2 == 0 else found
+    root = root_of_even_power(part)
+    return None if root is None or root[1] % 2 == 0 else root
 
 
 def has_fractional_power(formula: Expression, varying: Collection[str]) -> bool:
-    """Whether a formula goes with a fractional power, below two, of what varies and may be zero.
+    """Whether a formula has a fractional power, below two, of a base that varies and may be zero.
 
     So do arc sines and arc cosines at their ends, and functions of a logarithm may.
     """
@@ -167,34 +167,34 @@ def has_fractional_power(formula: Expression, varying: Collection[str]) -> bool:
     return False
 
 
-def places_of(law: Expression) -> Iterator[Expression]:
+def breaks_of_law(law: Expression) -> Iterator[Expression]:
     """Functions that are zero where the law of a driver or a derivative of it may jump."""
     yield from switching_functions(law)
     for part in ordered(law):
-        place = _place_of(part)
-        if place is not None:
-            yield from filter(may_be_zero, _crossed(place))
+        singular = _singular_function(part)
+        if singular is not None:
+            yield from filter(may_be_zero, _sign_changing_factors(singular))
 
 
 def poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
     """Functions that are zero where a formula may be infinite, as far as it varies."""
     for part in _unbounded_parts(formula):
-        place = None
+        singular = None
         if part.op in {Op.DIV, Op.LOG}:
-            place = _place_of(part) or part.args[0]
+            singular = _singular_function(part) or part.args[0]
         elif part.op is Op.TAN:
             least, most = range_of(part.args[0])
-            place = None if -pi / 2 < least <= most < pi / 2 else _place_of(part)
+            singular = None if -pi / 2 < least <= most < pi / 2 else _singular_function(part)
         elif part.op is Op.POW:
             exponent = part.args[1].value
-            place = part.args[0] if exponent is None or exponent <= 0 else None
-        for zero in _zeros_of(place) if place is not None else ():
+            singular = part.args[0] if exponent is None or exponent <= 0 else None
+        for zero in _zero_crossings(singular) if singular is not None else ():
             if may_be_zero(zero) and not set(varying).isdisjoint(names_of(zero)):
                 yield zero
 
 
 def _unbounded_parts(formula: Expression) -> Iterator[Expression]:
-    """Parts of a formula, but not those of functions that are bounded whatever they are of."""
+    """Parts of a formula, but not the arguments of functions that are always bounded."""
     stack, seen = [formula], set()
     while stack:
         part = stack.pop()
@@ -212,27 +212,27 @@ def summands(formula: Expression) -> Iterator[Expression]:
         yield formula
 
 
-def _zeros_of(place: Expression) -> Iterator[Expression]:
-    """Functions that change sign where one is zero: the factors, and what roots are of."""
-    match place:
+def _zero_crossings(formula: Expression) -> Iterator[Expression]:
+    """Functions that change sign where a formula is zero: its factors, and radicands."""
+    match formula:
         case Expression(Op.MUL, args):
-            yield from chain.from_iterable(map(_zeros_of, args))
+            yield from chain.from_iterable(map(_zero_crossings, args))
         case Expression(Op.NEG | Op.ABS | Op.SQRT | Op.DIV, (a, *_)):
-            yield from _zeros_of(a)
+            yield from _zero_crossings(a)
         case Expression(Op.POW, (a, Expression(value=Fraction() as b))) if b > 0:
-            yield from _zeros_of(a)
+            yield from _zero_crossings(a)
         case _:
-            yield from _crossed(place)
+            yield from _sign_changing_factors(formula)
 
 
-def _crossed(place: Expression) -> tuple[Expression, ...]:
-    """Functions that change sign where one is zero: 1 - 2*t + t^2 only touches zero."""
-    squares = square_part(place)
-    return (place,) if squares is None else (squares.rest, *(a for a, _ in squares.powers))
+def _sign_changing_factors(formula: Expression) -> tuple[Expression, ...]:
+    """Factors of a formula that change sign where it is zero: 1 - 2*t + t^2 only touches zero."""
+    squares = square_part(formula)
+    return (formula,) if squares is None else (squares.rest, *(a for a, _ in squares.powers))
 
 
-def _place_of(part: Expression) -> Expression | None:
-    """Function that is zero where another, or a derivative of it, is infinite or jumps."""
+def _singular_function(part: Expression) -> Expression | None:
+    """Function that is zero where a formula, or a derivative of it, is infinite or jumps."""
     match part:
         case Expression(Op.SQRT | Op.LOG, (a,)):
             return a if even_root(part) is None else None
@@ -280,7 +280,7 @@ def _range(part: Expression, args: Sequence[tuple[float, float]]) -> tuple[float
     least, most = args[0]
     match part.op:
         case Op.ADD:
-            return sum(one[0] for one in args), sum(one[1] for one in args)
+            return sum(low for low, _ in args), sum(high for _, high in args)
         case Op.NEG:
             return -most, -least
         case Op.SIN | Op.COS:
@@ -289,7 +289,7 @@ def _range(part: Expression, args: Sequence[tuple[float, float]]) -> tuple[float
             return (0.0 if least > 0.0 else SMALLEST_SUBNORMAL), inf
         case Op.ABS | Op.SQRT:
             return 0.0, inf
-        case Op.MUL if all(isfinite(end) for one in args for end in one):
+        case Op.MUL if all(isfinite(end) for interval in args for end in interval):
             ends = [a * b for a in args[0] for b in args[1]]
             return min(ends), max(ends)
         case Op.MUL if part.args[0] == part.args[1] or min(least, args[1][0]) >= 0.0:
@@ -298,15 +298,15 @@ def _range(part: Expression, args: Sequence[tuple[float, float]]) -> tuple[float
             is_even = exponent % 2 == 0 or exponent.denominator > 1
             return (0.0, inf) if is_even else (-inf, inf)
         case Op.MAX:
-            return max(one[0] for one in args), max(one[1] for one in args)
+            return max(low for low, _ in args), max(high for _, high in args)
         case Op.MIN:
-            return min(one[0] for one in args), min(one[1] for one in args)
+            return min(low for low, _ in args), min(high for _, high in args)
     return -inf, inf
 
 
-def varies(place: Expression) -> bool:
+def varies(formula: Expression) -> bool:
     """Whether a formula depends on the time."""
-    return TIME in names_of(place)
+    return TIME in names_of(formula)
 
 
 def with_rates(law: Expression) -> tuple[Expression, ...]:
@@ -319,11 +319,11 @@ def with_rates(law: Expression) -> tuple[Expression, ...]:
 def may_jump(formula: Expression, varying: Collection[str]) -> bool:
     """Whether a formula may jump where names vary, also through infinity.
 
-    A quotient does so where what it is divided by may be zero, as far as :func:`may_be_zero` tells.
+    A quotient does so where its divisor may be zero, as far as :func:`may_be_zero` tells.
     """
-    parts = filter(is_jump, ordered(formula))
-    places = (_place_of(part) or part for part in parts)  # a sign has none, and may be zero itself
-    return any(may_be_zero(one) and not set(varying).isdisjoint(names_of(one)) for one in places)
+    jumps = filter(is_jump, ordered(formula))
+    singular = (_singular_function(jump) or jump for jump in jumps)  # a sign may be zero itself
+    return any(may_be_zero(f) and not set(varying).isdisjoint(names_of(f)) for f in singular)
 
 
 def is_jump(part: Expression) -> bool:
@@ -346,14 +346,14 @@ def _signed_squares(part: Expression) -> Iterator[Expression]:
                 yield factor
 
 
-def _divided(part: Expression) -> Iterator[Expression]:
-    """Sizes in what is divided by a formula that may be zero and has a name of theirs."""
+def _divided_magnitudes(part: Expression) -> Iterator[Expression]:
+    """Absolute values in a dividend that share a name with a divisor that may be zero."""
     if part.op is not Op.DIV or part.args[1].value is not None:
         return
     names = set(names_of(part.args[1]))
-    sizes = [one for one in ordered(part.args[0]) if one.op is Op.ABS]
+    sizes = [size for size in ordered(part.args[0]) if size.op is Op.ABS]
     if sizes and may_be_zero(part.args[1]):
-        yield from (one for one in sizes if not names.isdisjoint(names_of(one)))
+        yield from (size for size in sizes if not names.isdisjoint(names_of(size)))
 
 
 def _factors(part: Expression) -> Iterator[Expression]:
@@ -366,10 +366,10 @@ def _factors(part: Expression) -> Iterator[Expression]:
 def varying_parts(
     formula: Expression, varying: Collection[str]
 ) -> Iterator[tuple[Expression, Expression]]:
-    """Smooth functions that a formula is a sum or an extreme of, polynomials of low degree not.
+    """Smooth functions whose sum or extreme a formula is, except polynomials of low degree.
 
-    Where they vary much faster than elsewhere, steps that were long enough step over it. Products
-    and powers of them vary faster than they do: these are looked at as a whole.
+    Where they vary much faster than elsewhere, a step of the usual length may skip it. Products and
+    powers of them vary faster than they do: these are taken as a whole.
     Names that are not among the varying ones do not change in a run. With each function comes the
     constant that it is multiplied by, so that their product is in the unit of the formula.
     """
@@ -377,9 +377,9 @@ def varying_parts(
     degrees: dict[int, Fraction] = {}
     for part in ordered(formula):
         degree = degrees[id(part)] = _degree_of(part, varying, degrees)
-        own = bool(part.args) and (degree > HIGHEST or not _is_transparent(part, varying))
-        own = own and degree > 0
-        varies[id(part)] = own or any(varies[id(arg)] for arg in part.args)
+        is_fast = bool(part.args) and (degree > HIGHEST or not _is_transparent(part, varying))
+        is_fast = is_fast and degree > 0
+        varies[id(part)] = is_fast or any(varies[id(arg)] for arg in part.args)
     stack, seen = [(formula, ONE)], set()
     while stack:
         part, factor = stack.pop()
@@ -401,17 +401,17 @@ def varying_parts(
 def _degree_of(
     part: Expression, varying: Collection[str], degrees: Mapping[int, Fraction]
 ) -> Fraction:
-    """Degree of a polynomial in what varies; of other functions that of what they are of."""
-    own = [degrees[id(arg)] for arg in part.args]
+    """Degree of a polynomial in what varies; of other functions that of their arguments."""
+    arg_degrees = [degrees[id(arg)] for arg in part.args]
     if part.op is Op.MUL:
-        return sum(own, Fraction(0))
+        return sum(arg_degrees, Fraction(0))
     if part.op is Op.POW and part.args[1].value is not None:
-        return own[0] * max(part.args[1].value, Fraction(1))
-    return max(own, default=Fraction(not set(varying).isdisjoint(names_of(part))))
+        return arg_degrees[0] * max(part.args[1].value, Fraction(1))
+    return max(arg_degrees, default=Fraction(not set(varying).isdisjoint(names_of(part))))
 
 
 def _is_transparent(part: Expression, varying: Collection[str]) -> bool:
-    """Whether a function of polynomials is one, but for kinks."""
+    """Whether a function of polynomials is a polynomial, but for kinks."""
     if part.op is Op.POW:
         exponent = part.args[1].value
         return exponent is not None and exponent.denominator == 1 and exponent >= 0

@@ -45,9 +45,9 @@ class About:
     duration : float [s], optional
         How long it moves unless a run says so.
     jumps : tuple of str
-        Keys of forces that jump where a ``sign`` in their formula changes, or what is one.
+        Keys of forces that jump where a ``sign``, or a quotient that is one, changes in a formula.
     moved : sequence of sequence
-        What assembly changed: body, metres and radians, and those per second.
+        Changes by assembly: body, metres and radians, and those per second.
     """
 
     notes: tuple[str, ...] = ()
@@ -69,35 +69,34 @@ class About:
 
 
 def scene_notes(scene: Scene) -> Iterator[str]:
-    """Oddities of a checked scene of bodies, though it can be solved: lost points.
+    """Notes on points of joints that lie far from their bodies, in a checked scene of bodies.
 
-    A joint is looked at between bodies that are made of solids, and at the ground where its body
-    has a rod: a ball that hangs on the ground by a rod without mass is no mistake.
+    A joint is checked between bodies that are made of solids, and at the ground where its body has
+    a rod: a ball that hangs on the ground by a rod without mass is no mistake.
     """
     scene = with_numbers(scene)
     for name, joint in scene.joints.items():
-        known = [_reach(scene, joint, k) for k in range(2)] if joint.bodies else []
-        found = [reach for reach in known if reach is not None]
+        both = [_reach(scene, joint, k) for k in range(2)] if joint.bodies else []
+        reaches = [reach for reach in both if reach is not None]
         grounded = GROUND in (joint.bodies or ())
-        wanted = 1 if grounded and any(scene.bodies[body].rods for body, *_ in found) else 2
-        if len(found) == wanted and all(far > AWAY * size for _, far, size in found):
-            body, far, _ = min(found, key=lambda one: one[1])
-            others = f" and {found[0][0] if body != found[0][0] else found[-1][0]}"
-            what = f"{body}{others if len(found) > 1 else ''} {'are' if len(found) > 1 else 'is'}"
-            yield (
-                f"{join('joints', name)} lies {far:.3g} {scene.unit} from all that {what} made of"
-            )
+        wanted = 1 if grounded and any(scene.bodies[body].rods for body, *_ in reaches) else 2
+        if len(reaches) == wanted and all(far > AWAY * size for _, far, size in reaches):
+            body, far, _ = min(reaches, key=lambda reach: reach[1])
+            others = f" and {reaches[0][0] if body != reaches[0][0] else reaches[-1][0]}"
+            subject = f"{body}{others} are" if len(reaches) > 1 else f"{body} is"
+            key = join("joints", name)
+            yield f"{key} lies {far:.3g} {scene.unit} from all that {subject} made of"
 
 
 def _parts_of_forces(scene: Scene) -> Iterator[tuple[str, list[Expression]]]:
-    """Key of each force, and all parts of its formulas, with a sign where a quotient is one."""
+    """Key of each force, and all parts of its formulas, quotients such as x/|x| as signs."""
     names = {*state_names(scene), *LAW_NAMES}
     for name, force in scene.forces.items():
         formulas = []
         for text in texts_of(force):
             with suppress(ExpressionError):  # a text that is no formula, such as the type
                 formulas.append(with_signs(parse_expression(text, names))[0])
-        yield join("forces", name), [part for one in formulas for part in ordered(one)]
+        yield join("forces", name), [part for formula in formulas for part in ordered(formula)]
 
 
 def notes_of_dry_friction(scene: Scene) -> Iterator[str]:
@@ -113,7 +112,7 @@ def notes_of_dry_friction(scene: Scene) -> Iterator[str]:
 
 
 def _jumps(part: Expression) -> Iterator[Expression]:
-    """Arguments of jumps: that of a sign, and of what stands over its size."""
+    """Argument x of a jump: of sign(x), or of a quotient by |x|."""
     match part:
         case Expression(Op.SIGN, (x,)) | Expression(Op.DIV, (_, Expression(Op.ABS, (x,)))):
             yield x
@@ -126,8 +125,8 @@ def _reach(scene: Scene, joint: Joint, k: int) -> tuple[str, float, float] | Non
         return None
     body = scene.bodies[name]
     solids = [*_distances(body, _point_of(body, joint, k))]
-    corners = [*_corners(body)]
-    size = max((dist(a, b) for a in corners for b in corners), default=0.0)
+    points = [*_extreme_points(body)]
+    size = max((dist(a, b) for a in points for b in points), default=0.0)
     return (name, min(solids), size) if solids and size else None
 
 
@@ -157,9 +156,9 @@ def _distances(body: Body, point: Point) -> Iterator[float]:
         yield dist(point, body.center or (0.0, 0.0, 0.0))
 
 
-def _corners(body: Body) -> Iterator[Point]:
-    """Points between which a body reaches."""
-    for ends in (*(rod.ends for rod in body.rods), *(one.ends for one in body.cylinders)):
+def _extreme_points(body: Body) -> Iterator[Point]:
+    """Points that span the size of a body."""
+    for ends in (*(rod.ends for rod in body.rods), *(cylinder.ends for cylinder in body.cylinders)):
         yield from ends
     for box in body.boxes:
         half = hypot(*box.size) / 2
@@ -176,9 +175,9 @@ def _from_segment(point: Point, start: Point, end: Point) -> float:
     along = [b - a for a, b in zip(start, end, strict=True)]
     square = sum(x * x for x in along)
     arm = [x - a for x, a in zip(point, start, strict=True)]
-    part = sum(x * y for x, y in zip(arm, along, strict=True)) / square if square else 0.0
-    part = min(1.0, max(0.0, part))
-    return dist(point, [a + part * x for a, x in zip(start, along, strict=True)])
+    fraction = sum(x * y for x, y in zip(arm, along, strict=True)) / square if square else 0.0
+    fraction = min(1.0, max(0.0, fraction))
+    return dist(point, [a + fraction * x for a, x in zip(start, along, strict=True)])
 
 
 def _in_box(box: Box, point: Point) -> Point:

@@ -48,53 +48,53 @@ class CoordinateList:
 
     def __init__(self, scene: Scene, frames: Mapping[str, BodyFrame], unit: High) -> None:
         self.scene, self.frames, self.unit = scene, frames, unit
-        self._places: dict[str, int] = {}
+        self._indices: dict[str, int] = {}
         self._records: list[RelativeCoordinate] = []
         self._values: list[High] = []
         self._turned: set[int] = set()
         self._starts: dict[tuple[str, str], High] = {}
         self._named: dict[tuple[str, str], str] = {}
-        for name, given in scene.coordinates.items():
-            if given.joint is not None:
-                sort = sort_of(scene.joints[given.joint].type, given.of)
-                self._named.setdefault((given.joint, sort), name)
+        for name, coordinate in scene.coordinates.items():
+            if coordinate.joint is not None:
+                sort = sort_of(scene.joints[coordinate.joint].type, coordinate.of)
+                self._named.setdefault((coordinate.joint, sort), name)
 
     @property
     def records(self) -> tuple[RelativeCoordinate, ...]:
         """Coordinates that were asked for, in the order of asking."""
         return tuple(self._records)
 
-    def record(self, place: int) -> RelativeCoordinate:
-        """Coordinate at a place."""
-        return self._records[place]
+    def record(self, index: int) -> RelativeCoordinate:
+        """Coordinate at an index."""
+        return self._records[index]
 
-    def value(self, place: int) -> High:
+    def value(self, index: int) -> High:
         """Coordinate at the positions as they are written, in SI units, turns counted."""
-        return self._values[place]
+        return self._values[index]
 
-    def ends(self, place: int) -> tuple[int, int]:
+    def ends(self, index: int) -> tuple[int, int]:
         """Bodies of a coordinate, in the order of the joint that leaves it free."""
-        record = self._records[place]
-        return (record.j, record.i) if place in self._turned else (record.i, record.j)
+        record = self._records[index]
+        return (record.j, record.i) if index in self._turned else (record.i, record.j)
 
-    def unit_of(self, place: int) -> tuple[str, High]:
-        """``rad`` or ``m``, and what a value of the scene is multiplied by."""
-        kind = self._records[place].kind
+    def unit_of(self, index: int) -> tuple[str, High]:
+        """Unit, ``rad`` or ``m``, and the factor that takes a value of the scene to it."""
+        kind = self._records[index].kind
         return ("m", self.unit) if is_length(kind) else ("rad", CONTEXT.mpf(1))
 
     def place(self, name: str) -> int:
-        """Place of a coordinate of the scene."""
-        if name in self._places:
-            return self._places[name]
-        given = self.scene.coordinates[name]
-        near: High | None = None if given.near is None else precise.number(given.near)
-        if near is None and given.joint is not None:
-            joint = self.scene.joints[given.joint]
-            near = self._starts.get((given.joint, sort_of(joint.type, given.of)))
-        return self.add(name, self._measure(given), near)
+        """Index of a coordinate of the scene."""
+        if name in self._indices:
+            return self._indices[name]
+        coordinate = self.scene.coordinates[name]
+        near: High | None = None if coordinate.near is None else precise.number(coordinate.near)
+        if near is None and coordinate.joint is not None:
+            joint = self.scene.joints[coordinate.joint]
+            near = self._starts.get((coordinate.joint, sort_of(joint.type, coordinate.of)))
+        return self.add(name, self._measure(coordinate), near)
 
     def of_joint(self, joint: str, of: str | None = None) -> int:
-        """Place of what a joint leaves free: of the scene's coordinate, if it has one.
+        """Index of the coordinate that a joint leaves free: that of the scene, if it has one.
 
         Parameters
         ----------
@@ -111,24 +111,24 @@ class CoordinateList:
         return self.add(f"{joint}.{sort}", measure, self._starts.get((joint, sort)))
 
     def starts_at(self, joint: str, sort: str, angle: float) -> None:
-        """Say what an angle of a joint is near at the start, so that its turns are known."""
+        """Note the approximate angle of a joint at the start, so that its turns are known."""
         self._starts[joint, sort] = precise.number(angle)
 
     def add(self, name: str, measure: PreciseMeasure, near: High | None = None) -> int:
-        """Place of a coordinate, which is added unless one of its name is there.
+        """Index of a coordinate, which is added unless one of its name is known.
 
         Parameters
         ----------
         name : str
             Its name.
         measure : PreciseMeasure
-            What it is.
+            How it is measured.
         near : number [rad], optional
             Of an angle, a value within half a turn of the one at the start.
         """
-        if name in self._places:
-            return self._places[name]
-        place = self._places[name] = len(self._records)
+        if name in self._indices:
+            return self._indices[name]
+        index = self._indices[name] = len(self._records)
         value, start = measure.value(), CONTEXT.mpf(0)
         if COORDINATES[measure.kind].counts_turns:
             start = value if near is None else near
@@ -139,24 +139,24 @@ class CoordinateList:
         self._records.append(
             RelativeCoordinate(name, measure.kind, i, j, constants, float(at_scene(start)))
         )
-        self._values.append(value * self.unit_of(place)[1])
+        self._values.append(value * self.unit_of(index)[1])
         if measure.is_turned:
-            self._turned.add(place)
-        return place
+            self._turned.add(index)
+        return index
 
-    def _measure(self, given: Coordinate) -> PreciseMeasure:
-        if given.joint is not None:
-            joint = self.scene.joints[given.joint]
-            return joint_measure(joint, sort_of(joint.type, given.of), self.frames)
-        if given.bodies is not None:
-            assert given.points is not None
-            i, j = (self.frames[body] for body in given.bodies)
-            start, end = map(precise.triple, given.points)
+    def _measure(self, coordinate: Coordinate) -> PreciseMeasure:
+        if coordinate.joint is not None:
+            joint = self.scene.joints[coordinate.joint]
+            return joint_measure(joint, sort_of(joint.type, coordinate.of), self.frames)
+        if coordinate.bodies is not None:
+            assert coordinate.points is not None
+            i, j = (self.frames[body] for body in coordinate.bodies)
+            start, end = map(precise.triple, coordinate.points)
             return PreciseMeasure("length", (i, j), points=(start, end))
-        assert given.body is not None
-        assert given.along is not None
-        point = precise.triple(given.point or (0.0, 0.0, 0.0))
-        return place_measure(self.frames[given.body], point, precise.triple(given.along))
+        assert coordinate.body is not None
+        assert coordinate.along is not None
+        point = precise.triple(coordinate.point or (0.0, 0.0, 0.0))
+        return place_measure(self.frames[coordinate.body], point, precise.triple(coordinate.along))
 
     def length(self) -> float:
         """Length of the scene that compares radians with metres, whatever its units [m].
@@ -176,5 +176,6 @@ class CoordinateList:
                 arms.append(float(self.unit * at_scene(precise.number(joint.length))))
         if any(arms):
             return max(map(abs, arms))
-        places = (self.unit * at_scene(x) for one in self.frames.values() for x in one.position)
-        return float(max(map(abs, places))) or 1.0
+        frames = self.frames.values()
+        positions = (self.unit * at_scene(x) for frame in frames for x in frame.position)
+        return float(max(map(abs, positions))) or 1.0

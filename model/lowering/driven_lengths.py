@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.precise import High
     from kousoku.model.operations.expression import Expression
 
-#: Factors count as zero that are no more than this part of the largest in their row: rounding of
-#: doubles leaves as much of what cancels, as where gears drive each other in a circle.
+#: Factors up to this part of the largest in their row count as zero: rounding of doubles leaves as
+#: much of factors that cancel, as where gears drive each other in a circle.
 NO_FACTOR = 1e-12
 
 
@@ -28,11 +28,11 @@ class DrivenLength(NamedTuple):
     Parameters
     ----------
     coordinate : int
-        Its place in the system.
+        Its index in the system.
     law : Expression
         The function, in the unit of the scene.
     driver : str
-        Name of the driver that prescribes it, and what else does with it.
+        Name of the driver that prescribes it, and the joints and drivers that do so with it.
     """
 
     coordinate: int
@@ -41,10 +41,10 @@ class DrivenLength(NamedTuple):
 
 
 class _Row(NamedTuple):
-    """A sum of rows: factors of coordinates, and how often each row is in it."""
+    """Linear combination of rows: factors of coordinates, and the multiplier of each row."""
 
     factors: Mapping[int, High]
-    shares: Mapping[int, High]
+    multipliers: Mapping[int, High]
 
     def times(self, factor: High) -> _Row:
         """Multiple of it."""
@@ -54,18 +54,18 @@ class _Row(NamedTuple):
         """Sum with another one."""
         return _Row(*map(_sum, self, other))
 
-    def without(self, place: int, pivot: _Row) -> _Row:
-        """Row without a coordinate, whose factor in another one is 1."""
-        factor = self.factors.get(place)
+    def without(self, index: int, pivot: _Row) -> _Row:
+        """Row without a coordinate: minus a multiple of a pivot row, whose factor of it is 1."""
+        factor = self.factors.get(index)
         if factor is None:
             return self
-        left = self.plus(pivot.times(-factor))
-        return left._replace(factors={k: x for k, x in left.factors.items() if k != place})
+        reduced = self.plus(pivot.times(-factor))
+        return reduced._replace(factors={k: x for k, x in reduced.factors.items() if k != index})
 
     def cleaned(self, size: float) -> _Row:
-        """Row without factors that are rounding of such a size."""
-        kept = {k: x for k, x in self.factors.items() if abs(at_scene(x)) > NO_FACTOR * size}
-        return self._replace(factors=kept)
+        """Row without factors that are rounding of numbers of such a size."""
+        factors = {k: x for k, x in self.factors.items() if abs(at_scene(x)) > NO_FACTOR * size}
+        return self._replace(factors=factors)
 
 
 def _sum(a: Mapping[int, High], b: Mapping[int, High]) -> dict[int, High]:
@@ -80,52 +80,53 @@ def driven_lengths(system: System, laws: Mapping[int, Expression]) -> Iterator[D
     system : System
         The scene.
     laws : mapping of int to Expression
-        Parsed laws of drivers, by the places of these among the constraints.
+        Parsed laws of drivers, by the indices of these among the constraints.
     """
-    places = _first_places(system)
-    own = {places[system.constraints[k].terms[0].coordinate]: k for k in laws}
-    lengths = [k for k, one in enumerate(system.coordinates) if one.is_distance]
+    originals = _originals(system)
+    drivers = {originals[system.constraints[k].terms[0].coordinate]: k for k in laws}
+    distances = [k for k, coordinate in enumerate(system.coordinates) if coordinate.is_distance]
     coupled = {}
-    if not {places[k] for k in lengths} <= own.keys():
-        coupled = _determined(system.constraints, places)
-    for place, first in zip(lengths, map(places.__getitem__, lengths), strict=True):
-        if first in own:
-            yield DrivenLength(place, laws[own[first]], system.constraints[own[first]].joint)
-        elif first in coupled:
-            yield _coupled(place, coupled[first], system, laws)
+    if not {originals[k] for k in distances} <= drivers.keys():
+        coupled = _determined(system.constraints, originals)
+    for index, original in zip(distances, map(originals.__getitem__, distances), strict=True):
+        if original in drivers:
+            k = drivers[original]
+            yield DrivenLength(index, laws[k], system.constraints[k].joint)
+        elif original in coupled:
+            yield _coupled(index, coupled[original], system, laws)
 
 
-def _first_places(system: System) -> list[int]:
-    """Place of the first coordinate that is the same as each, by another name; angles count turns.
+def _originals(system: System) -> list[int]:
+    """Index of the first coordinate that measures the same as each; angles count turns.
 
-    A driver of a point has such ones.
+    A driver of a point adds such coordinates.
     """
-    found: dict[tuple[object, ...], int] = {}
+    first: dict[tuple[object, ...], int] = {}
     return [
-        found.setdefault((one.kind, one.i, one.j, one.constants, place * one.counts_turns), place)
-        for place, one in enumerate(system.coordinates)
+        first.setdefault((u.kind, u.i, u.j, u.constants, index * u.counts_turns), index)
+        for index, u in enumerate(system.coordinates)
     ]
 
 
 def _coupled(
-    place: int, shares: Mapping[int, High], system: System, laws: Mapping[int, Expression]
+    index: int, multipliers: Mapping[int, High], system: System, laws: Mapping[int, Expression]
 ) -> DrivenLength:
-    """Distance that rows determine together: u = Σ share · (unit · law − offset)."""
+    """Distance that rows determine together: u = Σ multiplier · (unit · law − offset)."""
     terms, unit = [], precise.number(system.unit)
-    least = NO_FACTOR * max(float(abs(at_scene(share))) for share in shares.values())
-    shares = {k: share for k, share in shares.items() if abs(at_scene(share)) > least}
-    for k, share in shares.items():
-        row, part = system.constraints[k], share / unit
-        terms.append(_formula(-(part * precise.number(row.offset))))
+    least = NO_FACTOR * max(float(abs(at_scene(x))) for x in multipliers.values())
+    multipliers = {k: x for k, x in multipliers.items() if abs(at_scene(x)) > least}
+    for k, multiplier in multipliers.items():
+        row, factor = system.constraints[k], multiplier / unit
+        terms.append(_formula(-(factor * precise.number(row.offset))))
         if k in laws:
-            terms.append(mul(_formula(part * precise.number(row.law_unit)), laws[k]))
+            terms.append(mul(_formula(factor * precise.number(row.law_unit)), laws[k]))
     keys = dict.fromkeys(
         ("drivers." if k in laws else "joints.") + system.constraints[k].joint
-        for k in sorted(shares, key=lambda k: k not in laws)
+        for k in sorted(multipliers, key=lambda k: k not in laws)
     )
     first, *others = keys
     driver = f"{first} with {in_words(others)}" if others else first
-    return DrivenLength(place, add(*terms), driver.removeprefix("drivers."))
+    return DrivenLength(index, add(*terms), driver.removeprefix("drivers."))
 
 
 def _formula(value: High) -> Expression:
@@ -134,27 +135,27 @@ def _formula(value: High) -> Expression:
 
 
 def _determined(
-    constraints: Sequence[Instance], places: Sequence[int]
+    constraints: Sequence[Instance], originals: Sequence[int]
 ) -> dict[int, Mapping[int, High]]:
-    """Shares of rows that are one coordinate alone, by its place.
+    """Multipliers of the rows that determine one coordinate, by its index.
 
-    By the elimination of Gauss and Jordan.
+    By Gauss-Jordan elimination.
     """
     pivots: dict[int, _Row] = {}
-    for k, one in enumerate(constraints):
-        if not one.is_combination:
+    for k, constraint in enumerate(constraints):
+        if not constraint.is_combination:
             continue
         row = _Row({}, {k: precise.number(1.0)})
-        for term in one.terms:
-            row = row.plus(_Row({places[term.coordinate]: precise.number(term.factor)}, {}))
-        size = max(abs(float(term.factor)) for term in one.terms)
-        for place, pivot in pivots.items():
-            row = row.without(place, pivot)
+        for term in constraint.terms:
+            row = row.plus(_Row({originals[term.coordinate]: precise.number(term.factor)}, {}))
+        size = max(abs(float(term.factor)) for term in constraint.terms)
+        for index, pivot in pivots.items():
+            row = row.without(index, pivot)
         row = row.cleaned(size)
         if not row.factors:
-            continue  # others imply it
-        place = max(row.factors, key=lambda place: float(abs(at_scene(row.factors[place]))))
-        row = row.times(1 / row.factors[place])
-        pivots = {other: one.without(place, row).cleaned(1.0) for other, one in pivots.items()}
-        pivots[place] = row
-    return {place: row.shares for place, row in pivots.items() if row.factors.keys() == {place}}
+            continue  # other rows imply it
+        index = max(row.factors, key=lambda index: float(abs(at_scene(row.factors[index]))))
+        row = row.times(1 / row.factors[index])
+        pivots = {k: pivot.without(index, row).cleaned(1.0) for k, pivot in pivots.items()}
+        pivots[index] = row
+    return {k: row.multipliers for k, row in pivots.items() if row.factors.keys() == {k}}

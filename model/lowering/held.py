@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 def held_of(
     name: str, body: Body, frame: BodyFrame, unit: High
 ) -> tuple[list[Instance], list[Instance]]:
-    """Numbers that a body holds of its position, and of its velocity.
+    """Constraints that hold components of the position of a body, and of its velocity.
 
     A coordinate of its origin is n2 with an axis of frame O, the orientation is p1 and n1 as in a
     fixed joint; their rates hold velocities too.
@@ -37,16 +37,16 @@ def held_of(
     if not body.hold:
         return [], []
     key = f"bodies.{name}.hold"
-    places = {axis: _coordinate(key, axis, frame, unit) for axis in DIRECTIONS}
-    turning = _orientation(key, frame) if TURNS & set(body.hold) else []
-    positions = [places[held] for held in body.hold if held in places]
+    rows = {axis: _coordinate(key, axis, frame, unit) for axis in DIRECTIONS}
+    turns = _orientation(key, frame) if TURNS & set(body.hold) else []
+    positions = [rows[quantity] for quantity in body.hold if quantity in rows]
     rates: list[Instance] = []
     if "orientation" in body.hold:
-        positions += turning
+        positions += turns
     if "velocity" in body.hold:
-        rates += places.values()
+        rates += rows.values()
     if "angular_velocity" in body.hold:
-        rates += turning
+        rates += turns
     return positions, rates
 
 
@@ -77,27 +77,27 @@ def _orientation(key: str, frame: BodyFrame) -> list[Instance]:
 
 
 def held_coordinates(scene: Scene, coordinates: CoordinateList) -> Iterator[Instance]:
-    """Coordinates that assembly may not change, as combinations of one of them."""
-    for name, given in scene.coordinates.items():
-        if not given.hold:
+    """Coordinates that assembly may not change, as combinations of one term."""
+    for name, coordinate in scene.coordinates.items():
+        if not coordinate.hold:
             continue
-        place = coordinates.place(name)
-        unit, scale = coordinates.unit_of(place)
-        near = coordinates.value(place) if given.near is None else scale * given.near
-        held = coordinates.record(place)
+        index = coordinates.place(name)
+        unit, scale = coordinates.unit_of(index)
+        near = coordinates.value(index) if coordinate.near is None else scale * coordinate.near
+        held = coordinates.record(index)
         yield Instance(
             f"coordinates.{name}.hold",
             COMBINATION,
             held.i,
             held.j,
-            terms=(Term(place, 1.0),),
+            terms=(Term(index, 1.0),),
             offset=0.0 - float(at_scene(near)),
             unit=unit,
         )
 
 
 def require_kept(system: System) -> None:
-    """Refuse to hold what parameters move.
+    """Refuse held values where parameters move a constraint.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def require_kept(system: System) -> None:
         Assembly takes the numbers of the scene; a run with others could not keep what is held.
     """
     held = (*system.held, *system.held_rates)
-    moving = [one.joint for one in system.constraints if held and moved_by_parameters(system, one)]
+    moving = [c.joint for c in system.constraints if held and moved_by_parameters(system, c)]
     if moving:
         raise SceneError(
             "is kept by assembly with the parameters of the scene only, and parameters move what"
@@ -115,7 +115,7 @@ def require_kept(system: System) -> None:
 
 
 def without_held(system: System) -> System:
-    """Assembled system as it moves: without what only assembly keeps."""
+    """Assembled system as it moves: without values that only assembly holds."""
     needed = len(system.coordinates) - system.only_held
     return replace(
         system, held=(), held_rates=(), coordinates=system.coordinates[:needed], only_held=0

@@ -1,4 +1,4 @@
-"""Mass properties of a body: what it is made of summed, centre of mass, principal axes.
+"""Mass properties of a body: sums over its solids, centre of mass, principal axes.
 
 All in 50 digits and in the units of the scene; :mod:`kousoku.model.lowering.system` rounds once.
 """
@@ -34,7 +34,7 @@ SAME = CONTEXT.mpf(2) ** -53
 RIGHT = precise.sqrt(CONTEXT.mpf(0.5))
 """Cosine and sine of 45 degrees."""
 TINY = CONTEXT.mpf(10) ** -300
-"""No number, added where it would be 0/0."""
+"""Negligible number, added where a quotient would be 0/0."""
 UNIT = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 PAIRS = ((0, 1), (0, 2), (1, 2))
 """Elements off the diagonal."""
@@ -64,7 +64,7 @@ class MassProperties:
 
 
 def mass_properties(body: Body, key: str = "") -> MassProperties:
-    """Mass properties of a body that was checked, summed over all that it is made of.
+    """Mass properties of a body that was checked, summed over all its parts.
 
     m = Σ mₖ [kg], c = Σ mₖ cₖ / m (3,) [unit of the scene] and, about c, the inertia tensor
     J = Σ (Jₖ + mₖ (|d|² I − d dᵀ)) (3, 3) [kg unit²] with d = cₖ − c, in the body frame. The
@@ -77,7 +77,7 @@ def mass_properties(body: Body, key: str = "") -> MassProperties:
         raise SceneError(error.problems[0].problem, key=key) from None
 
 
-#: Where a body is, and how it moves, which its mass does not depend on.
+#: Position and velocity of a body, which its mass properties do not depend on.
 ANYWHERE: dict[str, Any] = {
     "position": (0.0, 0.0, 0.0),
     "orientation": None,
@@ -207,7 +207,7 @@ def _shown_off_diagonal(tensor: Sequence[Sequence[High]]) -> list[tuple[int, int
     def is_shown(x: High) -> bool:
         if not isinstance(x, Traced):
             return bool(abs(x) > limit)
-        moments = ([abs(_value(one, k)) for one in diagonal] for k in range(len(x.values)))
+        moments = ([abs(_value(moment, k)) for moment in diagonal] for k in range(len(x.values)))
         pairs = zip(x.values, moments, strict=True)
         return not all(abs(value) <= NOISE * max(sizes) for value, sizes in pairs)
 
@@ -219,7 +219,7 @@ def _value(x: High, k: int) -> High:
     return x.values[k] if isinstance(x, Traced) else x
 
 
-def _turn(less: High, element: High) -> tuple[High, High]:
+def _turn(difference: High, element: High) -> tuple[High, High]:
     """Cosine and sine of the turn that clears an element, given the difference of moments.
 
     It is at most 45 degrees in the scene, which it is where moments are equal with any parameters,
@@ -231,20 +231,20 @@ def _turn(less: High, element: High) -> tuple[High, High]:
     SceneError
         In the scene all axes are principal axes, and which ones are with others is not known.
     """
-    if not any(less.values if isinstance(less, Traced) else (less,)):
+    if not any(difference.values if isinstance(difference, Traced) else (difference,)):
         return RIGHT, RIGHT
-    if not (at_scene(less) or at_scene(element)):
+    if not (at_scene(difference) or at_scene(element)):
         raise SceneError(
             "has equal principal moments, and parameters that turn its axes once they differ;"
             " wanted other values of the parameters, or numbers instead of the formulas"
         )
-    if less < 0:
-        less, element = -less, -element
-    size = precise.sqrt(less * less + 4 * element * element + TINY)
-    cosine, sine = less / size, 2 * element / size
+    if difference < 0:
+        difference, element = -difference, -element
+    size = precise.sqrt(difference * difference + 4 * element * element + TINY)
+    cosine, sine = difference / size, 2 * element / size
     larger = precise.sqrt((1 + abs(cosine)) / 2)
-    both = larger + abs(sine) / (2 * larger)
-    c, s = (both + cosine / both) / 2, (both - cosine / both) / 2
+    total = larger + abs(sine) / (2 * larger)
+    c, s = (total + cosine / total) / 2, (total - cosine / total) / 2
     norm = precise.sqrt(c * c + s * s)
     side = sine + TINY
     return c / norm, side / abs(side) * (s / norm)
@@ -252,11 +252,11 @@ def _turn(less: High, element: High) -> tuple[High, High]:
 
 def _clear(a: list[list[High]], axes: list[list[High]], i: int, j: int) -> None:
     """Turn rows and columns i and j of a, and rows of ``axes``, until a_ij is zero."""
-    less, element = a[j][j] - a[i][i], a[i][j]
-    if isinstance(less, Traced) or isinstance(element, Traced):
-        c, s = _turn(less, element)
+    difference, element = a[j][j] - a[i][i], a[i][j]
+    if isinstance(difference, Traced) or isinstance(element, Traced):
+        c, s = _turn(difference, element)
     else:
-        theta = less / (2 * element)
+        theta = difference / (2 * element)
         root = abs(theta) + CONTEXT.sqrt(theta * theta + 1)
         t = 1 / root if theta >= 0 else -1 / root
         c = 1 / precise.sqrt(t * t + 1)
@@ -271,7 +271,7 @@ def _clear(a: list[list[High]], axes: list[list[High]], i: int, j: int) -> None:
 
 
 def _parts(body: Body) -> Iterator[SolidPart]:
-    """Parts that a body is made of, in the order of its keys."""
+    """Parts of a body, in the order of its keys."""
     if body.mass is not None:
         mass = precise.number(body.mass)
         center = ZERO if body.center is None else precise.triple(body.center)
@@ -294,27 +294,27 @@ def _parts(body: Body) -> Iterator[SolidPart]:
 
 
 def _about_center(mass: High, center: Triple, inertia: Inertia | None) -> Square:
-    """Tensor that is given about any point, about the centre of mass."""
+    """Inertia tensor about the centre of mass, of one that is given about any point."""
     if inertia is None:
         return _diagonal(ZERO)
     (xx, yy, zz) = precise.triple((inertia.xx, inertia.yy, inertia.zz))
     (xy, yz, zx) = precise.triple((inertia.xy, inertia.yz, inertia.zx))
-    given = ((xx, xy, zx), (xy, yy, yz), (zx, yz, zz))
+    tensor = ((xx, xy, zx), (xy, yy, yz), (zx, yz, zz))
     if inertia.about is None:
-        return given
+        return tensor
     moved = steiner(mass, precise.subtract(center, precise.triple(inertia.about)))
-    return _symmetric(lambda i, j: given[i][j] - moved[i][j])
+    return _symmetric(lambda i, j: tensor[i][j] - moved[i][j])
 
 
 def _box(box: Box) -> Square:
     mass = precise.number(box.mass)
     a, b, c = (precise.number(edge) ** 2 for edge in box.size)
-    own = (mass * (b + c) / 12, mass * (c + a) / 12, mass * (a + b) / 12)
+    moments = (mass * (b + c) / 12, mass * (c + a) / 12, mass * (a + b) / 12)
     if box.orientation is None:
-        return _diagonal(own)
+        return _diagonal(moments)
     p = quaternion(box.orientation)
     axes = [precise.rotate(p, precise.triple(row)) for row in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
-    return _symmetric(lambda i, j: sum(own[k] * axes[k][i] * axes[k][j] for k in range(3)))
+    return _symmetric(lambda i, j: sum(moments[k] * axes[k][i] * axes[k][j] for k in range(3)))
 
 
 def _cylinder(cylinder: Cylinder) -> Square:
@@ -324,8 +324,8 @@ def _cylinder(cylinder: Cylinder) -> Square:
     along = precise.subtract(end, start)
     length = precise.dot(along, along)
     transverse = mass * (3 * square + length) / 12
-    less = (mass * square / 2 - transverse) / length
-    return _symmetric(lambda i, j: int(i == j) * transverse + less * along[i] * along[j])
+    difference = (mass * square / 2 - transverse) / length
+    return _symmetric(lambda i, j: int(i == j) * transverse + difference * along[i] * along[j])
 
 
 def _middle(start: Triple, end: Triple) -> Triple:

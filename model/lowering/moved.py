@@ -15,16 +15,16 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import Instance, RelativeCoordinate, System
 
 
-def moved_by_parameters(system: System, one: Instance) -> bool:
-    """Whether parameters move what a constraint connects, seen in the frames of the user.
+def moved_by_parameters(system: System, constraint: Instance) -> bool:
+    """Whether parameters move points or axes of a constraint, seen in the frames of the user.
 
     Where only a centre of mass moves in its body, they do not.
     """
     if not system.parameters:
         return False
-    parts: list[Instance | RelativeCoordinate] = [one]
-    parts += [system.coordinates[term.coordinate] for term in one.terms]
-    return is_varying((one.offset, *(term.factor for term in one.terms))) or any(
+    parts: list[Instance | RelativeCoordinate] = [constraint]
+    parts += [system.coordinates[term.coordinate] for term in constraint.terms]
+    return is_varying((constraint.offset, *(term.factor for term in constraint.terms))) or any(
         _moves(system, part.i if "_i_" in name else part.j, name, values)
         for part in parts
         for name, values in part.constants

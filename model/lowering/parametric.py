@@ -26,12 +26,12 @@ def varying_scene(scene: Scene) -> Scene:
     if not scene.parameters:
         return scene
     pairs = enumerate(scene.parameters.items())
-    known = {name: parameter(name, value, place) for place, (name, value) in pairs}
+    known = {name: parameter(name, value, index) for index, (name, value) in pairs}
 
-    def read(given: Formula, _: str) -> float:
-        return precise.double(traced(parse_expression(given.text, scene.parameters), known))
+    def traced_number(formula: Formula, _: str) -> float:
+        return precise.double(traced(parse_expression(formula.text, scene.parameters), known))
 
-    return changed_scene(scene, read)
+    return changed_scene(scene, traced_number)
 
 
 POSITIVE: dict[str, tuple[str, ...]] = {
@@ -63,11 +63,11 @@ def _positive(value: object, key: str, *, is_wanted: bool) -> Iterator[tuple[str
     elif isinstance(value, msgspec.Struct):
         wanted = POSITIVE.get(type(value).__name__, ())
         for name in value.__struct_fields__:
-            part = getattr(value, name)
-            yield from _positive(part, f"{key}.{name}", is_wanted=name in wanted)
+            member = getattr(value, name)
+            yield from _positive(member, f"{key}.{name}", is_wanted=name in wanted)
 
 
 def fixed_system(system: System) -> System:
-    """System with the numbers of the scene: for what is decided before it runs."""
-    found = fixed(system) if system.parameters else system
-    return replace(found, positive=()) if found.positive else found
+    """System with the numbers of the scene, for decisions before a run."""
+    numeric = fixed(system) if system.parameters else system
+    return replace(numeric, positive=()) if numeric.positive else numeric

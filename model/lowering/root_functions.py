@@ -14,11 +14,11 @@ from kousoku.model.expressions.folds import without_folds
 from kousoku.model.expressions.formulas import LAW_NAMES, RATE, TIME, used_names
 from kousoku.model.expressions.parser import parse_expression
 from kousoku.model.expressions.switching import (
+    breaks_of_law,
     edges_of,
     has_fractional_power,
     is_jump,
     jumping_functions,
-    places_of,
     poles_of,
     square,
     squares_of,
@@ -53,8 +53,8 @@ if TYPE_CHECKING:
     from kousoku.model.operations.expression import Expression
 
 
-#: A distance counts as none that is no more than this part of what it is at the start: rounding of
-#: places hides most digits of its direction there.
+#: A distance up to this part of its initial value counts as zero: rounding of positions hides most
+#: digits of its direction there.
 NO_DISTANCE = 1e-9
 
 
@@ -62,7 +62,7 @@ NO_DISTANCE = 1e-9
 class Measure:
     """Quantity of a state in formulas: a coordinate, or the elongation of a spring.
 
-    Of a spring whose ends may meet it is the distance of these, too.
+    A spring whose ends may meet has the distance of these as a further one.
 
     Parameters
     ----------
@@ -71,10 +71,10 @@ class Measure:
     rate : str
         The name of its rate.
     coordinate : int
-        Place of the coordinate, or of the one that a spring acts against; -1 of a spring between
+        Index of the coordinate, or of the one that a spring acts against; -1 of a spring between
         points.
     force : int
-        Place of the spring, -1 of a coordinate.
+        Index of the spring, -1 of a coordinate.
     is_length : bool
         Whether it is the distance of a spring's ends.
     """
@@ -112,7 +112,7 @@ class RootFunctions:
         Functions of time: those that are zero where a formula has a kink or a jump, and smooth
         parts that vary with it beyond polynomials.
     measures : tuple of Measure
-        What those below depend on beside time and parameters.
+        Quantities that the functions below depend on beside time and parameters.
     crossings : tuple of Expression
         The formulas of events, then functions of the state that are zero where a formula has a
         kink, or one of an event gets or loses its value.
@@ -123,11 +123,11 @@ class RootFunctions:
     laws : tuple of Expression
         Those of drivers that are no polynomials, with two derivatives, which must not jump.
     law_drivers : tuple of str
-        Which driver each of these laws, of three expressions, is of.
+        The driver of each of these laws, which have three expressions each.
     poles : tuple of Expression
         Functions of time and the state that are zero where a force may be infinite.
     pole_forces : tuple of str
-        The key of the force that each of them is of.
+        The key of the force of each pole.
     infinite : tuple of Expression
         The parts of formulas that may be infinite there.
     lengths : tuple of Expression
@@ -135,14 +135,14 @@ class RootFunctions:
     distances : tuple of Expression
         Squares of distances in formulas, of points or of speeds from rest, likewise.
     gaps : tuple of Expression
-        What drivers prescribe of distances, less what counts as none: where one is zero its two
-        points meet, and nothing tells in which direction they part.
+        Distances that drivers prescribe, less the length that counts as zero: where one is zero its
+        two points meet, and nothing tells in which direction they part.
     gap_drivers : tuple of str
-        Which driver each of these is of.
+        The driver of each gap.
     breaks : tuple of Expression
         Functions of the state that are zero where a formula jumps, and with it a force.
     has_fractional_powers : bool
-        Whether a force goes with a fractional power of what may be zero.
+        Whether a force depends on a fractional power of a quantity that may be zero.
     narrow_scales, feature_scales : tuple of PartScale
         Of narrow parts, and of features.
     """
@@ -173,7 +173,7 @@ def root_functions_of(system: System) -> RootFunctions:
     measures = tuple(_measures(system))
     parameters = {name for name, _ in system.parameters}
     names = {TIME, *parameters}
-    names.update(chain.from_iterable((one.name, one.rate) for one in measures))
+    names.update(chain.from_iterable((measure.name, measure.rate) for measure in measures))
     texts = dict.fromkeys(text for text, *_ in _texts(system) if text)
     pushing = {text for text, key, _ in _texts(system) if key}  # arcs in laws of drivers stay
     parsed = {
@@ -184,64 +184,68 @@ def root_functions_of(system: System) -> RootFunctions:
         for text in texts
     }
     formulas = list(parsed.values())
-    events = [parse_expression(one.when, names) for one in system.events]
-    of_state = {name for one in measures for name in (one.name, one.rate)}
+    events = [parse_expression(event.when, names) for event in system.events]
+    of_state = {name for measure in measures for name in (measure.name, measure.rate)}
 
-    def found(
-        parts: Callable[[Expression], Iterator[Expression]], *, is_state: bool
+    def collect(
+        extract: Callable[[Expression], Iterator[Expression]], *, is_state: bool
     ) -> tuple[Expression, ...]:
-        every = dict.fromkeys(chain.from_iterable(map(parts, formulas)))
-        used = ((one, set(names_of(one))) for one in every)
+        functions = dict.fromkeys(chain.from_iterable(map(extract, formulas)))
+        used = ((function, set(names_of(function))) for function in functions)
         if is_state:
-            return tuple(one for one, own in used if own & of_state)
-        return tuple(one for one, own in used if TIME in own and not own & of_state)
+            return tuple(function for function, names in used if names & of_state)
+        return tuple(function for function, names in used if TIME in names and not names & of_state)
 
     edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(edges_of, events))))
-    breaks = found(jumping_functions, is_state=True)
-    kinks = (one for one in found(switching_functions, is_state=True) if one not in breaks)
+    breaks = collect(jumping_functions, is_state=True)
+    kinks = (kink for kink in collect(switching_functions, is_state=True) if kink not in breaks)
     crossings = (*events, *kinks, *edges)
     changing = {TIME, *of_state}
-    varying = _varying_parts(system, parsed, changing)
-    narrow = {one: of for one, of in varying.items() if of_state.intersection(names_of(one))}
-    features = {one: of for one, of in varying.items() if one not in narrow and varies(one)}
-    led = {
-        place: parse_expression(one.law, names, longest=len(one.law))
-        for place, one in enumerate(system.constraints)
-        if one.law
+    scales = _varying_parts(system, parsed, changing)
+    narrow = {part: scale for part, scale in scales.items() if of_state & {*names_of(part)}}
+    features = {
+        part: scale for part, scale in scales.items() if part not in narrow and varies(part)
+    }
+    driver_laws = {
+        index: parse_expression(constraint.law, names, longest=len(constraint.law))
+        for index, constraint in enumerate(system.constraints)
+        if constraint.law
     }
     laws: dict[Expression, str] = {}
-    for place, law in led.items():
-        laws.setdefault(law, system.constraints[place].joint)
-    bends = {one: tuple(filter(varies, places_of(one))) for one in laws}
-    followed = [one for one, places in bends.items() if places or any(varying_parts(one, {TIME}))]
-    drawn = [*driven_lengths(system, led)]
+    for index, law in driver_laws.items():
+        laws.setdefault(law, system.constraints[index].joint)
+    law_breaks = {law: tuple(filter(varies, breaks_of_law(law))) for law in laws}
+    watched_laws = [
+        law for law, roots in law_breaks.items() if roots or any(varying_parts(law, {TIME}))
+    ]
     gaps = {
-        add(one.law, neg(_nearly_none(one.law, system))): one.driver
-        for one in drawn
-        if varies(one.law)
+        add(length.law, neg(_negligible_distance(length.law, system))): length.driver
+        for length in driven_lengths(system, driver_laws)
+        if varies(length.law)
     }
-    switches = (*gaps, *found(switching_functions, is_state=False), *chain(*bends.values()))
+    switches = (*gaps, *collect(switching_functions, is_state=False), *chain(*law_breaks.values()))
     poles: dict[Expression, str] = {}
     infinite: dict[Expression, None] = {}
     for text, key, _ in _texts(system):
         if text and key:
             for part in summands(parsed[text]):
-                own = dict.fromkeys(poles_of(part, {TIME, *of_state}), key)
-                poles = own | poles
-                infinite |= dict.fromkeys([part] * bool(own))
+                part_poles = dict.fromkeys(poles_of(part, {TIME, *of_state}), key)
+                poles = part_poles | poles
+                infinite |= dict.fromkeys([part] * bool(part_poles))
     lengths = tuple(_lengths(system))
-    distances = tuple(one for one in found(squares_of, is_state=True) if one not in lengths)
-    told = (*crossings, *breaks, *narrow, *poles, *infinite, *lengths, *distances)
-    read = set(chain.from_iterable(map(names_of, told)))
+    squares = collect(squares_of, is_state=True)
+    distances = tuple(distance for distance in squares if distance not in lengths)
+    of_motion = (*crossings, *breaks, *narrow, *poles, *infinite, *lengths, *distances)
+    used = set(chain.from_iterable(map(names_of, of_motion)))
     return RootFunctions(
         switches=tuple(dict.fromkeys(switches)),
         features=tuple(features),
-        measures=tuple(one for one in measures if {one.name, one.rate} & read),
+        measures=tuple(measure for measure in measures if {measure.name, measure.rate} & used),
         crossings=crossings,
         narrow=tuple(narrow),
-        jumps=tuple(any(map(is_jump, ordered(one))) for one in events),
-        laws=tuple(chain.from_iterable(map(with_rates, followed))),
-        law_drivers=tuple(laws[one] for one in followed),
+        jumps=tuple(any(map(is_jump, ordered(event))) for event in events),
+        laws=tuple(chain.from_iterable(map(with_rates, watched_laws))),
+        law_drivers=tuple(laws[law] for law in watched_laws),
         poles=tuple(poles),
         pole_forces=tuple(poles.values()),
         infinite=tuple(infinite),
@@ -261,19 +265,19 @@ def root_functions_of(system: System) -> RootFunctions:
 def _varying_parts(
     system: System, parsed: Mapping[str, Expression], varying: Collection[str]
 ) -> dict[Expression, PartScale]:
-    """Parts of formulas that vary beyond polynomials, with their constants, and in what units."""
+    """Parts of formulas that vary beyond polynomials, times their constants, with units."""
     units: dict[Expression, dict[str, None]] = {}
     sizes: dict[Expression, float] = {}
     for text, _, unit in _texts(system):
         for part, factor in varying_parts(parsed[text], varying) if text else ():
-            one = without_overflow(mul(factor, part))
-            units.setdefault(one, {})[unit] = None
-            sizes[one] = abs(value_of(factor, dict(system.parameters)))
-    return {one: PartScale(tuple(of), sizes[one]) for one, of in units.items()}
+            scaled = without_overflow(mul(factor, part))
+            units.setdefault(scaled, {})[unit] = None
+            sizes[scaled] = abs(value_of(factor, dict(system.parameters)))
+    return {scaled: PartScale(tuple(own), sizes[scaled]) for scaled, own in units.items()}
 
 
-def _nearly_none(law: Expression, system: System) -> Expression:
-    """Part of what a law of a distance is at the start that counts as none, with any parameters."""
+def _negligible_distance(law: Expression, system: System) -> Expression:
+    """Length that counts as zero beside the initial value of a law, whatever the parameters."""
     if not isfinite(value_of(law, {TIME: 0.0, **dict(system.parameters)})):
         return ZERO
     start = apply(Op.ABS, replaced(law, symbol(TIME), ZERO))
@@ -283,19 +287,19 @@ def _nearly_none(law: Expression, system: System) -> Expression:
 
 
 def _measures(system: System) -> Iterator[Measure]:
-    for place, one in enumerate(system.coordinates):
-        yield Measure(one.name, f"{one.name}{RATE}", place, -1)
-    for place, force in enumerate(system.forces):
+    for index, coordinate in enumerate(system.coordinates):
+        yield Measure(coordinate.name, f"{coordinate.name}{RATE}", index, -1)
+    for index, force in enumerate(system.forces):
         if force.law:
-            x, v = (f"{force.name}_{place}.{name}" for name in LAW_NAMES[:2])
-            yield Measure(x, v, force.coordinate, place)
+            x, v = (f"{force.name}_{index}.{name}" for name in LAW_NAMES[:2])
+            yield Measure(x, v, force.coordinate, index)
         if force.needs_direction:
-            yield Measure(*_length_of(place, force), -1, place, is_length=True)
+            yield Measure(*_distance_names(index, force), -1, index, is_length=True)
 
 
-def _length_of(place: int, force: ForceElement) -> tuple[str, str]:
+def _distance_names(index: int, force: ForceElement) -> tuple[str, str]:
     """Names of the distance of a spring's ends and of its rate."""
-    name = f"{force.name}_{place}.l"
+    name = f"{force.name}_{index}.l"
     return name, f"{name}{RATE}"
 
 
@@ -303,26 +307,28 @@ def _lengths(system: System) -> Iterator[Expression]:
     """Squares of the lengths along which forces act, or that they depend on."""
     texts = [text for text, *_ in _texts(system) if text]
     acted = {force.coordinate for force in system.forces}
-    for place, one in enumerate(system.coordinates):
-        names = (one.name, f"{one.name}{RATE}")
-        if one.is_distance and (place in acted or any(used_names(text, names) for text in texts)):
-            yield square(symbol(one.name))
-    for place, force in enumerate(system.forces):
+    for index, coordinate in enumerate(system.coordinates):
+        names = (coordinate.name, f"{coordinate.name}{RATE}")
+        if coordinate.is_distance and (
+            index in acted or any(used_names(text, names) for text in texts)
+        ):
+            yield square(symbol(coordinate.name))
+    for index, force in enumerate(system.forces):
         if force.needs_direction:
-            yield square(symbol(_length_of(place, force)[0]))
+            yield square(symbol(_distance_names(index, force)[0]))
 
 
 def _texts(system: System) -> Iterator[tuple[str, str, str]]:
-    """Formulas with the key of what pushes, and their unit; springs name their own length."""
-    for place, force in enumerate(system.forces):
+    """Formulas with the key of a force or gravity, and unit; springs name their own length."""
+    for index, force in enumerate(system.forces):
         key, unit = join("forces", force.name), "N m" if _is_moment(force, system) else "N"
         yield from ((text, key, unit) for _, text in force.formulas)
         text = force.law
         for name in LAW_NAMES[:2]:
-            text = re.sub(rf"\b{name}\b", f"{force.name}_{place}.{name}", text)
+            text = re.sub(rf"\b{name}\b", f"{force.name}_{index}.{name}", text)
         yield text, key, unit
     yield from ((text, "gravity", "m/s^2") for text in system.gravity_law)
-    yield from ((one.law, "", one.row_unit) for one in system.constraints)
+    yield from ((driver.law, "", driver.row_unit) for driver in system.constraints)
 
 
 def _is_moment(force: ForceElement, system: System) -> bool:

@@ -68,7 +68,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     scene : Scene
         A checked scene.
     outputs : sequence of str, optional
-        What is wanted; what the scene says unless given.
+        Outputs that are wanted; those of the scene unless given.
 
     Raises
     ------
@@ -93,10 +93,10 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     events = tuple(event.element(coordinates) for event in events_of(scene))
     wanted = _outputs(scene, outputs)
     shown = scene.coordinates if "coordinates" in wanted else ()
-    places = tuple(coordinates.place(name) for name in shown)
+    indices = tuple(coordinates.place(name) for name in shown)
     needed = len(coordinates.records)
     held = (
-        *chain.from_iterable(places for places, _ in held_by_body),
+        *chain.from_iterable(positions for positions, _ in held_by_body),
         *held_coordinates(scene, coordinates),
     )
     return System(
@@ -110,7 +110,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         held_rates=tuple(chain.from_iterable(rates for _, rates in held_by_body)),
         forces=forces,
         coordinates=coordinates.records,
-        shown=places,
+        shown=indices,
         parameters=tuple(scene.parameters.items()),
         only_held=len(coordinates.records) - needed,
         positive=(*positive_numbers(scene), *_moments(scene, bodies)),
@@ -144,10 +144,10 @@ def _bodies(scene: Scene, frames: dict[str, BodyFrame], unit: High) -> Iterator[
 
 
 def _moments(scene: Scene, bodies: Sequence[MovingBody]) -> Iterator[tuple[str, float]]:
-    """Principal moments that depend on parameters, and are positive of a body.
+    """Functions of the principal moments that depend on parameters and must be positive.
 
-    That are the moments, and the sum of two less the third where they are given: those of solids
-    have it.
+    These are the moments, and the sum of two less the third where the scene gives the inertia: of
+    solids that is positive.
     """
     for body in bodies:
         key = f"bodies.{body.name}.inertia"
@@ -157,8 +157,8 @@ def _moments(scene: Scene, bodies: Sequence[MovingBody]) -> Iterator[tuple[str, 
         moments = [precise.number(x) for x in body.inertia]
         for k, third in enumerate(moments):
             two = precise.number(POSSIBLE) * (moments[k - 1] + moments[k - 2])
-            if isinstance(left := two - third, Traced):
-                yield f"{key}, the sum of two principal moments less the third,", Varying(left)
+            if isinstance(excess := two - third, Traced):
+                yield f"{key}, the sum of two principal moments less the third,", Varying(excess)
 
 
 def _moving(
@@ -192,19 +192,19 @@ def _constraints(
     scene: Scene, frames: Mapping[str, BodyFrame], coordinates: CoordinateList
 ) -> list[Instance]:
     """Constraints of all joints; all that cannot be composed is refused at once."""
-    made: list[Instance] = []
+    instances: list[Instance] = []
     problems: list[Problem] = []
     for name, joint in scene.joints.items():
         try:
             if joint.type in scene.kinds:
-                made.append(_own_instance(name, joint, scene.kinds[joint.type], frames, scene))
+                instances.append(_own_instance(name, joint, scene.kinds[joint.type], frames, scene))
             else:
-                made += _instances(name, joint, frames, coordinates)
+                instances += _instances(name, joint, frames, coordinates)
         except SceneError as error:
             problems += error.problems
     if problems:
         raise SceneError.of(problems)
-    return made
+    return instances
 
 
 def _instances(
@@ -244,9 +244,9 @@ def _own_instance(
     """
     unit = precise.number(METRES[scene.unit])
     ends = frames[joint.ends[0]], frames[joint.ends[1]]
-    given = joint.inputs or {}
+    inputs = joint.inputs or {}
     names = [kind.point_of(body) for body in "ij"]
-    points = [precise.triple(joint.vector(own)) if own else ZERO for own in names]
+    points = [precise.triple(joint.vector(key)) if key else ZERO for key in names]
     constants: list[tuple[str, tuple[float, ...]]] = []
     for body, end, point in zip("ij", ends, points, strict=True):
         constants.append((f"s_{body}_b", end.point(point, unit)))
@@ -254,20 +254,20 @@ def _own_instance(
         constants.append((key, end.point(ZERO, unit)))
     for key, end in zip(FRAMES, ends, strict=True):
         constants.append((key, to_quaternion(end.axes)))
-    for key, one in kind.inputs.items():
-        constants.append((input_name(key), _own_value(one, given[key], unit)))
+    for key, own_input in kind.inputs.items():
+        constants.append((input_name(key), _own_value(own_input, inputs[key], unit)))
     return Instance(
         name, kind.kernels, ends[0].index, ends[1].index, tuple(constants), unit=kind.unit
     )
 
 
-def _own_value(one: OwnInput, value: Any, unit: High) -> tuple[float, ...]:
+def _own_value(own_input: OwnInput, value: Any, unit: High) -> tuple[float, ...]:
     """Input of a kind of one's own; directions have norm one."""
-    factor = unit if one.unit == "m" else precise.number(1)
-    if not one.vector:
+    factor = unit if own_input.unit == "m" else precise.number(1)
+    if not own_input.vector:
         return (precise.double(factor * precise.number(value)),)
     vector = precise.triple(value)
-    if one.is_direction:
+    if own_input.is_direction:
         return precise.rounded(precise.unit(vector))
     return to_vector(precise.scale(factor, vector))
 
@@ -279,8 +279,8 @@ def _require_near(
 ) -> None:
     """Refuse directions that are to be parallel and are nearer to the opposite of that."""
     i, j = (
-        [end.to_ground(own[across]) for across in ("across", "third")]
-        for end, own in zip(ends, vectors, strict=True)
+        [end.to_ground(axes[direction]) for direction in ("across", "third")]
+        for end, axes in zip(ends, vectors, strict=True)
     )
     if not sum(precise.dot(a, b) for a, b in zip(i, j, strict=True)) > 0:
         raise SceneError(

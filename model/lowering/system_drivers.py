@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 
 def start_values(scene: Scene, coordinates: CoordinateList) -> None:
-    """Tell a list of coordinates at which turn driven angles start.
+    """Give a list of coordinates the initial values of driven angles, which fix their turns.
 
-    Where a coordinate says by itself what it is near, that counts.
+    A coordinate that states its own approximate value keeps that.
     """
     for driver in drivers_of(scene).values():
         driven = kind_of(driver).of_joint(scene, driver)
@@ -45,19 +45,19 @@ def _at_start(scene: Scene, value: Value) -> float:
 def driver_instances(scene: Scene, coordinates: CoordinateList) -> Iterator[Instance]:
     """Drivers of a scene as combinations: coordinate − law = 0."""
     for name, driver in drivers_of(scene).items():
-        for place, value in kind_of(driver).laws(name, driver, coordinates):
-            yield _driver(name, place, value, coordinates)
+        for index, value in kind_of(driver).laws(name, driver, coordinates):
+            yield _driver(name, index, value, coordinates)
 
 
-def _driver(name: str, place: int, value: Value, coordinates: CoordinateList) -> Instance:
-    i, j = coordinates.ends(place)
-    unit, scale = coordinates.unit_of(place)
+def _driver(name: str, index: int, value: Value, coordinates: CoordinateList) -> Instance:
+    i, j = coordinates.ends(index)
+    unit, scale = coordinates.unit_of(index)
     return Instance(
         name,
         COMBINATION,
         i,
         j,
-        terms=(Term(place, 1.0),),
+        terms=(Term(index, 1.0),),
         law=formula_text(value),
         law_unit=float(scale),
         unit=unit,

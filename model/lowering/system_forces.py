@@ -34,20 +34,20 @@ def force_elements(
     frames : mapping of str to BodyFrame
         Of all bodies and the ground.
     coordinates : CoordinateList
-        What the forces need is added.
+        Coordinates that the forces need are added to it.
     unit : number [m]
         The unit of the scene.
     """
-    given = Lowering(scene, frames, coordinates, unit)
-    found = [
+    lowering = Lowering(scene, frames, coordinates, unit)
+    elements = [
         element
         for name, force in scene.forces.items()
-        for element in FORCES[force.type].elements(name, force, given)
+        for element in FORCES[force.type].elements(name, force, lowering)
     ]
-    texts = chain.from_iterable(one.formulas for one in found)
+    texts = chain.from_iterable(element.formulas for element in elements)
     for name in used_coordinates(scene, (text for _, text in texts)):
         coordinates.place(name)
-    return tuple(found)
+    return tuple(elements)
 
 
 def gravity_of(scene: Scene, unit: High) -> Vector:

@@ -37,8 +37,8 @@ def check_zero_directions(scene: Scene, frames: Mapping[str, BodyFrame]) -> None
             continue
         ends = frames[joint.ends[0]], frames[joint.ends[1]]
         axes = joint_axes(ends, joint)
-        for k, (end, given, axis) in enumerate(zip(ends, joint.zero, axes, strict=True)):
-            zero = precise.unit(precise.triple(given))
+        for k, (end, direction, axis) in enumerate(zip(ends, joint.zero, axes, strict=True)):
+            zero = precise.unit(precise.triple(direction))
             if not precise.length(precise.cross(end.principal(zero), axis)) > PARALLEL:
                 problem = "is parallel to the axis; wanted a direction across it"
                 problems.append(Problem(problem, f"joints.{name}.zero[{k}]"))

@@ -70,7 +70,7 @@ class CoordinateKind(ConstraintKind, ABC):
     counts_turns : bool
         Whether it is an angle, which kernels know up to whole turns only.
     is_distance : bool
-        Whether it is that of two points, which has no direction where it is zero.
+        Whether it is the distance of two points, which has no direction at zero.
     """
 
     counts_turns: ClassVar[bool] = False
@@ -152,7 +152,7 @@ CONSTRAINTS: dict[str, ConstraintKind] = {
     "p2": ConstraintKind(2, "m", ("a_i_b", *_ENDS), has_variants=True),
     COMBINATION: ConstraintKind(1, "", ()),
 }
-"""Those that joints are made of; lecture 8.2: n1 (8.9), n2 (8.12), p1 (8.14), p2 (8.16)."""
+"""Kinds that joints are composed of; lecture 8.2: n1 (8.9), n2 (8.12), p1 (8.14), p2 (8.16)."""
 
 COORDINATES: dict[str, CoordinateKind] = {
     "angle": AngleKind(1, "rad", ("a_i_b", "b_i_b", "a_j_b")),
@@ -160,7 +160,7 @@ COORDINATES: dict[str, CoordinateKind] = {
     "n1": _COSINE,
     "n2": _DISPLACEMENT,
 }
-"""Those whose residual is a coordinate."""
+"""Kinds whose residual is a coordinate."""
 
 
 def base_and_axis(package: str) -> tuple[str, str]:
@@ -178,7 +178,7 @@ def base_of(package: str) -> str:
 
 
 def kind_of(package: str) -> ConstraintKind:
-    """Constraint of a package of one of these kinds."""
+    """Kind of the constraint or coordinate of a package."""
     base = base_of(package)
     return CONSTRAINTS[base] if base in CONSTRAINTS else COORDINATES[base]
 

@@ -78,7 +78,7 @@ class BodyFrame:
 
 
 OPPOSITE = 1e-6
-"""Axes whose 1 + cos of the angle between them is less point against each other."""
+"""Axes point against each other where 1 + cos of the angle between them is below this."""
 
 GROUND_FRAME = BodyFrame(GROUND_INDEX, ZERO, IDENTITY, ZERO, IDENTITY, is_point=False)
 """Frame O."""
@@ -111,7 +111,7 @@ def joint_vectors(
 
     Where the joint says by ``zero`` which directions are across the axes, these are taken. Else the
     frame of body j is that of body i at the positions of the scene, turned as little as makes its
-    axis the one that is given: this is the turn that prismatic and fixed joints keep. Without a
+    axis that of the joint: this is the turn that prismatic and fixed joints keep. Without a
     joint, or where it gives no axis, the axis is the third principal axis of body i.
     """
     axis_i, axis_j = joint_axes(ends, joint)

@@ -71,7 +71,7 @@ class RelativeCoordinate:
     Parameters
     ----------
     name : str
-        As in the scene; of a coordinate that a joint needs for itself the joint and what it is,
+        As in the scene; of a coordinate that a joint needs for itself the joint and its sort,
         such as ``screw.angle``.
     kind : str
         A shipped package whose residual is the value: ``angle`` [rad], which counts turns, ``n2``
@@ -100,7 +100,7 @@ class RelativeCoordinate:
 
     @property
     def is_distance(self) -> bool:
-        """Whether it is that of two points, which has no direction where it is zero."""
+        """Whether it is the distance of two points, which has no direction at zero."""
         return COORDINATES[self.kind].is_distance
 
 
@@ -111,9 +111,9 @@ class Term:
     Parameters
     ----------
     coordinate : int
-        Its place in :attr:`System.coordinates`.
+        Its index in :attr:`System.coordinates`.
     factor : float
-        What it is multiplied by: SI units and radians.
+        Its factor, in SI units and radians.
     """
 
     coordinate: int
@@ -142,7 +142,7 @@ class Instance:
         one's own ``s_i_b`` and ``s_j_b`` are the points of its force, and its kernels take the
         frames that it is stated in, and its own inputs: see :mod:`kousoku.model.records.own_kind`.
     terms : tuple of Term
-        Of a combination, what is added; i and j are then the bodies of the first.
+        Of a combination, its terms; i and j are then the bodies of the first.
     others : tuple of int
         Of a combination, the further bodies of its terms, each once.
     offset : float
@@ -150,11 +150,11 @@ class Instance:
     law : str
         Of a driver, a formula of the time ``t`` and of parameters, in rad or the unit of the scene.
     law_unit : float
-        What the formula is multiplied by to be in ``unit``.
+        Factor that takes the formula to ``unit``.
     unit : str
         Of a combination or a kind of one's own ``m`` or ``rad``: the unit of its residual.
     scale : float
-        Of a combination, what its factors are those of the scene multiplied by.
+        Of a combination, the ratio of its factors to those of the scene.
     """
 
     joint: str
@@ -203,14 +203,14 @@ class ForceElement:
     name : str
         As in the scene; a bushing is several elements of one name.
     kind : str
-        What it is called, as the package of its kernels where it has one: each class has its own.
+        Its name, that of the package of its kernels where it has one; each class has its own.
     i, j : int
-        The two bodies; what acts on one body alone acts on j, and i is the ground.
+        The two bodies; a force on one body alone acts on j, and i is the ground.
     constants : tuple of (str, tuple of float)
         Numbers, by names that its class knows. ``s_i_b`` and ``s_j_b`` [m] are points of bodies i
         and j in the principal frames, frame O for the ground; three numbers are a vector.
     law : str
-        Tension, or what acts against a coordinate, as a formula of
+        Tension, or the force against a coordinate, as a formula of
         :data:`~kousoku.model.expressions.formulas.LAW_NAMES` and parameters, in the unit of the
         scene; empty where linear.
     formulas : tuple of (str, str)
@@ -218,7 +218,7 @@ class ForceElement:
         parameters only, of a force or torque also on time ``t``, coordinates, and their rates with
         ``_dot`` behind the name, in the unit of the scene and rad.
     coordinate : int
-        Place in :attr:`System.coordinates` of the one that it acts along or against.
+        Index in :attr:`System.coordinates` of the one that it acts along or against.
     """
 
     name: str
@@ -347,16 +347,16 @@ class System:
     gravity_law : (3,) str
         Components that are formulas of parameters, in the unit of the scene; the others are empty.
     held : tuple of Instance
-        What assembly keeps of the positions, as constraints with the ground that hold at the start;
+        Positions that assembly keeps, as constraints with the ground that hold at the start;
         ``joint`` is the key in the scene.
     held_rates : tuple of Instance
-        What it keeps of the velocities: constraints whose rates stay what they are.
+        Velocities that it keeps: constraints whose rates do not change.
     forces : tuple of ForceElement
-        What acts beside gravity, in the order of the scene.
+        Forces and torques beside gravity, in the order of the scene.
     coordinates : tuple of RelativeCoordinate
         Those that constraints, forces or outputs need, then those that are only held.
     shown : tuple of int
-        Places of the coordinates that are outputs, in the order of the scene.
+        Indices of the coordinates that are outputs, in the order of the scene.
     parameters : tuple of (str, float)
         Names that formulas may use, and their values unless a run gives others.
     carried : tuple of Carried
@@ -365,11 +365,11 @@ class System:
     resting : float [J]
         Potential energy of bodies and forces that stand still, and are left out.
     only_held : int
-        How many coordinates, the last, nothing needs but what is held.
+        Count of the coordinates, the last ones, that only held values need.
     positive : tuple of (str, float)
         Keys of the scene whose numbers depend on parameters and must be positive, and the numbers.
     closure_tolerance : float [lengths of the scene, rad]
-        Rows of joints that others imply but for less are redundant.
+        Rows of joints that others imply within it are redundant.
     events : tuple of SystemEvent
         In the order of the scene.
     given : tuple of WrittenStart

@@ -120,7 +120,7 @@ def evaluate_dual(
         What is evaluated.
     inputs : mapping of str to (n,) sequence
         For each input its elements, flat row-major, in the units of the kernel; finite. Gradients
-        name one by the input and its place there.
+        name an element by its input and index.
 
     Returns
     -------

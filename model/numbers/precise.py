@@ -32,7 +32,7 @@ IDENTITY: Quadruple = (CONTEXT.mpf(1), *ZERO)
 def number(value: float | Fraction | High) -> High:
     """Number of a double without rounding, or of a fraction in 50 digits; 50 digits as they are.
 
-    Of an angle in degrees it is the angle: 90 degrees are a right one.
+    Of an angle in degrees it is the exact angle: 90 degrees are a right angle.
 
     Of a double that depends on parameters it is the number with its formula.
     """
@@ -76,8 +76,8 @@ def total(values: Sequence[High]) -> High:
     """Sum Σ values (n,), a scalar in their unit, rounded once where no number is traced."""
     if any(isinstance(value, Traced) for value in values):
         return sum(values, ZERO[0])
-    found: High = CONTEXT.fsum(values)
-    return found
+    rounded_sum: High = CONTEXT.fsum(values)
+    return rounded_sum
 
 
 def triple(values: Iterable[float]) -> Triple:

@@ -6,8 +6,8 @@ Comparisons take the value; nothing is known to be zero or one that is so in the
 
 Whether a formula depends on parameters at all, as m/m does not, is seen at two further values of
 the parameters: a formula that has the same value at all three, to 40 digits, is a number. That
-holds for all values, because these formulas are made of analytic functions. What is not one
-everywhere, such as √ and max, counts there as a quantity of its own, of which nothing is known.
+holds for all values, because these formulas are made of analytic functions. A function that is
+not analytic everywhere, such as √ and max, counts there as an independent quantity.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from kousoku.model.operations.expression import Expression
 
 NOISE = CONTEXT.mpf(10) ** -40
-"""What is smaller than this part of the numbers it came from is a rounded zero."""
+"""A result below this part of the numbers that it came from is a rounded zero."""
 
 LARGEST_EXPONENT = 4096
 """Powers of two beyond which there is no value, and below whose inverse it is zero: doubles end at
@@ -38,7 +38,7 @@ OPAQUE = frozenset(
         *(Op.ASIN, Op.ACOS, Op.ATAN, Op.ATAN2),
     }
 )
-"""Functions that follow another formula elsewhere: √x² is x, and elsewhere it is −x."""
+"""Functions that follow different formulas in different regions: √x² is x in one, −x in another."""
 
 
 class Traced:
@@ -47,7 +47,7 @@ class Traced:
     Parameters
     ----------
     values : sequence of number
-        What it is with the parameters of the scene, then with others; not a number where the
+        Its value with the parameters of the scene, then with others; not a number where the
         formula has no value.
     expression : Expression
         The formula.
@@ -136,12 +136,12 @@ def at_scene(number: Any) -> Any:
     return number.value if isinstance(number, Traced) else number
 
 
-def other_value(value: float, place: int) -> float:
+def other_value(value: float, index: int) -> float:
     """Other value of a parameter, the first of those that numbers are traced with."""
-    return float(parameter("", value, place).values[1])
+    return float(parameter("", value, index).values[1])
 
 
-def parameter(name: str, value: float, place: int) -> Traced:
+def parameter(name: str, value: float, index: int) -> Traced:
     """Parameter of a scene.
 
     Parameters
@@ -150,11 +150,11 @@ def parameter(name: str, value: float, place: int) -> Traced:
         Its name.
     value : float
         Its value in the scene.
-    place : int
-        Its place among the parameters: all are changed differently.
+    index : int
+        Its index among the parameters: all are changed differently.
     """
     first, high = CONTEXT.mpf(value), CONTEXT.mpf(1)
-    more, less = high / (17 + 3 * place), high / (23 + 5 * place)
+    more, less = high / (17 + 3 * index), high / (23 + 5 * index)
     size = first or high
     return Traced((first, first + size * more, first - size * less), symbol(name))
 
@@ -175,8 +175,8 @@ def applied(op: Op, *args: Any) -> Any:
 
     Where all are plain numbers, or the result does not depend on parameters, it is a plain number.
     """
-    if short := _short(op, args):
-        return short[0]
+    if result := _trivial(op, args):
+        return result[0]
     count = max(len(arg.values) if isinstance(arg, Traced) else 1 for arg in args)
     columns = [arg.values if isinstance(arg, Traced) else (_high(arg),) * count for arg in args]
     values = [_value(op, row) for row in zip(*columns, strict=True)]
@@ -184,7 +184,7 @@ def applied(op: Op, *args: Any) -> Any:
         return values[0]
     formula = apply(op, *map(_expression, args))
     if _is_opaque(op, args):
-        values = _of_its_own(values[0], formula.key)
+        values = _unrelated_values(values[0], formula.key)
     size = max((abs(x) for column in columns for x in column), default=0)
     noise = NOISE * (size if op is Op.ADD else abs(values[0]))
     if all(abs(value - values[0]) <= noise for value in values):
@@ -192,8 +192,8 @@ def applied(op: Op, *args: Any) -> Any:
     return Traced(values, formula)
 
 
-def _short(op: Op, args: Sequence[Any]) -> tuple[Any, ...]:
-    """Rest that zeros and ones leave of an operation, nothing where it is to be computed."""
+def _trivial(op: Op, args: Sequence[Any]) -> tuple[Any, ...]:
+    """Result of an operation on a zero or one, alone; empty where it is to be computed."""
     if op in {Op.ADD, Op.MUL, Op.DIV}:
         a, b = args
         if op is Op.ADD and 0 in (a, b):
@@ -227,11 +227,11 @@ def _is_opaque(op: Op, args: Sequence[Any]) -> bool:
     return op in OPAQUE
 
 
-def _of_its_own(value: Any, key: str) -> list[Any]:
+def _unrelated_values(value: Any, key: str) -> list[Any]:
     """Value in the scene and two others that no other formula has."""
     size = abs(value) or CONTEXT.mpf(1)
-    parts = (CONTEXT.mpf(int(half, 16)) / 16**20 for half in (key[:16], key[16:]))
-    return [value, *(value + size * (part + 1) for part in parts)]
+    fractions = (CONTEXT.mpf(int(half, 16)) / 16**20 for half in (key[:16], key[16:]))
+    return [value, *(value + size * (fraction + 1) for fraction in fractions)]
 
 
 def _plain(value: Any, noise: Any) -> Any:

@@ -30,9 +30,9 @@ class Varying(Guarded):
 
     def __new__(cls, traced: Traced) -> Varying:
         """Round the value that it has in the scene."""
-        made = super().__new__(cls, float(at_scene(traced)))
-        made.traced = traced
-        return made
+        rounded = super().__new__(cls, float(at_scene(traced)))
+        rounded.traced = traced
+        return rounded
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Varying) and self.traced == other.traced
@@ -55,19 +55,19 @@ def is_varying(value: object) -> bool:
 
 
 def fixed(value: T) -> T:
-    """Number, tuple or record with the numbers of the scene, which nothing varies.
+    """Number, tuple or record with the numbers of the scene, which do not vary.
 
-    What has no number that varies is returned as it is.
+    A value without a number that varies is returned as it is.
     """
-    found: Any = value
+    result: Any = value
     if isinstance(value, Varying):
-        found = float(value)
+        result = float(value)
     elif isinstance(value, tuple):
-        parts = tuple(map(fixed, value))
-        found = value if all(a is b for a, b in zip(parts, value, strict=True)) else parts
+        elements = tuple(map(fixed, value))
+        result = value if all(a is b for a, b in zip(elements, value, strict=True)) else elements
     elif is_dataclass(value) and not isinstance(value, type):
-        given = {field.name: getattr(value, field.name) for field in fields(value)}
-        changed = {name: fixed(part) for name, part in given.items()}
-        changed = {name: part for name, part in changed.items() if part is not given[name]}
-        found = replace(value, **changed) if changed else value
-    return cast("T", found)
+        members = {field.name: getattr(value, field.name) for field in fields(value)}
+        changed = {name: fixed(member) for name, member in members.items()}
+        changed = {name: member for name, member in changed.items() if member is not members[name]}
+        result = replace(value, **changed) if changed else value
+    return cast("T", result)

@@ -48,9 +48,9 @@ class FormulaArithmetic(Arithmetic[Number]):
     Parameters
     ----------
     number : callable
-        Makes one of an exact value or a double, which stands for its exact value.
+        Makes a number of an exact value or a double, which stands for its exact value.
     tan, asin, acos, atan, sign, min, pow : callable
-        Those that the graph is not made of.
+        Functions that graphs lack.
     """
 
     number: Callable[[Fraction | float], Number]
@@ -77,7 +77,7 @@ OPERATORS: dict[Op, Callable[..., Any]] = {
     Op.DIV: operator.truediv,
     Op.NEG: operator.neg,
 }
-"""What all numbers have of their own."""
+"""Operators of Python that all numbers have."""
 
 
 def _exact_sqrt(value: Fraction) -> Fraction:

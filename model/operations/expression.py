@@ -42,7 +42,7 @@ class Expression(OperationNode["Expression"]):
 
     @property
     def key(self) -> str:
-        """Structural key, which only equal formulas share; found when it is first asked for."""
+        """Structural key, which only equal formulas share; computed when it is first asked for."""
         stack = [] if hasattr(self, "_key") else [self]
         while stack:
             args = stack[-1].args
@@ -50,14 +50,14 @@ class Expression(OperationNode["Expression"]):
             stack.extend(missing)
             if not missing:
                 part = stack.pop()
-                text = " ".join((*part._own(), *(arg._key for arg in args)))
+                text = " ".join((*part._own_key(), *(arg._key for arg in args)))
                 part._key = blake2b(text.encode(), digest_size=16).hexdigest()
         return self._key
 
-    def _own(self) -> tuple[str, ...]:
+    def _own_key(self) -> tuple[str, ...]:
         """Key that tells a formula from others, but for its operands."""
         if self.value is not None:
-            return "number", *(f"{one:x}" for one in self.value.as_integer_ratio())
+            return "number", *(f"{part:x}" for part in self.value.as_integer_ratio())
         return ("name", self.name) if self.symbol else (self.op.value,)
 
     def __eq__(self, other: object) -> bool:
@@ -250,9 +250,9 @@ def rebuilt(
         Makes an operation on formulas that were made before.
     """
     known: dict[int, Expression] = {}
-    for one in ordered(expression):
-        args = tuple(known[id(arg)] for arg in one.args)
-        known[id(one)] = build(one.op, args) if args else one
+    for node in ordered(expression):
+        args = tuple(known[id(arg)] for arg in node.args)
+        known[id(node)] = build(node.op, args) if args else node
     return known[id(expression)]
 
 
@@ -267,23 +267,23 @@ def replaced(
     Parameters
     ----------
     expression, part, by : Expression
-        The formula, what is replaced wherever it stands, and what by.
+        The formula, the part that is replaced wherever it stands, and its replacement.
     build : callable
         Makes a function of its arguments anew; left out, nothing is folded.
     """
     known: dict[int, Expression] = {}
-    for one in ordered(expression):
-        if one == part:
-            known[id(one)] = by
-        elif one.args:
-            known[id(one)] = build(one.op, tuple(known[id(arg)] for arg in one.args))
+    for node in ordered(expression):
+        if node == part:
+            known[id(node)] = by
+        elif node.args:
+            known[id(node)] = build(node.op, tuple(known[id(arg)] for arg in node.args))
         else:
-            known[id(one)] = one
+            known[id(node)] = node
     return known[id(expression)]
 
 
-def _term(given: Operand) -> Expression:
-    return given if isinstance(given, Expression) else number(given)
+def _term(operand: Operand) -> Expression:
+    return operand if isinstance(operand, Expression) else number(operand)
 
 
 def _folded(a: Expression, b: Expression, op: Op) -> Expression | None:

@@ -21,7 +21,7 @@ class Op(enum.Enum):
     ``ADD`` of a formula takes two operands or more. A power whose exponent is a whole number is a
     product, one with a half in it a square root of one; any other is exp(b log a) and wants a
     positive a. ``SIGN`` is −1, 0 or 1. No text has the last two, log(eᵃ + eᵇ) and eˣ/(1 + eˣ):
-    they are what others are bounded by. Counts of operations are listed in this order.
+    bounds of others are made of them. Counts of operations are listed in this order.
     """
 
     CONST = "const"
@@ -114,7 +114,7 @@ class OperationNode(Generic[Arg]):
 
     def __repr__(self) -> str:
         fields = zip(self.__match_args__, self._fields(), strict=True)
-        return f"{type(self).__name__}({', '.join(f'{name}={one!r}' for name, one in fields)})"
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in fields)})"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, OperationNode) and self._fields() == other._fields()
@@ -317,7 +317,7 @@ class Graph:
         return int(getattr(self, _METHODS[op])(*args))
 
 
-#: Those of :class:`Graph` by what they build, looked up faster than the values of an Enum.
+#: Methods of :class:`Graph` by the operation that they build: faster than the values of an Enum.
 _METHODS = {op: op.value for op in GRAPH_OPS}
 
 

@@ -67,7 +67,7 @@ def node_values(
     values: list[Any] = []
     for node in kernel.nodes:
         op, args, symbol = node.op, node.args, node.symbol
-        # This runs a million times where a scene is looked at: names of members are looked up once.
+        # This runs a million times where a scene is analysed: names of members are looked up once.
         if op is _MUL:
             value = values[args[0]] * values[args[1]]
         elif op is _ADD:

@@ -74,13 +74,13 @@ class Package:
     name : str
         Folder and C prefix, an identifier such as ``p2_z``.
     title : str
-        What the kernels are of, in one line.
+        Subject of the kernels, in one line.
     regenerate : str
         The command that makes the folder again.
     kernels : tuple of Kernel
         In the order of the text.
     choices : tuple of str
-        Of a kind with several choices of its rows: what the names of its kernels end in, such as
+        Of a kind with several choices of its rows: endings of the names of its kernels, such as
         ``x`` of ``constraint_x``; they have the same arguments, and share what they compute alike.
     """
 

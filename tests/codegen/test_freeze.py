@@ -75,7 +75,9 @@ def carried(kernel: Kernel, carrier: Ring) -> list[list[Fraction]]:
             case Op.MUL:
                 values.append(args[0] * args[1])
             case Op.DIV:
-                values.append(Fraction(args[0].over * args[1].under, args[0].under * args[1].over))
+                a, b = args
+                quotient = Fraction(a.numerator * b.denominator, a.denominator * b.numerator)
+                values.append(quotient)
             case _:
                 pytest.fail(f"{kernel.name} holds {node.op}")
     return [[values[node] for node in result] for result in kernel.results]

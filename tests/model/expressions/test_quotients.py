@@ -75,6 +75,6 @@ def test_others_stay_what_they_are(text: str) -> None:
 def test_factors_are_those_of_taylor() -> None:
     formula = parse_expression("(exp(t) - 1)/t", ["t"])
     _, (quotient,) = without_quotients(formula, SPANS)
-    found = coefficients(quotient.above, 4)
+    found = coefficients(quotient.numerator, 4)
     assert found[0] == ZERO
     assert [one.value * 6 for one in found[1:] if one.value is not None] == [6, 3, 1]
