@@ -290,7 +290,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     # coordinates
     "second derivative of a coordinate": (
         *("rich", record_coordinates.CoordinateRecorder, "show"),
-        *("self.gamma(place), into", "None, into"),
+        *("self.gamma(index), into", "None, into"),
     ),
     "curvature of a coordinate": (
         *("rich", coordinates.CoordinateGamma, "__call__"),
@@ -332,7 +332,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "acceleration of a driver": (
         *("rich", combinations.Combinations, "rate"),
-        *("self.law(one, 2)", "self.law(one, 1)"),
+        *("self.law(instance, 2)", "self.law(instance, 1)"),
     ),
     "factor of a combination": (
         *("gears", combinations.Combinations, "_weighted"),
@@ -345,7 +345,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "spin in the angular momentum": (
         *("free", momentum.BodyMomentum, "__call__"),
-        *("orientation @ own", "own"),
+        *("orientation @ spin_b", "spin_b"),
     ),
     # what steps are made of, beside accelerations
     "shift of a body onto its joints": (
@@ -363,7 +363,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "value and rate of what distances are of": (
         *("watched", switching.Valued, "__call__"),
-        *("((one.name, one.rate) for", "((one.rate, one.name) for"),
+        *("((measure.name, measure.rate) for", "((measure.rate, measure.name) for"),
     ),
     "lengths in place of distances": (
         *("watched", switching, "record_switching"),
@@ -388,15 +388,16 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "value in place of a rate": (
         *("watched", switching.Enclosed, "_bounds"),
-        *("without_overflow(self._rate(same, quotients))", "same"),
+        *("without_overflow(self._rate(substituted, quotients))", "substituted"),
     ),
     "rate of what a formula reads": (
         *("watched", switching.Enclosed, "_rate"),
-        *("mul(derivative(formula, one.name), symbol(one.rate))", "derivative(formula, one.name)"),
+        "mul(derivative(formula, measure.name), symbol(measure.rate))",
+        "derivative(formula, measure.name)",
     ),
     "second derivative in a rate": (
         *("watched", switching.Enclosed, "_rate"),
-        *('f"{one.rate}{SECOND}"', "one.rate"),
+        *('f"{measure.rate}{SECOND}"', "measure.rate"),
     ),
     "least and most of what is read": (
         *("watched", switching.Enclosed, "__call__"),
