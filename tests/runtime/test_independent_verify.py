@@ -244,7 +244,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "force without its torque": (
         *("rich", applied_forces, "at_point"),
-        *('*found["N_b"]', "*rest[:3]"),
+        *('*resultant["N_b"]', "*rest[:3]"),
     ),
     "power of a force": (
         *("rich", load.LoadEffect, "__call__"),
@@ -294,7 +294,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "curvature of a coordinate": (
         *("rich", coordinates.CoordinateGamma, "__call__"),
-        *('[found["gamma"][0]]', '[trace.graph.neg(found["gamma"][0])]'),
+        *('[outputs["gamma"][0]]', '[trace.graph.neg(outputs["gamma"][0])]'),
     ),
     # joints
     "gamma of joints": (
