@@ -165,7 +165,7 @@ points = [[-1, 0, 0], [0, 0, 0]]
 tension = "2 - 1e5*max(0, 1 - abs(x - 1.6)*1e4)"
 """
 
-OF_LOAD = "forces = (*zeros, *(orientation.T @ given).flat)"
+OF_LOAD = "forces = (*zeros, *(orientation.T @ vector).flat)"
 #: A cart with every sort of function that a run watches.
 WATCHED = """
 name = "watched"
@@ -236,11 +236,11 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     "frame of a torque": ("rich", load.LoadEffect, "__call__", OF_LOAD, OF_LOAD.replace(".T", "")),
     "frame of a torque in the body": (
         *("rich", load.LoadEffect, "__call__"),
-        *("forces = (*zeros, *given.flat)", "forces = (*zeros, *(orientation @ given).flat)"),
+        *("forces = (*zeros, *vector.flat)", "forces = (*zeros, *(orientation @ vector).flat)"),
     ),
     "frame of a force in the body": (
         *("rich", load.LoadEffect, "__call__"),
-        *("*(orientation @ given).flat, *torque", "*given.flat, *torque"),
+        *("*(orientation @ vector).flat, *torque", "*vector.flat, *torque"),
     ),
     "force without its torque": (
         *("rich", applied_forces, "at_point"),
@@ -265,7 +265,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "power of a damper": (
         *("rich", spring_damper.SpringEffect, "__call__"),
-        *("return *added, -(damped", "return *added, (damped"),
+        *("return *effect, -(damped", "return *effect, (damped"),
     ),
     "energy of a spring": (
         *("rich", spring_damper.SpringEnergy, "__call__"),
