@@ -65,13 +65,13 @@ class DragFacets(ForceFacets[Drag]):
     def by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         names: Mapping[str, Jet],
         constants: Mapping[str, Sequence[Real]],
         loads: Found,
     ) -> tuple[Real, Real]:
         """Add −c |ṙ_P| ṙ_P at its point; return its power, and no energy."""
-        (coefficient,), course = constants["coefficient"], at[self.force.j]
+        (coefficient,), course = constants["coefficient"], courses[self.force.j]
         rate = [x.d for x in course.point(constants["s_j_b"])]
         speed = equations.digits.sqrt(sum(x * x for x in rate))
         force = [-coefficient * speed * x for x in rate]

@@ -244,7 +244,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "force without its torque": (
         *("rich", applied_forces, "at_point"),
-        *('*resultant["N_b"]', "*rest[:3]"),
+        *('*resultant["N_b"]', "*zeros[:3]"),
     ),
     "power of a force": (
         *("rich", load.LoadEffect, "__call__"),
@@ -257,11 +257,11 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     # springs
     "law of a spring": (
         *("rich", spring_damper.SpringEffect, "_tension"),
-        *('found["l"] - free', 'found["l"] + free'),
+        *('length["l"] - free', 'length["l"] + free'),
     ),
     "tension of a spring": (
         *("rich", spring_damper.SpringEffect, "__call__"),
-        *('found | law)["T"]', 'found | law)["V"]'),
+        *('length | law)["T"]', 'length | law)["V"]'),
     ),
     "power of a damper": (
         *("rich", spring_damper.SpringEffect, "__call__"),
@@ -375,7 +375,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "length and rate of a spring": (
         *("drawn", spring_damper.SpringLength, "__call__"),
-        *('return found["l"], found["l_dot"]', 'return found["l_dot"], found["l"]'),
+        *('return length["l"], length["l_dot"]', 'return length["l_dot"], length["l"]'),
     ),
     # bounds of functions
     "a crossing too few": (

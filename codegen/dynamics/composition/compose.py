@@ -142,7 +142,7 @@ class _ProgramComposer:
         self.rows = sum(joint.count for joint in self.joints)
         self.residuals = region("C", self.rows)
         watched = sum(joint.count for joint in (*self.left_out, *self.satisfied))
-        self.others = region("C_left_out", watched)
+        self.other_residuals = region("C_left_out", watched)
         at_once = not self.left_out and (len(self.joints) > SMALL_TREE_JOINTS or analysed.has_loops)
         self.schur = Schur(self.recorder, region("pivots", self.rows), at_once=at_once)
 
@@ -285,9 +285,9 @@ class _ProgramComposer:
     def _velocity(self) -> None:
         self.recorder.begin("velocity")
         by_body = self._by_body(self.v)
-        lacks, bias = self.joint_coordinates.project_velocity(by_body)
+        differences, bias = self.joint_coordinates.project_velocity(by_body)
         rates = self._rates("nu", by_body, bias=bias)
-        self._record_corrections(self.schur.solve(rates), None, self.dv, lacks)
+        self._record_corrections(self.schur.solve(rates), None, self.dv, differences)
 
     def _by_body(self, region: SlotMatrix) -> list[SlotMatrix]:
         """Parts of a region in the order of v."""
@@ -382,15 +382,15 @@ class _ProgramComposer:
 
     def _check(self) -> None:
         """Record residuals of constraints and their rates, of rows that depend on others, too."""
-        count = self.rows + self.others.height
+        count = self.rows + self.other_residuals.height
         rates, second = (self.recorder.region(name, count) for name in ("C_dot", "C_ddot"))
         self.recorder.begin("check")
         for joint in (*self.left_out, *self.satisfied):
-            self.tasks.watch(joint, self._rows_of(self.others, joint))
+            self.tasks.watch(joint, self._rows_of(self.other_residuals, joint))
         for output, values, region in (("nu", self.v, rates), ("gamma", self.v_dot, second)):
             by_body = self._by_body(values)
             self._rates(output, by_body, region)
-            others = region.part(self.rows, self.others.height)
+            others = region.part(self.rows, self.other_residuals.height)
             self._rates(output, by_body, others, [*self.left_out, *self.satisfied])
 
     def _record_rank_loss(self) -> None:

@@ -82,10 +82,10 @@ class JointCoordinates:
         self, by_body: list[SlotMatrix]
     ) -> tuple[dict[int, SlotMatrix], dict[int, SlotMatrix]]:
         """Record projected velocities, put u into ``by_body``; return R u + β − v and β, (c,)."""
-        lacks, beta = {}, {}
+        differences, beta = {}, {}
         for k, task in self.tasks.items():
-            by_body[k], lacks[k], beta[k] = task.project_velocity()
-        return lacks, beta
+            by_body[k], differences[k], beta[k] = task.project_velocity()
+        return differences, beta
 
     def reduce_forces(self, free: list[SlotMatrix]) -> dict[int, SlotMatrix]:
         """Record u̇ without joints, and put it into ``free``, which has M⁻¹f; return η."""

@@ -117,10 +117,10 @@ def record_momenta(
             shares += recorder.call(BodyMomentum(), *state, origin.r, origin.v_r)
         mass = sum(number(system.bodies[index].mass) for index in part.bodies)
         directions = [recorder.constant(vector) for vector in (*part.linear, *part.angular)]
-        known = (origin.r, origin.v_r, recorder.constant(part.about or (0.0, 0.0, 0.0)))
+        reference = (origin.r, origin.v_r, recorder.constant(part.about or (0.0, 0.0, 0.0)))
         recorder.call(
             PartMomenta(len(part.linear), part.about is None),
-            *(summed(recorder, shares), recorder.constant((1 / mass,)), *known, *directions),
+            *(summed(recorder, shares), recorder.constant((1 / mass,)), *reference, *directions),
             into=(target.part(first, part.count),),
         )
         first += part.count

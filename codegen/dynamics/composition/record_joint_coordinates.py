@@ -163,14 +163,14 @@ class JointCoordinateRecorder:
             bool(motion.prescribed_slide),
             is_skew,
         )
-        u, lacks, beta = self.recorder.call(
+        u, difference, beta = self.recorder.call(
             fitted,
             *(blocks.v_r, blocks.omega_b, self.arm, self.axis_b, self._vector(motion.axis)),
             *(self._two_columns(motion.across_b), self._two_columns(motion.across)),
             *map(self._matrix, (masses, moments) if is_skew else (masses,)),
             *self._derivatives(1),
         )
-        return u, lacks, beta
+        return u, difference, beta
 
     def bias_acceleration(self) -> SlotMatrix:
         """Bias acceleration η (c,) [m/s², rad/s²], recorded."""

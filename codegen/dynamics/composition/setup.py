@@ -47,7 +47,7 @@ class ParameterFormulas:
 
 
 def record_setup(
-    recorder: Recorder, system: System, parameters: SlotMatrix, places: Sequence[BodyCoordinates]
+    recorder: Recorder, system: System, parameters: SlotMatrix, bodies: Sequence[BodyCoordinates]
 ) -> DesignNumbers:
     """Record the segment, if some number depends on parameters; return where the numbers are.
 
@@ -59,10 +59,10 @@ def record_setup(
         The scene.
     parameters : SlotMatrix
         Its parameters.
-    places : sequence of BodyCoordinates
+    bodies : sequence of BodyCoordinates
         Slots of its bodies in q and v.
     """
-    start = starts(system, places)
+    start = starts(system, bodies)
     for value in (*shown_numbers(system), *(value for _, value in start)):
         recorder.constant((value,))
     names = [name for name, _ in system.parameters]

@@ -162,7 +162,7 @@ def record_switching(
         record("switching", recorder.region("span", 2), by_region)
     if functions.laws:
         record("bending", recorder.region("law_span", 2), {"laws": functions.laws})
-    near = {"lengths": functions.lengths, "distances": functions.distances}
+    squares = {"lengths": functions.lengths, "distances": functions.distances}
     crossing = {
         "crossings": functions.crossings,
         "breaks": functions.breaks,
@@ -170,14 +170,14 @@ def record_switching(
         "narrow": functions.narrow,
         "infinite": functions.infinite,
     }
-    if any(crossing.values()) or any(near.values()):
+    if any(crossing.values()) or any(squares.values()):
         region = recorder.region("measures", 2 * len(functions.measures))
         recorder.begin("measure")
         for k, measure in enumerate(functions.measures):
             forces.measure(system, measure, region.part(2 * k, 1), region.part(2 * k + 1, 1))
-    if any(near.values()):
+    if any(squares.values()):
         recorder.begin("distance")
-        for name, formulas in near.items():
+        for name, formulas in squares.items():
             if formulas:
                 target = recorder.region(name, len(formulas))
                 valued = Valued(formulas, names, functions.measures)

@@ -75,10 +75,10 @@ class OnCoordinate(ForceFacets[E]):
         return system.coordinates[self.force.coordinate]
 
     def add(
-        self, equations: BodyEquations, at: Mapping[int, Course], tau: Real, loads: Found
+        self, equations: BodyEquations, courses: Mapping[int, Course], tau: Real, loads: Found
     ) -> None:
         """Add Jᵀτ: an entry of J is u̇ where that velocity alone is one."""
-        ends = {body: at[body] for body in (self.force.i, self.force.j)}
+        ends = {body: courses[body] for body in (self.force.i, self.force.j)}
         for column, moving in equations.each_column(ends):
             loads.force[column] += tau * equations.coordinate(self.force.coordinate, moving).d
 
@@ -95,12 +95,12 @@ class AlongFacets(OnCoordinate[CoordinateForce]):
     def by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         names: Mapping[str, Jet],
         constants: Mapping[str, Sequence[Real]],
         loads: Found,
     ) -> tuple[Real, Real]:
         """Add Jᵀτ; return τ u̇, and no energy."""
         (tau,) = constants["force"]
-        self.add(equations, at, tau, loads)
-        return tau * equations.coordinate(self.force.coordinate, at).d, 0
+        self.add(equations, courses, tau, loads)
+        return tau * equations.coordinate(self.force.coordinate, courses).d, 0

@@ -363,7 +363,7 @@ CONSTRAINT_FACETS: dict[str, ConstraintFacets] = {
     "angle": AngleFacets(),
     "length": LengthFacets(),
 }
-"""By the names of the kinds; a combination is what its coordinates are."""
+"""Facets by names of kinds; a combination has those of its coordinates."""
 
 
 def facets_of_kind(package: str) -> ConstraintFacets:

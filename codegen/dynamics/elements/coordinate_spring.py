@@ -90,7 +90,7 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
     """A spring and damper against a coordinate: τ = −k (u − u⁰) − c u̇."""
 
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
-        """M⁻¹Jᵀτ of both bodies, and the power beside that of potential energy, recorded."""
+        """M⁻¹Jᵀτ of both bodies, and the power without potential energy, recorded."""
         constants = tasks.constants(self.force)
         ends = self.jacobians(tasks)
         rate = self.rate(tasks)
@@ -132,24 +132,24 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
     def length_by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         constants: Mapping[str, Sequence[Real]],
     ) -> tuple[Jet, Real]:
         """Value u of the coordinate, and u⁰, in rad or m."""
-        return equations.coordinate(self.force.coordinate, at), constants["free"][0]
+        return equations.coordinate(self.force.coordinate, courses), constants["free"][0]
 
     def by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         names: Mapping[str, Jet],
         constants: Mapping[str, Sequence[Real]],
         loads: Found,
     ) -> tuple[Real, Real]:
-        """Add Jᵀτ; return the power beside that of potential energy, and ½ k (u − u⁰)²."""
+        """Add Jᵀτ; return the power without potential energy, and ½ k (u − u⁰)²."""
         force = self.force
         energy: Real = 0
-        value, free = self.length_by_definition(equations, at, constants)
+        value, free = self.length_by_definition(equations, courses, constants)
         elongation = value.x - free
         if force.law:
             arguments = {"x": Jet(elongation), "v": Jet(value.d)}
@@ -159,5 +159,5 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
             damping = -constants["damping"][0] * value.d
             tau = damping - constants["stiffness"][0] * elongation
             energy = constants["stiffness"][0] * elongation**2 / 2
-        self.add(equations, at, tau, loads)
+        self.add(equations, courses, tau, loads)
         return damping * value.d, energy

@@ -128,7 +128,7 @@ class ForceFacets(ABC, Generic[E]):
     def length_by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         constants: Mapping[str, Sequence[Real]],
     ) -> tuple[Jet, Real]:
         """Value of its law's argument along a motion, by geometry, and the free value.
@@ -142,7 +142,7 @@ class ForceFacets(ABC, Generic[E]):
     def by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         names: Mapping[str, Jet],
         constants: Mapping[str, Sequence[Real]],
         loads: Found,
@@ -156,7 +156,7 @@ class ForceFacets(ABC, Generic[E]):
         ----------
         equations : BodyEquations
             Equations of the bodies, with ``apply_force`` and ``apply_torque``.
-        at : mapping of int to Course
+        courses : mapping of int to Course
             Courses of the bodies, by their indices; of the ground, too.
         names : mapping of str to Jet
             Values that formulas may name.

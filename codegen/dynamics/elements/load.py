@@ -146,7 +146,7 @@ class LoadFacets(ForceFacets[Load]):
     def by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         names: Mapping[str, Jet],
         constants: Mapping[str, Sequence[Real]],
         loads: Found,
@@ -155,7 +155,7 @@ class LoadFacets(ForceFacets[Load]):
         force = self.force
         vectors = [values for name, values in constants.items() if name != "s_j_b"]
         vector = [sum(parts) for parts in zip(*vectors, strict=True)]
-        course = at[force.j]
+        course = courses[force.j]
         if force.is_body_fixed:
             vector = [x.x for x in course.vector(vector)]
         if force.is_torque:

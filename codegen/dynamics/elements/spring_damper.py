@@ -34,7 +34,7 @@ ENDS, LAW = ("s_i_b", "s_j_b"), ("stiffness", "damping", "free_length")
 
 @dataclass(frozen=True, slots=True)
 class SpringEffect:
-    """M⁻¹f of a spring and damper, and the power beside that of potential energy.
+    """M⁻¹f of a spring and damper, and the power without potential energy.
 
     f = −T ∂l/∂q with T = k (l − l⁰) + c l̇ [N] and l = |d|, lecture 8.2, (8.8). Blocks: r (3,) [m],
     p (4,), A (3, 3), v (3,) [m/s] in frame O, ω′ (3,) [rad/s] in the principal frame and the
@@ -66,13 +66,13 @@ class SpringEffect:
         (*i, inverse_mass_i), (*j, inverse_mass_j) = blocks[:6], blocks[6:12]
         state = inputs_of_body(trace, "i", *i) | inputs_of_body(trace, "j", *j)
         state |= dict(zip(ENDS, blocks[12:14], strict=True))
-        found = _inline(trace, "length", state)
+        length = _inline(trace, "length", state)
         if self.law:
-            tension = damped = self._tension(trace, found, *blocks[14:])
+            tension = damped = self._tension(trace, length, *blocks[14:])
         else:
             law = dict(zip(LAW, blocks[14:], strict=True))
-            tension = _inline(trace, "law", found | law)["T"]
-            damped = law["damping"] @ found["l_dot"]
+            tension = _inline(trace, "law", length | law)["T"]
+            damped = law["damping"] @ length["l_dot"]
         force = _inline(trace, "force", state | {"T": tension})["force"].flat
         effect = (
             accelerations(trace, force[:COLUMNS], self.columns_i, inverse_mass_i),
@@ -80,13 +80,13 @@ class SpringEffect:
         )
         if not self.works:
             return effect
-        return *effect, -(damped @ found["l_dot"])
+        return *effect, -(damped @ length["l_dot"])
 
-    def _tension(self, trace: Trace, found: dict[str, Matrix], *constants: Matrix) -> Matrix:
+    def _tension(self, trace: Trace, length: dict[str, Matrix], *constants: Matrix) -> Matrix:
         """Tension [N] by the formula."""
         unit, free, *others = constants
-        elongation = found["l"] - free
-        arguments = [elongation, unit, found["l_dot"], unit, *others]
+        elongation = length["l"] - free
+        arguments = [elongation, unit, length["l_dot"], unit, *others]
         value = formula_node(trace, self.law, (*ELONGATION, *self.names), arguments)
         return unit @ column_of(trace, value)
 
@@ -105,8 +105,8 @@ class SpringLength:
         """Length l = |d| (1,) [m] and its derivative by time l̇ = d·ḋ/l (1,) [m/s]."""
         ends = (f"{name}_{body}" for body in "ij" for name in ("r", "p", "v", "omega"))
         names = (name + "_b" if "omega" in name else name for name in (*ends, *ENDS))
-        found = _inline(trace, "length", dict(zip(names, blocks, strict=True)))
-        return found["l"], found["l_dot"]
+        length = _inline(trace, "length", dict(zip(names, blocks, strict=True)))
+        return length["l"], length["l_dot"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,9 +124,9 @@ class SpringEnergy:
         positions = dict(zip(("r_i", "p_i", "r_j", "p_j", *ENDS), blocks[:6], strict=True))
         still = column_of(trace, zero, zero, zero)
         motion = dict.fromkeys(("v_i", "omega_i_b", "v_j", "omega_j_b"), still)
-        found = _inline(trace, "length", positions | motion)
+        length = _inline(trace, "length", positions | motion)
         law = dict(zip(LAW, blocks[6:], strict=True))
-        (energy,) = _inline(trace, "law", found | law)["V"].flat
+        (energy,) = _inline(trace, "law", length | law)["V"].flat
         return (column_of(trace, zero, energy),)
 
 
@@ -136,7 +136,7 @@ class SpringFacets(ForceFacets[PointSpring]):
     is_carried = True
 
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
-        """M⁻¹f of both bodies, and the power beside that of potential energy, recorded."""
+        """M⁻¹f of both bodies, and the power without potential energy, recorded."""
         constants = tasks.constants(self.force)
         i, j = tasks.body(self.force.i), tasks.body(self.force.j)
         ends = [
@@ -192,34 +192,36 @@ class SpringFacets(ForceFacets[PointSpring]):
         ends = self.force.constants[: len(ENDS)]
         return RelativeCoordinate(self.force.name, "length", self.force.i, self.force.j, ends)
 
-    def _across(self, at: Mapping[int, Course], inputs: Mapping[str, Sequence[Real]]) -> list[Jet]:
+    def _across(
+        self, courses: Mapping[int, Course], inputs: Mapping[str, Sequence[Real]]
+    ) -> list[Jet]:
         """Vector d (3,) [m] from one end to the other along a motion, frame O."""
-        start = at[self.force.i].point(inputs["s_i_b"])
-        end = at[self.force.j].point(inputs["s_j_b"])
+        start = courses[self.force.i].point(inputs["s_i_b"])
+        end = courses[self.force.j].point(inputs["s_j_b"])
         return [b - a for a, b in zip(start, end, strict=True)]
 
     def length_by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         constants: Mapping[str, Sequence[Real]],
     ) -> tuple[Jet, Real]:
         """Distance l = |d| [m] of the ends, and l⁰."""
-        d = self._across(at, constants)
+        d = self._across(courses, constants)
         (free,) = constants["free_length"]
         return sqrt(dot(d, d), equations.digits), free
 
     def by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         names: Mapping[str, Jet],
         constants: Mapping[str, Sequence[Real]],
         loads: Found,
     ) -> tuple[Real, Real]:
         """Add the tension along the line; return the power of its damper, and ½ k (l − l⁰)²."""
-        force, d = self.force, self._across(at, constants)
-        length, free = self.length_by_definition(equations, at, constants)
+        force, d = self.force, self._across(courses, constants)
+        length, free = self.length_by_definition(equations, courses, constants)
         elongation = length - Jet(free)
         energy: Real = 0
         if force.law:
@@ -232,13 +234,14 @@ class SpringFacets(ForceFacets[PointSpring]):
             tension = stiffness * elongation.x + damped
             energy = stiffness * elongation.x**2 / 2
         pull = [tension * x.x / length.x for x in d]
-        equations.apply_force(force.i, at[force.i], constants["s_i_b"], pull, loads)
-        equations.apply_force(force.j, at[force.j], constants["s_j_b"], [-x for x in pull], loads)
+        i, j = courses[force.i], courses[force.j]
+        equations.apply_force(force.i, i, constants["s_i_b"], pull, loads)
+        equations.apply_force(force.j, j, constants["s_j_b"], [-x for x in pull], loads)
         return -damped * length.d, energy
 
 
 def _inline(trace: Trace, kernel: str, inputs: dict[str, Matrix]) -> dict[str, Matrix]:
     """Rebuild a kernel of the spring; return its outputs as columns."""
     nodes = {name: block.flat for name, block in inputs.items()}
-    found = trace.inline(frozen("spring_damper", kernel), nodes)
-    return {name: column_of(trace, *flat) for name, flat in found.items()}
+    outputs = trace.inline(frozen("spring_damper", kernel), nodes)
+    return {name: column_of(trace, *flat) for name, flat in outputs.items()}

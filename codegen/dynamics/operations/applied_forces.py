@@ -42,8 +42,8 @@ def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tu
         Force (3,) [N] in frame O; torque (3,) [N m] about the centre of mass, in the principal
         frame.
     """
-    rest = (trace.graph.const(0),) * 6
-    inputs = {"p": p, "s_b": (*point.flat, *rest), "f": (*force.flat, *rest)}
+    zeros = (trace.graph.const(0),) * 6
+    inputs = {"p": p, "s_b": (*point.flat, *zeros), "f": (*force.flat, *zeros)}
     resultant = trace.inline(frozen("mass_points", "resultant"), inputs)
     return (*resultant["F"], *resultant["N_b"])
 

@@ -115,10 +115,10 @@ def start_of(body: MovingBody) -> tuple[Triple, Quadruple, Triple, Triple]:
     return precise.subtract(place, arm), turned, precise.subtract(velocity, rate), spin
 
 
-def starts(system: System, places: Sequence[BodyCoordinates]) -> list[tuple[int, float]]:
+def starts(system: System, bodies: Sequence[BodyCoordinates]) -> list[tuple[int, float]]:
     """Slots of q and v whose value at the start depends on parameters, and the value."""
     values_at_start = []
-    for body, state in zip(system.bodies, places, strict=True):
+    for body, state in zip(system.bodies, bodies, strict=True):
         slots = (state.r, state.p, state.v, state.omega_b)
         for vector, values in zip(slots, start_of(body), strict=True):
             for place, value in zip(vector, values, strict=True):

@@ -77,20 +77,20 @@ class _Inliner:
     def program(self) -> Program:
         """Inline all segments."""
         values = self._start()
-        wanted: dict[str, dict[int, int]] = {}
+        written: dict[str, dict[int, int]] = {}
         self._expand("geometry", values)
         shared = len(self.graph.nodes)
-        wanted["geometry"] = self._written("geometry", values)
+        written["geometry"] = self._written("geometry", values)
         for segment in (*self.old.segments, *self.old.on_demand):
             if segment.name != "geometry" and (self.old.rows or segment.name != "position"):
                 local = dict(values) if segment.name in AFTER_GEOMETRY else self._start()
                 self._expand(segment.name, local)
-                wanted[segment.name] = self._written(segment.name, local)
-        passed = self._passed(wanted, shared)
-        segments = [self._segment("geometry", wanted["geometry"], {}, passed)]
+                written[segment.name] = self._written(segment.name, local)
+        passed = self._passed(written, shared)
+        segments = [self._segment("geometry", written["geometry"], {}, passed)]
         self.scratch = self.size
-        stored = {node: slot for slot, node in wanted["geometry"].items()} | passed
-        for name, outputs in wanted.items():
+        stored = {node: slot for slot, node in written["geometry"].items()} | passed
+        for name, outputs in written.items():
             if name != "geometry":
                 known = stored if name in AFTER_GEOMETRY else {}
                 segments.append(self._segment(name, outputs, known, {}))
@@ -146,18 +146,18 @@ class _Inliner:
             if slot in self.moved
         }
 
-    def _passed(self, wanted: Mapping[str, Mapping[int, int]], shared: int) -> dict[int, int]:
+    def _passed(self, written: Mapping[str, Mapping[int, int]], shared: int) -> dict[int, int]:
         """Slots for results of the geometry that the segments after it need.
 
         Results for rows alone, such as the matrix of a momentum, are computed by their segments.
         """
         passed: dict[int, None] = {}
-        at_stages = (wanted[name].values() for name in wanted if name in RUN_AT_STAGES)
-        rows = (wanted[name].values() for name in wanted if name in AFTER_GEOMETRY - RUN_AT_STAGES)
+        at_stages = (written[name].values() for name in written if name in RUN_AT_STAGES)
+        rows = (written[x].values() for x in written if x in AFTER_GEOMETRY - RUN_AT_STAGES)
         for outputs in at_stages:
             order = self._order(outputs, lambda x: self._is_passed(x, shared))
             passed |= dict.fromkeys(node for node in order if self._is_passed(node, shared))
-        stored = set(wanted["geometry"].values())
+        stored = set(written["geometry"].values())
         computed = set(self._order((*stored, *passed), lambda _: False))
         for outputs in rows:
             order = self._order(outputs, lambda x: x in computed and self._is_passed(x, shared))

@@ -381,7 +381,7 @@ AFTER_GEOMETRY = frozenset(
 
 
 def meaning_of(program: Program, segment: Segment) -> str:
-    """Regions that a segment reads and writes, without those that it leaves alone here."""
+    """Regions that a segment reads and writes in this program."""
     if segment.meaning:
         return segment.meaning
     sides = []

@@ -97,11 +97,11 @@ class Trace:
                 new[node] = new[known]
         return graph, [[new[node] for node in result.flat] for result in results]
 
-    def _needed(self, wanted: Iterable[int]) -> list[int]:
+    def _needed(self, roots: Iterable[int]) -> list[int]:
         """Nodes that are needed in an order in which they can be built: leaves first."""
         nodes = self.graph.nodes
         needed: dict[int, None] = {}
-        stack = list(wanted)
+        stack = list(roots)
         while stack:
             node = stack.pop()
             if node in needed:
