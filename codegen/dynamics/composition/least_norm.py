@@ -46,7 +46,7 @@ IN_PLANE = (0, 1, 5)
 
 @dataclass(frozen=True, slots=True)
 class Shared:
-    """Among which joints forces are shared out.
+    """Joints among which forces are shared out.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class Scale:
     length : float [m]
         ℓ.
     shared : Shared
-        Among which joints.
+        Joints among which they are shared out.
     """
 
     points: Mapping[str, Vector]
