@@ -155,7 +155,7 @@ def _evaluate(
     return trace.inline(frozen(part.kind, kernel), inputs)
 
 
-def _pick(trace: Trace, nodes: Sequence[int], part: InstanceRows, width: int) -> Matrix:
+def _kept_rows(trace: Trace, nodes: Sequence[int], part: InstanceRows, width: int) -> Matrix:
     """Kept rows of an output."""
     rows = tuple(tuple(nodes[row * width : (row + 1) * width]) for row in part.rows)
     return Matrix(trace.graph, rows, width)
@@ -266,8 +266,8 @@ def rows_of_parts(
         else:
             constants = [next(operands) for _ in part.constants]
             outputs = _evaluate(trace, part, "constraint", state, constants)
-            residuals.append(_pick(trace, outputs["C"], part, 1))
-            c_q = _by_body(_pick(trace, outputs["C_q"], part, 2 * COLUMNS), columns)
+            residuals.append(_kept_rows(trace, outputs["C"], part, 1))
+            c_q = _by_body(_kept_rows(trace, outputs["C_q"], part, 2 * COLUMNS), columns)
         for body, matrix in zip(by_body, c_q, strict=True):
             body.append(matrix)
     graph = trace.graph
@@ -333,7 +333,7 @@ class Rates:
             else:
                 constants = [next(operands) for _ in part.constants]
                 outputs = _evaluate(trace, part, "rates", state, constants)
-                rates.append(_pick(trace, outputs[self.output], part, 1))
+                rates.append(_kept_rows(trace, outputs[self.output], part, 1))
         total = left @ x_i + right @ x_j
         for x, jacobian in zip(others[::2], others[1::2], strict=True):
             total += jacobian @ x

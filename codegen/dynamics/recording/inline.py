@@ -76,14 +76,14 @@ class _Inliner:
 
     def program(self) -> Program:
         """Inline all segments."""
-        values = self._start()
+        values = self._initial_nodes()
         written: dict[str, dict[int, int]] = {}
         self._expand("geometry", values)
         shared = len(self.graph.nodes)
         written["geometry"] = self._written("geometry", values)
         for segment in (*self.old.segments, *self.old.on_demand):
             if segment.name != "geometry" and (self.old.rows or segment.name != "position"):
-                local = dict(values) if segment.name in AFTER_GEOMETRY else self._start()
+                local = dict(values) if segment.name in AFTER_GEOMETRY else self._initial_nodes()
                 self._expand(segment.name, local)
                 written[segment.name] = self._written(segment.name, local)
         passed = self._passed(written, shared)
@@ -116,7 +116,7 @@ class _Inliner:
             ),
         )
 
-    def _start(self) -> dict[int, int]:
+    def _initial_nodes(self) -> dict[int, int]:
         """Nodes of the slots that are in the workspace before any task has run."""
         base = self.old.region("constants").base
         nodes = {base + k: self.graph.const(value) for k, value in enumerate(self.old.constants)}
@@ -164,7 +164,7 @@ class _Inliner:
             passed |= dict.fromkeys(
                 node for node in order if node in computed and self._is_passed(node, shared)
             )
-        return {node: self._slot() for node in passed if node not in stored}
+        return {node: self._new_slot() for node in passed if node not in stored}
 
     def _is_passed(self, node: int, shared: int) -> bool:
         """Whether a node is read where it is needed: computed by the geometry, and no mere sign."""
@@ -185,7 +185,7 @@ class _Inliner:
                 done[stack.pop()] = None
         return list(done)
 
-    def _slot(self) -> int:
+    def _new_slot(self) -> int:
         slot = self.scratch
         self.scratch += 1
         self.size = max(self.size, self.scratch)
@@ -229,7 +229,7 @@ class _Inliner:
             chunk = work[start : start + self.statements]
             for node in chunk:
                 if node not in targets and last_use.get(node, number) > number:
-                    targets[node] = [self._slot()]
+                    targets[node] = [self._new_slot()]
             written = {slot: node for node in chunk for slot in targets.get(node, ())}
             if start == starts[-1]:
                 computed = set(work)
