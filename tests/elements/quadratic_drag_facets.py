@@ -65,15 +65,15 @@ class DragFacets(ForceFacets[Drag]):
     def by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[Real]],
-        found: Found,
+        constants: Mapping[str, Sequence[Real]],
+        loads: Found,
     ) -> tuple[Real, Real]:
         """Add −c |ṙ_P| ṙ_P at its point; return its power, and no energy."""
-        (coefficient,), course = given["coefficient"], at[self.force.j]
-        rate = [x.d for x in course.point(given["s_j_b"])]
+        (coefficient,), course = constants["coefficient"], courses[self.force.j]
+        rate = [x.d for x in course.point(constants["s_j_b"])]
         speed = equations.digits.sqrt(sum(x * x for x in rate))
         force = [-coefficient * speed * x for x in rate]
-        equations.apply_force(self.force.j, course, given["s_j_b"], force, found)
+        equations.apply_force(self.force.j, course, constants["s_j_b"], force, loads)
         return sum(a * b for a, b in zip(force, rate, strict=True)), 0

@@ -165,7 +165,7 @@ points = [[-1, 0, 0], [0, 0, 0]]
 tension = "2 - 1e5*max(0, 1 - abs(x - 1.6)*1e4)"
 """
 
-OF_LOAD = "forces = (*zeros, *(orientation.T @ given).flat)"
+OF_LOAD = "forces = (*zeros, *(orientation.T @ vector).flat)"
 #: A cart with every sort of function that a run watches.
 WATCHED = """
 name = "watched"
@@ -236,15 +236,15 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     "frame of a torque": ("rich", load.LoadEffect, "__call__", OF_LOAD, OF_LOAD.replace(".T", "")),
     "frame of a torque in the body": (
         *("rich", load.LoadEffect, "__call__"),
-        *("forces = (*zeros, *given.flat)", "forces = (*zeros, *(orientation @ given).flat)"),
+        *("forces = (*zeros, *vector.flat)", "forces = (*zeros, *(orientation @ vector).flat)"),
     ),
     "frame of a force in the body": (
         *("rich", load.LoadEffect, "__call__"),
-        *("*(orientation @ given).flat, *torque", "*given.flat, *torque"),
+        *("*(orientation @ vector).flat, *torque", "*vector.flat, *torque"),
     ),
     "force without its torque": (
         *("rich", applied_forces, "at_point"),
-        *('*found["N_b"]', "*rest[:3]"),
+        *('*resultant["N_b"]', "*zeros[:3]"),
     ),
     "power of a force": (
         *("rich", load.LoadEffect, "__call__"),
@@ -257,15 +257,15 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     # springs
     "law of a spring": (
         *("rich", spring_damper.SpringEffect, "_tension"),
-        *('found["l"] - free', 'found["l"] + free'),
+        *('length["l"] - free', 'length["l"] + free'),
     ),
     "tension of a spring": (
         *("rich", spring_damper.SpringEffect, "__call__"),
-        *('found | law)["T"]', 'found | law)["V"]'),
+        *('length | law)["T"]', 'length | law)["V"]'),
     ),
     "power of a damper": (
         *("rich", spring_damper.SpringEffect, "__call__"),
-        *("return *added, -(damped", "return *added, (damped"),
+        *("return *effect, -(damped", "return *effect, (damped"),
     ),
     "energy of a spring": (
         *("rich", spring_damper.SpringEnergy, "__call__"),
@@ -290,11 +290,11 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     # coordinates
     "second derivative of a coordinate": (
         *("rich", record_coordinates.CoordinateRecorder, "show"),
-        *("self.gamma(place), into", "None, into"),
+        *("self.gamma(index), into", "None, into"),
     ),
     "curvature of a coordinate": (
         *("rich", coordinates.CoordinateGamma, "__call__"),
-        *('[found["gamma"][0]]', '[trace.graph.neg(found["gamma"][0])]'),
+        *('[outputs["gamma"][0]]', '[trace.graph.neg(outputs["gamma"][0])]'),
     ),
     # joints
     "gamma of joints": (
@@ -332,7 +332,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "acceleration of a driver": (
         *("rich", combinations.Combinations, "rate"),
-        *("self.law(one, 2)", "self.law(one, 1)"),
+        *("self.law(instance, 2)", "self.law(instance, 1)"),
     ),
     "factor of a combination": (
         *("gears", combinations.Combinations, "_weighted"),
@@ -345,7 +345,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "spin in the angular momentum": (
         *("free", momentum.BodyMomentum, "__call__"),
-        *("orientation @ own", "own"),
+        *("orientation @ spin_b", "spin_b"),
     ),
     # what steps are made of, beside accelerations
     "shift of a body onto its joints": (
@@ -363,7 +363,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "value and rate of what distances are of": (
         *("watched", switching.Valued, "__call__"),
-        *("((one.name, one.rate) for", "((one.rate, one.name) for"),
+        *("((measure.name, measure.rate) for", "((measure.rate, measure.name) for"),
     ),
     "lengths in place of distances": (
         *("watched", switching, "record_switching"),
@@ -375,7 +375,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "length and rate of a spring": (
         *("drawn", spring_damper.SpringLength, "__call__"),
-        *('return found["l"], found["l_dot"]', 'return found["l_dot"], found["l"]'),
+        *('return length["l"], length["l_dot"]', 'return length["l_dot"], length["l"]'),
     ),
     # bounds of functions
     "a crossing too few": (
@@ -388,15 +388,16 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     "value in place of a rate": (
         *("watched", switching.Enclosed, "_bounds"),
-        *("without_overflow(self._rate(same, quotients))", "same"),
+        *("without_overflow(self._rate(substituted, quotients))", "substituted"),
     ),
     "rate of what a formula reads": (
         *("watched", switching.Enclosed, "_rate"),
-        *("mul(derivative(formula, one.name), symbol(one.rate))", "derivative(formula, one.name)"),
+        "mul(derivative(formula, measure.name), symbol(measure.rate))",
+        "derivative(formula, measure.name)",
     ),
     "second derivative in a rate": (
         *("watched", switching.Enclosed, "_rate"),
-        *('f"{one.rate}{SECOND}"', "one.rate"),
+        *('f"{measure.rate}{SECOND}"', "measure.rate"),
     ),
     "least and most of what is read": (
         *("watched", switching.Enclosed, "__call__"),

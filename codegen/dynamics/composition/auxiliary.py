@@ -2,7 +2,7 @@
 
 They stand after the coordinates of all bodies, and no column of v belongs to them. A run integrates
 them with the rest of q, keeps them in its state and interpolates them between steps. ``move`` sets
-what the positions tell, and leaves the rest as it is; no error is estimated of them.
+those that positions determine, and leaves the others; no error is estimated of them.
 
 To add one:
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.mechanics.multibody import System
 
-#: An angle with its turns [rad], which positions tell up to whole turns.
+#: An angle with its turns [rad], which positions determine up to whole turns.
 TURNS = "turns"
 #: The work that a force or a driver has done since the start [J].
 WORK = "work"
@@ -36,22 +36,22 @@ WORK = "work"
 
 def entries_of(system: System) -> tuple[Auxiliary, ...]:
     """Entries that a system needs, in their order."""
-    turns = (one for one in system.coordinates if one.counts_turns)
+    turns = (angle for angle in system.coordinates if angle.counts_turns)
     working = dict.fromkeys(force.name for force in system.forces if force.works)
     working |= dict.fromkeys(drivers_of(system))
     return (
-        *(Auxiliary(TURNS, one.name, CoordinatePlace(-1, one.near)) for one in turns),
+        *(Auxiliary(TURNS, angle.name, CoordinatePlace(-1, angle.near)) for angle in turns),
         *(Auxiliary(WORK, name, CoordinatePlace(-1, 0.0)) for name in working),
     )
 
 
 def drivers_of(system: System) -> tuple[str, ...]:
     """Names of the drivers."""
-    return tuple(dict.fromkeys(one.joint for one in system.constraints if one.is_driver))
+    return tuple(dict.fromkeys(driver.joint for driver in system.constraints if driver.is_driver))
 
 
 class Auxiliaries:
-    """Places of the entries.
+    """Indices of the entries in q.
 
     Parameters
     ----------
@@ -64,22 +64,22 @@ class Auxiliaries:
     def __init__(self, entries: Sequence[Auxiliary], first: int) -> None:
         self.entries = tuple(entries)
         self.first = first
-        self._places = {(one.kind, one.name): first + k for k, one in enumerate(self.entries)}
+        self._indices = {(x.kind, x.name): first + k for k, x in enumerate(self.entries)}
 
     def of(self, region: SlotMatrix, kind: str, name: str) -> SlotMatrix:
         """Entry of a region that is ordered as q."""
-        return region.part(self._places[kind, name], 1)
+        return region.part(self._indices[kind, name], 1)
 
     def kept(self, region: SlotMatrix) -> list[SlotMatrix]:
-        """Entries of a region that no positions tell."""
-        kinds = ((one.kind, one.name) for one in self.entries)
+        """Entries of a region that positions do not determine."""
+        kinds = ((entry.kind, entry.name) for entry in self.entries)
         return [self.of(region, kind, name) for kind, name in kinds if kind != TURNS]
 
     def placed(self, q: SlotMatrix) -> tuple[Auxiliary, ...]:
-        """Entries with their slots, for those who run the program."""
+        """Entries with their slots, for a run of the program."""
         return tuple(
-            replace(one, place=replace(one.place, slot=slot_of(q.entries[self.first + k])))
-            for k, one in enumerate(self.entries)
+            replace(entry, place=replace(entry.place, slot=slot_of(q.entries[self.first + k])))
+            for k, entry in enumerate(self.entries)
         )
 
 

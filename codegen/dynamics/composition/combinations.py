@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class WeightedRows:
-    """Sum of weighted rows, total + Σ c row. Blocks: what is added to, then factor and row in turn.
+    """Sum of weighted rows, total + Σ c row. Blocks: the total, then factor and row in turn.
 
     Rows are values (1, 1) of coordinates, or Jacobians (1, c): columns δr in frame O, δθ′ in the
     principal frame.
@@ -52,7 +52,7 @@ class Law:
     law : str
         The formula.
     parameters : tuple of str
-        Names that it may use beside the time.
+        Names of its arguments beside the time.
     order : int
         Which derivative by the time [s].
     """
@@ -83,11 +83,11 @@ class Combinations:
     Parameters
     ----------
     recorder : Recorder
-        Where they are recorded.
+        The program.
     coordinates : CoordinateRecorder
-        What is combined.
+        Recorder of the coordinates that are combined.
     time, parameters : SlotMatrix (1, 1), (n, 1)
-        What laws depend on.
+        Arguments of the laws.
     names : tuple of str
         The parameters' names.
     """
@@ -98,41 +98,41 @@ class Combinations:
     parameters: SlotMatrix
     names: tuple[str, ...]
 
-    def residual(self, one: Instance) -> SlotMatrix:
+    def residual(self, instance: Instance) -> SlotMatrix:
         """Residual C (1,) of a combination, recorded."""
-        total = self.recorder.constant((one.offset,))
-        if one.is_driver:
-            law = self.law(one, 0)
+        total = self.recorder.constant((instance.offset,))
+        if instance.is_driver:
+            law = self.law(instance, 0)
             (total,) = self.recorder.call(WeightedRows(), total, column((-1,)), law)
-        values = [self.coordinates.value(term.coordinate) for term in one.terms]
-        return self._weighted(one, total, values)
+        values = [self.coordinates.value(term.coordinate) for term in instance.terms]
+        return self._weighted(instance, total, values)
 
-    def jacobian(self, one: Instance, index: int, body: BodyBlocks) -> SlotMatrix:
+    def jacobian(self, instance: Instance, index: int, body: BodyBlocks) -> SlotMatrix:
         """Jacobian Σ c J (1, c) by the columns δr, frame O, and δθ′ of a body, recorded."""
-        found = [self.coordinates.jacobian(term.coordinate).get(index) for term in one.terms]
-        return self._weighted(one, zeros(1, len(body.columns)), found)
+        rows = [self.coordinates.jacobian(term.coordinate).get(index) for term in instance.terms]
+        return self._weighted(instance, zeros(1, len(body.columns)), rows)
 
-    def rate(self, one: Instance, output: str) -> SlotMatrix:
+    def rate(self, instance: Instance, output: str) -> SlotMatrix:
         """Right-hand side ``nu`` = ḟ or ``gamma`` = Σ c γ + f̈ (1,) [per s or s²], recorded."""
         if output == "nu":
-            return self.law(one, 1)
-        gammas = [self.coordinates.gamma(term.coordinate) for term in one.terms]
-        return self._weighted(one, self.law(one, 2), gammas)
+            return self.law(instance, 1)
+        gammas = [self.coordinates.gamma(term.coordinate) for term in instance.terms]
+        return self._weighted(instance, self.law(instance, 2), gammas)
 
-    def law(self, one: Instance, order: int) -> SlotMatrix:
+    def law(self, instance: Instance, order: int) -> SlotMatrix:
         """Derivative dᵏf/dtᵏ (1,) of a law, recorded in the unit of the row; zero without a law."""
-        if not one.is_driver:
+        if not instance.is_driver:
             return column((0,))
-        unit = self.recorder.constant((one.law_unit,))
-        operation = Law(one.law, self.names, order)
+        unit = self.recorder.constant((instance.law_unit,))
+        operation = Law(instance.law, self.names, order)
         return self.recorder.call(operation, unit, self.time, self.parameters)[0]
 
     def _weighted(
-        self, one: Instance, total: SlotMatrix, rows: Sequence[SlotMatrix | None]
+        self, instance: Instance, total: SlotMatrix, rows: Sequence[SlotMatrix | None]
     ) -> SlotMatrix:
         pairs = [
             block
-            for term, row in zip(one.terms, rows, strict=True)
+            for term, row in zip(instance.terms, rows, strict=True)
             if row is not None
             for block in (self.recorder.constant((term.factor,)), row)
         ]

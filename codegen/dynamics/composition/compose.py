@@ -25,8 +25,8 @@ from kousoku.codegen.dynamics.composition.joint_coordinates import JointCoordina
 from kousoku.codegen.dynamics.composition.joints import (
     JointBlocks,
     joints_of,
-    place_numbers,
     rows_of,
+    store_constants,
 )
 from kousoku.codegen.dynamics.composition.least_norm import Scale, Shared
 from kousoku.codegen.dynamics.composition.momentum import record_momenta
@@ -95,9 +95,9 @@ def compose(analysed: Analysed, wanted: Collection[str] = ()) -> Program:
     SceneError
         Too many rows depend on each other for their reactions.
     """
-    there = in_xy_plane(analysed)
-    program = _ProgramComposer(there, wanted).program()
-    return permuted_back(program, there.system, shift_of(analysed.outline.plane))
+    permuted = in_xy_plane(analysed)
+    program = _ProgramComposer(permuted, wanted).program()
+    return permuted_back(program, permuted.system, shift_of(analysed.outline.plane))
 
 
 class _ProgramComposer:
@@ -112,37 +112,37 @@ class _ProgramComposer:
         self.recorder = Recorder()
         self.time = self.recorder.region("t", 1)
         self.parameters = self.recorder.region("parameters", len(system.parameters))
-        own, velocities = coordinate_counts(system, is_planar=is_planar)
-        self.auxiliary = Auxiliaries(entries_of(system), own)
-        positions = own + len(self.auxiliary.entries)
+        positions, velocities = coordinate_counts(system, is_planar=is_planar)
+        self.auxiliary = Auxiliaries(entries_of(system), positions)
+        size = positions + len(self.auxiliary.entries)
         region = self.recorder.region
-        self.q, self.v = region("q", positions), region("v", velocities)
-        self.dq, self.q_moved = region("dq", velocities), region("q_moved", positions)
+        self.q, self.v = region("q", size), region("v", velocities)
+        self.dq, self.q_moved = region("dq", velocities), region("q_moved", size)
         self.dv = region("dv", velocities)
-        self.q_dot, self.v_dot = region("q_dot", positions), region("v_dot", velocities)
+        self.q_dot, self.v_dot = region("q_dot", size), region("v_dot", velocities)
         self.bodies = body_blocks(system, self.recorder, self.q, self.v, is_planar=is_planar)
         self.coordinates = CoordinateRecorder(
             system, self.recorder, self.body, self.auxiliary, self.q
         )
-        rates, fixed = self._by_body(self.v), (self.time, self.parameters)
-        names = FormulaNames(system, self.recorder, self.coordinates, fixed, rates)
+        rates, arguments = self._by_body(self.v), (self.time, self.parameters)
+        names = FormulaNames(system, self.recorder, self.coordinates, arguments, rates)
         self.forces = ForceRecorder(self.recorder, self.body, self.coordinates, names, rates)
-        given = tuple(name for name, _ in system.parameters)
-        combinations = Combinations(self.recorder, self.coordinates, *fixed, given)
+        parameters = tuple(name for name, _ in system.parameters)
+        combinations = Combinations(self.recorder, self.coordinates, *arguments, parameters)
         self.tasks = JointRecorder(system, self.recorder, self.body, combinations)
         self.joint_coordinates = JointCoordinates(
             analysed.transformations, system, self.recorder, self.body, combinations
         )
-        places = (*self.joint_coordinates.instances, *range(len(system.constraints)))
-        place_numbers(system, self.recorder, places)
+        indices = (*self.joint_coordinates.instances, *range(len(system.constraints)))
+        store_constants(system, self.recorder, indices)
         self.joints, self.satisfied, self.left_out = (
             joints_of(system, self.recorder, by_instance(rows))
             for rows in (analysed.solved, analysed.satisfied, analysed.left_out)
         )
         self.rows = sum(joint.count for joint in self.joints)
         self.residuals = region("C", self.rows)
-        beside = sum(joint.count for joint in (*self.left_out, *self.satisfied))
-        self.others = region("C_left_out", beside)
+        watched = sum(joint.count for joint in (*self.left_out, *self.satisfied))
+        self.other_residuals = region("C_left_out", watched)
         at_once = not self.left_out and (len(self.joints) > SMALL_TREE_JOINTS or analysed.has_loops)
         self.schur = Schur(self.recorder, region("pivots", self.rows), at_once=at_once)
 
@@ -151,7 +151,7 @@ class _ProgramComposer:
         return GROUND if index == GROUND_INDEX else self.bodies[index]
 
     def _of_body(self, index: int) -> AbstractContextManager[None]:
-        """Say that tasks belong to a body."""
+        """Name the body that tasks belong to."""
         return self.recorder.of(self.system.bodies[index].name)
 
     def program(self) -> Program:
@@ -178,18 +178,18 @@ class _ProgramComposer:
     def _program(self, conserved: tuple[ConservedMomenta, ...]) -> Program:
         """Program of all that was recorded."""
         pairs = zip(self.system.bodies, self.bodies, strict=True)
-        places = tuple(coordinates(body, blocks) for body, blocks in pairs)
-        design = record_setup(self.recorder, self.system, self.parameters, places)
+        bodies = tuple(coordinates(body, blocks) for body, blocks in pairs)
+        design = record_setup(self.recorder, self.system, self.parameters, bodies)
         segments, regions, size = self.recorder.finish()
         return Program(
             name=self.system.name,
             kernels=tuple(self.recorder.kernels),
-            segments=tuple(one for one in segments if one.name not in ON_DEMAND),
-            on_demand=tuple(one for one in segments if one.name in ON_DEMAND),
+            segments=tuple(x for x in segments if x.name not in ON_DEMAND),
+            on_demand=tuple(x for x in segments if x.name in ON_DEMAND),
             regions=tuple(regions),
             constants=tuple(self.recorder.constants),
             size=size,
-            bodies=places,
+            bodies=bodies,
             rows=rows_of(self.joints),
             left_out=rows_of(self.left_out),
             has_misses=bool(self.left_out and (self.analysed.freedom.closed or design)),
@@ -228,9 +228,9 @@ class _ProgramComposer:
         multipliers: Sequence[SlotMatrix],
         free: Sequence[SlotMatrix] | None,
         region: SlotMatrix,
-        beyond: Mapping[int, SlotMatrix] | None = None,
+        bias: Mapping[int, SlotMatrix] | None = None,
     ) -> None:
-        """Write free − M⁻¹ C_qᵀ λ of each body, of one that is reduced R u and what is beyond."""
+        """Write free − M⁻¹ C_qᵀ λ of each body; of one that is reduced R u + bias."""
         terms: list[list[tuple[SlotMatrix, SlotMatrix]]] = [[] for _ in self.bodies]
         for joint, block in zip(self.joints, multipliers, strict=True):
             for index, scaled in joint.scaled.items():
@@ -239,7 +239,7 @@ class _ProgramComposer:
         totals = list(
             free or (zeros(blocks.effective_inverse_mass.width, 1) for blocks in self.bodies)
         )
-        self.joint_coordinates.spread(self.schur, totals, terms, beyond)
+        self.joint_coordinates.spread(self.schur, totals, terms, bias)
         for k, (total, products) in enumerate(zip(totals, terms, strict=True)):
             blocks = self.bodies[k]
             with self._of_body(k):
@@ -249,7 +249,7 @@ class _ProgramComposer:
         self.recorder.begin("move")
         laws: dict[int, SlotMatrix] = {}
         # Without rows nothing corrects q. Where parameters are changed bodies are moved aside, to
-        # see whether rows hold that nobody solves for: continuation.h.
+        # see whether rows hold that are not solved for: continuation.h.
         has_others = self.left_out or (self.satisfied and self.system.parameters)
         is_corrected = self.joints or has_others
         dq = self.dq if is_corrected else zeros(self.dq.height, 1)
@@ -259,9 +259,9 @@ class _ProgramComposer:
             if k in self.joint_coordinates.tasks:
                 laws |= self.joint_coordinates.tasks[k].project_position(*change, target)
             else:
-                at = (blocks.r, blocks.p)
+                position = (blocks.r, blocks.p)
                 with self._of_body(k):
-                    self.recorder.call(Move(blocks.coordinates), *at, *change, into=(target,))
+                    self.recorder.call(Move(blocks.coordinates), *position, *change, into=(target,))
         kept, targets = self.auxiliary.kept(self.q), self.auxiliary.kept(self.q_moved)
         for block, target in zip(kept, targets, strict=True):
             self.recorder.call(Copy(), block, into=(target,))
@@ -273,21 +273,21 @@ class _ProgramComposer:
         by_body: Sequence[SlotMatrix],
         region: SlotMatrix | None = None,
         joints: Sequence[JointBlocks] | None = None,
-        beyond: Mapping[int, SlotMatrix] | None = None,
+        bias: Mapping[int, SlotMatrix] | None = None,
     ) -> list[SlotMatrix]:
-        """C_q x minus ν or γ, joint by joint; ``region`` says where to put it."""
-        found = []
+        """Differences C_q x − ν or C_q x − γ, joint by joint; ``region`` has their slots."""
+        differences = []
         for joint in self.joints if joints is None else joints:
             into = self._rows_of(region, joint) if region else None
-            found.append(self.tasks.rates(joint, output, by_body, into, beyond))
-        return found
+            differences.append(self.tasks.rates(joint, output, by_body, into, bias))
+        return differences
 
     def _velocity(self) -> None:
         self.recorder.begin("velocity")
         by_body = self._by_body(self.v)
-        lacks, beyond = self.joint_coordinates.project_velocity(by_body)
-        rates = self._rates("nu", by_body, beyond=beyond)
-        self._record_corrections(self.schur.solve(rates), None, self.dv, lacks)
+        differences, bias = self.joint_coordinates.project_velocity(by_body)
+        rates = self._rates("nu", by_body, bias=bias)
+        self._record_corrections(self.schur.solve(rates), None, self.dv, differences)
 
     def _by_body(self, region: SlotMatrix) -> list[SlotMatrix]:
         """Parts of a region in the order of v."""
@@ -314,35 +314,36 @@ class _ProgramComposer:
             with self._of_body(k):
                 free += self.recorder.call(operation, gravity, blocks.omega_b, ratios)
         for name, power in self.forces.act(self.system.forces, free).items():
-            self._keep_rate(name, power)
+            self._record_work_rate(name, power)
         if lam:
             self.joint_coordinates.keep(free)
         drift = self.joint_coordinates.reduce_forces(free)
         targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
-        multipliers = self.schur.solve(self._rates("gamma", free, beyond=drift), targets)
+        multipliers = self.schur.solve(self._rates("gamma", free, bias=drift), targets)
         self._record_corrections(multipliers, free, self.v_dot, drift)
         powers = zip(drivers_of(self.system), self._powers(multipliers), strict=True)
         for name, power in powers:
-            self._keep_rate(name, power)
+            self._record_work_rate(name, power)
 
-    def _keep_rate(self, name: str, power: SlotMatrix) -> None:
+    def _record_work_rate(self, name: str, power: SlotMatrix) -> None:
         """Record the power of a force or a driver as the rate of its work."""
         target = self.auxiliary.of(self.q_dot, WORK, name)
         self.recorder.call(Copy(), power, into=(target,))
 
     def _powers(
-        self, multipliers: Sequence[SlotMatrix], *, is_whole: bool = True
+        self, multipliers: Sequence[SlotMatrix], *, is_total: bool = True
     ) -> list[SlotMatrix]:
-        """Record the power of each driver, or what multipliers add to it."""
-        powers = {name: [one] for name, one in self.tasks.powers(self.joints, multipliers).items()}
+        """Record the power of each driver, or the share of the multipliers in it."""
+        by_joint = self.tasks.powers(self.joints, multipliers)
+        powers = {name: [power] for name, power in by_joint.items()}
         ground = self.joint_coordinates.powers(
-            self.schur, self.joints, multipliers, is_whole=is_whole
+            self.schur, self.joints, multipliers, is_total=is_total
         )
-        for name, one in ground:
-            powers.setdefault(name, []).append(one)
-        nothing = [column((0,))]
+        for name, power in ground:
+            powers.setdefault(name, []).append(power)
+        zero = [column((0,))]
         names = drivers_of(self.system)
-        return [summed(self.recorder, powers.get(name, nothing)) for name in names]
+        return [summed(self.recorder, powers.get(name, zero)) for name in names]
 
     def _reaction(self, record: Callable[..., None] | None = None) -> None:
         """Record force and torque of each joint."""
@@ -372,42 +373,42 @@ class _ProgramComposer:
 
     def _coordinates(self) -> None:
         """Record the coordinates that are shown."""
-        accelerates = "accelerations" in self.wanted
-        count = (3 if accelerates else 2) * len(self.system.shown)
+        with_accelerations = "accelerations" in self.wanted
+        count = (3 if with_accelerations else 2) * len(self.system.shown)
         region = self.recorder.region("coordinates", count)
         self.recorder.begin("coordinate")
-        v_dot = self._by_body(self.v_dot) if accelerates else None
+        v_dot = self._by_body(self.v_dot) if with_accelerations else None
         self.coordinates.show(region, self._by_body(self.v), v_dot)
 
     def _check(self) -> None:
-        """Record what is left of the constraints, those that depend on others, too."""
-        count = self.rows + self.others.height
+        """Record residuals of constraints and their rates, of rows that depend on others, too."""
+        count = self.rows + self.other_residuals.height
         rates, second = (self.recorder.region(name, count) for name in ("C_dot", "C_ddot"))
         self.recorder.begin("check")
         for joint in (*self.left_out, *self.satisfied):
-            self.tasks.watch(joint, self._rows_of(self.others, joint))
+            self.tasks.watch(joint, self._rows_of(self.other_residuals, joint))
         for output, values, region in (("nu", self.v, rates), ("gamma", self.v_dot, second)):
             by_body = self._by_body(values)
             self._rates(output, by_body, region)
-            rest = region.part(self.rows, self.others.height)
-            self._rates(output, by_body, rest, [*self.left_out, *self.satisfied])
+            others = region.part(self.rows, self.other_residuals.height)
+            self._rates(output, by_body, others, [*self.left_out, *self.satisfied])
 
     def _record_rank_loss(self) -> None:
-        """Record what runs need where digits are lost: where rows become dependent, as in loops."""
+        """Record the segments of runs whose rows become dependent, as in loops: digits are lost."""
         if self.analysed.refines:
             self._refinement()
         if "reactions" in self.wanted and self.analysed.takes_over:
             self._reaction(record_wrenches)
 
     def _refinement(self) -> None:
-        """Record the corrections that what is left of C_q v̇ = γ asks for."""
+        """Record the corrections by the residual C_q v̇ − γ."""
         names, region = drivers_of(self.system), self.recorder.region
         lam = region("more_lam", self.rows) if "reactions" in self.wanted else None
-        power = region("more_power", len(names)) if names else column(())
+        powers = region("more_power", len(names)) if names else column(())
         self.recorder.begin("refinement")
         targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
         rates = self._rates("gamma", self._by_body(self.v_dot))
         multipliers = self.schur.solve(rates, targets)
         self._record_corrections(multipliers, None, self.dv)
-        for k, more in enumerate(self._powers(multipliers, is_whole=False)):
-            self.recorder.call(Copy(), more, into=(power.part(k, 1),))
+        for k, correction in enumerate(self._powers(multipliers, is_total=False)):
+            self.recorder.call(Copy(), correction, into=(powers.part(k, 1),))

@@ -33,22 +33,22 @@ def record_energies(
     system : System
         The scene.
     bodies : sequence of BodyBlocks
-        Where its bodies are.
+        Blocks of its bodies.
     forces : ForceRecorder
-        What records its forces.
+        Recorder of its forces.
     """
     target = recorder.region("energies", 2)
     recorder.begin("energy")
     gravity = forces.gravity(system)
-    parts: list[SlotMatrix] = []
+    shares: list[SlotMatrix] = []
     for body, blocks in zip(system.bodies, bodies, strict=True):
         mass = number(body.mass)
         halves = recorder.constant([mass / 2] * 3 + [number(x) / 2 for x in body.inertia])
         weight = forces.weight(system, gravity, mass)
-        parts += recorder.call(Energy(), blocks.r, blocks.v_r, blocks.omega_b, halves, weight)
+        shares += recorder.call(Energy(), blocks.r, blocks.v_r, blocks.omega_b, halves, weight)
     for force in system.forces:
         if force.has_potential:
-            parts.append(facets_of(force).energy(forces))
+            shares.append(facets_of(force).energy(forces))
     if system.resting:
-        parts.append(recorder.constant((0, system.resting)))
-    summed(recorder, parts, target)
+        shares.append(recorder.constant((0, system.resting)))
+    summed(recorder, shares, target)

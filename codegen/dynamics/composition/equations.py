@@ -1,6 +1,6 @@
 """The program of all equations of a system as it stands: no row left out, nothing solved.
 
-It is made of the same tasks as a solver: C, C_q, ν and γ of every row, and what acts on the bodies.
+It is made of the same tasks as a solver: C, C_q, ν and γ of every row, and forces on the bodies.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.composition.auxiliary import Auxiliaries, Copy, entries_of
 from kousoku.codegen.dynamics.composition.combinations import Combinations
 from kousoku.codegen.dynamics.composition.formula_names import FormulaNames
-from kousoku.codegen.dynamics.composition.joints import joints_of, place_numbers, rows_of
+from kousoku.codegen.dynamics.composition.joints import joints_of, rows_of, store_constants
 from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
 from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
 from kousoku.codegen.dynamics.composition.record_joints import JointRecorder
@@ -45,9 +45,9 @@ class SystemEquations:
     ----------
     program : Program
         The segment ``masses`` fills the region of that name, :data:`NUMBERS` for each body;
-        ``geometry`` all others: ``C``; ``jacobian``, what C_q has body by body; ``minus_nu`` and
-        ``minus_gamma``; ``forces`` [N, N m], what acts on each body at its centre of mass, in the
-        order of v, weight too.
+        ``geometry`` all others: ``C``; ``jacobian``, the blocks of C_q by body; ``minus_nu`` and
+        ``minus_gamma``; ``forces`` [N, N m] on each body at its centre of mass, in the order of v,
+        weight too.
     places : tuple of (int, int)
         Row and column in C_q of each number of ``jacobian``; columns in the order of v.
     """
@@ -73,29 +73,29 @@ def system_equations(system: System) -> SystemEquations:
 class _Equations:
     """The program while it is recorded; blocks are those of a solver, but for masses of one.
 
-    What forces give to accelerations is then what they are.
+    M⁻¹f of a force is then f itself.
     """
 
     def __init__(self, system: System) -> None:
         self.system = system
         self.recorder = Recorder()
         region = self.recorder.region
-        fixed = region("t", 1), region("parameters", len(system.parameters))
-        own, self.columns = coordinate_counts(system, is_planar=False)
-        self.auxiliary = Auxiliaries(entries_of(system), own)
-        self.q = region("q", own + len(self.auxiliary.entries))
+        arguments = region("t", 1), region("parameters", len(system.parameters))
+        positions, self.columns = coordinate_counts(system, is_planar=False)
+        self.auxiliary = Auxiliaries(entries_of(system), positions)
+        self.q = region("q", positions + len(self.auxiliary.entries))
         self.v = region("v", self.columns)
-        found = body_blocks(system, self.recorder, self.q, self.v, is_planar=False)
+        bodies = body_blocks(system, self.recorder, self.q, self.v, is_planar=False)
         self.bodies = [
-            replace(blocks, inverse_mass=column((1,) * len(blocks.columns)).T) for blocks in found
+            replace(blocks, inverse_mass=column((1,) * len(blocks.columns)).T) for blocks in bodies
         ]
-        self.parameters = fixed[1]
-        tasks = CoordinateRecorder(system, self.recorder, self.body, self.auxiliary, self.q)
-        by_body = [self.v.part(one.v, len(one.columns)) for one in self.bodies]
-        names = FormulaNames(system, self.recorder, tasks, fixed, by_body)
-        self.forces = ForceRecorder(self.recorder, self.body, tasks, names, by_body)
-        given = tuple(name for name, _ in system.parameters)
-        combinations = Combinations(self.recorder, tasks, *fixed, given)
+        self.parameters = arguments[1]
+        relative = CoordinateRecorder(system, self.recorder, self.body, self.auxiliary, self.q)
+        by_body = [self.v.part(blocks.v, len(blocks.columns)) for blocks in self.bodies]
+        names = FormulaNames(system, self.recorder, relative, arguments, by_body)
+        self.forces = ForceRecorder(self.recorder, self.body, relative, names, by_body)
+        parameters = tuple(name for name, _ in system.parameters)
+        combinations = Combinations(self.recorder, relative, *arguments, parameters)
         self.tasks = JointRecorder(system, self.recorder, self.body, combinations)
 
     def body(self, index: int) -> BodyBlocks:
@@ -104,14 +104,14 @@ class _Equations:
 
     def recorded(self) -> SystemEquations:
         """Record all tasks."""
-        place_numbers(self.system, self.recorder, range(len(self.system.constraints)))
+        store_constants(self.system, self.recorder, range(len(self.system.constraints)))
         live = live_rows(self.system, is_planar=False)
         joints = joints_of(self.system, self.recorder, dict(enumerate(live)))
         count = sum(joint.count for joint in joints)
         names = ("C", "minus_nu", "minus_gamma")
         residuals, *rates = (self.recorder.region(name, count) for name in names)
         self.recorder.begin("masses")
-        self._keep("masses", [self._numbers(k) for k in range(len(self.bodies))])
+        self._write("masses", [self._inertia(k) for k in range(len(self.bodies))])
         self.recorder.begin("geometry")
         for k, blocks in enumerate(self.bodies):
             (orientation,) = self.recorder.call(BodyOrientation(), blocks.p)
@@ -123,17 +123,17 @@ class _Equations:
             self.tasks.watch(joint, residuals.part(joint.first, joint.count))
             for name, target in zip(("nu", "gamma"), rates, strict=True):
                 self.tasks.rates(joint, name, still, target.part(joint.first, joint.count))
-            for index, block in joint.whole.items():
+            for index, block in joint.c_q.items():
                 if index != GROUND_INDEX:
                     jacobian.append(block)
                     rows = range(joint.first, joint.first + joint.count)
                     columns = range(self.body(index).v, self.body(index).v + block.width)
-                    places += ((row, place) for row in rows for place in columns)
-        self._keep("jacobian", jacobian)
-        self._keep("forces", self._loads())
+                    places += ((row, k) for row in rows for k in columns)
+        self._write("jacobian", jacobian)
+        self._write("forces", self._loads())
         pairs = zip(self.system.bodies, self.bodies, strict=True)
-        at = tuple(coordinates(body, blocks) for body, blocks in pairs)
-        design = record_setup(self.recorder, self.system, self.parameters, at)
+        bodies = tuple(coordinates(body, blocks) for body, blocks in pairs)
+        design = record_setup(self.recorder, self.system, self.parameters, bodies)
         segments, regions, size = self.recorder.finish()
         program = Program(
             name=self.system.name,
@@ -142,7 +142,7 @@ class _Equations:
             regions=tuple(regions),
             constants=tuple(self.recorder.constants),
             size=size,
-            bodies=at,
+            bodies=bodies,
             rows=rows_of(joints),
             is_planar=False,
             auxiliary=self.auxiliary.placed(self.q),
@@ -152,21 +152,21 @@ class _Equations:
         return SystemEquations(program, tuple(places))
 
     def _loads(self) -> list[SlotMatrix]:
-        """Record what acts on each body: weight, and all forces."""
+        """Record f of each body: weight, and all forces."""
         gravity = self.forces.gravity(self.system)
-        found = []
+        loads = []
         for body, blocks in zip(self.system.bodies, self.bodies, strict=True):
-            minus = self.forces.weight(self.system, gravity, number(body.mass))
-            rest = (0,) * (len(blocks.columns) - minus.height)
-            found.append(column((*(-minus).entries, *rest)))
-        self.forces.act(self.system.forces, found)
-        return found
+            minus_weight = self.forces.weight(self.system, gravity, number(body.mass))
+            no_torque = (0,) * (len(blocks.columns) - minus_weight.height)
+            loads.append(column((*(-minus_weight).entries, *no_torque)))
+        self.forces.act(self.system.forces, loads)
+        return loads
 
-    def _numbers(self, index: int) -> SlotMatrix:
+    def _inertia(self, index: int) -> SlotMatrix:
         body = self.system.bodies[index]
         return self.recorder.constant((body.mass, *body.inertia, *body.origin_b, *body.axes_b))
 
-    def _keep(self, name: str, blocks: Sequence[SlotMatrix]) -> None:
+    def _write(self, name: str, blocks: Sequence[SlotMatrix]) -> None:
         """Write blocks one after the other into a region."""
         target = self.recorder.region(name, sum(len(block.entries) for block in blocks))
         first = 0

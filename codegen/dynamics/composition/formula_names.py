@@ -29,9 +29,9 @@ class FormulaNames(Mapping[str, "Meaning"]):
     recorder : Recorder
         The program.
     coordinates : CoordinateRecorder
-        Its coordinates.
-    given : (SlotMatrix, SlotMatrix)
-        Where time and parameters are.
+        Recorder of its coordinates.
+    arguments : (SlotMatrix, SlotMatrix)
+        Time and parameters.
     by_body : sequence of SlotMatrix
         The velocities of each body.
     """
@@ -41,36 +41,36 @@ class FormulaNames(Mapping[str, "Meaning"]):
         system: System,
         recorder: Recorder,
         coordinates: CoordinateRecorder,
-        given: tuple[SlotMatrix, SlotMatrix],
+        arguments: tuple[SlotMatrix, SlotMatrix],
         by_body: Sequence[SlotMatrix],
     ) -> None:
-        time, parameters = given
+        time, parameters = arguments
         self._fixed = {TIME: time}
         for k, (name, _) in enumerate(system.parameters):
             self._fixed[name] = parameters.part(k, 1)
-        self._places = {one.name: place for place, one in enumerate(system.coordinates)}
-        self._rates = {f"{name}{RATE}": place for name, place in self._places.items()}
+        self._indices = {u.name: index for index, u in enumerate(system.coordinates)}
+        self._rates = {f"{name}{RATE}": index for name, index in self._indices.items()}
         self._unit = system.unit
         self._recorder, self._coordinates, self._by_body = recorder, coordinates, by_body
 
     def __getitem__(self, name: str) -> Meaning:
-        one = self._recorder.constant((1,))
+        unity = self._recorder.constant((1,))
         if name in self._fixed:
-            return self._fixed[name], one
+            return self._fixed[name], unity
         if name in self._rates:
-            place = self._rates[name]
-            value = self._coordinates.rate(place, self._by_body)
+            index = self._rates[name]
+            value = self._coordinates.rate(index, self._by_body)
         else:
-            place = self._places[name]
-            value = self._coordinates.value(place)
-        kind = self._coordinates.all[place].kind
-        return value, self._recorder.constant((self._unit,)) if is_length(kind) else one
+            index = self._indices[name]
+            value = self._coordinates.value(index)
+        kind = self._coordinates.all[index].kind
+        return value, self._recorder.constant((self._unit,)) if is_length(kind) else unity
 
     def __contains__(self, name: object) -> bool:
-        return name in self._fixed or name in self._places or name in self._rates
+        return name in self._fixed or name in self._indices or name in self._rates
 
     def __iter__(self) -> Iterator[str]:
-        yield from (*self._fixed, *self._places, *self._rates)
+        yield from (*self._fixed, *self._indices, *self._rates)
 
     def __len__(self) -> int:
-        return len(self._fixed) + len(self._places) + len(self._rates)
+        return len(self._fixed) + len(self._indices) + len(self._rates)

@@ -1,6 +1,6 @@
-"""The bodies of a program that hang on the ground by one joint, and keep what it leaves free.
+"""The bodies of a program that hang on the ground by one joint, in the coordinates that it leaves.
 
-The composer asks here, segment by segment, for what differs of such bodies.
+The composer asks here, segment by segment, for the tasks of such bodies that differ.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ class JointCoordinates:
 
     Parameters
     ----------
-    found : mapping of int to VelocityTransformation
-        What describes them, by the body.
+    transformations : mapping of int to VelocityTransformation
+        R and β of each, by the body.
     system : System
         The scene.
     recorder : Recorder
@@ -44,12 +44,12 @@ class JointCoordinates:
     body : callable
         Returns the blocks of a body by its index.
     combinations : Combinations
-        What records the formulas of drivers.
+        Recorder of the formulas of drivers.
     """
 
     def __init__(
         self,
-        found: Mapping[int, VelocityTransformation],
+        transformations: Mapping[int, VelocityTransformation],
         system: System,
         recorder: Recorder,
         body: Callable[[int], BodyBlocks],
@@ -57,49 +57,49 @@ class JointCoordinates:
     ) -> None:
         self.recorder = recorder
         self.tasks = {
-            k: JointCoordinateRecorder(one, system, recorder, body, combinations)
-            for k, one in found.items()
+            k: JointCoordinateRecorder(motion, system, recorder, body, combinations)
+            for k, motion in transformations.items()
         }
         self._free: dict[int, SlotMatrix] = {}
 
     @property
     def instances(self) -> list[int]:
-        """The joints that bodies are put onto and their drivers, by their places."""
-        return [place for one in self.tasks.values() for place in one.one.instances]
+        """The joints that bodies are put onto and their drivers, by their indices."""
+        return [index for task in self.tasks.values() for index in task.motion.instances]
 
     @property
     def placed(self) -> tuple[int, ...]:
         """The bodies whose centre of mass follows from all else."""
-        return tuple(k for k, one in self.tasks.items() if one.one.is_placed)
+        return tuple(k for k, task in self.tasks.items() if task.motion.is_placed)
 
     def geometry(self, bodies: list[BodyBlocks]) -> None:
         """Record R (c, f), and put it into the blocks of the bodies."""
-        for k, one in self.tasks.items():
-            basis, inverse = one.geometry()
+        for k, task in self.tasks.items():
+            basis, inverse = task.geometry()
             bodies[k] = replace(bodies[k], basis=basis, inverse=inverse)
 
     def project_velocity(
         self, by_body: list[SlotMatrix]
     ) -> tuple[dict[int, SlotMatrix], dict[int, SlotMatrix]]:
-        """Record velocities that fit, put u into ``by_body``; return what v lacks, and β, (c,)."""
-        lacks, beta = {}, {}
-        for k, one in self.tasks.items():
-            by_body[k], lacks[k], beta[k] = one.project_velocity()
-        return lacks, beta
+        """Record projected velocities, put u into ``by_body``; return R u + β − v and β, (c,)."""
+        differences, beta = {}, {}
+        for k, task in self.tasks.items():
+            by_body[k], differences[k], beta[k] = task.project_velocity()
+        return differences, beta
 
     def reduce_forces(self, free: list[SlotMatrix]) -> dict[int, SlotMatrix]:
         """Record u̇ without joints, and put it into ``free``, which has M⁻¹f; return η."""
-        drifts = {k: one.bias_acceleration() for k, one in self.tasks.items()}
-        for k, one in self.tasks.items():
-            self._free[k] = one.reduce_forces(free[k], drifts[k])
-            free[k] = one.chosen(self._free[k])
+        drifts = {k: task.bias_acceleration() for k, task in self.tasks.items()}
+        for k, task in self.tasks.items():
+            self._free[k] = task.reduce_forces(free[k], drifts[k])
+            free[k] = task.undriven(self._free[k])
         return drifts
 
     def keep(self, free: Sequence[SlotMatrix]) -> None:
         """Record M⁻¹f (c,) in a region of its own: forces of joints follow from it."""
         if self.tasks:
-            whole = self.recorder.region("free", sum(free[k].height for k in self.tasks))
-            for part, k in zip(self._parts(whole), self.tasks, strict=True):
+            region = self.recorder.region("free", sum(free[k].height for k in self.tasks))
+            for part, k in zip(self._by_body(region), self.tasks, strict=True):
                 self.recorder.call(Copy(), free[k], into=(part,))
 
     def wrenches(
@@ -110,28 +110,28 @@ class JointCoordinates:
         coordinates: CoordinateRecorder,
     ) -> dict[tuple[str, int], SlotMatrix]:
         """Forces M v̇ − f + Σ C_qᵀλ of joints with the ground and drivers, by name and body."""
-        found: dict[tuple[str, int], SlotMatrix] = {}
+        by_body: dict[tuple[str, int], SlotMatrix] = {}
         if not self.tasks:
-            return found
-        lam, whole = self.recorder.known("lam"), self.recorder.known("free")
+            return by_body
+        lam, region = self.recorder.known("lam"), self.recorder.known("free")
         multipliers = [lam.part(joint.first, joint.count) for joint in joints]
-        for free, (k, one) in zip(self._parts(whole), self.tasks.items(), strict=True):
-            others = self._others(schur, k, joints, multipliers)
-            own = one.wrenches(v_dot[k], free, others, coordinates)
-            found |= {(name, k): wrench for name, wrench in own.items()}
-        return found
+        for free, (k, task) in zip(self._by_body(region), self.tasks.items(), strict=True):
+            others = self._other_forces(schur, k, joints, multipliers)
+            by_name = task.wrenches(v_dot[k], free, others, coordinates)
+            by_body |= {(name, k): wrench for name, wrench in by_name.items()}
+        return by_body
 
-    def _parts(self, whole: SlotMatrix) -> list[SlotMatrix]:
+    def _by_body(self, region: SlotMatrix) -> list[SlotMatrix]:
         """Parts of a region that has the columns of each body."""
-        counts = [len(one.blocks.columns) for one in self.tasks.values()]
-        return [whole.part(sum(counts[:n]), count) for n, count in enumerate(counts)]
+        counts = [len(task.blocks.columns) for task in self.tasks.values()]
+        return [region.part(sum(counts[:n]), count) for n, count in enumerate(counts)]
 
-    def _others(
+    def _other_forces(
         self, schur: Schur, k: int, joints: Sequence[JointBlocks], multipliers: Sequence[SlotMatrix]
     ) -> SlotMatrix:
-        """Record what other joints do to body k, −Σ C_qᵀλ."""
+        """Record the forces of other joints on body k, −Σ C_qᵀλ."""
         pairs = zip(joints, multipliers, strict=True)
-        products = [(joint.whole[k].T, solution) for joint, solution in pairs if k in joint.bodies]
+        products = [(joint.c_q[k].T, solution) for joint, solution in pairs if k in joint.bodies]
         return schur.gather(zeros(len(self.tasks[k].blocks.columns), 1), products)
 
     def powers(
@@ -140,30 +140,30 @@ class JointCoordinates:
         joints: Sequence[JointBlocks],
         multipliers: Sequence[SlotMatrix],
         *,
-        is_whole: bool,
+        is_total: bool,
     ) -> list[tuple[str, SlotMatrix]]:
         """Power (1,) [W] of each driver of a joint with the ground, by its name, recorded.
 
-        Unless it is the whole, what the multipliers add to it.
+        Unless it is the total, the share of the multipliers alone.
         """
-        found = []
-        for k, one in self.tasks.items():
-            if one.one.prescribed:
-                others = self._others(schur, k, joints, multipliers)
-                found += one.powers(self._free[k] if is_whole else None, others)
-        return found
+        by_driver = []
+        for k, task in self.tasks.items():
+            if task.motion.prescribed:
+                others = self._other_forces(schur, k, joints, multipliers)
+                by_driver += task.powers(self._free[k] if is_total else None, others)
+        return by_driver
 
     def spread(
         self,
         schur: Schur,
         totals: list[SlotMatrix],
         products: list[list[Product]],
-        beyond: Mapping[int, SlotMatrix] | None,
+        bias: Mapping[int, SlotMatrix] | None,
     ) -> None:
-        """Record what others do to u, and put R u and what is beyond that in its place."""
-        own = {k: schur.gather(totals[k], products[k]) for k in self.tasks}
-        for k, one in self.tasks.items():
-            basis = one.blocks.basis
+        """Record u with the forces of other joints, and put R u + bias, by terms, in its place."""
+        rates = {k: schur.gather(totals[k], products[k]) for k in self.tasks}
+        for k, task in self.tasks.items():
+            basis = task.blocks.basis
             assert basis is not None
-            totals[k] = beyond[k] if beyond else zeros(basis.height, 1)
-            products[k] = [(-basis, own[k])]
+            totals[k] = bias[k] if bias else zeros(basis.height, 1)
+            products[k] = [(-basis, rates[k])]

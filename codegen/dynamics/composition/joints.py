@@ -28,20 +28,20 @@ class JointBlocks:
     name : str
         As in the scene.
     bodies : tuple of int
-        Those that it connects: i, j, and the others of combinations.
+        Bodies that it connects: i, j, and the others of combinations.
     instances : tuple of int
-        Places in the system.
+        Indices of its constraints in the system.
     parts : tuple of InstanceRows
         The rows of each instance.
     constants : tuple of tuple of SlotMatrix
-        What each part needs; nothing of a combination.
+        Constants of each part; none of a combination.
     first, count : int
-        Its rows, n of them.
+        First of its rows, and their count n.
     jacobian, scaled : dict of int to SlotMatrix (n, c)
         C_q and C_q M⁻¹ by body; C_q R and C_q R (Rᵀ M R)⁻¹ of a body that is reduced.
-    whole : dict of int to SlotMatrix (n, c)
+    c_q : dict of int to SlotMatrix (n, c)
         C_q by body.
-    own : SlotMatrix (n, n)
+    diagonal : SlotMatrix (n, n)
         C_q M⁻¹ C_qᵀ.
     """
 
@@ -54,8 +54,8 @@ class JointBlocks:
     count: int
     jacobian: dict[int, SlotMatrix] = field(default_factory=dict)
     scaled: dict[int, SlotMatrix] = field(default_factory=dict)
-    whole: dict[int, SlotMatrix] = field(default_factory=dict)
-    own: SlotMatrix = field(default_factory=lambda: column(()))
+    c_q: dict[int, SlotMatrix] = field(default_factory=dict)
+    diagonal: SlotMatrix = field(default_factory=lambda: column(()))
 
     @property
     def i(self) -> int:
@@ -73,15 +73,15 @@ class JointBlocks:
         return self.bodies[2:]
 
 
-def place_numbers(system: System, recorder: Recorder, instances: Iterable[int]) -> None:
-    """Give numbers of constraints, by their places, the next slots of the workspace.
+def store_constants(system: System, recorder: Recorder, instances: Iterable[int]) -> None:
+    """Store the constants of constraints, by their indices, in the next slots of the workspace.
 
-    Of a combination the first coordinate counts: others have theirs where they are recorded.
+    Of a combination those of the first coordinate: others follow where they are recorded.
     """
-    for place in instances:
-        one = system.constraints[place]
-        sources: list[Instance | RelativeCoordinate] = [one]
-        sources += [system.coordinates[term.coordinate] for term in one.terms[:1]]
+    for index in instances:
+        instance = system.constraints[index]
+        sources: list[Instance | RelativeCoordinate] = [instance]
+        sources += [system.coordinates[term.coordinate] for term in instance.terms[:1]]
         for source in sources:
             for _, values in inputs_of(source):
                 recorder.constant(values)
@@ -99,27 +99,27 @@ def joints_of(
     recorder : Recorder
         The program.
     rows : mapping of int to sequence of int
-        Rows of each constraint that has some, by its place.
+        Rows of each constraint that has some, by its index.
     """
-    found = []
+    joints = []
     first = 0
     numbered = list(enumerate(system.constraints))
     for (name, i, j), group in groupby(numbered, lambda x: (x[1].joint, x[1].i, x[1].j)):
         kept, bodies = [], [i, j]
-        for place, instance in group:
-            chosen = tuple(rows.get(place, ()))
-            if chosen:
+        for index, instance in group:
+            selected = tuple(rows.get(index, ()))
+            if selected:
                 names = tuple(name for name, _ in inputs_of(instance))
                 blocks = tuple(recorder.constant(values) for _, values in inputs_of(instance))
-                kept.append((place, InstanceRows(instance.kind, chosen, names), blocks))
+                kept.append((index, InstanceRows(instance.kind, selected, names), blocks))
                 bodies += instance.others
         count = sum(len(part.rows) for _, part, _ in kept)
         if count:
-            found.append(
+            joints.append(
                 JointBlocks(
                     name=name,
                     bodies=tuple(dict.fromkeys(bodies)),
-                    instances=tuple(place for place, _, _ in kept),
+                    instances=tuple(index for index, _, _ in kept),
                     parts=tuple(part for _, part, _ in kept),
                     constants=tuple(blocks for _, _, blocks in kept),
                     first=first,
@@ -127,7 +127,7 @@ def joints_of(
                 )
             )
         first += count
-    return found
+    return joints
 
 
 def rows_of(joints: Iterable[JointBlocks]) -> tuple[ConstraintEquation, ...]:

@@ -35,25 +35,25 @@ if TYPE_CHECKING:
     from kousoku.model.records.orientation import Vector
 
 ORIGIN = (0.0, 0.0, 0.0)
-#: Rows of a set that are shared out at most: what it takes grows with their cube.
+#: Rows of a set that are shared out at most: the cost grows with their cube.
 MOST_SHARED_ROWS = 60
-#: What multipliers of rows that carry nothing count beside forces: their squares tell those apart
-#: that give the same forces, and change the least ones by 10⁻¹² of them.
-LITTLE = Fraction(1, 2**20)
+#: Weight of the multipliers of idle rows beside forces: their squares select among multipliers that
+#: give the same forces, and change the least forces by 10⁻¹² of them.
+IDLE_WEIGHT = Fraction(1, 2**20)
 #: Components of force and torque that a joint in the xy-plane has.
 IN_PLANE = (0, 1, 5)
 
 
 @dataclass(frozen=True, slots=True)
 class Shared:
-    """Among which joints forces are shared out.
+    """Joints among which forces are shared out.
 
     Parameters
     ----------
     groups : sequence of sequence of str, optional
         The joints of each set of rows that depend on each other; unless given, all joints are one.
     idle : mapping of int to sequence of int
-        Rows that nothing changes, or that others of their joint imply, by the places of their
+        Rows that no motion changes, or that others of their joint imply, by the indices of their
         constraints: they carry nothing.
     """
 
@@ -73,7 +73,7 @@ class Scale:
     length : float [m]
         ℓ.
     shared : Shared
-        Among which joints.
+        Joints among which they are shared out.
     """
 
     points: Mapping[str, Vector]
@@ -83,16 +83,16 @@ class Scale:
 
 def merged(groups: Iterable[Sequence[str]]) -> list[frozenset[str]]:
     """Groups of joints such that no joint is in two of them, in the order of the first."""
-    found: list[frozenset[str]] = []
+    sets: list[frozenset[str]] = []
     for group in groups:
         total = frozenset(group)
-        near = [k for k, one in enumerate(found) if one & total]
-        for k in near:
-            total |= found[k]
-        at = near[0] if near else len(found)
-        found = [one for k, one in enumerate(found) if k not in near]
-        found.insert(at, total)
-    return found
+        overlapping = [k for k, other in enumerate(sets) if other & total]
+        for k in overlapping:
+            total |= sets[k]
+        index = overlapping[0] if overlapping else len(sets)
+        sets = [other for k, other in enumerate(sets) if k not in overlapping]
+        sets.insert(index, total)
+    return sets
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +100,7 @@ class MultiplierWrench:
     """Force and torque / ℓ of a joint at its point for each of its multipliers, in frame O.
 
     F = C_rᵀ and N = A C_θ′ᵀ + (r − r_P) × F [N, N m] for λ = 1. Blocks: C_q (n, c) of the body that
-    they act on, its A, and the way from the joint's point to its centre of mass: r (3,) [m] or
+    they act on, its A, and the arm from the joint's point to its centre of mass: r (3,) [m] or
     zero, A and s′ of body j with r − A s′; 1/ℓ.
 
     Parameters
@@ -120,13 +120,13 @@ class MultiplierWrench:
         rows = []
         for row in jacobian.rows:
             full = [graph.const(0)] * 6
-            for place, entry in zip(self.columns, row, strict=True):
-                full[place] = entry
-            force, own = (Matrix.of(graph, part) for part in (full[:3], full[3:]))
-            torque = orientation @ own + arm.cross(force)
+            for index, entry in zip(self.columns, row, strict=True):
+                full[index] = entry
+            force, moment = (Matrix.of(graph, part) for part in (full[:3], full[3:]))
+            torque = orientation @ moment + arm.cross(force)
             rows.append((*force.flat, *(torque @ weight).flat))
-        found = Matrix(graph, tuple(rows), 6)
-        return (found.columns(IN_PLANE) if self.is_in_plane else found,)
+        wrenches = Matrix(graph, tuple(rows), 6)
+        return (wrenches.columns(IN_PLANE) if self.is_in_plane else wrenches,)
 
     @property
     def is_in_plane(self) -> bool:
@@ -143,7 +143,7 @@ class LeastNorm:
     Parameters
     ----------
     recorder : Recorder
-        Where they are recorded.
+        The program.
     schur : Schur
         The factors of the rows that are kept.
     body : callable
@@ -151,7 +151,7 @@ class LeastNorm:
     joints : sequence of JointBlocks
         The rows that are kept, with their Jacobians.
     scale : Scale
-        What is least.
+        Weights of the squares whose sum is least.
     """
 
     def __init__(
@@ -170,10 +170,10 @@ class LeastNorm:
 
     def share_out(self, reactions: Sequence[Reaction]) -> None:
         """Record the multipliers λ (n,) of the joints of one set."""
-        left_out = [one.left_out for one in reactions if one.left_out]
+        left_out = [joint.left_out for joint in reactions if joint.left_out]
         count = sum(rows.count for rows in left_out)
         if count > MOST_SHARED_ROWS:
-            names = ", ".join(f"joints.{one.name}" for one in reactions[:MOST_NAMES_SHOWN])
+            names = ", ".join(f"joints.{joint.name}" for joint in reactions[:MOST_NAMES_SHOWN])
             raise SceneError(
                 f"asks for reactions, which are not unique at {names} and others: {count} rows"
                 f" depend on each other, and what they carry is shared out for {MOST_SHARED_ROWS}"
@@ -181,55 +181,55 @@ class LeastNorm:
                 " explain lists it)",
                 key="outputs",
             )
-        ways = [self._ways(rows) for rows in left_out]
-        parts = [self._of_joint(one, left_out, ways) for one in reactions]
-        parts += self._idle(left_out)
-        total = self._products
+        dependences = [self._dependence(rows) for rows in left_out]
+        terms = [self._shares(joint, left_out, dependences) for joint in reactions]
+        terms += self._idle_shares(left_out)
+        sum_of = self._sum_of_products
         square = {
-            (a, b): total([(shares[a], shares[b]) for shares, _ in parts])
+            (a, b): sum_of([(shares[a], shares[b]) for shares, _ in terms])
             for a in range(len(left_out))
             for b in range(a + 1)
         }
-        right = [total([(shares[a], w) for shares, w in parts]) for a in range(len(left_out))]
+        right = [sum_of([(shares[a], w) for shares, w in terms]) for a in range(len(left_out))]
         factors = Schur(self.recorder)
         factors.eliminate(square, [rows.count for rows in left_out])
         least = factors.solve(right)
-        for one in reactions:
-            if one.kept:
-                ((_, x),) = one.multipliers
-                for way, mu in zip(ways, least, strict=True):
-                    (x,) = self.recorder.call(Gather(), x, way[one.kept.first], mu)
-                one.multipliers = [(one.kept, x)]
-            if one.left_out:
-                place = next(k for k, rows in enumerate(left_out) if rows is one.left_out)
-                one.multipliers.append((one.left_out, least[place]))
+        for joint in reactions:
+            if joint.kept:
+                ((_, x),) = joint.multipliers
+                for xt, mu in zip(dependences, least, strict=True):
+                    (x,) = self.recorder.call(Gather(), x, xt[joint.kept.first], mu)
+                joint.multipliers = [(joint.kept, x)]
+            if joint.left_out:
+                index = next(k for k, rows in enumerate(left_out) if rows is joint.left_out)
+                joint.multipliers.append((joint.left_out, least[index]))
 
-    def _idle(
+    def _idle_shares(
         self, left_out: Sequence[JointBlocks]
     ) -> Iterator[tuple[list[SlotMatrix], SlotMatrix]]:
-        """B of the multipliers of rows that nothing changes, and w: zero is the least."""
+        """Weighted B of the multipliers of idle rows, and w = 0: zero is their least."""
         for k, rows in enumerate(left_out):
-            own = [
+            instance_rows = [
                 (instance, row)
                 for instance, part in zip(rows.instances, rows.parts, strict=True)
                 for row in part.rows
             ]
-            for place, (instance, row) in enumerate(own):
+            for index, (instance, row) in enumerate(instance_rows):
                 if row in self.scale.shared.idle.get(instance, ()):
-                    unit = [LITTLE if n == place else 0 for n in range(rows.count)]
+                    unit = [IDLE_WEIGHT if n == index else 0 for n in range(rows.count)]
                     shares = [zeros(1, other.count) for other in left_out]
                     shares[k] = self.recorder.constant(unit).T
                     yield shares, zeros(1, 1)
 
-    def _products(self, pairs: Sequence[tuple[SlotMatrix, SlotMatrix]]) -> SlotMatrix:
+    def _sum_of_products(self, factors: Sequence[tuple[SlotMatrix, SlotMatrix]]) -> SlotMatrix:
         """Sum of products Σ aᵀ b."""
-        total = zeros(pairs[0][0].width, pairs[0][1].width)
-        for a, b in pairs:
+        total = zeros(factors[0][0].width, factors[0][1].width)
+        for a, b in factors:
             (total,) = self.recorder.call(Couple(), total, a.T, b.T)
         return total
 
-    def _ways(self, left_out: JointBlocks) -> dict[int, SlotMatrix]:
-        """Matrix Xᵀ of the rows of a joint, by joints that are kept: by their first rows."""
+    def _dependence(self, left_out: JointBlocks) -> dict[int, SlotMatrix]:
+        """Matrix Xᵀ of the rows of a joint, in blocks by the first rows of joints that are kept."""
         rights = []
         for joint in self.joints:
             right = zeros(joint.count, left_out.count)
@@ -252,71 +252,71 @@ class LeastNorm:
             for k, joint in enumerate(self.joints)
         }
 
-    def _of_joint(
+    def _shares(
         self,
-        one: Reaction,
+        joint: Reaction,
         left_out: Sequence[JointBlocks],
-        ways: Sequence[Mapping[int, SlotMatrix]],
+        dependences: Sequence[Mapping[int, SlotMatrix]],
     ) -> tuple[list[SlotMatrix], SlotMatrix]:
-        """B of the rows of each joint that are left out, and w."""
+        """B of one joint, in blocks by the joints whose rows are left out, and its w."""
         call = self.recorder.call
-        units = {id(rows): self._units(one, rows) for rows in one.parts}
-        height = self.height(one)
+        units = {id(rows): self._unit_wrenches(joint, rows) for rows in joint.blocks}
+        height = self.height(joint)
         shares = []
-        for rows, way in zip(left_out, ways, strict=True):
+        for rows, xt in zip(left_out, dependences, strict=True):
             share = zeros(height, rows.count)
-            if rows is one.left_out:
+            if rows is joint.left_out:
                 share = negative(units[id(rows)].T)
-            if one.kept:
-                (share,) = call(Couple(), share, units[id(one.kept)].T, way[one.kept.first].T)
+            if joint.kept:
+                (share,) = call(Couple(), share, units[id(joint.kept)].T, xt[joint.kept.first].T)
             shares.append(share)
-        return shares, self._sum(one, units)
+        return shares, self._total_wrench(joint, units)
 
-    def idle_rows(self, one: Reaction) -> list[tuple[JointBlocks, int, int]]:
+    def idle_rows(self, joint: Reaction) -> list[tuple[JointBlocks, int, int]]:
         """First and count of the rows of constraints of a joint that have idle ones."""
-        found = []
-        for rows in one.parts:
+        idle = []
+        for rows in joint.blocks:
             first = 0
             for instance, part in zip(rows.instances, rows.parts, strict=True):
                 if instance in self.scale.shared.idle:
-                    found.append((rows, first, len(part.rows)))
+                    idle.append((rows, first, len(part.rows)))
                 first += len(part.rows)
-        return found
+        return idle
 
     def multipliers(self, x: SlotMatrix, into: SlotMatrix) -> None:
-        """Write a little of the multipliers of rows some of which are idle."""
-        little = self.recorder.constant([LITTLE])
-        self.recorder.call(Couple(), zeros(x.height, 1), x, little, into=(into,))
+        """Write the weighted multipliers of rows some of which are idle."""
+        weight = self.recorder.constant([IDLE_WEIGHT])
+        self.recorder.call(Couple(), zeros(x.height, 1), x, weight, into=(into,))
 
-    def wrench(self, one: Reaction, into: SlotMatrix) -> None:
-        """Write force and torque / ℓ (6,) of a joint at its point, as its multipliers are."""
-        self._sum(one, {id(rows): self._units(one, rows) for rows in one.parts}, into)
+    def wrench(self, joint: Reaction, into: SlotMatrix) -> None:
+        """Write force and torque / ℓ (6,) of a joint at its point, of its multipliers."""
+        units = {id(rows): self._unit_wrenches(joint, rows) for rows in joint.blocks}
+        self._total_wrench(joint, units, into)
 
-    def height(self, one: Reaction) -> int:
+    def height(self, joint: Reaction) -> int:
         """Number of components of force and torque: 6, in the plane 3."""
-        return (
-            len(IN_PLANE) if MultiplierWrench(self.body(one.end).columns).is_in_plane else COLUMNS
-        )
+        wrench = MultiplierWrench(self.body(joint.end).columns)
+        return len(IN_PLANE) if wrench.is_in_plane else COLUMNS
 
-    def _sum(
-        self, one: Reaction, units: Mapping[int, SlotMatrix], into: SlotMatrix | None = None
+    def _total_wrench(
+        self, joint: Reaction, units: Mapping[int, SlotMatrix], into: SlotMatrix | None = None
     ) -> SlotMatrix:
-        """Force and torque / ℓ from those of each row with the multiplier one."""
-        total = zeros(self.height(one), 1)
-        for k, (rows, x) in enumerate(one.multipliers, 1):
-            target = into if k == len(one.multipliers) else None
+        """Force and torque / ℓ of the multipliers, from those of unit multipliers."""
+        total = zeros(self.height(joint), 1)
+        for k, (rows, x) in enumerate(joint.multipliers, 1):
+            target = into if k == len(joint.multipliers) else None
             (total,) = self.recorder.call(Couple(), total, units[id(rows)].T, x.T, into=(target,))
         return total
 
-    def _units(self, one: Reaction, rows: JointBlocks) -> SlotMatrix:
-        """Force and torque for each multiplier of some rows of a joint."""
-        end, j = self.body(one.end), self.body(one.j)
-        start = end.r if one.j == GROUND_INDEX else zeros(3, 1)
-        point = self.recorder.constant(self.scale.points.get(one.name, ORIGIN))
+    def _unit_wrenches(self, joint: Reaction, rows: JointBlocks) -> SlotMatrix:
+        """Force and torque / ℓ of unit multipliers of some rows of a joint."""
+        end, j = self.body(joint.end), self.body(joint.j)
+        start = end.r if joint.j == GROUND_INDEX else zeros(3, 1)
+        point = self.recorder.constant(self.scale.points.get(joint.name, ORIGIN))
         weight = self.recorder.constant([1 / Fraction(self.scale.length)])
-        blocks = (rows.jacobian[one.end], end.orientation, start, j.orientation, point, weight)
-        (found,) = self.recorder.call(MultiplierWrench(end.columns), *blocks)
-        return found
+        blocks = (rows.jacobian[joint.end], end.orientation, start, j.orientation, point, weight)
+        (wrenches,) = self.recorder.call(MultiplierWrench(end.columns), *blocks)
+        return wrenches
 
 
 def negative(block: SlotMatrix) -> SlotMatrix:

@@ -1,6 +1,6 @@
-"""The momenta that parts of a system conserve, as operations: what a run watches.
+"""Conserved momenta of the parts of a system, as operations: a run watches them.
 
-Which they are tells :mod:`~kousoku.codegen.dynamics.simplification.conserved_momenta`.
+:mod:`~kousoku.codegen.dynamics.simplification.conserved_momenta` finds which they are.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ class BodyMomentum:
     """Share of a body in the momenta of its part, in frame O.
 
     Blocks: r (3,) [m], A (3, 3), v (3,) [m/s] and ω′ (3,) [rad/s] in the principal frame, mass [kg]
-    and moments (3,) [kg m²]; then r and v of the first body of the part, from where places and
-    velocities are counted, so that few digits cancel.
+    and moments (3,) [kg m²]; then r and v of the first body of the part, to which positions
+    and velocities are relative, so that few digits cancel.
     """
 
     title: str = "momentum"
@@ -39,8 +39,8 @@ class BodyMomentum:
         momentum, arm = v @ mass, r - origin
         first, second = arm @ mass, (v - drift) @ mass
         mul = trace.graph.mul
-        own = Matrix.of(trace.graph, map(mul, moments.flat, omega.flat))
-        spin = arm.cross(second) + orientation @ own
+        spin_b = Matrix.of(trace.graph, map(mul, moments.flat, omega.flat))
+        spin = arm.cross(second) + orientation @ spin_b
         rows = (*momentum.rows, *first.rows, *second.rows, *spin.rows)
         return (Matrix(trace.graph, rows, 1),)
 
@@ -49,8 +49,8 @@ class BodyMomentum:
 class PartMomenta:
     """Momenta [kg m/s] and [kg m²/s] along directions of frame O.
 
-    Blocks: the sum (12,) of those of all bodies, 1/mass, r (3,) and v (3,) of the first body of the
-    part, the point (3,) [m] of the ground, then the directions (3,).
+    Blocks: the sum (12,) of the shares of bodies, 1/mass, r (3,) and v (3,) of the first body of
+    the part, the point (3,) [m] of the ground, then the directions (3,).
 
     Parameters
     ----------
@@ -77,8 +77,8 @@ class PartMomenta:
         else:
             angular = spin + first.cross(v) + (r - point).cross(momentum)
         rows = [
-            (one.T @ (momentum if k < self.linear else angular)).rows[0]
-            for k, one in enumerate(directions)
+            (direction.T @ (momentum if k < self.linear else angular)).rows[0]
+            for k, direction in enumerate(directions)
         ]
         return (Matrix(trace.graph, tuple(rows), 1),)
 
@@ -100,27 +100,27 @@ def record_momenta(
     system : System
         The scene.
     conserved : sequence of ConservedMomenta
-        What its parts conserve: there is one at least.
+        Momenta that its parts conserve: one part at least.
     body : callable
         Returns the blocks of a body by its index.
     """
-    target = recorder.region("momenta", sum(one.count for one in conserved))
+    target = recorder.region("momenta", sum(part.count for part in conserved))
     recorder.begin("momentum")
-    at = 0
-    for one in conserved:
-        origin = body(one.bodies[0])
+    first = 0
+    for part in conserved:
+        origin = body(part.bodies[0])
         shares: list[SlotMatrix] = []
-        for index in one.bodies:
+        for index in part.bodies:
             blocks, moving = body(index), system.bodies[index]
             numbers = [recorder.constant((moving.mass,)), recorder.constant(moving.inertia)]
-            own = (blocks.r, blocks.orientation, blocks.v_r, blocks.omega_b, *numbers)
-            shares += recorder.call(BodyMomentum(), *own, origin.r, origin.v_r)
-        mass = sum(number(system.bodies[index].mass) for index in one.bodies)
-        directions = [recorder.constant(vector) for vector in (*one.linear, *one.angular)]
-        known = (origin.r, origin.v_r, recorder.constant(one.about or (0.0, 0.0, 0.0)))
+            state = (blocks.r, blocks.orientation, blocks.v_r, blocks.omega_b, *numbers)
+            shares += recorder.call(BodyMomentum(), *state, origin.r, origin.v_r)
+        mass = sum(number(system.bodies[index].mass) for index in part.bodies)
+        directions = [recorder.constant(vector) for vector in (*part.linear, *part.angular)]
+        reference = (origin.r, origin.v_r, recorder.constant(part.about or (0.0, 0.0, 0.0)))
         recorder.call(
-            PartMomenta(len(one.linear), one.about is None),
-            *(summed(recorder, shares), recorder.constant((1 / mass,)), *known, *directions),
-            into=(target.part(at, one.count),),
+            PartMomenta(len(part.linear), part.about is None),
+            *(summed(recorder, shares), recorder.constant((1 / mass,)), *reference, *directions),
+            into=(target.part(first, part.count),),
         )
-        at += one.count
+        first += part.count

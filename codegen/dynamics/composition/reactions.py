@@ -32,12 +32,12 @@ class Reaction:
     end, j : int
         The body that force and torque act on: body j, or i where j is the ground; and body j.
     ends : tuple of int
-        The bodies whose force and torque are given, see
+        The bodies whose force and torque are recorded, see
         :mod:`~kousoku.codegen.dynamics.operations.joint_ends`.
     kept, left_out : JointBlocks or None
-        With their Jacobians; one of them is there, unless it is known what the joint does.
+        With their Jacobians; one of them is there, unless all rows are satisfied.
     satisfied : JointBlocks or None
-        Rows of which that is known without multipliers, as joint coordinates satisfy them.
+        Rows that joint coordinates satisfy: their forces are known without multipliers.
     multipliers : list of (JointBlocks, SlotMatrix)
         Rows, and their multipliers.
     """
@@ -52,8 +52,8 @@ class Reaction:
     multipliers: list[tuple[JointBlocks, SlotMatrix]] = field(default_factory=list)
 
     @property
-    def parts(self) -> list[JointBlocks]:
-        """Its rows."""
+    def blocks(self) -> list[JointBlocks]:
+        """All rows of it."""
         return [rows for rows in (self.kept, self.left_out, self.satisfied) if rows]
 
 
@@ -63,19 +63,19 @@ def reactions_of(
     satisfied: Sequence[JointBlocks] = (),
 ) -> list[Reaction]:
     """Reactions of all joints in the order of the system."""
-    found: dict[tuple[str, int, int], Reaction] = {}
+    reactions: dict[tuple[str, int, int], Reaction] = {}
     for joint in (*kept, *left_out, *satisfied):
         ends = loaded_bodies(joint.bodies)
         end = joint.i if joint.j == GROUND_INDEX else joint.j
         new = Reaction(joint.name, end, joint.j, ends)
-        one = found.setdefault((joint.name, joint.i, joint.j), new)
+        reaction = reactions.setdefault((joint.name, joint.i, joint.j), new)
         if any(joint is rows for rows in kept):
-            one.kept = joint
+            reaction.kept = joint
         elif any(joint is rows for rows in satisfied):
-            one.satisfied = joint
+            reaction.satisfied = joint
         else:
-            one.left_out = joint
-    return sorted(found.values(), key=lambda one: min(min(x.instances) for x in one.parts))
+            reaction.left_out = joint
+    return sorted(reactions.values(), key=lambda x: min(min(rows.instances) for rows in x.blocks))
 
 
 def record_reactions(
@@ -98,7 +98,7 @@ def record_reactions(
     Parameters
     ----------
     recorder : Recorder
-        Where they are recorded; it has the region ``lam``.
+        The program; it has the region ``lam``.
     schur : Schur
         The factors of the rows that are kept.
     body : callable
@@ -108,7 +108,7 @@ def record_reactions(
     geometry : callable
         Records the Jacobians of the latter.
     scale : Scale
-        What is least where reactions are not unique.
+        Weights of the squares that are least where reactions are not unique.
     satisfied : sequence of JointBlocks
         Joints with the ground that bodies are put onto.
     ground : callable
@@ -117,40 +117,40 @@ def record_reactions(
         Whether a run finds them with :func:`record_wrenches`: then there is their region alone.
     """
     joints, left_out = rows
-    found = reactions_of(joints, left_out, satisfied)
-    widths = [len(body(end).columns) for one in found for end in one.ends]
+    reactions = reactions_of(joints, left_out, satisfied)
+    widths = [len(body(end).columns) for joint in reactions for end in joint.ends]
     target = recorder.region("reactions", sum(widths))
     if in_loops:
         return
     lam = recorder.known("lam")
     recorder.begin("reaction")
     wrenches = ground()
-    for one in found:
-        if one.kept:
-            one.multipliers = [(one.kept, lam.part(one.kept.first, one.kept.count))]
-    for joint in left_out:
-        geometry(joint)
-    for group in merged(
-        [[one.name for one in found]] if scale.shared.groups is None else scale.shared.groups
-    ):
-        own = [one for one in found if one.name in group]
-        if any(one.left_out for one in own):
-            LeastNorm(recorder, schur, body, joints, scale).share_out(own)
-    _write_reactions(schur, found, widths, target, wrenches)
+    for joint in reactions:
+        if joint.kept:
+            joint.multipliers = [(joint.kept, lam.part(joint.kept.first, joint.kept.count))]
+    for block in left_out:
+        geometry(block)
+    groups = scale.shared.groups
+    for group in merged([[joint.name for joint in reactions]] if groups is None else groups):
+        members = [joint for joint in reactions if joint.name in group]
+        if any(joint.left_out for joint in members):
+            LeastNorm(recorder, schur, body, joints, scale).share_out(members)
+    _write_reactions(schur, reactions, widths, target, wrenches)
 
 
 def _write_reactions(
     schur: Schur,
-    found: Sequence[Reaction],
+    reactions: Sequence[Reaction],
     widths: Sequence[int],
     target: SlotMatrix,
     wrenches: Mapping[tuple[str, int], SlotMatrix] = MappingProxyType({}),
 ) -> None:
-    """Record force and torque of each joint on its bodies, as its multipliers are."""
+    """Record force and torque of each joint on its bodies, of its multipliers."""
     first = 0
-    for (one, end), width in zip(((x, end) for x in found for end in x.ends), widths, strict=True):
-        products = [(rows.whole[end].T, x) for rows, x in one.multipliers if end in rows.whole]
-        total = wrenches.get((one.name, end)) or zeros(width, 1)
+    ends = ((joint, end) for joint in reactions for end in joint.ends)
+    for (joint, end), width in zip(ends, widths, strict=True):
+        products = [(rows.c_q[end].T, x) for rows, x in joint.multipliers if end in rows.c_q]
+        total = wrenches.get((joint.name, end)) or zeros(width, 1)
         schur.gather(total, products, target.part(first, width))
         first += width
 
@@ -164,35 +164,35 @@ def record_wrenches(
     geometry: Callable[[JointBlocks], None],
     scale: Scale,
 ) -> None:
-    """Record what joints do with any multipliers of all rows: the segment ``wrench``.
+    """Record the forces of joints for any multipliers of all rows: the segment ``wrench``.
 
     It gives reactions −C_qᵀλ (c,) [N, N m] as :func:`record_reactions` does, and at its point force
     and torque / ℓ (6,) of each joint, frame O, whose squares are least where reactions are not
-    unique; behind them a little of the multipliers of constraints that have idle rows. Parameters
+    unique; behind them the weighted multipliers of constraints that have idle rows. Parameters
     are those of that function.
     """
     joints, left_out = rows
-    found = reactions_of(joints, left_out)
+    reactions = reactions_of(joints, left_out)
     least = LeastNorm(recorder, schur, body, joints, scale)
-    kept = sum(joint.count for joint in joints)
-    lam = recorder.region("all_lam", kept + sum(joint.count for joint in left_out))
-    idle = {id(one): least.idle_rows(one) for one in found}
-    size = sum(least.height(one) + sum(n for *_, n in idle[id(one)]) for one in found)
+    kept = sum(block.count for block in joints)
+    lam = recorder.region("all_lam", kept + sum(block.count for block in left_out))
+    idle = {id(joint): least.idle_rows(joint) for joint in reactions}
+    size = sum(least.height(joint) + sum(n for *_, n in idle[id(joint)]) for joint in reactions)
     wrenches = recorder.region("wrenches", size)
     recorder.begin("wrench")
-    for joint in left_out:
-        geometry(joint)
+    for block in left_out:
+        geometry(block)
     first = 0
-    for one in found:
-        starts = ((part, 0 if part is one.kept else kept) for part in one.parts)
-        one.multipliers = [
+    for joint in reactions:
+        starts = ((part, 0 if part is joint.kept else kept) for part in joint.blocks)
+        joint.multipliers = [
             (part, lam.part(start + part.first, part.count)) for part, start in starts
         ]
-        least.wrench(one, wrenches.part(first, least.height(one)))
-        first += least.height(one)
-        of_part = {id(part): x for part, x in one.multipliers}
-        for part, row, count in idle[id(one)]:
-            least.multipliers(of_part[id(part)].part(row, count), wrenches.part(first, count))
+        least.wrench(joint, wrenches.part(first, least.height(joint)))
+        first += least.height(joint)
+        multipliers = {id(part): x for part, x in joint.multipliers}
+        for part, row, count in idle[id(joint)]:
+            least.multipliers(multipliers[id(part)].part(row, count), wrenches.part(first, count))
             first += count
-    widths = [len(body(end).columns) for one in found for end in one.ends]
-    _write_reactions(schur, found, widths, recorder.known("reactions"))
+    widths = [len(body(end).columns) for joint in reactions for end in joint.ends]
+    _write_reactions(schur, reactions, widths, recorder.known("reactions"))

@@ -36,11 +36,11 @@ class CoordinateRecorder:
     system : System
         The scene.
     recorder : Recorder
-        Where they are recorded.
+        The program.
     body : callable
         Returns the blocks of a body by its index.
     auxiliary : Auxiliaries
-        Where the turns are.
+        Indices of the turns in q.
     q : SlotMatrix
         Positions.
     """
@@ -58,24 +58,24 @@ class CoordinateRecorder:
         self._body = body
         self._auxiliary = auxiliary
         self._q = q
-        self._known: dict[tuple[str, str, int], tuple[SlotMatrix, ...]] = {}
+        self._recorded: dict[tuple[str, str, int], tuple[SlotMatrix, ...]] = {}
 
-    def value(self, place: int) -> SlotMatrix:
+    def value(self, index: int) -> SlotMatrix:
         """Value u (1,) [m or rad], turns counted, recorded."""
-        return self._once("value", place, self._value)[0]
+        return self._once("value", index, self._value)[0]
 
-    def jacobian(self, place: int) -> dict[int, SlotMatrix]:
+    def jacobian(self, index: int) -> dict[int, SlotMatrix]:
         """Jacobian J by body, one row (1, c) each, recorded; the ground's is empty."""
-        one = self.all[place]
-        return dict(zip((one.i, one.j), self._once("jacobian", place, self._jacobian), strict=True))
+        u = self.all[index]
+        return dict(zip((u.i, u.j), self._once("jacobian", index, self._jacobian), strict=True))
 
-    def gamma(self, place: int) -> SlotMatrix:
+    def gamma(self, index: int) -> SlotMatrix:
         """Right-hand side γ (1,) [m/s² or rad/s²] of ü = J v̇ − γ, recorded."""
-        return self._once("gamma", place, self._gamma)[0]
+        return self._once("gamma", index, self._gamma)[0]
 
     def rate(
         self,
-        place: int,
+        index: int,
         by_body: Sequence[SlotMatrix],
         less: SlotMatrix | None = None,
         into: SlotMatrix | None = None,
@@ -83,7 +83,7 @@ class CoordinateRecorder:
         """Rate J x − less (1,), for x in the order of v, body by body, recorded."""
         pairs = [
             block
-            for body, jacobian in self.jacobian(place).items()
+            for body, jacobian in self.jacobian(index).items()
             if body >= 0
             for block in (jacobian, by_body[body])
         ]
@@ -91,96 +91,96 @@ class CoordinateRecorder:
         return rate
 
     def count_turns(self, q_moved: SlotMatrix, laws: Mapping[int, SlotMatrix]) -> None:
-        """Record φ (1,) [rad] of a position that was moved: what the angle is counted to there.
+        """Record φ (1,) [rad], the counted angles, of a position that was moved.
 
-        ``laws`` has what drivers make of angles that they set; those are counted from that.
+        ``laws`` has the angles that drivers prescribe; these are counted from there.
         """
-        for place, one in enumerate(self.all):
-            if one.counts_turns:
-                ends = (self._ends_at(self._body(k), q_moved) for k in (one.i, one.j))
-                turns = laws.get(place) or self._auxiliary.of(self._q, TURNS, one.name)
+        for index, u in enumerate(self.all):
+            if u.counts_turns:
+                ends = (self._ends_at(self._body(k), q_moved) for k in (u.i, u.j))
+                turns = laws.get(index) or self._auxiliary.of(self._q, TURNS, u.name)
                 self._recorder.call(
-                    CoordinateValue(one.kind, _names(one), counts_turns=True),
+                    CoordinateValue(u.kind, _names(u), counts_turns=True),
                     *(block for end in ends for block in end),
                     turns,
-                    *self._constants(one),
-                    into=(self._auxiliary.of(q_moved, TURNS, one.name),),
+                    *self._constants(u),
+                    into=(self._auxiliary.of(q_moved, TURNS, u.name),),
                 )
 
     def angle_rates(self, q_dot: SlotMatrix, by_body: Sequence[SlotMatrix]) -> None:
         """Record φ̇ = J v (1,) [rad/s] of all angles, for velocities v body by body."""
-        for place, one in enumerate(self.all):
-            if one.counts_turns:
-                target = self._auxiliary.of(q_dot, TURNS, one.name)
-                self.rate(place, by_body, into=target)
+        for index, u in enumerate(self.all):
+            if u.counts_turns:
+                target = self._auxiliary.of(q_dot, TURNS, u.name)
+                self.rate(index, by_body, into=target)
 
     def show(
         self, region: SlotMatrix, v: Sequence[SlotMatrix], v_dot: Sequence[SlotMatrix] | None
     ) -> None:
         """Record u, u̇ and, with v̇ body by body, ü of those shown, (1,) each."""
         count = 2 if v_dot is None else 3
-        for k, place in enumerate(self.shown):
+        for k, index in enumerate(self.shown):
             value, rate, *second = (region.part(count * k + n, 1) for n in range(count))
-            self._recorder.call(Copy(), self.value(place), into=(value,))
-            self.rate(place, v, into=rate)
+            self._recorder.call(Copy(), self.value(index), into=(value,))
+            self.rate(index, v, into=rate)
             if v_dot is not None:
-                self.rate(place, v_dot, self.gamma(place), into=second[0])
+                self.rate(index, v_dot, self.gamma(index), into=second[0])
 
     def _ends_at(
         self, body: BodyBlocks, region: SlotMatrix
     ) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix]:
-        """Position r, p of a body where another region holds its position; A is not known."""
-        there = dict(zip(self._q.entries, region.entries, strict=True))
-        r, p = (column([there.get(x, x) for x in block.entries]) for block in (body.r, body.p))
+        """Position r, p of a body in another region that is ordered as q; A is not known."""
+        moved = dict(zip(self._q.entries, region.entries, strict=True))
+        r, p = (column([moved.get(x, x) for x in block.entries]) for block in (body.r, body.p))
         return r, p, ABSENT_BLOCK
 
     def _once(
-        self, what: str, place: int, record: Callable[[RelativeCoordinate], tuple[SlotMatrix, ...]]
+        self, name: str, index: int, record: Callable[[RelativeCoordinate], tuple[SlotMatrix, ...]]
     ) -> tuple[SlotMatrix, ...]:
-        """Blocks that the segment has recorded, or may read of the geometry, or records now."""
+        """Blocks by name: recorded by this segment, read of the geometry, or recorded now."""
         segment = self._recorder.segments[-1][0]
-        shared = self._known.get(("geometry", what, place))
+        shared = self._recorded.get(("geometry", name, index))
         if shared is not None and segment in AFTER_GEOMETRY:
             return shared
-        key = (segment, what, place)
-        if key not in self._known:
-            self._known[key] = record(self.all[place])
-        return self._known[key]
+        key = (segment, name, index)
+        if key not in self._recorded:
+            self._recorded[key] = record(self.all[index])
+        return self._recorded[key]
 
-    def _value(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
-        counts = one.counts_turns
-        turns = self._auxiliary.of(self._q, TURNS, one.name) if counts else ABSENT_BLOCK
-        operation = CoordinateValue(one.kind, _names(one), counts)
-        return self._recorder.call(operation, *self._ends(one), turns, *self._constants(one))
+    def _value(self, u: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
+        counts = u.counts_turns
+        turns = self._auxiliary.of(self._q, TURNS, u.name) if counts else ABSENT_BLOCK
+        operation = CoordinateValue(u.kind, _names(u), counts)
+        return self._recorder.call(operation, *self._ends(u), turns, *self._constants(u))
 
-    def _jacobian(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
-        columns = (self._body(k).columns for k in (one.i, one.j))
-        operation = CoordinateJacobian(one.kind, _names(one), *columns)
-        return self._recorder.call(operation, *self._ends(one), ABSENT_BLOCK, *self._constants(one))
+    def _jacobian(self, u: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
+        columns = (self._body(k).columns for k in (u.i, u.j))
+        operation = CoordinateJacobian(u.kind, _names(u), *columns)
+        return self._recorder.call(operation, *self._ends(u), ABSENT_BLOCK, *self._constants(u))
 
-    def _gamma(self, one: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
-        i, j = self._body(one.i), self._body(one.j)
+    def _gamma(self, u: RelativeCoordinate) -> tuple[SlotMatrix, ...]:
+        i, j = self._body(u.i), self._body(u.j)
         return self._recorder.call(
-            CoordinateGamma(one.kind, _names(one)),
-            *self._ends(one),
+            CoordinateGamma(u.kind, _names(u)),
+            *self._ends(u),
             ABSENT_BLOCK,
-            *self._constants(one),
+            *self._constants(u),
             *(i.v_r, i.omega_b, j.v_r, j.omega_b),
         )
 
-    def _ends(self, one: RelativeCoordinate) -> list[SlotMatrix]:
+    def _ends(self, u: RelativeCoordinate) -> list[SlotMatrix]:
         """Position r, p and A of both bodies; A only where the geometry has computed it."""
         segment = self._recorder.segments[-1][0]
         has_orientation = segment == "geometry" or segment in AFTER_GEOMETRY
         return [
             block
-            for body in (self._body(one.i), self._body(one.j))
+            for body in (self._body(u.i), self._body(u.j))
             for block in (body.r, body.p, body.orientation if has_orientation else ABSENT_BLOCK)
         ]
 
-    def _constants(self, one: RelativeCoordinate) -> list[SlotMatrix]:
-        return [self._recorder.constant(values) for _, values in one.constants]
+    def _constants(self, u: RelativeCoordinate) -> list[SlotMatrix]:
+        return [self._recorder.constant(values) for _, values in u.constants]
 
 
-def _names(one: RelativeCoordinate) -> tuple[str, ...]:
-    return tuple(name for name, _ in one.constants)
+def _names(u: RelativeCoordinate) -> tuple[str, ...]:
+    return tuple(name for name, _ in u.constants)

@@ -1,4 +1,4 @@
-"""Record what acts on bodies: gravity, and the forces with what their facets need of a program."""
+"""Gravity and the forces of a program, recorded, with the operands that their facets ask for."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class ForceRecorder:
-    """Forces of a program: what f of M v̇ + C_qᵀλ = f gives to accelerations.
+    """Forces of a program: shares M⁻¹f of the accelerations, f of M v̇ + C_qᵀλ = f.
 
     f (c,) is force [N] in frame O and torque [N m] about the centre of mass in the principal frame.
 
@@ -39,9 +39,9 @@ class ForceRecorder:
     body : callable
         Returns the blocks of a body, or of the ground, by its index.
     coordinates : CoordinateRecorder
-        What forces along coordinates need.
+        Recorder of the coordinates that forces act along.
     names : FormulaNames
-        What formulas may depend on.
+        Names that formulas may depend on.
     by_body : sequence of SlotMatrix
         The velocities of each body.
     """
@@ -63,12 +63,12 @@ class ForceRecorder:
     def effect(self, force: ForceElement) -> Effect:
         """M⁻¹f (c,) of a force on each body, and its power (1,) [W], recorded.
 
-        The power is that of what is no potential energy, None where all is.
+        The power is that of the part without potential energy, None where all has one.
         """
-        found = facets_of(force).effect(self)
-        ends = zip((force.i, force.j), found, strict=False)
-        added = {index: block for index, block in ends if index != GROUND_INDEX}
-        return added, found[2] if force.works else None
+        blocks = facets_of(force).effect(self)
+        ends = zip((force.i, force.j), blocks, strict=False)
+        accelerations = {index: block for index, block in ends if index != GROUND_INDEX}
+        return accelerations, blocks[2] if force.works else None
 
     def act(self, forces: Sequence[ForceElement], free: list[SlotMatrix]) -> dict[str, SlotMatrix]:
         """Add M⁻¹f of forces to accelerations; return the power of those that work, by name.
@@ -76,7 +76,7 @@ class ForceRecorder:
         Parameters
         ----------
         forces : sequence of ForceElement
-            Those of the scene.
+            Forces of the scene.
         free : list of SlotMatrix (c,) [m/s², rad/s²]
             Accelerations by body, which are replaced by the sums.
         """
@@ -84,33 +84,33 @@ class ForceRecorder:
         powers: dict[str, list[SlotMatrix]] = {}
         for force in forces:
             with self.recorder.of(force.name):
-                added, power = self.effect(force)
-            for index, block in added.items():
+                accelerations, power = self.effect(force)
+            for index, block in accelerations.items():
                 shares[index].append(block)
             if power is not None:
                 powers.setdefault(force.name, []).append(power)
-        free[:] = [summed(self.recorder, parts) for parts in shares]
-        return {name: summed(self.recorder, parts) for name, parts in powers.items()}
+        free[:] = [summed(self.recorder, blocks) for blocks in shares]
+        return {name: summed(self.recorder, blocks) for name, blocks in powers.items()}
 
-    def measure(self, system: System, one: Measure, value: SlotMatrix, rate: SlotMatrix) -> None:
-        """Record what formulas read of a state, x and ẋ (1,), in their units: (u − u⁰)/unit."""
-        free = column((0,))
-        if one.force < 0:
-            (x, unit), (v, _) = self.names[one.name], self.names[one.rate]
+    def measure(self, system: System, source: Measure, value: SlotMatrix, rate: SlotMatrix) -> None:
+        """Record a measure of the state that formulas read, x and ẋ (1,): (u − u⁰)/unit."""
+        offset = column((0,))
+        if source.force < 0:
+            (x, unit), (v, _) = self.names[source.name], self.names[source.rate]
         else:
-            x, v, elongation, unit = facets_of(system.forces[one.force]).elongation(self)
-            free = free if one.is_length else elongation
-        self.recorder.call(Relative(), x, free, unit, into=(value,))
+            x, v, free, unit = facets_of(system.forces[source.force]).elongation(self)
+            offset = offset if source.is_length else free
+        self.recorder.call(Relative(), x, offset, unit, into=(value,))
         self.recorder.call(Relative(), v, column((0,)), unit, into=(rate,))
 
     def gravity(self, system: System) -> SlotMatrix:
         """Acceleration of free fall g (3,) [m/s²], frame O, recorded."""
-        parts = [self.recorder.constant(system.gravity)]
-        for k, text in enumerate(system.gravity_law):
-            if text:
-                direction = self.recorder.constant([system.unit * (n == k) for n in range(3)])
-                parts.append(scaled(self.recorder, direction, text, self.names))
-        return summed(self.recorder, parts)
+        components = [self.recorder.constant(system.gravity)]
+        for axis, formula in enumerate(system.gravity_law):
+            if formula:
+                direction = self.recorder.constant([system.unit * (n == axis) for n in range(3)])
+                components.append(scaled(self.recorder, direction, formula, self.names))
+        return summed(self.recorder, components)
 
     def weight(self, system: System, gravity: SlotMatrix, mass: High) -> SlotMatrix:
         """Minus the weight of a body, −m g (3,) [N], frame O, recorded."""
@@ -120,14 +120,14 @@ class ForceRecorder:
 
     def constants(self, force: ForceElement) -> list[SlotMatrix]:
         """Record the constants of a force; those that have a formula are multiplied by it."""
-        texts = dict(force.formulas)
-        found = []
+        formulas = dict(force.formulas)
+        blocks = []
         for name, values in force.constants:
             block = self.recorder.constant(values)
-            if name in texts:
-                block = scaled(self.recorder, block, texts[name], self.names)
-            found.append(block)
-        return found
+            if name in formulas:
+                block = scaled(self.recorder, block, formulas[name], self.names)
+            blocks.append(block)
+        return blocks
 
     def law(self, force: ForceElement) -> tuple[tuple[str, ...], list[SlotMatrix]]:
         """Values and units that a law depends on beside elongation and rate."""

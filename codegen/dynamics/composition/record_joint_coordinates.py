@@ -1,7 +1,7 @@
 """The tasks of bodies that hang on the ground by one joint, with v = R u + β.
 
-Such a body is put onto its joint wherever a position is moved, and its velocities are fitted to it
-before those of other joints are looked at. Only the rows of other joints are solved for, with
+Such a body is put onto its joint wherever a position is moved, and its velocities are projected
+onto it before other joints are solved for. Only the rows of other joints are solved for, with
 C_q R for C_q and (Rᵀ M R)⁻¹ for M⁻¹:
 
     u̇ = (Rᵀ M R)⁻¹ Rᵀ (f − M η − C_qᵀ λ),  v̇ = R u̇ + η.
@@ -60,8 +60,8 @@ class JointCoordinateRecorder:
 
     Parameters
     ----------
-    one : VelocityTransformation
-        How it hangs.
+    motion : VelocityTransformation
+        Its joint with the ground, and the motions that this leaves free.
     system : System
         The scene.
     recorder : Recorder
@@ -69,10 +69,10 @@ class JointCoordinateRecorder:
     body : callable
         Returns the blocks of a body.
     combinations : Combinations
-        What records the formulas of drivers.
+        Recorder of the formulas of drivers.
     """
 
-    one: VelocityTransformation
+    motion: VelocityTransformation
     system: System
     recorder: Recorder
     body: Callable[[int], BodyBlocks]
@@ -82,143 +82,146 @@ class JointCoordinateRecorder:
     @property
     def blocks(self) -> BodyBlocks:
         """The blocks of the body."""
-        return self.body(self.one.body)
+        return self.body(self.motion.body)
 
     @property
     def moving(self) -> MovingBody:
         """The body."""
-        return self.system.bodies[self.one.body]
+        return self.system.bodies[self.motion.body]
 
     @property
     def point(self) -> SlotMatrix:
         """The point s′ (3,) [m] of the joint in the body."""
-        return self._vector(self.one.joint_b)
+        return self._vector(self.motion.joint_b)
 
     @property
     def axis_b(self) -> SlotMatrix:
         """Axes a′ that it rotates about, by columns (3, rotations) [-]."""
-        if self.one.rotates_about == POINT:
+        motion = self.motion
+        if motion.rotates_about == POINT:
             return SlotMatrix((1, 0, 0, 0, 1, 0, 0, 0, 1), 3, 3)
-        return self._vector(self.one.axis_b) if self.one.rotates_about != NOTHING else zeros(3, 0)
+        return self._vector(motion.axis_b) if motion.rotates_about != NOTHING else zeros(3, 0)
 
     def geometry(self) -> tuple[SlotMatrix, SlotMatrix]:
-        """R (c, f) of what is free and (Rᵀ M R)⁻¹ (f, f); the arm A (s′ × a′) is recorded.
+        """R (c, f) of the free motions and (Rᵀ M R)⁻¹ (f, f); the arm A (s′ × a′) is recorded.
 
-        That is the velocity (3, rotations) [m] of the centre of mass for each of them, frame O:
+        The arm is the velocity (3, rotations) [m] of the centre of mass per rotation, frame O:
         d/dt(−A s′) = A (s′ × ω′) with ω′ = a′ u.
         """
-        arm, arms = MatrixProduct("arm of a joint with the ground"), self._table(arms_of(self.one))
-        (self.arm,) = self.recorder.call(arm, self.blocks.orientation, arms)
-        masses, free = reduced_mass_matrix(self.one, self.moving), self.one.free
-        inverse = self._table(inverse_of([[masses[a][b] for b in free] for a in free]))
-        return _chosen(self._columns(), free), inverse
+        arms = self._matrix(arms_of(self.motion))
+        operation = MatrixProduct("arm of a joint with the ground")
+        (self.arm,) = self.recorder.call(operation, self.blocks.orientation, arms)
+        masses, free = reduced_mass_matrix(self.motion, self.moving), self.motion.free
+        inverse = self._matrix(inverse_of([[masses[a][b] for b in free] for a in free]))
+        return _selected_columns(self._basis(), free), inverse
 
     def project_position(
         self, dr: SlotMatrix, dtheta: SlotMatrix, into: SlotMatrix
     ) -> dict[int, SlotMatrix]:
         """Record r = r_joint − A s′ + a x and p; return formulas of drivers by coordinates."""
-        one, blocks, vector = self.one, self.blocks, self._vector
-        drivers = [(led, self._law(led, 0)) for _, led in one.prescribed]
+        motion, blocks, vector = self.motion, self.blocks, self._vector
+        drivers = [(driver, self._law(driver, 0)) for _, driver in motion.prescribed]
         joint = GroundJointBlocks(
-            point=vector(one.joint),
+            point=vector(motion.joint),
             point_b=self.point,
-            p=vector(one.p),
-            r=vector(one.base),
-            across=self._pair(one.across),
-            beside=self._pair(one.beside),
-            p_turned=vector(_compose(one.p, one.axis_b)),
-            axis=vector(one.axis),
+            p=vector(motion.p),
+            r=vector(motion.base),
+            across=self._two_columns(motion.across),
+            beside=self._two_columns(motion.beside),
+            p_turned=vector(_compose(motion.p, motion.axis_b)),
+            axis=vector(motion.axis),
         )
         self.recorder.call(
             ProjectPosition(
                 blocks.coordinates,
-                one.rotates_about,
-                one.slides,
-                bool(one.prescribed_rotation),
-                bool(one.prescribed_slide),
+                motion.rotates_about,
+                motion.slides,
+                bool(motion.prescribed_rotation),
+                bool(motion.prescribed_slide),
             ),
             *(blocks.r, blocks.p, dr, dtheta, *joint),
-            *(self._since(led, law) for led, law in drivers),
+            *(self._since_start(driver, law) for driver, law in drivers),
             into=(into,),
         )
         return {
-            self.system.constraints[led.instance].terms[0].coordinate: law for led, law in drivers
+            self.system.constraints[driver.instance].terms[0].coordinate: law
+            for driver, law in drivers
         }
 
     def project_velocity(self) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix]:
-        """Velocities u (f,), what v lacks of R u + β, and β (c,), recorded."""
-        one, blocks = self.one, self.blocks
-        masses, moments = shares_of(one, self.moving)
-        is_skew = one.rotates_about == AXIS and not (
-            one.prescribed_rotation or is_principal(one, self.moving)
+        """Velocities u (f,), the difference R u + β − v (c,), and β (c,), recorded."""
+        motion, blocks = self.motion, self.blocks
+        masses, moments = shares_of(motion, self.moving)
+        is_skew = motion.rotates_about == AXIS and not (
+            motion.prescribed_rotation or is_principal(motion, self.moving)
         )
         fitted = ProjectVelocity(
             blocks.columns,
-            one.rotates_about,
-            one.slides,
-            bool(one.prescribed_rotation),
-            bool(one.prescribed_slide),
+            motion.rotates_about,
+            motion.slides,
+            bool(motion.prescribed_rotation),
+            bool(motion.prescribed_slide),
             is_skew,
         )
-        u, lacks, beta = self.recorder.call(
+        u, difference, beta = self.recorder.call(
             fitted,
-            *(blocks.v_r, blocks.omega_b, self.arm, self.axis_b, self._vector(one.axis)),
-            *(self._pair(one.across_b), self._pair(one.across)),
-            *map(self._table, (masses, moments) if is_skew else (masses,)),
+            *(blocks.v_r, blocks.omega_b, self.arm, self.axis_b, self._vector(motion.axis)),
+            *(self._two_columns(motion.across_b), self._two_columns(motion.across)),
+            *map(self._matrix, (masses, moments) if is_skew else (masses,)),
             *self._derivatives(1),
         )
-        return u, lacks, beta
+        return u, difference, beta
 
     def bias_acceleration(self) -> SlotMatrix:
         """Bias acceleration η (c,) [m/s², rad/s²], recorded."""
-        one, blocks = self.one, self.blocks
+        motion, blocks = self.motion, self.blocks
         operation = BiasAcceleration(
             blocks.columns,
-            one.rotates_about,
-            bool(one.prescribed_rotation),
-            bool(one.prescribed_slide),
+            motion.rotates_about,
+            bool(motion.prescribed_rotation),
+            bool(motion.prescribed_slide),
         )
         (eta,) = self.recorder.call(
             operation,
             *(blocks.omega_b, self.arm, blocks.orientation, self.axis_b),
-            *(self._vector(one.axis), self.point),
+            *(self._vector(motion.axis), self.point),
             *self._derivatives(2),
         )
         return eta
 
     def reduce_forces(self, free: SlotMatrix, eta: SlotMatrix) -> SlotMatrix:
         """Accelerations u̇ of all freedoms, those that are driven too, under M⁻¹f, recorded."""
-        one, (masses, moments) = self.one, shares_of(self.one, self.moving)
-        (found,) = self.recorder.call(
-            ReduceForces(self.blocks.columns, one.rotates_about, one.slides),
-            *(free, self.arm, self._vector(one.axis), eta),
-            *(self._table(masses), self._table(moments)),
+        motion, (masses, moments) = self.motion, shares_of(self.motion, self.moving)
+        (rates,) = self.recorder.call(
+            ReduceForces(self.blocks.columns, motion.rotates_about, motion.slides),
+            *(free, self.arm, self._vector(motion.axis), eta),
+            *(self._matrix(masses), self._matrix(moments)),
         )
-        return found
+        return rates
 
-    def chosen(self, values: SlotMatrix) -> SlotMatrix:
-        """Values of the freedoms that are free, of those of all."""
-        return column([values.entries[k] for k in self.one.free])
+    def undriven(self, values: SlotMatrix) -> SlotMatrix:
+        """Values of the freedoms that are not driven, out of those of all."""
+        return column([values.entries[k] for k in self.motion.free])
 
     def powers(self, values: SlotMatrix | None, others: SlotMatrix) -> list[tuple[str, SlotMatrix]]:
-        """Power [W] of each driver: its name, and what :class:`DriverPower` gives, recorded.
+        """Power [W] of each driver by :class:`DriverPower`, with its name, recorded.
 
         Parameters
         ----------
         values : SlotMatrix or None
-            As :meth:`reduce_forces` returned it; without it only what others do counts.
+            As :meth:`reduce_forces` returned it; without it only forces of other joints count.
         others : SlotMatrix (c,) [N, N m]
-            What other joints do to the body, −Σ C_qᵀλ.
+            Forces of other joints on the body, −Σ C_qᵀλ.
         """
-        whole, masses, found = self._columns(), reduced_mass_matrix(self.one, self.moving), []
+        basis, masses, by_driver = self._basis(), reduced_mass_matrix(self.motion, self.moving), []
         zero = column((0,))
-        for (k, led), rate in zip(self.one.prescribed, self._derivatives(1), strict=True):
+        for (k, driver), rate in zip(self.motion.prescribed, self._derivatives(1), strict=True):
             mass = self.recorder.constant((masses[k][k],))
-            forces = (self._derivative(led, 2), values.part(k, 1)) if values else (zero, zero)
-            own = _chosen(whole, (k,))
-            (power,) = self.recorder.call(DriverPower(), mass, *forces, own, others, rate)
-            found.append((self.system.constraints[led.instance].joint, power))
-        return found
+            forces = (self._derivative(driver, 2), values.part(k, 1)) if values else (zero, zero)
+            direction = _selected_columns(basis, (k,))
+            (power,) = self.recorder.call(DriverPower(), mass, *forces, direction, others, rate)
+            by_driver.append((self.system.constraints[driver.instance].joint, power))
+        return by_driver
 
     def wrenches(
         self,
@@ -234,60 +237,61 @@ class JointCoordinateRecorder:
         second, free : SlotMatrix (c,) [m/s², rad/s²]
             v̇ and M⁻¹f of the body.
         others : SlotMatrix (c,) [N, N m]
-            What other joints do to the body, −Σ C_qᵀλ.
+            Forces of other joints on the body, −Σ C_qᵀλ.
         coordinates : CoordinateRecorder
-            What records the Jacobians of coordinates.
+            Recorder of the Jacobians of coordinates.
         """
-        body, constraints, found = self.moving, self.system.constraints, {}
+        body, constraints, by_driver = self.moving, self.system.constraints, {}
         diagonal = (*(body.mass,) * 3, *body.inertia)
         masses = self._vector([diagonal[k] for k in self.blocks.columns]).T
-        (left,) = self.recorder.call(JointWrench(), masses, second, free, others)
-        for k, led in self.one.prescribed:
-            one = constraints[led.instance]
-            jacobian = coordinates.jacobian(one.terms[0].coordinate)[self.one.body]
-            column = _chosen(self._columns(), (k,))
-            own, left = self.recorder.call(DriverWrench(led.sign), left, column, jacobian)
-            found[one.joint] = own
-        return {constraints[self.one.instances[0]].joint: left, **found}
+        (rest,) = self.recorder.call(JointWrench(), masses, second, free, others)
+        for k, driver in self.motion.prescribed:
+            constraint = constraints[driver.instance]
+            jacobian = coordinates.jacobian(constraint.terms[0].coordinate)[self.motion.body]
+            direction = _selected_columns(self._basis(), (k,))
+            wrench, rest = self.recorder.call(DriverWrench(driver.sign), rest, direction, jacobian)
+            by_driver[constraint.joint] = wrench
+        return {constraints[self.motion.instances[0]].joint: rest, **by_driver}
 
-    def _columns(self) -> SlotMatrix:
+    def _basis(self) -> SlotMatrix:
         """Matrix R of all freedoms, those that are driven too."""
-        spins, count = self.axis_b, self.one.rotations
+        spins, count = self.axis_b, self.motion.rotations
         rows = []
         for k in self.blocks.columns:
             source = self.arm if k < 3 else spins
             rows.append(source.entries[count * (k % 3) : count * (k % 3 + 1)])
-        if self.one.slides:
-            axis = (*self._vector(self.one.axis).entries, 0, 0, 0)
+        if self.motion.slides:
+            axis = (*self._vector(self.motion.axis).entries, 0, 0, 0)
             rows = [(*row, axis[k]) for row, k in zip(rows, self.blocks.columns, strict=True)]
-        width = count + self.one.slides
+        width = count + self.motion.slides
         return SlotMatrix(tuple(x for row in rows for x in row), len(rows), width)
 
-    def _law(self, led: Prescribed, order: int) -> SlotMatrix:
-        return self.combinations.law(self.system.constraints[led.instance], order)
+    def _law(self, driver: Prescribed, order: int) -> SlotMatrix:
+        return self.combinations.law(self.system.constraints[driver.instance], order)
 
-    def _since(self, led: Prescribed, law: SlotMatrix) -> SlotMatrix:
-        start = self.recorder.constant((led.start,))
-        return self.recorder.call(PrescribedValue(led.sign), law, start)[0]
+    def _since_start(self, driver: Prescribed, law: SlotMatrix) -> SlotMatrix:
+        start = self.recorder.constant((driver.start,))
+        return self.recorder.call(PrescribedValue(driver.sign), law, start)[0]
 
     def _derivatives(self, order: int) -> list[SlotMatrix]:
-        """Record the derivatives of what drives turn and displacement."""
-        return [self._derivative(led, order) for _, led in self.one.prescribed]
+        """Record the derivatives of the driven turn and displacement."""
+        return [self._derivative(driver, order) for _, driver in self.motion.prescribed]
 
-    def _derivative(self, led: Prescribed, order: int) -> SlotMatrix:
-        return self.recorder.call(PrescribedValue(led.sign), self._law(led, order), column((0,)))[0]
+    def _derivative(self, driver: Prescribed, order: int) -> SlotMatrix:
+        law = self._law(driver, order)
+        return self.recorder.call(PrescribedValue(driver.sign), law, column((0,)))[0]
 
     def _vector(self, values: Sequence[float]) -> SlotMatrix:
         return self.recorder.constant(values)
 
-    def _table(self, rows: Sequence[Sequence[Fraction]]) -> SlotMatrix:
+    def _matrix(self, rows: Sequence[Sequence[Fraction]]) -> SlotMatrix:
         """Numbers as a matrix."""
-        flat = [x for row in rows for x in row]
+        numbers = [x for row in rows for x in row]
         return SlotMatrix(
-            self.recorder.constant(flat).entries, len(rows), len(rows[0]) if rows else 0
+            self.recorder.constant(numbers).entries, len(rows), len(rows[0]) if rows else 0
         )
 
-    def _pair(self, pair: tuple[Sequence[float], Sequence[float]]) -> SlotMatrix:
+    def _two_columns(self, pair: tuple[Sequence[float], Sequence[float]]) -> SlotMatrix:
         return SlotMatrix(
             tuple(x for k in zip(*map(self._entries, pair), strict=True) for x in k),
             len(pair[0]),
@@ -304,8 +308,8 @@ def _compose(p: Sequence[float], axis_b: Sequence[float]) -> tuple[float, ...]:
     return precise.rounded(turned)
 
 
-def _chosen(block: SlotMatrix, kept: Sequence[int]) -> SlotMatrix:
-    """Columns that are kept."""
+def _selected_columns(block: SlotMatrix, kept: Sequence[int]) -> SlotMatrix:
+    """Columns of a block."""
     width = block.width
     entries = tuple(block.entries[width * row + k] for row in range(block.height) for k in kept)
     return SlotMatrix(entries, block.height, len(kept))

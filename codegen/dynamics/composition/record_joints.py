@@ -1,4 +1,4 @@
-"""The tasks of joints: residuals, Jacobians, and what they ask of velocities and accelerations."""
+"""The tasks of joints: residuals, Jacobians, right-hand sides ν and γ, and power of drivers."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ class JointRecorder:
     system : System
         The scene.
     recorder : Recorder
-        Where they are recorded.
+        The program.
     body : callable
         Returns the blocks of a body by its index.
     combinations : Combinations
-        What records the rows that combine coordinates.
+        Recorder of the rows that combine coordinates.
     """
 
     system: System
@@ -47,10 +47,10 @@ class JointRecorder:
         """Record C and C_q of a joint, and put C_q into it; ``residuals`` says where C goes."""
         ends, n = [self.body(k) for k in joint.bodies], len(joint.bodies)
         i, j, *others = ends
-        reduced = tuple(k for k, one in enumerate(ends) if one.basis)
+        reduced = tuple(k for k, end in enumerate(ends) if end.basis)
         with self.recorder.of(joint.name):
-            _, *found = self.recorder.call(
-                JointSystem(joint.parts, tuple(one.columns for one in ends), reduced),
+            _, *blocks = self.recorder.call(
+                JointSystem(joint.parts, tuple(end.columns for end in ends), reduced),
                 *(
                     i.r,
                     i.p,
@@ -61,29 +61,29 @@ class JointRecorder:
                     j.orientation,
                     j.effective_inverse_mass,
                 ),
-                *(one.effective_inverse_mass for one in others),
-                *(one.basis for one in ends if one.basis),
-                *self._of_parts(joint, "C"),
+                *(end.effective_inverse_mass for end in others),
+                *(end.basis for end in ends if end.basis),
+                *self._operands(joint, "C"),
                 into=(residuals,),
             )
-        joint.jacobian = dict(zip(joint.bodies, found[:n], strict=True))
-        joint.scaled = dict(zip(joint.bodies, found[n : 2 * n], strict=True))
-        joint.own, whole = found[2 * n], found[2 * n + 1 :]
-        joint.whole = joint.jacobian | {
-            joint.bodies[k]: block for k, block in zip(reduced, whole, strict=True)
+        joint.jacobian = dict(zip(joint.bodies, blocks[:n], strict=True))
+        joint.scaled = dict(zip(joint.bodies, blocks[n : 2 * n], strict=True))
+        joint.diagonal, full = blocks[2 * n], blocks[2 * n + 1 :]
+        joint.c_q = joint.jacobian | {
+            joint.bodies[k]: block for k, block in zip(reduced, full, strict=True)
         }
 
     def watch(self, joint: JointBlocks, residuals: SlotMatrix) -> None:
         """Record C and C_q of rows that are not solved for."""
         i, j, *others = map(self.body, joint.bodies)
         with self.recorder.of(joint.name):
-            _, *found = self.recorder.call(
-                JointRows(joint.parts, tuple(one.columns for one in (i, j, *others))),
+            _, *jacobians = self.recorder.call(
+                JointRows(joint.parts, tuple(end.columns for end in (i, j, *others))),
                 *(i.r, i.p, i.orientation, j.r, j.p, j.orientation),
-                *self._of_parts(joint, "C"),
+                *self._operands(joint, "C"),
                 into=(residuals,),
             )
-        joint.whole = dict(zip(joint.bodies, found, strict=True))
+        joint.c_q = dict(zip(joint.bodies, jacobians, strict=True))
 
     def rates(
         self,
@@ -91,17 +91,17 @@ class JointRecorder:
         output: str,
         by_body: Sequence[SlotMatrix],
         into: SlotMatrix | None,
-        beyond: Mapping[int, SlotMatrix] | None = None,
+        bias: Mapping[int, SlotMatrix] | None = None,
     ) -> SlotMatrix:
         """Difference C_q x − ν or C_q x − γ (n,) of a joint, for x in the order of v, recorded.
 
-        With ``beyond`` it is x = R u + what that says of bodies that are reduced, and u is given.
+        With ``bias`` b, by body, x = R u + b of bodies that are reduced, and ``by_body`` has u.
         """
         i, j = self.body(joint.i), self.body(joint.j)
-        jacobian = joint.whole if beyond is None else joint.jacobian
+        jacobian = joint.c_q if bias is None else joint.jacobian
         x_i, x_j, *others = (column(()) if k == GROUND_INDEX else by_body[k] for k in joint.bodies)
         pairs = [(x, jacobian[k]) for x, k in zip(others, joint.others, strict=True)]
-        pairs += [(x, joint.whole[k]) for k, x in (beyond or {}).items() if k in joint.bodies]
+        pairs += [(x, joint.c_q[k]) for k, x in (bias or {}).items() if k in joint.bodies]
         with self.recorder.of(joint.name):
             (difference,) = self.recorder.call(
                 Rates(joint.parts, output, len(pairs)),
@@ -109,7 +109,7 @@ class JointRecorder:
                 *(j.p, j.orientation, j.v_r, j.omega_b, x_j, jacobian[joint.j]),
                 *(i.r, j.r),
                 *(block for pair in pairs for block in pair),
-                *self._of_parts(joint, output),
+                *self._operands(joint, output),
                 into=(into,),
             )
         return difference
@@ -121,29 +121,31 @@ class JointRecorder:
         pairs: dict[str, list[SlotMatrix]] = {}
         for joint, solution in zip(joints, multipliers, strict=True):
             first = 0
-            for place, part in zip(joint.instances, joint.parts, strict=True):
-                one = self.system.constraints[place]
-                if one.is_driver:
-                    rate = self.combinations.law(one, 1)
-                    given = column([-entry for entry in rate.entries])
-                    pairs.setdefault(one.joint, []).extend((given, solution.part(first, 1)))
+            for index, part in zip(joint.instances, joint.parts, strict=True):
+                instance = self.system.constraints[index]
+                if instance.is_driver:
+                    rate = self.combinations.law(instance, 1)
+                    minus_nu = column([-entry for entry in rate.entries])
+                    pairs.setdefault(instance.joint, []).extend((minus_nu, solution.part(first, 1)))
                 first += len(part.rows)
         return {
-            name: self.recorder.call(CoordinateRate(), *own, column((0,)))[0]
-            for name, own in pairs.items()
+            name: self.recorder.call(CoordinateRate(), *factors, column((0,)))[0]
+            for name, factors in pairs.items()
         }
 
-    def _of_parts(self, joint: JointBlocks, output: str) -> list[SlotMatrix]:
-        """Blocks that the parts of a joint take: constants, or what is combined of coordinates."""
-        found: list[SlotMatrix] = []
+    def _operands(self, joint: JointBlocks, output: str) -> list[SlotMatrix]:
+        """Operands of the parts of a joint: constants, or the rows of combined coordinates."""
+        operands: list[SlotMatrix] = []
         parts = zip(joint.instances, joint.parts, joint.constants, strict=True)
-        for place, part, constants in parts:
-            one = self.system.constraints[place]
+        for index, part, constants in parts:
+            instance = self.system.constraints[index]
             if not part.is_combination:
-                found += constants
+                operands += constants
             elif output == "C":
-                found.append(self.combinations.residual(one))
-                found += (self.combinations.jacobian(one, k, self.body(k)) for k in joint.bodies)
+                operands.append(self.combinations.residual(instance))
+                operands += (
+                    self.combinations.jacobian(instance, k, self.body(k)) for k in joint.bodies
+                )
             else:
-                found.append(self.combinations.rate(one, output))
-        return found
+                operands.append(self.combinations.rate(instance, output))
+        return operands

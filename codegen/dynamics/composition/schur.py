@@ -42,7 +42,7 @@ class Schur:
     Parameters
     ----------
     recorder : Recorder
-        Where they are recorded.
+        The program.
     pivots : SlotMatrix, optional
         The region of D⁻¹.
     at_once : bool
@@ -74,35 +74,35 @@ class Schur:
         Parameters
         ----------
         blocks : mapping of (int, int) to SlotMatrix
-            Those on the diagonal and those below that are not zero, the later row first.
+            Diagonal blocks, and blocks below them that are not zero, the later row first.
         counts : sequence of int
             Rows of each block row.
         """
         pairs = [pair for pair in blocks if pair[0] != pair[1]]
         self.order = minimum_degree(len(counts), pairs, at_once=self.at_once)
-        place = {pivot.joint: k for k, pivot in enumerate(self.order)}
-        late = {}
+        position = {pivot.joint: k for k, pivot in enumerate(self.order)}
+        remaining = {}
         for (a, b), block in blocks.items():
-            is_turned = place[a] < place[b]
-            late[(b, a) if is_turned else (a, b)] = block.T if is_turned else block
+            is_transposed = position[a] < position[b]
+            remaining[(b, a) if is_transposed else (a, b)] = block.T if is_transposed else block
         first = [0, *accumulate(counts)]
         for pivot in self.order:
             for m, a in enumerate(pivot.neighbours):
                 for b in pivot.neighbours[:m]:
-                    late.setdefault((a, b), zeros(counts[a], counts[b]))
+                    remaining.setdefault((a, b), zeros(counts[a], counts[b]))
             eliminate = self._fused if len(pivot.neighbours) <= FUSED else self._split
-            own = pivot.joint
-            target = self.pivots.part(first[own], counts[own]) if self.pivots else None
-            with self._of(own):
-                eliminate(pivot, late, target)
+            joint = pivot.joint
+            target = self.pivots.part(first[joint], counts[joint]) if self.pivots else None
+            with self._of_joint(joint):
+                eliminate(pivot, remaining, target)
 
-    def _of(self, joint: int) -> AbstractContextManager[None]:
-        """Say which joint tasks belong to, where they belong to joints."""
+    def _of_joint(self, joint: int) -> AbstractContextManager[None]:
+        """Name the joint that tasks belong to, where pivots are joints."""
         return self.recorder.of(self._names[joint] if self._names else "")
 
     def _assemble(self, joints: Sequence[JointBlocks]) -> dict[tuple[int, int], SlotMatrix]:
         """Blocks of pairs of joints, the later joint first."""
-        blocks = {(k, k): joint.own for k, joint in enumerate(joints)}
+        blocks = {(k, k): joint.diagonal for k, joint in enumerate(joints)}
         by_body: dict[int, list[int]] = {}
         for k, joint in enumerate(joints):
             for body in joint.bodies:
@@ -117,44 +117,44 @@ class Schur:
         return blocks
 
     def _fused(
-        self, pivot: Pivot, late: dict[tuple[int, int], SlotMatrix], target: SlotMatrix | None
+        self, pivot: Pivot, blocks: dict[tuple[int, int], SlotMatrix], target: SlotMatrix | None
     ) -> None:
-        near = pivot.neighbours
-        pairs = [(a, b) for m, a in enumerate(near) for b in near[: m + 1]]
-        lower, inverse, *rest = self.recorder.call(
-            Eliminate(len(near)),
-            late[pivot.joint, pivot.joint],
-            *(late[a, pivot.joint] for a in near),
-            *(late[pair] for pair in pairs),
+        neighbours = pivot.neighbours
+        pairs = [(a, b) for m, a in enumerate(neighbours) for b in neighbours[: m + 1]]
+        lower, inverse, *updated = self.recorder.call(
+            Eliminate(len(neighbours)),
+            blocks[pivot.joint, pivot.joint],
+            *(blocks[a, pivot.joint] for a in neighbours),
+            *(blocks[pair] for pair in pairs),
             into=(None, target),
         )
         self._factors[pivot.joint] = (lower, inverse)
-        self._panels[pivot.joint] = dict(zip(near, rest, strict=False))
-        late.update(zip(pairs, rest[len(near) :], strict=True))
+        self._panels[pivot.joint] = dict(zip(neighbours, updated, strict=False))
+        blocks.update(zip(pairs, updated[len(neighbours) :], strict=True))
 
     def _split(
-        self, pivot: Pivot, late: dict[tuple[int, int], SlotMatrix], target: SlotMatrix | None
+        self, pivot: Pivot, blocks: dict[tuple[int, int], SlotMatrix], target: SlotMatrix | None
     ) -> None:
-        call, near = self.recorder.call, pivot.neighbours
-        lower, inverse = call(Eliminate(0), late[pivot.joint, pivot.joint], into=(None, target))
-        panels = {a: call(Panel(), lower, inverse, late[a, pivot.joint]) for a in near}
-        for m, a in enumerate(near):
-            for b in near[: m + 1]:
+        call, neighbours = self.recorder.call, pivot.neighbours
+        lower, inverse = call(Eliminate(0), blocks[pivot.joint, pivot.joint], into=(None, target))
+        panels = {a: call(Panel(), lower, inverse, blocks[a, pivot.joint]) for a in neighbours}
+        for m, a in enumerate(neighbours):
+            for b in neighbours[: m + 1]:
                 operation = Update(is_diagonal=a == b)
-                (late[a, b],) = call(operation, late[a, b], panels[a][0], panels[b][1])
+                (blocks[a, b],) = call(operation, blocks[a, b], panels[a][0], panels[b][1])
         self._factors[pivot.joint] = (lower, inverse)
         self._panels[pivot.joint] = {a: x for a, (_, x) in panels.items()}
 
     def solve(
         self, right: Sequence[SlotMatrix], into: Sequence[SlotMatrix] | None = None
     ) -> list[SlotMatrix]:
-        """Solution λ of S λ = right (n,), joint by joint, recorded; ``into`` says where it goes."""
+        """Solution λ of S λ = right (n,), joint by joint, recorded; ``into`` has its slots."""
         products: list[list[Product]] = [[] for _ in right]
         scaled: dict[int, SlotMatrix] = {}
         for pivot in self.order:
             k = pivot.joint
-            with self._of(k):
-                total, rest = self._head(right[k], products[k])
+            with self._of_joint(k):
+                total, rest = self._subtract_chunks(right[k], products[k])
                 z, scaled[k] = self.recorder.call(
                     Forward(), *self._factors[k], total, *(x for pair in rest for x in pair)
                 )
@@ -164,8 +164,8 @@ class Schur:
         for pivot in reversed(self.order):
             k = pivot.joint
             products[k] = [(panel.T, solution[a]) for a, panel in self._panels[k].items()]
-            with self._of(k):
-                total, rest = self._head(scaled[k], products[k])
+            with self._of_joint(k):
+                total, rest = self._subtract_chunks(scaled[k], products[k])
                 (solution[k],) = self.recorder.call(
                     Backward(),
                     self._factors[k][0],
@@ -178,16 +178,16 @@ class Schur:
     def gather(
         self, total: SlotMatrix, products: Sequence[Product], into: SlotMatrix | None = None
     ) -> SlotMatrix:
-        """Difference total − Σ products (n,), recorded; ``into`` says where to put it."""
-        total, rest = self._head(total, products)
+        """Difference total − Σ products (n,), recorded; ``into`` has its slots."""
+        total, rest = self._subtract_chunks(total, products)
         call = self.recorder.call
         return call(Gather(), total, *(x for pair in rest for x in pair), into=(into,))[0]
 
-    def _head(
+    def _subtract_chunks(
         self, total: SlotMatrix, products: Sequence[Product]
     ) -> tuple[SlotMatrix, Sequence[Product]]:
         """Subtract products until few enough are left for one task."""
         while len(products) > CHUNK:
-            head, products = products[:CHUNK], products[CHUNK:]
-            (total,) = self.recorder.call(Gather(), total, *(x for pair in head for x in pair))
+            chunk, products = products[:CHUNK], products[CHUNK:]
+            (total,) = self.recorder.call(Gather(), total, *(x for pair in chunk for x in pair))
         return total, products

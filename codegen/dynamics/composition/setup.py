@@ -42,12 +42,12 @@ class ParameterFormulas:
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Values of the formulas, one column."""
         leaves = dict(zip(self.names, blocks[0].flat, strict=True))
-        nodes = (to_graph(one, trace.graph, leaves) for one in self.expressions)
+        nodes = (to_graph(expression, trace.graph, leaves) for expression in self.expressions)
         return (Matrix.of(trace.graph, nodes),)
 
 
 def record_setup(
-    recorder: Recorder, system: System, parameters: SlotMatrix, places: Sequence[BodyCoordinates]
+    recorder: Recorder, system: System, parameters: SlotMatrix, bodies: Sequence[BodyCoordinates]
 ) -> DesignNumbers:
     """Record the segment, if some number depends on parameters; return where the numbers are.
 
@@ -58,22 +58,22 @@ def record_setup(
     system : System
         The scene.
     parameters : SlotMatrix
-        Where its parameters are.
-    places : sequence of BodyCoordinates
-        Where its bodies are in q and v.
+        Its parameters.
+    bodies : sequence of BodyCoordinates
+        Slots of its bodies in q and v.
     """
-    start = starts(system, places)
+    start = starts(system, bodies)
     for value in (*shown_numbers(system), *(value for _, value in start)):
         recorder.constant((value,))
     names = [name for name, _ in system.parameters]
-    expressions = [one.expression for _, one in recorder.design.values()]
+    expressions = [traced.expression for _, traced in recorder.design.values()]
     if expressions:
         recorder.begin("setup")
     for first in range(0, len(expressions), EXPRESSIONS_AT_ONCE):
-        own = expressions[first : first + EXPRESSIONS_AT_ONCE]
-        target = recorder.design_part(first, len(own))
-        recorder.call(ParameterFormulas(own, names), parameters, into=(target,))
-    found = {name for one in expressions for name in names_of(one)}
-    used = [name for name in names if name in found]
+        chunk = expressions[first : first + EXPRESSIONS_AT_ONCE]
+        target = recorder.design_part(first, len(chunk))
+        recorder.call(ParameterFormulas(chunk, names), parameters, into=(target,))
+    occurring = {name for formula in expressions for name in names_of(formula)}
+    used = [name for name in names if name in occurring]
     places_of = {key: place for key, (place, _) in recorder.design.items()}
     return DesignNumbers.of(places_of, start, system.positive, used)

@@ -1,8 +1,8 @@
 """Segments of formulas that switch, or that are watched for where they cross zero.
 
 ``switching`` bounds formulas of time between two times, ``bending`` laws of drivers. ``measure``
-evaluates what formulas read of a state, ``distance`` the squares of distances in them, and
-``crossing`` bounds them between two times of a step.
+evaluates the measures of a state that formulas read, ``distance`` the squares of distances in
+them, and ``crossing`` bounds them between two times of a step.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 BOUNDS = 4
 #: Numbers of each measure: least and most of value, rate, and second derivative.
 RANGES = 6
-#: What follows a name: the least and the most of it; its second derivative.
+#: Suffixes of a name: its least and most value; its second derivative.
 LEAST, MOST, SECOND = ".least", ".most", ".second"
 
 
@@ -47,11 +47,11 @@ class Enclosed:
     Parameters
     ----------
     formulas : tuple of Expression
-        What is bounded.
+        Formulas that are bounded.
     parameters : tuple of str
-        Names that they may use beside the time.
+        Names of their arguments beside the time.
     measures : tuple of Measure
-        What else they depend on.
+        Measures of the state that they depend on.
     """
 
     formulas: tuple[Expression, ...]
@@ -63,36 +63,37 @@ class Enclosed:
         """Numbers of each formula, four, in one column."""
         ranges, parameters = (block.flat for block in blocks)
         varying = [TIME]
-        for one in self.measures:
-            varying += (one.name, one.rate, f"{one.rate}{SECOND}")
+        for measure in self.measures:
+            varying += (measure.name, measure.rate, f"{measure.rate}{SECOND}")
         spans = {
             name: Bounds(symbol(f"{name}{LEAST}"), symbol(f"{name}{MOST}")) for name in varying
         }
         names = [f"{name}{end}" for name in varying for end in (LEAST, MOST)]
         leaves = dict(zip((*names, *self.parameters), (*ranges, *parameters), strict=True))
-        bounds = chain.from_iterable(self._bounds(one, spans) for one in self.formulas)
+        bounds = chain.from_iterable(self._bounds(formula, spans) for formula in self.formulas)
         nodes = (to_graph(bound, trace.graph, leaves) for bound in bounds)
         return (Matrix.of(trace.graph, nodes),)
 
     def _bounds(self, formula: Expression, spans: Mapping[str, Bounds]) -> Iterator[Expression]:
         """Least and most of a formula, and those of its rate."""
-        same, quotients = without_quotients(formula, spans)
+        substituted, quotients = without_quotients(formula, spans)
         spans = dict(spans)
-        for k, one in enumerate(quotients):
-            rate, speed = (self._rate(part, quotients[:k]) for part in (one.whole, one.place))
-            spans |= one.bounds(rate, speed, spans)
-        yield from enclosure(same, spans)
-        yield from enclosure(without_overflow(self._rate(same, quotients)), spans)
+        for k, quotient in enumerate(quotients):
+            parts = quotient.whole, quotient.place
+            rate, speed = (self._rate(part, quotients[:k]) for part in parts)
+            spans |= quotient.bounds(rate, speed, spans)
+        yield from enclosure(substituted, spans)
+        yield from enclosure(without_overflow(self._rate(substituted, quotients)), spans)
 
     def _rate(self, formula: Expression, quotients: Sequence[Quotient] = ()) -> Expression:
         """Derivative by time."""
         rate = derivative(formula, TIME)
-        for each in quotients:
-            rate = add(rate, mul(derivative(formula, each.name), symbol(each.rate)))
-        for one in self.measures:
-            rate = add(rate, mul(derivative(formula, one.name), symbol(one.rate)))
-            second = symbol(f"{one.rate}{SECOND}")
-            rate = add(rate, mul(derivative(formula, one.rate), second))
+        for quotient in quotients:
+            rate = add(rate, mul(derivative(formula, quotient.name), symbol(quotient.rate)))
+        for measure in self.measures:
+            rate = add(rate, mul(derivative(formula, measure.name), symbol(measure.rate)))
+            second = symbol(f"{measure.rate}{SECOND}")
+            rate = add(rate, mul(derivative(formula, measure.rate), second))
         return rate
 
 
@@ -103,11 +104,11 @@ class Valued:
     Parameters
     ----------
     formulas : tuple of Expression
-        What is evaluated.
+        Formulas that are evaluated.
     parameters : tuple of str
-        Names that they may use beside the time.
+        Names of their arguments beside the time.
     measures : tuple of Measure
-        What else they depend on.
+        Measures of the state that they depend on.
     """
 
     formulas: tuple[Expression, ...]
@@ -117,10 +118,10 @@ class Valued:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Values, in one column."""
-        read = chain.from_iterable((one.name, one.rate) for one in self.measures)
+        read = chain.from_iterable((measure.name, measure.rate) for measure in self.measures)
         nodes = chain.from_iterable(block.flat for block in blocks)
         leaves = dict(zip((TIME, *read, *self.parameters), nodes, strict=True))
-        values = (to_graph(one, trace.graph, leaves) for one in self.formulas)
+        values = (to_graph(formula, trace.graph, leaves) for formula in self.formulas)
         return (Matrix.of(trace.graph, values),)
 
 
@@ -136,32 +137,32 @@ def record_switching(
     system : System
         The scene.
     parameters : SlotMatrix
-        Where its parameters are.
+        Its parameters.
     forces : ForceRecorder
-        What records its forces.
+        Recorder of its forces.
     """
     functions, names = root_functions_of(system), tuple(name for name, _ in system.parameters)
 
     def record(
         segment: str,
         ranges: SlotMatrix,
-        parts: Mapping[str, Sequence[Expression]],
+        by_region: Mapping[str, Sequence[Expression]],
         *measures: Measure,
     ) -> None:
         recorder.begin(segment)
-        for name, found in parts.items():
-            if found:
-                target = recorder.region(name, BOUNDS * len(found))
-                operation = Enclosed(tuple(found), names, measures)
+        for name, formulas in by_region.items():
+            if formulas:
+                target = recorder.region(name, BOUNDS * len(formulas))
+                operation = Enclosed(tuple(formulas), names, measures)
                 recorder.call(operation, ranges, parameters, into=(target,))
 
     if functions.switches or functions.features:
-        parts = {"switches": functions.switches, "features": functions.features}
-        parts |= {"gaps": functions.gaps}
-        record("switching", recorder.region("span", 2), parts)
+        by_region = {"switches": functions.switches, "features": functions.features}
+        by_region |= {"gaps": functions.gaps}
+        record("switching", recorder.region("span", 2), by_region)
     if functions.laws:
         record("bending", recorder.region("law_span", 2), {"laws": functions.laws})
-    near = {"lengths": functions.lengths, "distances": functions.distances}
+    squares = {"lengths": functions.lengths, "distances": functions.distances}
     crossing = {
         "crossings": functions.crossings,
         "breaks": functions.breaks,
@@ -169,17 +170,17 @@ def record_switching(
         "narrow": functions.narrow,
         "infinite": functions.infinite,
     }
-    if any(crossing.values()) or any(near.values()):
+    if any(crossing.values()) or any(squares.values()):
         region = recorder.region("measures", 2 * len(functions.measures))
         recorder.begin("measure")
-        for k, one in enumerate(functions.measures):
-            forces.measure(system, one, region.part(2 * k, 1), region.part(2 * k + 1, 1))
-    if any(near.values()):
+        for k, measure in enumerate(functions.measures):
+            forces.measure(system, measure, region.part(2 * k, 1), region.part(2 * k + 1, 1))
+    if any(squares.values()):
         recorder.begin("distance")
-        for name, found in near.items():
-            if found:
-                target = recorder.region(name, len(found))
-                valued = Valued(found, names, functions.measures)
+        for name, formulas in squares.items():
+            if formulas:
+                target = recorder.region(name, len(formulas))
+                valued = Valued(formulas, names, functions.measures)
                 recorder.call(valued, forces.names[TIME][0], region, parameters, into=(target,))
     if any(crossing.values()):
         ranges = recorder.region("ranges", 2 + RANGES * len(functions.measures))

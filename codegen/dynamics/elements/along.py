@@ -63,8 +63,8 @@ class OnCoordinate(ForceFacets[E]):
 
     def leaves_plane(self, system: System, normal: int) -> bool:
         """Whether J leads out of the plane."""
-        one = system.coordinates[self.force.coordinate]
-        return facets_of_kind(one.kind).leaves_plane(system, one, normal) is not False
+        coordinate = system.coordinates[self.force.coordinate]
+        return facets_of_kind(coordinate.kind).leaves_plane(system, coordinate, normal) is not False
 
     def applied(self) -> Applied:
         """Nothing applied: its effects on both bodies cancel."""
@@ -75,12 +75,12 @@ class OnCoordinate(ForceFacets[E]):
         return system.coordinates[self.force.coordinate]
 
     def add(
-        self, equations: BodyEquations, at: Mapping[int, Course], tau: Real, found: Found
+        self, equations: BodyEquations, courses: Mapping[int, Course], tau: Real, loads: Found
     ) -> None:
-        """Add Jᵀτ: of each velocity the u̇ that it makes where it alone is one."""
-        ends = {body: at[body] for body in (self.force.i, self.force.j)}
-        for column, ahead in equations.each_column(ends):
-            found.force[column] += tau * equations.coordinate(self.force.coordinate, ahead).d
+        """Add Jᵀτ: an entry of J is u̇ where that velocity alone is one."""
+        ends = {body: courses[body] for body in (self.force.i, self.force.j)}
+        for column, moving in equations.each_column(ends):
+            loads.force[column] += tau * equations.coordinate(self.force.coordinate, moving).d
 
 
 class AlongFacets(OnCoordinate[CoordinateForce]):
@@ -95,12 +95,12 @@ class AlongFacets(OnCoordinate[CoordinateForce]):
     def by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[Real]],
-        found: Found,
+        constants: Mapping[str, Sequence[Real]],
+        loads: Found,
     ) -> tuple[Real, Real]:
         """Add Jᵀτ; return τ u̇, and no energy."""
-        (tau,) = given["force"]
-        self.add(equations, at, tau, found)
-        return tau * equations.coordinate(self.force.coordinate, at).d, 0
+        (tau,) = constants["force"]
+        self.add(equations, courses, tau, loads)
+        return tau * equations.coordinate(self.force.coordinate, courses).d, 0

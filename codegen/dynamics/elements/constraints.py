@@ -1,7 +1,7 @@
 """Facets of kinds of constraints and coordinates, beside the equations of their kernels.
 
-Each kind is defined again, by geometry: of moving bodies for the equations of each body, at rest
-for how far a joint is open, and by what the ground can do through it.
+Each kind is defined again, by geometry: between moving bodies for the equations of each body,
+between bodies at rest for the gap of a joint, and by the reactions of the ground through it.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     Digits = FormulaArithmetic[Real]
     #: Its inputs by name.
-    Own = Mapping[str, Sequence[Real]]
+    Inputs = Mapping[str, Sequence[Real]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ ANYTHING = GroundReaction(through=precise.ZERO, any_moment=True)
 
 @dataclass(frozen=True, slots=True)
 class BodiesAtRest:
-    """Two bodies at rest, as a constraint between them sees them: a = A a′, d of (8.8).
+    """Axes and points of a constraint between two bodies at rest: a = A a′, d of (8.8).
 
     Parameters
     ----------
@@ -98,29 +98,29 @@ class ConstraintFacets(ABC):
     Attributes
     ----------
     holds : frozenset of RelativeMotion
-        What it does not allow, whatever the position; empty where that depends on the position.
+        Motions that it prevents, whatever the position; none where that depends on the position.
     measures : RelativeMotion, optional
-        What changes it, of a coordinate that a joint may have for its own.
+        Motion that changes it, of a coordinate that a joint may have for its own.
     """
 
     holds: ClassVar[frozenset[RelativeMotion]] = frozenset()
     measures: ClassVar[RelativeMotion | None] = None
 
     @abstractmethod
-    def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
-        """Residuals (m,), zero where it holds, or the value that it measures, from moving bodies.
+    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
+        """Residuals (m,), zero where it holds, or the value of the coordinate, of moving bodies.
 
         Parameters
         ----------
         i, j : Course
-            The bodies on their way.
-        own : mapping of str to sequence of number
+            Courses of the bodies.
+        inputs : mapping of str to sequence of number
             Its inputs: axes (3,) and points (3,) [m] in the principal frames, a length [m].
         digits : FormulaArithmetic
-            What numbers are computed with.
+            Arithmetic of the numbers.
         """
 
-    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
+    def gap(self, bodies: BodiesAtRest) -> tuple[Real, int]:
         """Gap, a scalar, that is left until it holds, and 0 for metres or 1 for radians."""
         raise NotImplementedError(f"{type(self).__name__} is no constraint")
 
@@ -136,7 +136,7 @@ class ConstraintFacets(ABC):
             Of the ground, frame O.
         """
 
-    def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
+    def leaves_plane(self, system: System, u: RelativeCoordinate, normal: int) -> bool | None:
         """Whether a force along a coordinate of the kind leads out of a coordinate plane.
 
         A coordinate whose axes are in the plane, and whose points are level with the centres of
@@ -147,14 +147,14 @@ class ConstraintFacets(ABC):
         ----------
         system : System
             A scene that moves in the plane.
-        one : RelativeCoordinate
+        u : RelativeCoordinate
             The coordinate.
         normal : int
             The axis that the plane is across.
         """
         raise NotImplementedError(f"{type(self).__name__} is no coordinate")
 
-    def direction(self, own: Mapping[str, Sequence[float]]) -> Triple | None:
+    def direction(self, inputs: Mapping[str, Sequence[float]]) -> Triple | None:
         """Direction (3,) [-] along or about which it grows, in body i; None unless for good."""
         return None
 
@@ -172,39 +172,39 @@ class PointFacets(OfPoints):
 
     holds = frozenset({RelativeMotion.SLIDE, RelativeMotion.SHIFT})
 
-    def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
+    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
         """Vector d = r_j + A_j s′_j − r_i − A_i s′_i (3,) [m]."""
-        return _across(i, j, own)
+        return _across(i, j, inputs)
 
-    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
+    def gap(self, bodies: BodiesAtRest) -> tuple[Real, int]:
         """Length |d| [m]."""
-        return precise.length(seen.d), 0
+        return precise.length(bodies.d), 0
 
 
 class LengthFacets(OfPoints):
     """The distance of two points, |d| (1,) [m]."""
 
-    def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
+    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
         """Length |d| [m]."""
-        d = _across(i, j, own)
+        d = _across(i, j, inputs)
         return (sqrt(dot(d, d), digits),)
 
-    def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
+    def leaves_plane(self, system: System, u: RelativeCoordinate, normal: int) -> bool | None:
         """Whether its points are not level."""
-        return not _is_level(system, one, normal)
+        return not _is_level(system, u, normal)
 
 
 class DistanceFacets(LengthFacets):
     """Two points at a given distance: |d| = l (1,) [m]."""
 
-    def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
+    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
         """Residual |d| − l [m]."""
-        (distance,), (length,) = super().residuals(i, j, own, digits), own["length"]
+        (distance,), (length,) = super().residuals(i, j, inputs, digits), inputs["length"]
         return (distance - Jet(length),)
 
-    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
+    def gap(self, bodies: BodiesAtRest) -> tuple[Real, int]:
         """Gap ||d| − l| [m]."""
-        return abs(precise.length(seen.d) - seen.length), 0
+        return abs(precise.length(bodies.d) - bodies.length), 0
 
 
 class OfAxes(ConstraintFacets):
@@ -223,18 +223,18 @@ class PerpendicularFacets(OfAxes):
 
     holds = frozenset({RelativeMotion.SPIN})
 
-    def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
+    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
         """Product a_i · a_j (1,) [-]."""
-        return (dot(i.vector(own["a_i_b"]), j.vector(own["a_j_b"])),)
+        return (dot(i.vector(inputs["a_i_b"]), j.vector(inputs["a_j_b"])),)
 
-    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
+    def gap(self, bodies: BodiesAtRest) -> tuple[Real, int]:
         """Difference of the angle between them from a right one [rad]."""
-        sine, cosine = _angle(seen)
+        sine, cosine = _angle(bodies)
         return CONTEXT.atan2(cosine, sine), 1
 
-    def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
+    def leaves_plane(self, system: System, u: RelativeCoordinate, normal: int) -> bool | None:
         """Whether its axes are neither both in the plane nor both across it."""
-        heights = _heights(one, normal)
+        heights = _heights(u, normal)
         is_across = [height >= 1.0 - FLAT for height in heights]
         if max(heights) <= FLAT or all(is_across):
             return False
@@ -247,13 +247,13 @@ class ParallelFacets(OfAxes):
 
     holds = frozenset({RelativeMotion.TILT})
 
-    def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
+    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
         """Product a_i × a_j (3,) [-]."""
-        return cross(i.vector(own["a_i_b"]), j.vector(own["a_j_b"]))
+        return cross(i.vector(inputs["a_i_b"]), j.vector(inputs["a_j_b"]))
 
-    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
+    def gap(self, bodies: BodiesAtRest) -> tuple[Real, int]:
         """Angle between their lines [rad]."""
-        return CONTEXT.atan2(*_angle(seen)), 1
+        return CONTEXT.atan2(*_angle(bodies)), 1
 
 
 class AngleFacets(ConstraintFacets):
@@ -261,23 +261,23 @@ class AngleFacets(ConstraintFacets):
 
     measures = RelativeMotion.SPIN
 
-    def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
+    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
         """Angle atan2(b_i · a_j, a_i · a_j) (1,) [rad]."""
-        a_j = j.vector(own["a_j_b"])
-        sine, cosine = (dot(i.vector(own[name]), a_j) for name in ("b_i_b", "a_i_b"))
+        a_j = j.vector(inputs["a_j_b"])
+        sine, cosine = (dot(i.vector(inputs[name]), a_j) for name in ("b_i_b", "a_i_b"))
         return (atan2(sine, cosine, digits),)
 
     def ground_reaction(self, axis: Triple | None, point: Triple | None) -> GroundReaction:
         """Moments of any direction."""
         return GroundReaction(any_moment=True)
 
-    def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
+    def leaves_plane(self, system: System, u: RelativeCoordinate, normal: int) -> bool | None:
         """Whether an axis is not in the plane."""
-        return max(_heights(one, normal)) > FLAT
+        return max(_heights(u, normal)) > FLAT
 
-    def direction(self, own: Mapping[str, Sequence[float]]) -> Triple | None:
+    def direction(self, inputs: Mapping[str, Sequence[float]]) -> Triple | None:
         """Axis a′_i × b′_i (3,) [-]."""
-        return precise.cross(precise.triple(own["a_i_b"]), precise.triple(own["b_i_b"]))
+        return precise.cross(precise.triple(inputs["a_i_b"]), precise.triple(inputs["b_i_b"]))
 
 
 class InPlaneFacets(ConstraintFacets):
@@ -285,13 +285,13 @@ class InPlaneFacets(ConstraintFacets):
 
     measures = RelativeMotion.SLIDE
 
-    def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
+    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
         """Product a_i · d (1,) [m]."""
-        return (dot(i.vector(own["a_i_b"]), _across(i, j, own)),)
+        return (dot(i.vector(inputs["a_i_b"]), _across(i, j, inputs)),)
 
-    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
+    def gap(self, bodies: BodiesAtRest) -> tuple[Real, int]:
         """Gap |a_i · d| [m]."""
-        return abs(precise.dot(seen.axes[0], seen.d)), 0
+        return abs(precise.dot(bodies.axes[0], bodies.d)), 0
 
     def ground_reaction(self, axis: Triple | None, point: Triple | None) -> GroundReaction:
         """Forces along the axis, wherever they act; where it turns, through the point."""
@@ -299,16 +299,16 @@ class InPlaneFacets(ConstraintFacets):
             return GroundReaction(through=point)
         return GroundReaction(push=precise.unit(axis))
 
-    def leaves_plane(self, system: System, one: RelativeCoordinate, normal: int) -> bool | None:
+    def leaves_plane(self, system: System, u: RelativeCoordinate, normal: int) -> bool | None:
         """Whether its axis is not in the plane, or its points are not level."""
-        (height,) = _heights(one, normal)
+        (height,) = _heights(u, normal)
         if height <= FLAT:
-            return not _is_level(system, one, normal)
+            return not _is_level(system, u, normal)
         return None if height >= 1.0 - FLAT else True
 
-    def direction(self, own: Mapping[str, Sequence[float]]) -> Triple | None:
+    def direction(self, inputs: Mapping[str, Sequence[float]]) -> Triple | None:
         """Axis a′_i (3,) [-]."""
-        return precise.triple(own["a_i_b"])
+        return precise.triple(inputs["a_i_b"])
 
 
 class OnLineFacets(ConstraintFacets):
@@ -316,13 +316,13 @@ class OnLineFacets(ConstraintFacets):
 
     holds = frozenset({RelativeMotion.SHIFT})
 
-    def residuals(self, i: Course, j: Course, own: Own, digits: Digits) -> Sequence[Jet]:
+    def residuals(self, i: Course, j: Course, inputs: Inputs, digits: Digits) -> Sequence[Jet]:
         """Product a_i × d (3,) [m]."""
-        return cross(i.vector(own["a_i_b"]), _across(i, j, own))
+        return cross(i.vector(inputs["a_i_b"]), _across(i, j, inputs))
 
-    def gap(self, seen: BodiesAtRest) -> tuple[Real, int]:
+    def gap(self, bodies: BodiesAtRest) -> tuple[Real, int]:
         """Gap |a_i × d| [m]."""
-        return precise.length(precise.cross(seen.axes[0], seen.d)), 0
+        return precise.length(precise.cross(bodies.axes[0], bodies.d)), 0
 
     def ground_reaction(self, axis: Triple | None, point: Triple | None) -> GroundReaction:
         """Forces across the axis, through its line; where it turns, through the point."""
@@ -331,25 +331,25 @@ class OnLineFacets(ConstraintFacets):
         return GroundReaction(line=(precise.unit(axis), point))
 
 
-def _across(i: Course, j: Course, own: Own) -> JetVector:
+def _across(i: Course, j: Course, inputs: Inputs) -> JetVector:
     """Vector d, from the point of body i to that of body j [m]."""
-    start, end = i.point(own["s_i_b"]), j.point(own["s_j_b"])
+    start, end = i.point(inputs["s_i_b"]), j.point(inputs["s_j_b"])
     return end[0] - start[0], end[1] - start[1], end[2] - start[2]
 
 
-def _heights(one: RelativeCoordinate, normal: int) -> list[float]:
+def _heights(u: RelativeCoordinate, normal: int) -> list[float]:
     """Parts of the axes of a coordinate across the plane; 0 is in the plane and 1 across it."""
-    return [abs(axis[normal]) for name, axis in one.constants if not is_point(name)]
+    return [abs(axis[normal]) for name, axis in u.constants if not is_point(name)]
 
 
-def _is_level(system: System, one: RelativeCoordinate, normal: int) -> bool:
+def _is_level(system: System, u: RelativeCoordinate, normal: int) -> bool:
     """Whether the points of a coordinate are level with the centres of mass and each other."""
-    return is_level(heights_of_ends(system, one, normal), [values for _, values in one.constants])
+    return is_level(heights_of_ends(system, u, normal), [values for _, values in u.constants])
 
 
-def _angle(seen: BodiesAtRest) -> tuple[Real, Real]:
+def _angle(bodies: BodiesAtRest) -> tuple[Real, Real]:
     """Sine and cosine of the angle between the lines of two axes."""
-    axis, other = seen.axes
+    axis, other = bodies.axes
     return precise.length(precise.cross(axis, other)), abs(precise.dot(axis, other))
 
 
@@ -363,7 +363,7 @@ CONSTRAINT_FACETS: dict[str, ConstraintFacets] = {
     "angle": AngleFacets(),
     "length": LengthFacets(),
 }
-"""By the names of the kinds; a combination is what its coordinates are."""
+"""Facets by names of kinds; a combination has those of its coordinates."""
 
 
 def facets_of_kind(package: str) -> ConstraintFacets:
@@ -372,6 +372,6 @@ def facets_of_kind(package: str) -> ConstraintFacets:
 
 
 def held_by(package: str) -> frozenset[RelativeMotion]:
-    """Motions that a package does not allow, whatever the position; one's own may depend on it."""
+    """Motions that a package prevents, whatever the position; one's own may depend on it."""
     base = base_of(package)
     return CONSTRAINT_FACETS[base].holds if base in CONSTRAINT_FACETS else frozenset()

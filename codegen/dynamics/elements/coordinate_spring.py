@@ -40,9 +40,9 @@ class CoordinateSpringEffect:
     Parameters
     ----------
     law : str
-        τ as a formula, with the opposite sign; empty where linear.
+        −τ as a formula; empty where linear.
     names : tuple of str
-        What it may depend on beside u − u⁰ and u̇.
+        Names that it depends on beside u − u⁰ and u̇.
     works : bool
         Whether the power is wanted.
     """
@@ -54,22 +54,22 @@ class CoordinateSpringEffect:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Accelerations M⁻¹Jᵀτ (c, 1) of the coordinates of i and j; its power (1, 1) [W]."""
-        left, inverse_mass_i, right, inverse_mass_j, value, rate, *given = blocks
+        left, inverse_mass_i, right, inverse_mass_j, value, rate, *constants = blocks
         if self.law:
-            unit, free, *rest = given
-            one = column_of(trace, trace.graph.const(1))
-            own = [value - free, one, rate, one, *rest]
-            node = formula_node(trace, self.law, (*ELONGATION, *self.names), own)
+            unit, free, *others = constants
+            unity = column_of(trace, trace.graph.const(1))
+            arguments = [value - free, unity, rate, unity, *others]
+            node = formula_node(trace, self.law, (*ELONGATION, *self.names), arguments)
             moment = damped = unit @ column_of(trace, node)
         else:
-            stiffness, damping, free = given
+            stiffness, damping, free = constants
             damped = damping @ rate
             moment = stiffness @ (value - free) + damped
-        added = (
+        effect = (
             -(left.scaled(inverse_mass_i).T @ moment),
             -(right.scaled(inverse_mass_j).T @ moment),
         )
-        return (*added, -(damped @ rate)) if self.works else added
+        return (*effect, -(damped @ rate)) if self.works else effect
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,14 +90,14 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
     """A spring and damper against a coordinate: τ = −k (u − u⁰) − c u̇."""
 
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
-        """M⁻¹Jᵀτ of both bodies, and the power beside that of potential energy, recorded."""
+        """M⁻¹Jᵀτ of both bodies, and the power without potential energy, recorded."""
         constants = tasks.constants(self.force)
         ends = self.jacobians(tasks)
         rate = self.rate(tasks)
-        names, given = tasks.law(self.force)
+        names, arguments = tasks.law(self.force)
         operation = CoordinateSpringEffect(self.force.law, names, self.force.works)
         value = tasks.coordinates.value(self.force.coordinate)
-        return tasks.recorder.call(operation, *ends, value, rate, *constants, *given)
+        return tasks.recorder.call(operation, *ends, value, rate, *constants, *arguments)
 
     def energy(self, tasks: ForceRecorder) -> SlotMatrix:
         """Energy (0, ½ k (u − u⁰)²) (2,) [J], recorded."""
@@ -119,44 +119,45 @@ class CoordinateSpringFacets(OnCoordinate[CoordinateSpring]):
         Across the plane, motions in the plane do not change a coordinate: a spring that has no
         force at the start then has none for good.
         """
-        one, force = system.coordinates[self.force.coordinate], self.force
-        leaves = facets_of_kind(one.kind).leaves_plane(system, one, normal)
+        coordinate, force = system.coordinates[self.force.coordinate], self.force
+        leaves = facets_of_kind(coordinate.kind).leaves_plane(system, coordinate, normal)
         if leaves is not None:
             return leaves
         if force.law or force.formulas:
             return True
         (free,) = dict(force.constants)["free"]
-        size = max(abs(x) for _, values in one.constants for x in values)
-        return abs(at_start(system, one) - free) > FLAT * max(1.0, size)
+        size = max(abs(x) for _, values in coordinate.constants for x in values)
+        return abs(at_start(system, coordinate) - free) > FLAT * max(1.0, size)
 
     def length_by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
-        given: Mapping[str, Sequence[Real]],
+        courses: Mapping[int, Course],
+        constants: Mapping[str, Sequence[Real]],
     ) -> tuple[Jet, Real]:
         """Value u of the coordinate, and u⁰, in rad or m."""
-        return equations.coordinate(self.force.coordinate, at), given["free"][0]
+        return equations.coordinate(self.force.coordinate, courses), constants["free"][0]
 
     def by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[Real]],
-        found: Found,
+        constants: Mapping[str, Sequence[Real]],
+        loads: Found,
     ) -> tuple[Real, Real]:
-        """Add Jᵀτ; return the power beside that of potential energy, and ½ k (u − u⁰)²."""
+        """Add Jᵀτ; return the power without potential energy, and ½ k (u − u⁰)²."""
         force = self.force
         energy: Real = 0
-        value, free = self.length_by_definition(equations, at, given)
-        beyond = value.x - free
+        value, free = self.length_by_definition(equations, courses, constants)
+        elongation = value.x - free
         if force.law:
-            own = {"x": Jet(beyond), "v": Jet(value.d)}
-            tau = lost = -given["moment"][0] * equations.value(force.law, {**names, **own}).x
+            arguments = {"x": Jet(elongation), "v": Jet(value.d)}
+            moment = constants["moment"][0]
+            tau = damping = -moment * equations.value(force.law, {**names, **arguments}).x
         else:
-            lost = -given["damping"][0] * value.d
-            tau = lost - given["stiffness"][0] * beyond
-            energy = given["stiffness"][0] * beyond**2 / 2
-        self.add(equations, at, tau, found)
-        return lost * value.d, energy
+            damping = -constants["damping"][0] * value.d
+            tau = damping - constants["stiffness"][0] * elongation
+            energy = constants["stiffness"][0] * elongation**2 / 2
+        self.add(equations, courses, tau, loads)
+        return damping * value.d, energy

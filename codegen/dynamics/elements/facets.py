@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.real import Real
     from kousoku.model.records.orientation import Vector
 
-    #: What tells by its kind and constants what the ground does through it.
+    #: Source of a force of the ground, which follows from its kind and constants.
     Source = Instance | RelativeCoordinate
 
 E = TypeVar("E", bound=ForceElement)
@@ -35,8 +35,7 @@ class Applied:
     Parameters
     ----------
     forces, torques : tuple of (3,) [N, N m], or None
-        Directions of frame O that it is along, whatever the position; None where it may be along
-        any.
+        Directions of frame O, whatever the position; None where they may be any.
     """
 
     forces: tuple[Vector, ...] | None = ()
@@ -44,12 +43,12 @@ class Applied:
 
 
 class ForceFacets(ABC, Generic[E]):
-    """A force, and all that is asked of it after the scene is read.
+    """A force, in its program, in analyses, and in the check beside the program.
 
-    What it does to a body is f = (F, N′) (6,): F [N] in frame O, N′ [N m] about the centre of mass
-    in the principal frame. What is not stated here is assumed to be as bad as it can be: a force
-    leaves every plane, keeps its bodies from being joined with others, and no momentum of a part
-    that it acts on is constant.
+    Its load on a body is f = (F, N′) (6,): F [N] in frame O, N′ [N m] about the centre of mass in
+    the principal frame. Without a statement here the worst is assumed: a force leaves every plane,
+    keeps its bodies from being joined with others, and no momentum of a part that it acts on is
+    constant.
 
     Parameters
     ----------
@@ -73,9 +72,9 @@ class ForceFacets(ABC, Generic[E]):
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
         """M⁻¹f (c, 1) [m/s², rad/s²] of body i and of body j, then the power (1, 1) [W], recorded.
 
-        The power is that of what is no potential energy; it may be missing where nothing
-        :attr:`~kousoku.model.mechanics.multibody.ForceElement.works`. What is added to the ground
-        is not looked at.
+        The power is that of the part without potential energy; it may be missing where nothing
+        :attr:`~kousoku.model.mechanics.multibody.ForceElement.works`. The share of the ground is
+        ignored.
         """
 
     def energy(self, tasks: ForceRecorder) -> SlotMatrix:
@@ -85,7 +84,7 @@ class ForceFacets(ABC, Generic[E]):
     def elongation(
         self, tasks: ForceRecorder
     ) -> tuple[SlotMatrix, SlotMatrix, SlotMatrix, SlotMatrix]:
-        """Numbers (1,) that its law is of, recorded: a value, its rate, the free one, the unit."""
+        """Arguments (1,) of its law, recorded: a value, its rate, the free value, the unit."""
         raise NotImplementedError(f"no elongation of a force of kind {self.force.kind}")
 
     # In analyses.
@@ -96,7 +95,7 @@ class ForceFacets(ABC, Generic[E]):
         Parameters
         ----------
         system : System
-            All of whose numbers are fixed.
+            A scene, with fixed numbers.
         normal : int
             Which axis is normal to the plane; it is so in all principal frames.
         """
@@ -105,7 +104,7 @@ class ForceFacets(ABC, Generic[E]):
     def seen_from(self, i: Placement, j: Placement) -> E:
         """Force between the bodies that carry its own: s′ → at + A s′, a′ → A a′.
 
-        ``s_i_b`` and ``s_j_b`` are points (3,) [m], what else ends in ``_i_b`` and ``_j_b``
+        ``s_i_b`` and ``s_j_b`` are points (3,) [m], others that end in ``_i_b`` and ``_j_b``
         vectors.
         """
         constants = seen_from_carriers(self.force.constants, i, j)
@@ -129,10 +128,10 @@ class ForceFacets(ABC, Generic[E]):
     def length_by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
-        given: Mapping[str, Sequence[Real]],
+        courses: Mapping[int, Course],
+        constants: Mapping[str, Sequence[Real]],
     ) -> tuple[Jet, Real]:
-        """Value along a motion that its law is of, by its geometric definition, and the free one.
+        """Value of its law's argument along a motion, by geometry, and the free value.
 
         They are [m] or [rad], whatever the unit of the law; parameters are those of
         :meth:`by_definition`.
@@ -143,27 +142,27 @@ class ForceFacets(ABC, Generic[E]):
     def by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[Real]],
-        found: Found,
+        constants: Mapping[str, Sequence[Real]],
+        loads: Found,
     ) -> tuple[Real, Real]:
         """Add f to the equations M v̇ = f of each body; return the power and the potential energy.
 
-        What it does is stated again, from its geometric definition: no kernel, no operation and
+        The force is stated again, from its geometric definition: no kernel, no operation and
         nothing of :meth:`effect` has a part in it. Power [W] and energy [J] are numbers.
 
         Parameters
         ----------
         equations : BodyEquations
-            What it is added with: ``apply_force``, ``apply_torque``.
-        at : mapping of int to Course
-            The bodies on their way, by their places; the ground too.
+            Equations of the bodies, with ``apply_force`` and ``apply_torque``.
+        courses : mapping of int to Course
+            Courses of the bodies, by their indices; of the ground, too.
         names : mapping of str to Jet
-            What formulas may name.
-        given : mapping of str to sequence of number
+            Values that formulas may name.
+        constants : mapping of str to sequence of number
             Its constants, those that have a formula multiplied by it: points (3,) [m] in the
             principal frames, vectors in theirs.
-        found : Found
-            What acts.
+        loads : Found
+            Forces at the state, to which f is added.
         """

@@ -60,24 +60,24 @@ class LoadEffect:
         p, orientation, v, omega, inverse_mass, *constants = blocks
         share(trace, p, orientation)
         point = constants.pop(0) if self.kind in ("force", "force_b") else None
-        given = sum(constants[1:], constants[0])
+        vector = sum(constants[1:], constants[0])
         zeros = (trace.graph.const(0),) * 3
         if self.kind == "torque":
-            forces = (*zeros, *(orientation.T @ given).flat)
+            forces = (*zeros, *(orientation.T @ vector).flat)
         elif point is None:
-            forces = (*zeros, *given.flat)
+            forces = (*zeros, *vector.flat)
         elif self.kind == "force":
-            forces = at_point(trace, p.flat, point, given)
+            forces = at_point(trace, p.flat, point, vector)
         else:
             still = (trace.graph.const(1), *zeros)
-            torque = at_point(trace, still, point, given)[3:]
-            forces = (*(orientation @ given).flat, *torque)
-        found = (accelerations(trace, forces, self.columns, inverse_mass),)
+            torque = at_point(trace, still, point, vector)[3:]
+            forces = (*(orientation @ vector).flat, *torque)
+        effect = (accelerations(trace, forces, self.columns, inverse_mass),)
         if not self.works:
-            return found
+            return effect
         mul, rates = trace.graph.mul, (*v.flat, *omega.flat)
         power = trace.graph.sum(mul(a, b) for a, b in zip(forces, rates, strict=True))
-        return *found, column_of(trace, power)
+        return *effect, column_of(trace, power)
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,8 +94,8 @@ class LoadEnergy:
         graph = trace.graph
         r, p, point, force = blocks
         inputs = {"r": r.flat, "p": p.flat, "s_b": point.flat}
-        place = trace.inline(frozen("rotation", "point"), inputs)["r_P"]
-        work = graph.sum(graph.mul(a, b) for a, b in zip(force.flat, place, strict=True))
+        position = trace.inline(frozen("rotation", "point"), inputs)["r_P"]
+        work = graph.sum(graph.mul(a, b) for a, b in zip(force.flat, position, strict=True))
         return (column_of(trace, graph.const(0), graph.neg(work)),)
 
 
@@ -119,12 +119,12 @@ class LoadFacets(ForceFacets[Load]):
 
     def leaves_plane(self, system: System, normal: int) -> bool:
         """Whether a torque is not about the normal, or a force not in the plane."""
-        given = dict(self.force.constants)
+        constants = dict(self.force.constants)
         if self.force.is_torque:
-            return any(x for values in given.values() for k, x in enumerate(values) if k != normal)
+            return any(x for row in constants.values() for k, x in enumerate(row) if k != normal)
         if any(vector[normal] for vector in self.force.vectors):
             return True
-        return not is_level([given["s_j_b"][normal]], list(given.values()))
+        return not is_level([constants["s_j_b"][normal]], list(constants.values()))
 
     def seen_from(self, i: Placement, j: Placement) -> Load:
         """Force on the body that carries its own; one that turns with a body is a vector of it."""
@@ -133,9 +133,9 @@ class LoadFacets(ForceFacets[Load]):
 
     def resting_energy(self, i: Placement, j: Placement) -> Real:
         """Energy −F·(r + A s′) of a force on the ground [J]."""
-        given = dict(self.force.constants)
-        end = precise.triple(j.point(given["s_j_b"]))
-        energy: Real = -precise.dot(precise.triple(given["force"]), end)
+        constants = dict(self.force.constants)
+        end = precise.triple(j.point(constants["s_j_b"]))
+        energy: Real = -precise.dot(precise.triple(constants["force"]), end)
         return energy
 
     def applied(self) -> Applied:
@@ -146,21 +146,21 @@ class LoadFacets(ForceFacets[Load]):
     def by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[Real]],
-        found: Found,
+        constants: Mapping[str, Sequence[Real]],
+        loads: Found,
     ) -> tuple[Real, Real]:
         """Add F at its point, or N; return F·ṙ_P or N·ω, and −F·r_P of its point."""
         force = self.force
-        vectors = [values for name, values in given.items() if name != "s_j_b"]
+        vectors = [values for name, values in constants.items() if name != "s_j_b"]
         vector = [sum(parts) for parts in zip(*vectors, strict=True)]
-        course = at[force.j]
+        course = courses[force.j]
         if force.is_body_fixed:
             vector = [x.x for x in course.vector(vector)]
         if force.is_torque:
-            return equations.apply_torque(force.j, course, vector, found), 0
-        point = course.point(given["s_j_b"])
-        equations.apply_force(force.j, course, given["s_j_b"], vector, found)
+            return equations.apply_torque(force.j, course, vector, loads), 0
+        point = course.point(constants["s_j_b"])
+        equations.apply_force(force.j, course, constants["s_j_b"], vector, loads)
         power = sum(a * x.d for a, x in zip(vector, point, strict=True))
         return power, -sum(a * x.x for a, x in zip(vector, point, strict=True))

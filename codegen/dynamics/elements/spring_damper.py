@@ -34,7 +34,7 @@ ENDS, LAW = ("s_i_b", "s_j_b"), ("stiffness", "damping", "free_length")
 
 @dataclass(frozen=True, slots=True)
 class SpringEffect:
-    """M⁻¹f of a spring and damper, and the power beside that of potential energy.
+    """M⁻¹f of a spring and damper, and the power without potential energy.
 
     f = −T ∂l/∂q with T = k (l − l⁰) + c l̇ [N] and l = |d|, lecture 8.2, (8.8). Blocks: r (3,) [m],
     p (4,), A (3, 3), v (3,) [m/s] in frame O, ω′ (3,) [rad/s] in the principal frame and the
@@ -49,7 +49,7 @@ class SpringEffect:
     law : str
         Tension as a formula, empty where linear.
     names : tuple of str
-        What it may depend on beside elongation and rate.
+        Names that it depends on beside elongation and rate.
     works : bool
         Whether its power is wanted.
     """
@@ -66,28 +66,28 @@ class SpringEffect:
         (*i, inverse_mass_i), (*j, inverse_mass_j) = blocks[:6], blocks[6:12]
         state = inputs_of_body(trace, "i", *i) | inputs_of_body(trace, "j", *j)
         state |= dict(zip(ENDS, blocks[12:14], strict=True))
-        found = _inline(trace, "length", state)
+        length = _inline(trace, "length", state)
         if self.law:
-            tension = damped = self._tension(trace, found, *blocks[14:])
+            tension = damped = self._tension(trace, length, *blocks[14:])
         else:
             law = dict(zip(LAW, blocks[14:], strict=True))
-            tension = _inline(trace, "law", found | law)["T"]
-            damped = law["damping"] @ found["l_dot"]
+            tension = _inline(trace, "law", length | law)["T"]
+            damped = law["damping"] @ length["l_dot"]
         force = _inline(trace, "force", state | {"T": tension})["force"].flat
-        added = (
+        effect = (
             accelerations(trace, force[:COLUMNS], self.columns_i, inverse_mass_i),
             accelerations(trace, force[COLUMNS:], self.columns_j, inverse_mass_j),
         )
         if not self.works:
-            return added
-        return *added, -(damped @ found["l_dot"])
+            return effect
+        return *effect, -(damped @ length["l_dot"])
 
-    def _tension(self, trace: Trace, found: dict[str, Matrix], *given: Matrix) -> Matrix:
+    def _tension(self, trace: Trace, length: dict[str, Matrix], *constants: Matrix) -> Matrix:
         """Tension [N] by the formula."""
-        unit, free, *rest = given
-        elongation = found["l"] - free
-        own = [elongation, unit, found["l_dot"], unit, *rest]
-        value = formula_node(trace, self.law, (*ELONGATION, *self.names), own)
+        unit, free, *others = constants
+        elongation = length["l"] - free
+        arguments = [elongation, unit, length["l_dot"], unit, *others]
+        value = formula_node(trace, self.law, (*ELONGATION, *self.names), arguments)
         return unit @ column_of(trace, value)
 
 
@@ -105,8 +105,8 @@ class SpringLength:
         """Length l = |d| (1,) [m] and its derivative by time l̇ = d·ḋ/l (1,) [m/s]."""
         ends = (f"{name}_{body}" for body in "ij" for name in ("r", "p", "v", "omega"))
         names = (name + "_b" if "omega" in name else name for name in (*ends, *ENDS))
-        found = _inline(trace, "length", dict(zip(names, blocks, strict=True)))
-        return found["l"], found["l_dot"]
+        length = _inline(trace, "length", dict(zip(names, blocks, strict=True)))
+        return length["l"], length["l_dot"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,12 +121,12 @@ class SpringEnergy:
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Energies (0, V) (2,) [J]: V = ½ k (l − l⁰)²."""
         zero = trace.graph.const(0)
-        places = dict(zip(("r_i", "p_i", "r_j", "p_j", *ENDS), blocks[:6], strict=True))
+        positions = dict(zip(("r_i", "p_i", "r_j", "p_j", *ENDS), blocks[:6], strict=True))
         still = column_of(trace, zero, zero, zero)
         motion = dict.fromkeys(("v_i", "omega_i_b", "v_j", "omega_j_b"), still)
-        found = _inline(trace, "length", places | motion)
+        length = _inline(trace, "length", positions | motion)
         law = dict(zip(LAW, blocks[6:], strict=True))
-        (energy,) = _inline(trace, "law", found | law)["V"].flat
+        (energy,) = _inline(trace, "law", length | law)["V"].flat
         return (column_of(trace, zero, energy),)
 
 
@@ -136,7 +136,7 @@ class SpringFacets(ForceFacets[PointSpring]):
     is_carried = True
 
     def effect(self, tasks: ForceRecorder) -> tuple[SlotMatrix, ...]:
-        """M⁻¹f of both bodies, and the power beside that of potential energy, recorded."""
+        """M⁻¹f of both bodies, and the power without potential energy, recorded."""
         constants = tasks.constants(self.force)
         i, j = tasks.body(self.force.i), tasks.body(self.force.j)
         ends = [
@@ -147,9 +147,9 @@ class SpringFacets(ForceFacets[PointSpring]):
                 *(body.v_r, body.omega_b, body.inverse_mass),
             )
         ]
-        names, given = tasks.law(self.force)
+        names, arguments = tasks.law(self.force)
         operation = SpringEffect(i.columns, j.columns, self.force.law, names, self.force.works)
-        return tasks.recorder.call(operation, *ends, *constants, *given)
+        return tasks.recorder.call(operation, *ends, *constants, *arguments)
 
     def energy(self, tasks: ForceRecorder) -> SlotMatrix:
         """Energies (0, ½ k (l − l⁰)²) (2,) [J], recorded."""
@@ -175,11 +175,11 @@ class SpringFacets(ForceFacets[PointSpring]):
 
     def resting_energy(self, i: Placement, j: Placement) -> Real:
         """Energy ½ k (l − l⁰)² in one body [J]."""
-        given = dict(self.force.constants)
-        end = precise.triple(j.point(given["s_j_b"]))
-        start = precise.triple(i.point(given["s_i_b"]))
+        constants = dict(self.force.constants)
+        end = precise.triple(j.point(constants["s_j_b"]))
+        start = precise.triple(i.point(constants["s_i_b"]))
         length = precise.length(precise.subtract(end, start))
-        (stiffness,), (free,) = given["stiffness"], given["free_length"]
+        (stiffness,), (free,) = constants["stiffness"], constants["free_length"]
         energy: Real = precise.number(stiffness) * (length - precise.number(free)) ** 2 / 2
         return energy
 
@@ -192,53 +192,56 @@ class SpringFacets(ForceFacets[PointSpring]):
         ends = self.force.constants[: len(ENDS)]
         return RelativeCoordinate(self.force.name, "length", self.force.i, self.force.j, ends)
 
-    def _across(self, at: Mapping[int, Course], given: Mapping[str, Sequence[Real]]) -> list[Jet]:
+    def _across(
+        self, courses: Mapping[int, Course], inputs: Mapping[str, Sequence[Real]]
+    ) -> list[Jet]:
         """Vector d (3,) [m] from one end to the other along a motion, frame O."""
-        start = at[self.force.i].point(given["s_i_b"])
-        end = at[self.force.j].point(given["s_j_b"])
+        start = courses[self.force.i].point(inputs["s_i_b"])
+        end = courses[self.force.j].point(inputs["s_j_b"])
         return [b - a for a, b in zip(start, end, strict=True)]
 
     def length_by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
-        given: Mapping[str, Sequence[Real]],
+        courses: Mapping[int, Course],
+        constants: Mapping[str, Sequence[Real]],
     ) -> tuple[Jet, Real]:
         """Distance l = |d| [m] of the ends, and l⁰."""
-        across = self._across(at, given)
-        (free,) = given["free_length"]
-        return sqrt(dot(across, across), equations.digits), free
+        d = self._across(courses, constants)
+        (free,) = constants["free_length"]
+        return sqrt(dot(d, d), equations.digits), free
 
     def by_definition(
         self,
         equations: BodyEquations,
-        at: Mapping[int, Course],
+        courses: Mapping[int, Course],
         names: Mapping[str, Jet],
-        given: Mapping[str, Sequence[Real]],
-        found: Found,
+        constants: Mapping[str, Sequence[Real]],
+        loads: Found,
     ) -> tuple[Real, Real]:
         """Add the tension along the line; return the power of its damper, and ½ k (l − l⁰)²."""
-        force, across = self.force, self._across(at, given)
-        length, free = self.length_by_definition(equations, at, given)
-        beyond = length - Jet(free)
+        force, d = self.force, self._across(courses, constants)
+        length, free = self.length_by_definition(equations, courses, constants)
+        elongation = length - Jet(free)
         energy: Real = 0
         if force.law:
-            (unit,) = given["unit"]
-            own = {"x": Jet(beyond.x / unit), "v": Jet(length.d / unit)}
-            tension = damped = unit * equations.value(force.law, {**names, **own}).x
+            (unit,) = constants["unit"]
+            arguments = {"x": Jet(elongation.x / unit), "v": Jet(length.d / unit)}
+            tension = damped = unit * equations.value(force.law, {**names, **arguments}).x
         else:
-            (stiffness,), (damping,) = given["stiffness"], given["damping"]
+            (stiffness,), (damping,) = constants["stiffness"], constants["damping"]
             damped = damping * length.d
-            tension = stiffness * beyond.x + damped
-            energy = stiffness * beyond.x**2 / 2
-        pull = [tension * x.x / length.x for x in across]
-        equations.apply_force(force.i, at[force.i], given["s_i_b"], pull, found)
-        equations.apply_force(force.j, at[force.j], given["s_j_b"], [-x for x in pull], found)
+            tension = stiffness * elongation.x + damped
+            energy = stiffness * elongation.x**2 / 2
+        pull = [tension * x.x / length.x for x in d]
+        i, j = courses[force.i], courses[force.j]
+        equations.apply_force(force.i, i, constants["s_i_b"], pull, loads)
+        equations.apply_force(force.j, j, constants["s_j_b"], [-x for x in pull], loads)
         return -damped * length.d, energy
 
 
 def _inline(trace: Trace, kernel: str, inputs: dict[str, Matrix]) -> dict[str, Matrix]:
     """Rebuild a kernel of the spring; return its outputs as columns."""
     nodes = {name: block.flat for name, block in inputs.items()}
-    found = trace.inline(frozen("spring_damper", kernel), nodes)
-    return {name: column_of(trace, *flat) for name, flat in found.items()}
+    outputs = trace.inline(frozen("spring_damper", kernel), nodes)
+    return {name: column_of(trace, *flat) for name, flat in outputs.items()}

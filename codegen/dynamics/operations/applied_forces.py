@@ -1,4 +1,4 @@
-"""Parts of operations of forces: M⁻¹f of a body, a force at a point, columns of nodes."""
+"""Operations that forces share: M⁻¹f of a body, a force at a point, columns of nodes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.traces import Trace
 
-#: What the law of a spring depends on first: how far it is beyond what is free, and the rate.
+#: Names that the law of a spring depends on first: elongation and its rate.
 ELONGATION = LAW_NAMES[:2]
 
 
@@ -28,11 +28,11 @@ def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tu
     Parameters
     ----------
     trace : Trace
-        Where it goes.
+        Its graph takes the nodes.
     p : (4,) nodes [-]
         Euler parameters of the principal frame, of norm one.
     point : (3,) Matrix [m]
-        Where it acts, from the centre of mass, in the principal frame.
+        Point of application, from the centre of mass, in the principal frame.
     force : (3,) Matrix [N]
         In frame O.
 
@@ -42,10 +42,10 @@ def at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tu
         Force (3,) [N] in frame O; torque (3,) [N m] about the centre of mass, in the principal
         frame.
     """
-    rest = (trace.graph.const(0),) * 6
-    inputs = {"p": p, "s_b": (*point.flat, *rest), "f": (*force.flat, *rest)}
-    found = trace.inline(frozen("mass_points", "resultant"), inputs)
-    return (*found["F"], *found["N_b"])
+    zeros = (trace.graph.const(0),) * 6
+    inputs = {"p": p, "s_b": (*point.flat, *zeros), "f": (*force.flat, *zeros)}
+    resultant = trace.inline(frozen("mass_points", "resultant"), inputs)
+    return (*resultant["F"], *resultant["N_b"])
 
 
 def accelerations(
@@ -56,7 +56,7 @@ def accelerations(
     Parameters
     ----------
     trace : Trace
-        Where it goes.
+        Its graph takes the nodes.
     forces : (6,) nodes [N, N m]
         Force in frame O, torque in the principal frame.
     columns : sequence of int

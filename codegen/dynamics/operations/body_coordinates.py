@@ -1,4 +1,4 @@
-"""Coordinates of bodies in a plane and in space, and the masses to move in them."""
+"""Coordinates of bodies in a plane and in space, and the masses that their motion needs."""
 
 from __future__ import annotations
 
@@ -52,10 +52,10 @@ def require_masses(system: System, *, is_planar: bool) -> None:
     SceneError
         Bodies have no mass, or no moment about an axis that they can turn about: all of them.
     """
-    found = []
+    problems = []
     for body in system.bodies:
         if body.mass <= 0:
-            found.append(
+            problems.append(
                 Problem("is missing; its motion depends on it", f"bodies.{body.name}.mass")
             )
             continue
@@ -66,9 +66,9 @@ def require_masses(system: System, *, is_planar: bool) -> None:
                 f"has a principal moment of {min(moments)} kg m² about an axis that it can turn"
                 " about; wanted positive ones: give it some thickness"
             )
-            found.append(Problem(problem, f"bodies.{body.name}.inertia"))
-    if found:
-        raise SceneError.of(found)
+            problems.append(Problem(problem, f"bodies.{body.name}.inertia"))
+    if problems:
+        raise SceneError.of(problems)
 
 
 def with_all_inertias(system: System) -> System:

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 LEAST_LENGTH = 2.0**-18
 """The least length, as a part of the distance from the origin: doubles know a position to 6e-11 of
-it, which is less than what corrections settle at, and what is left of constraints may be."""
+it, which is less than corrections settle at, and than residuals of constraints may be."""
 
 ROUNDING_OF_PLACES = 2.0**-20
-"""What is a smaller part of the largest radius of gyration is no length: places that differ by it
-do so by rounding, as cos(pi/2) does from zero."""
+"""A smaller part of the largest radius of gyration is no length: positions that differ by it do so
+by rounding, as cos(pi/2) does from zero."""
 
 POINTS = {"s_i_b", "s_j_b", *ORIGINS}
 """Constants that are a point of a body, or of the ground."""
@@ -46,11 +46,11 @@ def characteristic_length(system: System) -> float:
             else:
                 lengths += map(abs, numbers)
     lengths += (max(along) - min(along) for along in zip(*ground, strict=True))
-    places = (*chain.from_iterable(ground), *chain.from_iterable(one.r for one in system.bodies))
+    points = (*chain.from_iterable(ground), *chain.from_iterable(x.r for x in system.bodies))
     length = max(lengths)
     if not length > ROUNDING_OF_PLACES * gyration(system):
         length = extent(system)
-    return max(length, LEAST_LENGTH * max(map(abs, places), default=0.0))
+    return max(length, LEAST_LENGTH * max(map(abs, points), default=0.0))
 
 
 def gyration(system: System) -> float:
@@ -67,16 +67,16 @@ def extent(system: System) -> float:
     but for rounding, the largest radius of :func:`gyration`. It is 1 where a point stands alone:
     nothing in the scene tells metres from other units then.
     """
-    places = [tuple(map(float, body.r)) for body in system.bodies]
+    points = [tuple(map(float, body.r)) for body in system.bodies]
     lengths = [0.0]
     sources: tuple[Instance | RelativeCoordinate | ForceElement, ...]
     sources = (*system.constraints, *system.coordinates, *system.forces)
     for source in sources:
         for name, numbers in source.constants:
             if is_ground_point(source, name):
-                places.append(tuple(map(float, numbers)))
+                points.append(tuple(map(float, numbers)))
             elif name in POINTS:
                 lengths += (abs(float(x)) for x in numbers)
-    lengths += (max(along) - min(along) for along in zip(*places, strict=True))
+    lengths += (max(along) - min(along) for along in zip(*points, strict=True))
     length, radius = max(lengths), gyration(system)
     return (length if length > ROUNDING_OF_PLACES * radius else radius) or 1.0

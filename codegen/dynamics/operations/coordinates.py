@@ -2,8 +2,8 @@
 
 A coordinate has the frozen kernels of its kind: the residual of ``constraint`` is its value u, C_q
 its Jacobian J, and ü = J v̇ − γ with γ of ``rates``. An angle is known to them up to whole turns;
-what it is counted to, Θ = φ + wrap(θ − φ), follows from an entry φ of q that is less than half a
-turn away; see :mod:`kousoku.codegen.dynamics.composition.auxiliary`.
+the counted angle Θ = φ + wrap(θ − φ) follows from an entry φ of q that is less than half a turn
+away; see :mod:`kousoku.codegen.dynamics.composition.auxiliary`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.traces import Trace
 
-#: The place of φ among the blocks.
+#: Index of φ among the blocks.
 TURNED = 6
 
 
@@ -53,12 +53,12 @@ class CoordinateValue:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Value u (1,) [m or rad]."""
-        found = _inline(trace, "constraint", self, blocks)
-        (value,) = found["C"]
+        outputs = _inline(trace, "constraint", self, blocks)
+        (value,) = outputs["C"]
         if self.counts_turns:
-            (turned,), graph = blocks[TURNED].flat, trace.graph
-            beyond = graph.sub(value, turned)
-            value = graph.add(turned, graph.atan2(graph.sin(beyond), graph.cos(beyond)))
+            (phi,), graph = blocks[TURNED].flat, trace.graph
+            difference = graph.sub(value, phi)
+            value = graph.add(phi, graph.atan2(graph.sin(difference), graph.cos(difference)))
         return (Matrix.of(trace.graph, [value]),)
 
 
@@ -87,8 +87,8 @@ class CoordinateJacobian:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """J of i and of j, each one row (1, c) [unit of u per m or rad]."""
-        found = _inline(trace, "constraint", self, blocks)
-        row = Matrix.of(trace.graph, found["C_q"], 2 * COLUMNS)
+        outputs = _inline(trace, "constraint", self, blocks)
+        row = Matrix.of(trace.graph, outputs["C_q"], 2 * COLUMNS)
         right = [COLUMNS + k for k in self.columns_j]
         return row.columns(self.columns_i), row.columns(right)
 
@@ -117,8 +117,8 @@ class CoordinateGamma:
         """Right-hand side γ (1,) [m/s² or rad/s²] of ü = J v̇ − γ."""
         names = ("v_i", "omega_i_b", "v_j", "omega_j_b")
         motion = dict(zip(names, blocks[-len(names) :], strict=True))
-        found = _inline(trace, "rates", self, blocks[: -len(names)], motion)
-        return (Matrix.of(trace.graph, [found["gamma"][0]]),)
+        outputs = _inline(trace, "rates", self, blocks[: -len(names)], motion)
+        return (Matrix.of(trace.graph, [outputs["gamma"][0]]),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,8 +133,8 @@ class CoordinateRate:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Rate Σ J x minus the last block, (1,): u̇ = J v or ü = J v̇ − γ."""
-        *pairs, less = blocks
-        total = -less
+        *pairs, subtrahend = blocks
+        total = -subtrahend
         for row, x in zip(pairs[::2], pairs[1::2], strict=True):
             total = row @ x + total
         return (total,)
@@ -143,13 +143,13 @@ class CoordinateRate:
 def _inline(
     trace: Trace,
     kernel: str,
-    what: CoordinateValue | CoordinateJacobian | CoordinateGamma,
+    operation: CoordinateValue | CoordinateJacobian | CoordinateGamma,
     blocks: Sequence[Matrix],
     motion: dict[str, Matrix] | None = None,
 ) -> dict[str, list[int]]:
     """Rebuild a kernel of a coordinate; return its outputs."""
     i, j, constants = blocks[:3], blocks[3:TURNED], blocks[TURNED + 1 :]
-    given = inputs_of_body(trace, "i", *i) | inputs_of_body(trace, "j", *j) | (motion or {})
-    given |= dict(zip(what.constants, constants, strict=True))
-    inputs = {name: block.flat for name, block in given.items()}
-    return trace.inline(frozen(what.kind, kernel), inputs)
+    named = inputs_of_body(trace, "i", *i) | inputs_of_body(trace, "j", *j) | (motion or {})
+    named |= dict(zip(operation.constants, constants, strict=True))
+    inputs = {name: block.flat for name, block in named.items()}
+    return trace.inline(frozen(operation.kind, kernel), inputs)

@@ -102,7 +102,7 @@ class Eliminate:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """One of many neighbours of a pivot. Blocks: L, D⁻¹, the block S (m, n) beside the pivot."""
+    """Panel of one neighbour of a pivot. Blocks: L, D⁻¹, the block S (m, n) beside the pivot."""
 
     title: str = "eliminate, neighbour"
 
@@ -115,7 +115,7 @@ class Panel:
 
 @dataclass(frozen=True, slots=True)
 class Update:
-    """Block of two of a pivot's many neighbours, without the pivot. Blocks: it, Y_m, X_n.
+    """Block of two neighbours with their pivot eliminated. Blocks: S_mn, Y_m, X_n.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ class Update:
 
 @dataclass(frozen=True, slots=True)
 class Couple:
-    """Coupling of two joints that share a body. Blocks: that of other bodies, C_q M⁻¹, C_q.
+    """Coupling of two joints that share a body. Blocks: sum of other bodies, C_q M⁻¹, C_q.
 
     C_q (n, c) has the columns δr in frame O, δθ′ in the principal frame of that body.
     """
@@ -149,7 +149,7 @@ class Couple:
 
 @dataclass(frozen=True, slots=True)
 class Gather:
-    """Vector less products. Blocks: it (n,), then matrix and vector of each product."""
+    """Vector minus products. Blocks: the vector (n,), then matrix and vector of each product."""
 
     title: str = "gather"
 
@@ -165,7 +165,7 @@ class Gather:
 class Forward:
     """Forward substitution at a pivot. Blocks: L, D⁻¹, right-hand side, and products to subtract.
 
-    It gives D⁻¹ L⁻¹ (b − Σ X z), z = L⁻¹ (…) being what later pivots gather.
+    It gives D⁻¹ L⁻¹ (b − Σ X z), z = L⁻¹ (…) being gathered by later pivots.
     """
 
     title: str = "forward"

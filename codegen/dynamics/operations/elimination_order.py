@@ -17,9 +17,9 @@ class Pivot:
     Parameters
     ----------
     joint : int
-        What is eliminated.
+        Joint that is eliminated.
     neighbours : tuple of int
-        What is coupled with it and still there, in the order in which it will be eliminated.
+        Joints that are coupled with it and not yet eliminated, in the order of elimination.
     """
 
     joint: int
@@ -31,39 +31,40 @@ def minimum_degree(
 ) -> tuple[Pivot, ...]:
     """Order that eliminates the node with the fewest neighbours.
 
-    Of equals that comes which has to wait for the fewest others, one after another: a chain is
-    eliminated from both ends in turn, and a processor works on both at once. Or the first comes.
+    Among equals that one comes first which waits for the shortest sequence of others: a chain is
+    eliminated from both ends in turn, and a processor works on both at once. Unless ``at_once``
+    the lowest number comes first.
 
     Parameters
     ----------
     count : int
         Count of joints, numbered from 0.
     pairs : iterable of (int, int)
-        Which are coupled.
+        Pairs that are coupled.
     at_once : bool
         Whether the order may leave a processor several pivots to work on at once.
     """
-    beside: list[dict[int, None]] = [{} for _ in range(count)]
+    adjacent: list[dict[int, None]] = [{} for _ in range(count)]
     for a, b in pairs:
-        beside[a][b] = beside[b][a] = None
+        adjacent[a][b] = adjacent[b][a] = None
     levels = [0] * count
-    queue = [(len(neighbours), 0, joint) for joint, neighbours in enumerate(beside)]
+    queue = [(len(neighbours), 0, joint) for joint, neighbours in enumerate(adjacent)]
     heapq.heapify(queue)
     order: list[tuple[int, tuple[int, ...]]] = []
-    place: dict[int, int] = {}
+    position: dict[int, int] = {}
     while queue:
         degree, level, joint = heapq.heappop(queue)
-        if joint in place or (degree, level) != (len(beside[joint]), levels[joint]):
+        if joint in position or (degree, level) != (len(adjacent[joint]), levels[joint]):
             continue
-        place[joint] = len(order)
-        neighbours = tuple(beside[joint])
+        position[joint] = len(order)
+        neighbours = tuple(adjacent[joint])
         order.append((joint, neighbours))
         for a in neighbours:
-            del beside[a][joint]
-            beside[a].update((b, None) for b in neighbours if b != a)
+            del adjacent[a][joint]
+            adjacent[a].update((b, None) for b in neighbours if b != a)
             levels[a] = max(levels[a], level + 1) if at_once else 0
-            heapq.heappush(queue, (len(beside[a]), levels[a], a))
+            heapq.heappush(queue, (len(adjacent[a]), levels[a], a))
     return tuple(
-        Pivot(joint, tuple(sorted(neighbours, key=place.__getitem__)))
+        Pivot(joint, tuple(sorted(neighbours, key=position.__getitem__)))
         for joint, neighbours in order
     )

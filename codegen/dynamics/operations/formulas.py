@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.recorder import Recorder, SlotMatrix
     from kousoku.codegen.dynamics.recording.traces import Trace
 
-    #: What a name stands for: a value, and the unit that it is given in.
+    #: Meaning of a name: a value, and its unit.
     Meaning = tuple[SlotMatrix, SlotMatrix]
 
 
@@ -30,7 +30,7 @@ class Scaled:
     formula : str
         The text.
     names : tuple of str
-        What it depends on.
+        Names that it depends on.
     """
 
     formula: str
@@ -39,8 +39,8 @@ class Scaled:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Product, in the shape, unit and frame of the constant."""
-        constant, *rest = blocks
-        factor = formula_node(trace, self.formula, self.names, rest)
+        constant, *arguments = blocks
+        factor = formula_node(trace, self.formula, self.names, arguments)
         mul = trace.graph.mul
         rows = tuple(tuple(mul(factor, x) for x in row) for row in constant.rows)
         return (Matrix(trace.graph, rows, constant.width),)
@@ -52,11 +52,11 @@ def formula_node(trace: Trace, formula: str, names: tuple[str, ...], blocks: lis
     Parameters
     ----------
     trace : Trace
-        Where it goes.
+        Its graph takes the node.
     formula : str
         The text.
     names : tuple of str
-        What it depends on.
+        Names that it depends on.
     blocks : list of Matrix
         Value and unit of each.
     """
@@ -65,8 +65,8 @@ def formula_node(trace: Trace, formula: str, names: tuple[str, ...], blocks: lis
     leaves = {
         name: trace.graph.div(value, unit) for name, (value, unit) in zip(names, pairs, strict=True)
     }
-    # It was read before, and the names of :func:`scaled` may be longer than those it had then.
-    # Quotients such as v/abs(v) are signs: at rest they have a value, and lose no digits beside it.
+    # The formula was read before; the names of :func:`scaled` may be longer than its own.
+    # Quotients such as v/abs(v) are signs: at rest they have a value, and lose no digits near it.
     expression, _ = with_signs(parse_expression(formula, names, longest=len(formula)))
     return to_graph(expression, trace.graph, leaves)
 
@@ -99,7 +99,7 @@ class Relative:
 def scaled(
     recorder: Recorder, constant: SlotMatrix, formula: str, names: Mapping[str, Meaning]
 ) -> SlotMatrix:
-    """Record a constant times a formula; return where it is.
+    """Constant times a formula, recorded.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def scaled(
     formula : str
         The text.
     names : mapping of str to (SlotMatrix, SlotMatrix)
-        What its names stand for.
+        Value and unit of each name.
     """
     used = used_names(formula, names)
     blocks = [block for name in used for block in names[name]]

@@ -1,7 +1,7 @@
 """Numbers with their first and second derivative by time, in doubles or in 50 digits.
 
-Whatever is computed of a motion r(t), A(t) comes with its rates: a residual C of a joint gives Ċ
-and C̈, and nobody has to derive a Jacobian.
+A function of a motion r(t), A(t) is evaluated with its rates: a residual C of a joint gives Ċ and
+C̈, without a Jacobian.
 """
 
 from __future__ import annotations
@@ -97,9 +97,9 @@ def formula(
     expression : Expression
         The formula.
     names : mapping of str to Jet
-        What its names are.
+        Values of its names.
     digits : FormulaArithmetic
-        Its numbers.
+        Arithmetic of its numbers.
     """
     jets = arithmetic_of(digits)
     return evaluated(expression, jets.number, names, jets.applied)
@@ -108,7 +108,7 @@ def formula(
 def arithmetic_of(digits: FormulaArithmetic[Any]) -> FormulaArithmetic[Jet]:
     """Arithmetic of jets, for the evaluation of formulas and kernels."""
 
-    def one(op: Op) -> Callable[[Jet], Jet]:
+    def unary(op: Op) -> Callable[[Jet], Jet]:
         def applied(a: Jet) -> Jet:
             value = digits.applied(op, (a.x,))
             return a.through(value, *_SLOPES[op](a.x, value, digits))
@@ -124,7 +124,7 @@ def arithmetic_of(digits: FormulaArithmetic[Any]) -> FormulaArithmetic[Jet]:
         sign=lambda a: Jet(digits.sign(a.x)),
         min=lambda a, b: a if a.x <= b.x else b,
         pow=lambda a, b: _power(a, b, digits),
-        **{op.value: one(op) for op in _SLOPES},
+        **{op.value: unary(op) for op in _SLOPES},
     )
 
 
@@ -134,14 +134,14 @@ def _power(a: Jet, b: Jet, digits: FormulaArithmetic[Any]) -> Jet:
         exponent = logarithm * b
         value = digits.exp(exponent.x)
         return exponent.through(value, value, value)
-    whole = round(float(b.x))
-    n = whole if b.x == whole else b.x
+    nearest = round(float(b.x))
+    n = nearest if b.x == nearest else b.x
     first = n * a.x ** (n - 1) if n != 0 else 0
     second = n * (n - 1) * a.x ** (n - 2) if n not in {0, 1} else 0
     return a.through(a.x**n, first, second)
 
 
-#: First and second derivative of functions of one argument, from this and the value.
+#: First and second derivative of functions of one argument, from the argument and the value.
 _SLOPES: dict[Op, Callable[[Real, Real, FormulaArithmetic[Any]], tuple[Real, Real]]] = {
     Op.SIN: lambda x, y, digits: (digits.cos(x), -y),
     Op.COS: lambda x, y, digits: (-digits.sin(x), -y),

@@ -1,4 +1,4 @@
-"""Ends of a joint: its point, and the bodies on which its force and torque are given."""
+"""Ends of a joint: its point, and the bodies on which its force and torque are recorded."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def loaded_bodies(bodies: Sequence[int]) -> tuple[int, ...]:
-    """Bodies on which force and torque of a joint are given.
+    """Bodies on which force and torque of a joint are recorded.
 
     Of two bodies it is j, or i where j is the ground; of more, as a gear has them, all that move.
     """
@@ -29,17 +29,17 @@ def points_of(system: System) -> dict[str, Vector]:
 
     Joints without a point have their torque at the origin of that frame.
     """
-    found: dict[str, Vector] = {}
-    for one in system.constraints:
-        measures = (system.coordinates[term.coordinate] for term in one.terms)
+    points: dict[str, Vector] = {}
+    for instance in system.constraints:
+        coordinates = (system.coordinates[term.coordinate] for term in instance.terms)
         constants = [
-            *one.constants,
-            *(x for own in measures if own.j == one.j for x in own.constants),
+            *instance.constants,
+            *(x for u in coordinates if u.j == instance.j for x in u.constants),
         ]
         for name, values in constants:
             if name == "s_j_b":
-                found[one.joint] = _vector(values)
-    return found
+                points[instance.joint] = _vector(values)
+    return points
 
 
 def _vector(values: Sequence[float]) -> Vector:

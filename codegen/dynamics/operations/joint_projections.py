@@ -1,9 +1,9 @@
-"""Operations of bodies with velocities v = R u + β: onto their joint, and along it.
+"""Operations of bodies with velocities v = R u + β: projections onto their joint with the ground.
 
-R has the columns of what the joint leaves free: turns with (A (s′ × a′), a′) for each axis a′, s′
+R has the columns of the freedoms of the joint: turns with (A (s′ × a′), a′) for each axis a′, s′
 being the point of the joint in the body, and a displacement with (a, 0). A turn about an axis is
-taken from ω′ by a′ᵀω′, a displacement from v by aᵀv. What is left over is taken away by the vectors
-across the axis, so that rounding of the axis itself neither speeds up nor slows down.
+taken from ω′ by a′ᵀω′, a displacement from v by aᵀv. The remainder is removed by the vectors across
+the axis, so that rounding of the axis itself neither speeds up nor slows down.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 Block = TypeVar("Block")
 
-#: What a body on a joint with the ground can turn about.
+#: What a body on a joint with the ground can rotate about.
 NOTHING, AXIS, POINT = "nothing", "an axis", "a point"
 
 
@@ -70,9 +70,9 @@ class ProjectPosition:
     coordinates : tuple of int
         Places in (r, p) that are coordinates.
     rotates_about : str
-        What the body rotates about.
+        Axis, point or nothing that the body rotates about.
     slides, drives_rotation, drives_slide : bool
-        Whether it can be displaced, and what is driven.
+        Whether it can be displaced, and which motions are driven.
     """
 
     coordinates: tuple[int, ...]
@@ -85,23 +85,23 @@ class ProjectPosition:
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Position r, p that meets the joint, p of norm one: its coordinates, (c,) [m, -]."""
         (r, p, dr, dtheta), joint = blocks[:4], GroundJointBlocks(*blocks[4:12])
-        graph, given = trace.graph, iter(blocks[12:])
+        graph, driven = trace.graph, iter(blocks[12:])
         if self.rotates_about == NOTHING:
-            new, foot = joint.p, joint.r
+            euler, foot = joint.p, joint.r
         else:
             if self.drives_rotation:
-                half = graph.div(next(given).flat[0], graph.const(2))
+                half = graph.div(next(driven).flat[0], graph.const(2))
                 cosine, sine = (Matrix.of(graph, [x]) for x in (graph.cos(half), graph.sin(half)))
-                new = joint.p @ cosine + joint.p_turned @ sine
+                euler = joint.p @ cosine + joint.p_turned @ sine
             else:
-                new = self._turned(trace, p, dtheta, joint.beside)
-            foot = joint.point - orientation_of(trace, new) @ joint.point_b
+                euler = self._turned(trace, p, dtheta, joint.beside)
+            foot = joint.point - orientation_of(trace, euler) @ joint.point_b
         if self.drives_slide:
-            foot += joint.axis @ next(given)
+            foot += joint.axis @ next(driven)
         elif self.slides:
             moved = r + dr
             foot = moved - joint.across @ (joint.across.T @ (moved - foot))
-        rows = (*foot.rows, *new.rows)
+        rows = (*foot.rows, *euler.rows)
         return (Matrix(graph, tuple(rows[k] for k in self.coordinates), 1),)
 
     def _turned(self, trace: Trace, p: Matrix, dtheta: Matrix, beside: Matrix) -> Matrix:
@@ -120,19 +120,19 @@ class ProjectVelocity:
     a′ and a by columns, the vectors across each of them, (Rᵀ M R)⁻¹ m [1/m²] of k turns, and (Rᵀ
     M R)⁻¹ a′ᵀ I′ where the axis is skew; then the rates that drive turn and displacement.
 
-    They are changed by the least in the metric of the masses, as all rows would do it: a turn is
-    what both ω′ and v say of it.
+    The change is least in the metric of the masses, as the correction by all rows: a turn follows
+    from both ω′ and v.
 
     Parameters
     ----------
     columns : tuple of int
         The body's columns.
     rotates_about : str
-        What it rotates about.
+        Axis, point or nothing that it rotates about.
     slides, drives_rotation, drives_slide : bool
-        Whether it can be displaced, and what is driven.
+        Whether it can be displaced, and which motions are driven.
     is_skew : bool
-        Whether a′ is no principal axis: what ω′ has across it says something of the turn, too.
+        Whether a′ is no principal axis: ω′ across it contributes to the turn, too.
     """
 
     columns: tuple[int, ...]
@@ -145,46 +145,46 @@ class ProjectVelocity:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Velocities u (f,), the differences R u + β − v, and β, (c,) [m/s, rad/s]."""
-        v, omega, arm, axis_b, axis, across_b, across, masses, *led = blocks
-        graph, given = trace.graph, iter(led)
+        v, omega, arm, axis_b, axis, across_b, across, masses, *rest = blocks
+        graph, operands = trace.graph, iter(rest)
         free: list[Matrix] = []
         zero = v - v
         beta, spin = zero, zero
         if self.rotates_about == NOTHING:
-            turning, lacks = zero, -omega
+            turning, d_omega = zero, -omega
         elif self.drives_rotation:
-            rate = next(given)
+            rate = next(operands)
             beta, spin = arm @ rate, axis_b @ rate
-            turning, lacks = beta, spin - omega
+            turning, d_omega = beta, spin - omega
         else:
             turn = axis_b.T @ omega
-            more = masses @ (arm.T @ (v - arm @ turn))
+            correction = masses @ (arm.T @ (v - arm @ turn))
             if self.is_skew:
-                more += next(given) @ (omega - axis_b @ turn)
-            lacks = axis_b @ more
+                correction += next(operands) @ (omega - axis_b @ turn)
+            d_omega = axis_b @ correction
             if self.rotates_about == AXIS:
-                lacks -= across_b @ (across_b.T @ omega)
-            free.append(turn + more)
+                d_omega -= across_b @ (across_b.T @ omega)
+            free.append(turn + correction)
             turning = arm @ free[0]
         if self.drives_slide:
-            slide = axis @ next(given)
+            slide = axis @ next(operands)
             beta += slide
-            moves = turning + slide - v
+            d_v = turning + slide - v
         elif self.slides:
             free.append(axis.T @ v)
-            moves = turning - across @ (across.T @ v)
+            d_v = turning - across @ (across.T @ v)
         else:
-            moves = turning - v
+            d_v = turning - v
         return (
             stack(graph, free, 1),
-            _selected(moves, lacks, self.columns),
+            _selected(d_v, d_omega, self.columns),
             _selected(beta, spin, self.columns),
         )
 
 
 @dataclass(frozen=True, slots=True)
 class BiasAcceleration:
-    """η: the acceleration that is there with u̇ = 0, v̇ = R u̇ + η.
+    """Bias acceleration η, of u̇ = 0: v̇ = R u̇ + η.
 
     Blocks: ω′ (3,) [rad/s] in the principal frame, the arm (3, k) [m] in frame O, A (3, 3) [-],
     axes a′ in the principal frame and a in frame O by columns [-], the point s′ (3,) [m] of the
@@ -196,9 +196,9 @@ class BiasAcceleration:
     columns : tuple of int
         The body's columns.
     rotates_about : str
-        What it rotates about.
+        Axis, point or nothing that it rotates about.
     drives_rotation, drives_slide : bool
-        What is driven.
+        Which motions are driven.
     """
 
     columns: tuple[int, ...]
@@ -209,26 +209,26 @@ class BiasAcceleration:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Bias acceleration η in the columns, (c,) [m/s², rad/s²]."""
-        omega, arm, orientation, axis_b, axis, point, *led = blocks
-        given = iter(led)
+        omega, arm, orientation, axis_b, axis, point, *rates = blocks
+        driven = iter(rates)
         zero = omega - omega
-        moves, spins = zero, zero
+        linear, angular = zero, zero
         if self.rotates_about == POINT:
-            moves = orientation @ omega.cross(point.cross(omega))
+            linear = orientation @ omega.cross(point.cross(omega))
         elif self.rotates_about == AXIS:
             rate = axis_b.T @ omega
-            moves = axis.cross(arm) @ (rate @ rate)
+            linear = axis.cross(arm) @ (rate @ rate)
         if self.drives_rotation:
-            second = next(given)
-            moves, spins = moves + arm @ second, axis_b @ second
+            second = next(driven)
+            linear, angular = linear + arm @ second, axis_b @ second
         if self.drives_slide:
-            moves += axis @ next(given)
-        return (_selected(moves, spins, self.columns),)
+            linear += axis @ next(driven)
+        return (_selected(linear, angular, self.columns),)
 
 
 @dataclass(frozen=True, slots=True)
 class ReduceForces:
-    """u̇ (f,) of a body on which no other joint acts: Rᵀ M R u̇ = Rᵀ (f − M η).
+    """Rates u̇ (f,) of a body without other joints: Rᵀ M R u̇ = Rᵀ (f − M η).
 
     Blocks: M⁻¹f in the columns (c,) [m/s², rad/s²], δr in frame O and δθ′ in the principal frame,
     the arm (3, k) [m] and a (3,) in frame O, η in the columns, then (Rᵀ M R)⁻¹ m and (Rᵀ M R)⁻¹
@@ -239,7 +239,7 @@ class ReduceForces:
     columns : tuple of int
         The body's columns.
     rotates_about : str
-        What it rotates about.
+        Axis, point or nothing that it rotates about.
     slides : bool
         Whether it can be displaced.
     """
@@ -256,15 +256,15 @@ class ReduceForces:
             free -= eta
         graph = trace.graph
         full = [graph.const(0)] * 6
-        for place, node in zip(self.columns, free.flat, strict=True):
-            full[place] = node
-        moves, spins = (Matrix.of(graph, full[k : k + 3]) for k in (0, 3))
-        found = []
+        for index, node in zip(self.columns, free.flat, strict=True):
+            full[index] = node
+        linear, angular = (Matrix.of(graph, full[k : k + 3]) for k in (0, 3))
+        rates = []
         if self.rotates_about != NOTHING:
-            found.append(masses @ (arm.T @ moves) + moments @ spins)
+            rates.append(masses @ (arm.T @ linear) + moments @ angular)
         if self.slides:
-            found.append(axis.T @ moves)
-        return (stack(graph, found, 1),)
+            rates.append(axis.T @ linear)
+        return (stack(graph, rates, 1),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -272,7 +272,7 @@ class DriverPower:
     """Power of the driver of a freedom.
 
     Blocks: its mass m (1, 1) [kg or kg m²], ü that it prescribes, u̇ without it, its column (c, 1)
-    of R, what all other joints do, −Σ C_qᵀλ (c,) [N in frame O, N m in the principal frame], and
+    of R, forces of all other joints, −Σ C_qᵀλ (c,) [N in frame O, N m in the principal frame], and
     the rate.
     """
 
@@ -287,10 +287,10 @@ class DriverPower:
 
 @dataclass(frozen=True, slots=True)
 class JointWrench:
-    """Wrench of the joint and its drivers on the body, of M v̇ + Σ C_qᵀλ = f + it.
+    """Wrench w of the joint and its drivers on the body: M v̇ + Σ C_qᵀλ = f + w.
 
-    Blocks: the diagonal of M (1, c) [kg, kg m²], v̇ (c,) and M⁻¹f (c,) [m/s², rad/s²], what all
-    other joints do, −Σ C_qᵀλ (c,): [N] in frame O, [N m] in the principal frame.
+    Blocks: the diagonal of M (1, c) [kg, kg m²], v̇ (c,) and M⁻¹f (c,) [m/s², rad/s²], forces of
+    all other joints, −Σ C_qᵀλ (c,): [N] in frame O, [N m] in the principal frame.
     """
 
     title: str = "force of a joint with the ground"
@@ -303,7 +303,7 @@ class JointWrench:
 
 @dataclass(frozen=True, slots=True)
 class DriverWrench:
-    """Share Jᵀ (Rᵀ w) of a driver in that wrench w. Blocks: w, a column of R, J of the coordinate.
+    """Share Jᵀ (Rᵀ w) of a driver in the wrench w. Blocks: w, a column of R, J of the coordinate.
 
     w (c,) is [N] in frame O, [N m] in the principal frame, as is the share.
 
@@ -320,13 +320,13 @@ class DriverWrench:
         """Wrench of the driver, and the rest for others, (c,)."""
         wrench, column, jacobian = blocks
         effort = column.T @ wrench
-        own = jacobian.T @ (effort if self.sign > 0 else -effort)
-        return own, wrench - own
+        share = jacobian.T @ (effort if self.sign > 0 else -effort)
+        return share, wrench - share
 
 
 @dataclass(frozen=True, slots=True)
 class PrescribedValue:
-    """Value of a driven freedom, u = ±(f(t) − u₀). Blocks: its formula, that at the start.
+    """Value of a driven freedom, u = ±(f(t) − u₀). Blocks: its formula, and u₀ at the start.
 
     Parameters
     ----------
@@ -338,13 +338,13 @@ class PrescribedValue:
     title: str = "driven joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Turn or displacement (1,) [rad or m] since the start, or its rates where that is zero."""
+        """Turn or displacement (1,) [rad or m] since the start, or derivatives where u₀ is zero."""
         law, start = blocks
         difference = law - start
         return (difference if self.sign > 0 else -difference,)
 
 
-def _selected(moves: Matrix, spins: Matrix, columns: Sequence[int]) -> Matrix:
-    """Columns of a body of a velocity."""
-    rows = (*moves.rows, *spins.rows)
-    return Matrix(moves.graph, tuple(rows[k] for k in columns), 1)
+def _selected(linear: Matrix, angular: Matrix, columns: Sequence[int]) -> Matrix:
+    """Components of a linear and an angular vector in the columns of a body."""
+    rows = (*linear.rows, *angular.rows)
+    return Matrix(linear.graph, tuple(rows[k] for k in columns), 1)

@@ -30,10 +30,10 @@ COLUMNS = 6
 @cache
 def frozen(package: str, name: str) -> Kernel:
     """Kernel of a kind that is shipped, or of one's own, for principal frames."""
-    found = load_frozen(package)
+    derived = load_frozen(package)
     if is_own(package):
-        found = framed(found, frozen("rotation", "orientation"))
-    return next(kernel for kernel in found.kernels if kernel.name == name)
+        derived = framed(derived, frozen("rotation", "orientation"))
+    return next(kernel for kernel in derived.kernels if kernel.name == name)
 
 
 def lengths_of(source: Instance | RelativeCoordinate) -> Iterator[tuple[str, tuple[float, ...]]]:
@@ -42,23 +42,23 @@ def lengths_of(source: Instance | RelativeCoordinate) -> Iterator[tuple[str, tup
     Points s′ (3,) of lecture 8.2, (8.8), are in the principal frame of the body, frame O of the
     ground.
     """
-    numbers, points = {"length"}, {"s_i_b", "s_j_b"}
+    scalars, points = {"length"}, {"s_i_b", "s_j_b"}
     if is_own(source.kind):
-        lengths = [one for one in frozen(source.kind, "constraint").inputs if one.unit == "m"]
-        numbers = {one.name for one in lengths if is_own(one.name) and not one.shape}
-        fixed = {one.name[-4:] for one in lengths if is_own(one.name) and one.shape}
+        lengths = [x for x in frozen(source.kind, "constraint").inputs if x.unit == "m"]
+        scalars = {x.name for x in lengths if is_own(x.name) and not x.shape}
+        fixed = {x.name[-4:] for x in lengths if is_own(x.name) and x.shape}
         ends = (("s_i_b", source.i), ("s_j_b", source.j))
         # The origin of frame O is no point of a joint.
         points = {name for name, body in ends if body != GROUND_INDEX or name[1:] in fixed}
     for name, values in source.constants:
         if name in points:
             yield name[2], values
-        elif name in numbers:
+        elif name in scalars:
             yield "", values
 
 
 def inputs_of(source: Instance | RelativeCoordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
-    """Inputs of kernels that are constant: those of one's own know other points."""
+    """Constant inputs of kernels: kinds of one's own do not read s_i_b and s_j_b."""
     unread = {"s_i_b", "s_j_b"} if is_own(source.kind) else set()
     return tuple((name, values) for name, values in source.constants if name not in unread)
 
@@ -155,7 +155,7 @@ def _evaluate(
     return trace.inline(frozen(part.kind, kernel), inputs)
 
 
-def _pick(trace: Trace, nodes: Sequence[int], part: InstanceRows, width: int) -> Matrix:
+def _kept_rows(trace: Trace, nodes: Sequence[int], part: InstanceRows, width: int) -> Matrix:
     """Kept rows of an output."""
     rows = tuple(tuple(nodes[row * width : (row + 1) * width]) for row in part.rows)
     return Matrix(trace.graph, rows, width)
@@ -166,14 +166,14 @@ class JointSystem:
     """Residual, Jacobian, and the joint's own block of the Schur complement S = C_q M⁻¹ C_qᵀ.
 
     Blocks: r (3,) [m], p (4,), A (3, 3) and the diagonal of M⁻¹ (1, c) [1/kg, 1/(kg m²)] of body i,
-    those of body j, that diagonal of the other bodies, R of each body that is reduced, and what
-    belongs to the parts. A body that is reduced has (Rᵀ M R)⁻¹ for M⁻¹. C is that of the kinds,
+    those of body j, that diagonal of the other bodies, R of each body that is reduced, and the
+    operands of the parts. A body that is reduced has (Rᵀ M R)⁻¹ for M⁻¹. C is that of the kinds,
     lecture 8.2, (8.9) to (8.16); C_q has the columns δr in frame O, δθ′ in the principal frame.
 
     Parameters
     ----------
     parts : tuple of InstanceRows
-        What the joint is composed of.
+        Rows of the constraints that the joint is composed of.
     columns : tuple of tuple of int
         Columns of each body that are coordinates: none of the ground.
     reduced : tuple of int
@@ -201,10 +201,10 @@ class JointSystem:
         residuals, full = rows_of_parts(
             trace, self.parts, self.columns, (*blocks[:3], *blocks[4:7], *rest[others + count :])
         )
-        jacobians = [one @ bases[k] if k in bases else one for k, one in enumerate(full)]
+        jacobians = [c_q @ bases[k] if k in bases else c_q for k, c_q in enumerate(full)]
         scaled = [
-            own @ inverse if k in bases else own.scaled(inverse)
-            for k, (own, inverse) in enumerate(zip(jacobians, inverse_masses, strict=True))
+            block @ inverse if k in bases else block.scaled(inverse)
+            for k, (block, inverse) in enumerate(zip(jacobians, inverse_masses, strict=True))
         ]
         pairs = list(zip(scaled, jacobians, strict=True))
         graph = trace.graph
@@ -212,20 +212,20 @@ class JointSystem:
             [graph.sum(_dot(a, b, i, j) for a, b in pairs) for j in range(i + 1)]
             for i in range(len(jacobians[0].rows))
         ]
-        whole = [full[k] for k in self.reduced]
-        return residuals, *jacobians, *scaled, square(lower, graph), *whole
+        unreduced = [full[k] for k in self.reduced]
+        return residuals, *jacobians, *scaled, square(lower, graph), *unreduced
 
 
 @dataclass(frozen=True, slots=True)
 class JointRows:
-    """Residual C and Jacobian C_q alone, δC = C_q (δr, δθ′). Blocks: r, p, A of i and j, parts'.
+    """Residual C and Jacobian C_q alone, δC = C_q (δr, δθ′). Blocks: r, p, A of i, j, of parts.
 
     Shapes, units, frames and the source are those of :class:`JointSystem`.
 
     Parameters
     ----------
     parts : tuple of InstanceRows
-        What the joint is composed of.
+        Rows of the constraints that the joint is composed of.
     columns : tuple of tuple of int
         Columns of each body that are coordinates: none of the ground.
     """
@@ -255,37 +255,37 @@ def rows_of_parts(
     δr [m] is in frame O, δθ′ [rad] in the principal frame; each kind has its equation of lecture
     8.2.
     """
-    i, j, given = blocks[:3], blocks[3:6], iter(blocks[6:])
+    i, j, operands = blocks[:3], blocks[3:6], iter(blocks[6:])
     state = inputs_of_body(trace, "i", *i) | inputs_of_body(trace, "j", *j)
     residuals: list[Matrix] = []
     by_body: list[list[Matrix]] = [[] for _ in columns]
     for part in parts:
         if part.is_combination:
-            residuals.append(next(given))
-            own = [next(given) for _ in columns]
+            residuals.append(next(operands))
+            c_q = [next(operands) for _ in columns]
         else:
-            constants = [next(given) for _ in part.constants]
-            found = _evaluate(trace, part, "constraint", state, constants)
-            residuals.append(_pick(trace, found["C"], part, 1))
-            own = _by_body(_pick(trace, found["C_q"], part, 2 * COLUMNS), columns)
-        for body, matrix in zip(by_body, own, strict=True):
+            constants = [next(operands) for _ in part.constants]
+            outputs = _evaluate(trace, part, "constraint", state, constants)
+            residuals.append(_kept_rows(trace, outputs["C"], part, 1))
+            c_q = _by_body(_kept_rows(trace, outputs["C_q"], part, 2 * COLUMNS), columns)
+        for body, matrix in zip(by_body, c_q, strict=True):
             body.append(matrix)
     graph = trace.graph
-    jacobians = [stack(graph, own, len(kept)) for own, kept in zip(by_body, columns, strict=True)]
+    jacobians = [stack(graph, rows, len(kept)) for rows, kept in zip(by_body, columns, strict=True)]
     return stack(graph, residuals, 1), jacobians
 
 
 def _by_body(jacobian: Matrix, columns: Sequence[tuple[int, ...]]) -> list[Matrix]:
     """Cut the Jacobian of a kind, which knows bodies i and j only."""
-    found = [
+    blocks = [
         jacobian.columns([side * COLUMNS + k for k in kept])
         for side, kept in enumerate(columns[:2])
     ]
     zero = jacobian.graph.const(0)
     for kept in columns[2:]:
         rows = ((zero,) * len(kept),) * len(jacobian.rows)
-        found.append(Matrix(jacobian.graph, rows, len(kept)))
-    return found
+        blocks.append(Matrix(jacobian.graph, rows, len(kept)))
+    return blocks
 
 
 def _dot(a: Matrix, b: Matrix, i: int, j: int) -> int:
@@ -295,16 +295,16 @@ def _dot(a: Matrix, b: Matrix, i: int, j: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Rates:
-    """Right side ν or γ of a joint, of the equations of velocities or accelerations.
+    """Difference C_q x − ν or C_q x − γ of a joint, x being velocities or accelerations.
 
     Blocks: p, A, v (3,) [m/s] in frame O and ω′ (3,) [rad/s] in the principal frame of body i, then
-    what is multiplied by its Jacobian, and the Jacobian; the same of body j; r of both; of each
-    other body what is multiplied, and the Jacobian; then what belongs to the parts.
+    its x and its Jacobian; the same of body j; r of both; x and Jacobian of each other body; then
+    the operands of the parts.
 
     Parameters
     ----------
     parts : tuple of InstanceRows
-        What the joint is composed of.
+        Rows of the constraints that the joint is composed of.
     output : str
         ``nu`` for C_q v − ν, ``gamma`` for C_q M⁻¹f − γ: Ċ = C_q v − ν and C̈ = C_q v̇ − γ.
     others : int
@@ -325,15 +325,15 @@ class Rates:
         (*i, x_i, left), (*j, x_j, right) = blocks[:6], blocks[6:12]
         r_i, r_j, *rest = blocks[12:]
         state = inputs_of_body(trace, "i", r_i, *i) | inputs_of_body(trace, "j", r_j, *j)
-        others, given = rest[: 2 * self.others], iter(rest[2 * self.others :])
+        others, operands = rest[: 2 * self.others], iter(rest[2 * self.others :])
         rates = []
         for part in self.parts:
             if part.is_combination:
-                rates.append(next(given))
+                rates.append(next(operands))
             else:
-                constants = [next(given) for _ in part.constants]
-                found = _evaluate(trace, part, "rates", state, constants)
-                rates.append(_pick(trace, found[self.output], part, 1))
+                constants = [next(operands) for _ in part.constants]
+                outputs = _evaluate(trace, part, "rates", state, constants)
+                rates.append(_kept_rows(trace, outputs[self.output], part, 1))
         total = left @ x_i + right @ x_j
         for x, jacobian in zip(others[::2], others[1::2], strict=True):
             total += jacobian @ x
@@ -342,7 +342,7 @@ class Rates:
 
 @dataclass(frozen=True, slots=True)
 class FreeAcceleration:
-    """M⁻¹f of a body under gravity. Blocks: gravity, ω′, and (I₂ − I₃)/I₁ and its like.
+    """M⁻¹f of a body under gravity. Blocks: gravity, ω′, ratios such as (I₂ − I₃)/I₁.
 
     Gravity (3,) [m/s²] is in frame O, ω′ (3,) [rad/s] and the ratios (3,) [-] in the principal
     frame; three mass points, (newton-euler-moment).

@@ -7,8 +7,8 @@ rotation R from it to the principal frame it is
     r̂ = r + A s′,  Â = A R,  v̂ = v + A (ω′ × s′),  ω̂′ = Rᵀ ω′,
 
 by Ȧ = A ω̃′, lecture 7.1, (5.16). By (7.19) a row (f, n) of its Jacobian at r̂ and Â is here
-(f, R n + s′ × Aᵀ f). The accelerations of r̂ hold A (ω′ × (ω′ × s′)) beside what the new Jacobian
-multiplies, so
+(f, R n + s′ × Aᵀ f). The accelerations of r̂ hold A (ω′ × (ω′ × s′)) beside the products of the
+new Jacobian, so
 
     γ = γ̂ − Σ f · A (ω′ × (ω′ × s′)),
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 #: Columns of a Jacobian for one body.
 COLUMNS = 6
-#: State of a body, by what the names begin with: of a constraint, and of what rates have beside it.
+#: Inputs of a body with shape and unit: its position, and the velocities that rates have, too.
 PLACES = (("r_{}", 3, "m"), ("p_{}", 4, "-"))
 RATES = (("v_{}", 3, "m/s"), ("omega_{}_b", 3, "rad/s"))
 
@@ -47,7 +47,7 @@ def framed(package: Package, orientation: Kernel) -> Package:
     Parameters
     ----------
     package : Package
-        As it was derived.
+        As derived.
     orientation : Kernel
         A of Euler parameters p, of the kind ``rotation``.
 
@@ -73,8 +73,8 @@ def own_inputs(package: Package) -> tuple[Quantity, ...]:
     """Inputs of a package that are no state of a body, in the order of its kernels."""
     known = {name.format(body) for name, *_ in (*PLACES, *RATES) for body in "ij"}
     wanted = (k for k in package.kernels if k.name in {"constraint", "rates"})
-    found = {one.name: one for kernel in wanted for one in kernel.inputs}
-    return tuple(one for name, one in found.items() if name not in known)
+    quantities = {x.name: x for kernel in wanted for x in kernel.inputs}
+    return tuple(x for name, x in quantities.items() if name not in known)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,18 +99,17 @@ class _Framed:
             body: self._end(body, *names)
             for body, *names in zip("ij", ORIGINS, FRAMES, strict=True)
         }
-        self.given: dict[str, Sequence[int]] = {
-            one.name: self._input(input_name(one.name), one.shape, one.unit, one.meaning).flat
-            for one in own
+        self.substitutions: dict[str, Sequence[int]] = {
+            x.name: self._input(input_name(x.name), x.shape, x.unit, x.meaning).flat for x in own
         }
         for body, end in self.ends.items():
-            self.given |= {f"r_{body}": end.r.flat, f"p_{body}": end.p.flat}
+            self.substitutions |= {f"r_{body}": end.r.flat, f"p_{body}": end.p.flat}
 
     def constraint(self) -> Kernel:
         """C and C_q."""
-        found = substitute(self.graph, self.kernel, self.given)
-        rows = [self._row(found["C_q"], row) for row in range(len(found["C"]))]
-        return self._kernel({"C": found["C"], "C_q": [node for row in rows for node in row]})
+        outputs = substitute(self.graph, self.kernel, self.substitutions)
+        rows = [self._row(outputs["C_q"], row) for row in range(len(outputs["C"]))]
+        return self._kernel({"C": outputs["C"], "C_q": [node for row in rows for node in row]})
 
     def rates(self, constraint: Kernel) -> Kernel:
         """Right-hand sides ν and γ of a constraint, from the kernel of its rates."""
@@ -118,30 +117,30 @@ class _Framed:
         for body, end in self.ends.items():
             v, omega = (self._input(name.format(body), (n,), unit) for name, n, unit in RATES)
             arm = omega.cross(end.point)
-            self.given[f"v_{body}"] = (v + end.orientation @ arm).flat
-            self.given[f"omega_{body}_b"] = (end.turn.T @ omega).flat
+            self.substitutions[f"v_{body}"] = (v + end.orientation @ arm).flat
+            self.substitutions[f"omega_{body}_b"] = (end.turn.T @ omega).flat
             swings.append(end.orientation @ omega.cross(arm))
         swing = stack(graph, swings, 1)
-        found = substitute(graph, self.kernel, self.given)
-        jacobian = substitute(graph, constraint, self.given)["C_q"]
+        outputs = substitute(graph, self.kernel, self.substitutions)
+        jacobian = substitute(graph, constraint, self.substitutions)["C_q"]
         gamma = []
-        for row, node in enumerate(found["gamma"]):
+        for row, node in enumerate(outputs["gamma"]):
             first = row * 2 * COLUMNS
             forces = [jacobian[first + side * COLUMNS + k] for side in (0, 1) for k in range(3)]
             (extra,) = (Matrix.of(graph, forces).T @ swing).flat
             gamma.append(graph.sub(node, extra))
-        return self._kernel({"nu": found["nu"], "gamma": gamma})
+        return self._kernel({"nu": outputs["nu"], "gamma": gamma})
 
     def _row(self, jacobian: Sequence[int], row: int) -> tuple[int, ...]:
         """Row of the Jacobian by δr and δθ′ of principal frames."""
-        parts: list[int] = []
+        entries: list[int] = []
         for side, end in enumerate(self.ends.values()):
             first = (2 * row + side) * COLUMNS
             force = Matrix.of(self.graph, jacobian[first : first + 3])
             moment = Matrix.of(self.graph, jacobian[first + 3 : first + COLUMNS])
             turned = end.turn @ moment + end.point.cross(end.orientation.T @ force)
-            parts += (*force.flat, *turned.flat)
-        return tuple(parts)
+            entries += (*force.flat, *turned.flat)
+        return tuple(entries)
 
     def _end(self, body: str, origin: str, frame: str) -> _End:
         r, p = (self._input(name.format(body), (n,), unit) for name, n, unit in PLACES)
@@ -170,14 +169,12 @@ class _Framed:
         return Matrix.of(self.graph, [self.graph.input(name, k) for k in range(quantity.size)])
 
     def _kernel(self, results: Mapping[str, Sequence[int]]) -> Kernel:
-        found = replace(
+        kernel = replace(
             self.kernel,
             inputs=tuple(self.inputs.values()),
-            outputs=tuple(one for one in self.kernel.outputs if one.name in results),
+            outputs=tuple(x for x in self.kernel.outputs if x.name in results),
             nodes=tuple(self.graph.nodes),
-            results=tuple(
-                tuple(results[one.name]) for one in self.kernel.outputs if one.name in results
-            ),
+            results=tuple(tuple(results[x.name]) for x in self.kernel.outputs if x.name in results),
             names=(),
         )
-        return drop_dead(found)
+        return drop_dead(kernel)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
 
-#: Components below this part of what they came from are zeros that rounded positions left.
+#: Components below this part of their operands are zeros but for rounding of positions.
 ROUNDING = CONTEXT.mpf(2) ** -51
 
 
@@ -42,9 +42,9 @@ class Placement:
 
     def point(self, s: Sequence[float]) -> Vector:
         """Point at + A s′ (3,) [m] in the frame of the carrier, of s′ in that of the body."""
-        own = precise.triple(s)
-        size = precise.length(self.at) + precise.length(own)
-        return rounded_vector(precise.add(self.at, precise.rotate(self.turn, own)), size)
+        s_body = precise.triple(s)
+        size = precise.length(self.at) + precise.length(s_body)
+        return rounded_vector(precise.add(self.at, precise.rotate(self.turn, s_body)), size)
 
     def vector(self, a: Sequence[float]) -> Vector:
         """Vector A a′ (3,) in the frame of the carrier, of a′ in that of the body, in its unit."""
@@ -63,7 +63,7 @@ def seen_from_carriers(
     Parameters
     ----------
     constants : tuple of (str, tuple of float)
-        ``s_i_b`` and ``s_j_b`` are points (3,) [m], what else ends in ``_i_b`` and ``_j_b``
+        ``s_i_b`` and ``s_j_b`` are points (3,) [m], others that end in ``_i_b`` and ``_j_b``
         vectors.
     i, j : Placement
         Of bodies i and j.
@@ -82,7 +82,7 @@ def seen_from_carriers(
 
 
 def rounded_vector(values: Triple, size: High = 0) -> Vector:
-    """Vector (3,), rounded once in its frame and unit, without noise beside its size."""
+    """Vector (3,), rounded once in its frame and unit; noise below its size is zero."""
     x, y, z = precise.rounded(values, size, ROUNDING)
     return x, y, z
 

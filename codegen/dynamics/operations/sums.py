@@ -24,31 +24,31 @@ class VectorSum:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Sum (n,), of their frame and unit."""
-        total, *rest = blocks
-        for block in rest:
+        total, *others = blocks
+        for block in others:
             total += block
         return (total,)
 
 
 def summed(
-    recorder: Recorder, parts: Sequence[SlotMatrix], into: SlotMatrix | None = None
+    recorder: Recorder, terms: Sequence[SlotMatrix], into: SlotMatrix | None = None
 ) -> SlotMatrix:
-    """Record the sum of blocks; return where it is.
+    """Sum of blocks, recorded.
 
     Parameters
     ----------
     recorder : Recorder
         The program, in the segment that needs it.
-    parts : sequence of SlotMatrix
+    terms : sequence of SlotMatrix
         One at least, all of one shape.
     into : SlotMatrix, optional
-        Where it goes. Without it nothing is recorded of one part alone.
+        Its slots. Without them nothing is recorded of one term alone.
     """
-    while len(parts) > CHUNK:
-        parts = [
-            recorder.call(VectorSum(), *parts[k : k + CHUNK])[0]
-            for k in range(0, len(parts), CHUNK)
+    while len(terms) > CHUNK:
+        terms = [
+            recorder.call(VectorSum(), *terms[k : k + CHUNK])[0]
+            for k in range(0, len(terms), CHUNK)
         ]
-    if len(parts) == 1 and into is None:
-        return parts[0]
-    return recorder.call(VectorSum(), *parts, into=(into,))[0]
+    if len(terms) == 1 and into is None:
+        return terms[0]
+    return recorder.call(VectorSum(), *terms, into=(into,))[0]

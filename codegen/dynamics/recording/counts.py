@@ -16,7 +16,7 @@ class TaskCount:
     Parameters
     ----------
     segment, title : str
-        The segment, and what the tasks compute.
+        The segment, and the title of the tasks.
     kernels : int
         How many different kernels they call.
     tasks : int
@@ -35,16 +35,16 @@ class TaskCount:
 def counts(program: Program) -> tuple[TaskCount, ...]:
     """Costs in the order of the program; divide by its bodies for the cost of a body."""
     costs = [kernel.operations.total() for kernel in program.kernels]
-    found = []
+    task_counts = []
     for segment in program.segments:
         kernels: dict[str, list[int]] = {}
         for task in segment.tasks:
             kernels.setdefault(program.kernels[task.kernel].title, []).append(task.kernel)
-        found += [
+        task_counts += [
             TaskCount(segment.name, title, len(set(used)), len(used), sum(costs[k] for k in used))
             for title, used in kernels.items()
         ]
-    return tuple(found)
+    return tuple(task_counts)
 
 
 def operations(program: Program) -> int:

@@ -52,7 +52,7 @@ class DesignNumbers:
         positive: Sequence[tuple[str, float]],
         names: Iterable[str],
     ) -> DesignNumbers:
-        """Places of numbers, by the numbers."""
+        """Design numbers, from numbers in place of their keys."""
         return cls(
             tuple(places.items()),
             tuple((slot, formula_key(value)) for slot, value in start),
@@ -84,12 +84,12 @@ def number(value: float) -> High:
 
 
 def shown_numbers(system: System) -> Iterator[float]:
-    """Numbers that those who read results need, and that depend on parameters."""
+    """Numbers that readers of results need, and that depend on parameters."""
     shown: list[MovingBody | Carried] = [*system.bodies, *system.carried]
-    for one in shown:
-        yield from (x for x in (*one.origin_b, *one.axes_b) if is_varying(x))
-    for given in system.given:
-        yield from (x for x in given.mass_properties if is_varying(x))
+    for body in shown:
+        yield from (x for x in (*body.origin_b, *body.axes_b) if is_varying(x))
+    for written in system.given:
+        yield from (x for x in written.mass_properties if is_varying(x))
     yield from (value for _, value in system.positive)
 
 
@@ -115,16 +115,16 @@ def start_of(body: MovingBody) -> tuple[Triple, Quadruple, Triple, Triple]:
     return precise.subtract(place, arm), turned, precise.subtract(velocity, rate), spin
 
 
-def starts(system: System, places: Sequence[BodyCoordinates]) -> list[tuple[int, float]]:
+def starts(system: System, bodies: Sequence[BodyCoordinates]) -> list[tuple[int, float]]:
     """Slots of q and v whose value at the start depends on parameters, and the value."""
-    found = []
-    for body, own in zip(system.bodies, places, strict=True):
-        slots = (own.r, own.p, own.v, own.omega_b)
-        for part, values in zip(slots, start_of(body), strict=True):
-            for place, value in zip(part, values, strict=True):
+    values_at_start = []
+    for body, state in zip(system.bodies, bodies, strict=True):
+        slots = (state.r, state.p, state.v, state.omega_b)
+        for vector, values in zip(slots, start_of(body), strict=True):
+            for place, value in zip(vector, values, strict=True):
                 if place.slot >= 0 and isinstance(value, Traced):
-                    found.append((place.slot, precise.double(value)))
-    return found
+                    values_at_start.append((place.slot, precise.double(value)))
+    return values_at_start
 
 
 def _in_scene(values: Sequence[High]) -> Any:

@@ -76,21 +76,21 @@ class _Inliner:
 
     def program(self) -> Program:
         """Inline all segments."""
-        values = self._start()
-        wanted: dict[str, dict[int, int]] = {}
+        values = self._initial_nodes()
+        written: dict[str, dict[int, int]] = {}
         self._expand("geometry", values)
         shared = len(self.graph.nodes)
-        wanted["geometry"] = self._written("geometry", values)
+        written["geometry"] = self._written("geometry", values)
         for segment in (*self.old.segments, *self.old.on_demand):
             if segment.name != "geometry" and (self.old.rows or segment.name != "position"):
-                own = dict(values) if segment.name in AFTER_GEOMETRY else self._start()
-                self._expand(segment.name, own)
-                wanted[segment.name] = self._written(segment.name, own)
-        passed = self._passed(wanted, shared)
-        segments = [self._segment("geometry", wanted["geometry"], {}, passed)]
+                local = dict(values) if segment.name in AFTER_GEOMETRY else self._initial_nodes()
+                self._expand(segment.name, local)
+                written[segment.name] = self._written(segment.name, local)
+        passed = self._passed(written, shared)
+        segments = [self._segment("geometry", written["geometry"], {}, passed)]
         self.scratch = self.size
-        stored = {node: slot for slot, node in wanted["geometry"].items()} | passed
-        for name, outputs in wanted.items():
+        stored = {node: slot for slot, node in written["geometry"].items()} | passed
+        for name, outputs in written.items():
             if name != "geometry":
                 known = stored if name in AFTER_GEOMETRY else {}
                 segments.append(self._segment(name, outputs, known, {}))
@@ -102,8 +102,8 @@ class _Inliner:
         return replace(
             self.old,
             kernels=tuple(kernels),
-            segments=tuple(one for one in segments if one.name not in ON_DEMAND),
-            on_demand=tuple(one for one in segments if one.name in ON_DEMAND),
+            segments=tuple(x for x in segments if x.name not in ON_DEMAND),
+            on_demand=tuple(x for x in segments if x.name in ON_DEMAND),
             regions=tuple(regions),
             constants=(),
             is_inlined=True,
@@ -111,12 +111,12 @@ class _Inliner:
             bodies=tuple(self._moved_body(body) for body in self.old.bodies),
             design=self.old.design.moved(self.moved),
             auxiliary=tuple(
-                replace(one, place=replace(one.place, slot=self.moved[one.place.slot]))
-                for one in self.old.auxiliary
+                replace(entry, place=replace(entry.place, slot=self.moved[entry.place.slot]))
+                for entry in self.old.auxiliary
             ),
         )
 
-    def _start(self) -> dict[int, int]:
+    def _initial_nodes(self) -> dict[int, int]:
         """Nodes of the slots that are in the workspace before any task has run."""
         base = self.old.region("constants").base
         nodes = {base + k: self.graph.const(value) for k, value in enumerate(self.old.constants)}
@@ -146,33 +146,33 @@ class _Inliner:
             if slot in self.moved
         }
 
-    def _passed(self, wanted: Mapping[str, Mapping[int, int]], shared: int) -> dict[int, int]:
+    def _passed(self, written: Mapping[str, Mapping[int, int]], shared: int) -> dict[int, int]:
         """Slots for results of the geometry that the segments after it need.
 
-        What rows alone need, such as the matrix of a momentum, their segments compute themselves.
+        Results for rows alone, such as the matrix of a momentum, are computed by their segments.
         """
-        found: dict[int, None] = {}
-        often = (wanted[name].values() for name in wanted if name in RUN_AT_STAGES)
-        rows = (wanted[name].values() for name in wanted if name in AFTER_GEOMETRY - RUN_AT_STAGES)
-        for outputs in often:
+        passed: dict[int, None] = {}
+        at_stages = (written[name].values() for name in written if name in RUN_AT_STAGES)
+        rows = (written[x].values() for x in written if x in AFTER_GEOMETRY - RUN_AT_STAGES)
+        for outputs in at_stages:
             order = self._order(outputs, lambda x: self._is_passed(x, shared))
-            found |= dict.fromkeys(node for node in order if self._is_passed(node, shared))
-        stored = set(wanted["geometry"].values())
-        computed = set(self._order((*stored, *found), lambda _: False))
+            passed |= dict.fromkeys(node for node in order if self._is_passed(node, shared))
+        stored = set(written["geometry"].values())
+        computed = set(self._order((*stored, *passed), lambda _: False))
         for outputs in rows:
             order = self._order(outputs, lambda x: x in computed and self._is_passed(x, shared))
-            found |= dict.fromkeys(
+            passed |= dict.fromkeys(
                 node for node in order if node in computed and self._is_passed(node, shared)
             )
-        return {node: self._slot() for node in found if node not in stored}
+        return {node: self._new_slot() for node in passed if node not in stored}
 
     def _is_passed(self, node: int, shared: int) -> bool:
-        """Whether a node is read where it is needed: the geometry computed it; signs are free."""
-        found = self.graph.nodes[node]
-        return node < shared and bool(found.args) and found.op is not Op.NEG
+        """Whether a node is read where it is needed: computed by the geometry, and no mere sign."""
+        operation = self.graph.nodes[node]
+        return node < shared and bool(operation.args) and operation.op is not Op.NEG
 
     def _order(self, roots: Iterable[int], is_known: Callable[[int], bool]) -> list[int]:
-        """Nodes that ``roots`` need, each after its operands; not those that known nodes need."""
+        """Nodes that ``roots`` need, each after its operands, without operands of known nodes."""
         done: dict[int, None] = {}
         stack = list(reversed(list(roots)))
         while stack:
@@ -185,7 +185,7 @@ class _Inliner:
                 done[stack.pop()] = None
         return list(done)
 
-    def _slot(self) -> int:
+    def _new_slot(self) -> int:
         slot = self.scratch
         self.scratch += 1
         self.size = max(self.size, self.scratch)
@@ -214,7 +214,7 @@ class _Inliner:
         base = self.scratch
         order = self._order((*outputs.values(), *passed), known.__contains__)
         work = [node for node in order if self.graph.nodes[node].args and node not in known]
-        places = list(range(0, max(len(work), 1), self.statements))
+        starts = list(range(0, max(len(work), 1), self.statements))
         last_use = {
             arg: k // self.statements
             for k, node in enumerate(work)
@@ -225,15 +225,15 @@ class _Inliner:
             targets.setdefault(node, []).append(slot)
         slots = dict(known)
         tasks = []
-        for number, start in enumerate(places):
+        for number, start in enumerate(starts):
             chunk = work[start : start + self.statements]
             for node in chunk:
                 if node not in targets and last_use.get(node, number) > number:
-                    targets[node] = [self._slot()]
+                    targets[node] = [self._new_slot()]
             written = {slot: node for node in chunk for slot in targets.get(node, ())}
-            if start == places[-1]:
-                own = set(work)
-                written |= {slot: node for slot, node in outputs.items() if node not in own}
+            if start == starts[-1]:
+                computed = set(work)
+                written |= {slot: node for slot, node in outputs.items() if node not in computed}
             if not written:
                 continue
             tasks.append(self._function(f"{name}_{number}", chunk, written, slots))
@@ -247,12 +247,12 @@ class _Inliner:
         for task in self.old.segment(name).tasks:
             if task.owner:
                 titles.setdefault(task.owner, {})[self.old.kernels[task.kernel].title] = None
-        return tuple(f"{owner}: {', '.join(found)}" for owner, found in titles.items())
+        return tuple(f"{owner}: {', '.join(kinds)}" for owner, kinds in titles.items())
 
     def _function(
         self, name: str, chunk: Sequence[int], written: Mapping[int, int], slots: Mapping[int, int]
     ) -> Task:
-        """Task of a function that computes ``chunk`` and writes some of it."""
+        """Task of a function that computes the nodes of ``chunk`` and writes some of them."""
         graph = Graph()
         ids: dict[int, int] = {}
         for node in (*chunk, *written.values()):

@@ -21,9 +21,9 @@ class ProgramInterpreter:
     Parameters
     ----------
     program : Program
-        What is run.
+        Program that is run.
     arithmetic : Arithmetic
-        Its numbers: :data:`~kousoku.model.operations.arithmetic.FLOAT`, or
+        Arithmetic of its numbers: :data:`~kousoku.model.operations.arithmetic.FLOAT`, or
         :data:`~kousoku.model.numbers.digits.HIGH`.
     """
 
@@ -36,7 +36,7 @@ class ProgramInterpreter:
         if program.parameters:
             self["parameters"] = [arithmetic.number(Fraction(x)) for x in program.parameters]
         places = [x for body in program.bodies for x in (*body.r, *body.p, *body.v, *body.omega_b)]
-        places += [one.place for one in program.auxiliary]
+        places += [entry.place for entry in program.auxiliary]
         for place in places:
             if place.slot >= 0:
                 self.values[place.slot] = arithmetic.number(Fraction(place.value))

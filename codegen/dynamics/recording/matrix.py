@@ -97,8 +97,8 @@ class Matrix:
 
     def _entrywise(self, other: Matrix, apply: Binary) -> Matrix:
         rows = tuple(
-            tuple(apply(a, b) for a, b in zip(row, beside, strict=True))
-            for row, beside in zip(self.rows, other.rows, strict=True)
+            tuple(apply(a, b) for a, b in zip(row, other_row, strict=True))
+            for row, other_row in zip(self.rows, other.rows, strict=True)
         )
         return Matrix(self.graph, rows, self.width)
 

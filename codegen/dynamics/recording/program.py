@@ -44,7 +44,7 @@ class Task:
     Parameters
     ----------
     kernel : int
-        Its place in :attr:`Program.kernels`.
+        Its index in :attr:`Program.kernels`.
     inputs, outputs : tuple of int
         First slot of each run, one for each input and output of the kernel. All inputs are read
         before any output is written.
@@ -69,7 +69,7 @@ class Segment:
     tasks : tuple of Task
         In an order in which they can run.
     contents : tuple of str
-        What was inlined into it: title and owner of each task, where they say something.
+        Titles of the tasks that were inlined into it, by their owners.
     meaning : str
         What it computes, of a segment that is none of :data:`SEGMENTS`.
     """
@@ -89,7 +89,7 @@ class CoordinatePlace:
     slot : int
         In the workspace, -1 of a coordinate that does not change.
     value : float
-        What it is then, and at the start.
+        Its constant value, or its value at the start.
     """
 
     slot: int
@@ -170,9 +170,9 @@ class ConstraintEquation:
     joint : str
         As in the scene.
     instance : int
-        Its place in :attr:`kousoku.model.mechanics.multibody.System.constraints`.
+        Its index in :attr:`kousoku.model.mechanics.multibody.System.constraints`.
     row : int
-        Its place in the kind.
+        Its index in the kind.
     """
 
     joint: str
@@ -184,7 +184,7 @@ class ConstraintEquation:
 class Program:
     """Kernels and the tasks that call them, in segments, on one workspace.
 
-    The motion of a scene is one, all equations of a system as it stands, and a linkage of nodes.
+    One has the motion of a scene, another all equations of a system as it stands, or a linkage.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ class Program:
     left_out : tuple of ConstraintEquation
         Rows that depend on others, in the order of the region ``C_left_out``.
     has_misses : bool
-        Whether those may miss more than rounding.
+        Whether these may be violated by more than rounding.
     satisfied : tuple of ConstraintEquation
         Rows that hold by themselves, in the order of the region ``C_left_out``: those of joints
         that bodies are put onto. Where there are some no row is left out.
@@ -221,19 +221,19 @@ class Program:
     undetermined : tuple of (str, tuple of str)
         Of these the components of force and torque that are not unique, all of those left out here.
     unique_in_plane : tuple of str
-        Joints of whose reactions only what leads out of the plane of the motion is not unique.
+        Joints of whose reactions only components out of the plane of motion are not unique.
     only_in_plane : str
-        Why what leads out of the plane of reactions is not computed; empty where it is, or none.
+        Why components of reactions out of the plane are not computed; empty where none is left out.
     has_masses : bool
         Whether masses are those of the scene; else its energies and works mean nothing.
     parameters : tuple of float
         Values in the region ``parameters`` unless a run has others.
     auxiliary : tuple of Auxiliary
-        What stands in q after the coordinates of the bodies.
+        Entries of q after the coordinates of the bodies.
     conserved : tuple of ConservedMomenta
         The momenta of the region ``momenta``.
     on_demand : tuple of Segment
-        What a run calls where it must: those of :data:`ON_DEMAND`.
+        Segments that a run calls where it must: those of :data:`ON_DEMAND`.
     design : DesignNumbers
         The numbers of the region ``design``, which depend on parameters.
     is_inlined : bool
@@ -268,8 +268,8 @@ class Program:
     @property
     def shares_out(self) -> bool:
         """Whether forces of joints that are not unique are found by loops over all rows."""
-        has_regions = any(one.name == "reactions" for one in self.regions)
-        return has_regions and all(one.name != "reaction" for one in self.segments)
+        has_regions = any(region.name == "reactions" for region in self.regions)
+        return has_regions and all(segment.name != "reaction" for segment in self.segments)
 
     def region(self, name: str) -> Region:
         """Region by its name."""
@@ -359,8 +359,8 @@ SEGMENTS = {
     "measure": "q, v -> measures",
 }
 
-#: What a run calls and no evaluation does: where the pivot monitor finds that much or all was
-#: lost, where it begins, and for events and kinks.
+#: Segments that a run calls and no evaluation: where the pivot monitor finds that many digits or
+#: all were lost, where a run begins, and for events and kinks.
 ON_DEMAND = {
     "refinement": "v, v_dot, t -> dv, the correction of v_dot, more_lam, more_power",
     "wrench": "all_lam -> wrenches, reactions",
@@ -381,18 +381,18 @@ AFTER_GEOMETRY = frozenset(
 
 
 def meaning_of(program: Program, segment: Segment) -> str:
-    """Regions that a segment reads and writes, without those that it leaves alone here."""
+    """Regions that a segment reads and writes in this program."""
     if segment.meaning:
         return segment.meaning
     sides = []
     meanings = (SEGMENTS | ON_DEMAND)[segment.name].split(" -> ")
     for text, runs in zip(meanings, (_used, writes), strict=True):
-        parts = [range(base, base + n) for one in segment.tasks for base, n in runs(program, one)]
-        slots = {slot for part in parts for slot in part}
+        ranges = [range(base, base + n) for x in segment.tasks for base, n in runs(program, x)]
+        slots = {slot for run in ranges for slot in run}
         used = {
-            one.name
-            for one in program.regions
-            if not slots.isdisjoint(range(one.base, one.base + one.size))
+            region.name
+            for region in program.regions
+            if not slots.isdisjoint(range(region.base, region.base + region.size))
         }
         idle = REGIONS.keys() - used
         sides.append(", ".join(part for part in text.split(", ") if part.split()[0] not in idle))
@@ -425,11 +425,11 @@ def levels(program: Program, segment: Segment) -> tuple[tuple[int, ...], ...]:
     Returns
     -------
     tuple of tuple of int
-        For each level the places of its tasks in the segment, in the order of the segment.
+        For each level the indices of its tasks in the segment, in the order of the segment.
     """
     level_of_slot: dict[int, int] = {}
-    found: list[list[int]] = []
-    for place, task in enumerate(segment.tasks):
+    by_level: list[list[int]] = []
+    for index, task in enumerate(segment.tasks):
         level = 0
         for base, length in reads(program, task):
             for slot in range(base, base + length):
@@ -437,7 +437,7 @@ def levels(program: Program, segment: Segment) -> tuple[tuple[int, ...], ...]:
         for base, length in writes(program, task):
             for slot in range(base, base + length):
                 level_of_slot[slot] = level + 1
-        if level == len(found):
-            found.append([])
-        found[level].append(place)
-    return tuple(tuple(tasks) for tasks in found)
+        if level == len(by_level):
+            by_level.append([])
+        by_level[level].append(index)
+    return tuple(tuple(tasks) for tasks in by_level)

@@ -5,9 +5,8 @@ the same slot, and where a run of consecutive slots ends. All further calls with
 looked up, so that a thousand equal joints cost one trace.
 
 An entry of a block is coded as one number: 0, 1 and −1 are themselves, s + 2 is what is in slot s,
-and −(s + 2) is its negative. Nobody else needs to know. There are a thousand of them for each body:
-with an object for each slot a chain of 500 bodies takes an eighth longer, half of it to collect
-garbage.
+and −(s + 2) is its negative. There are a thousand entries for each body: with an object for each
+slot a chain of 500 bodies takes an eighth longer, half of it to collect garbage.
 """
 
 from __future__ import annotations
@@ -148,7 +147,7 @@ class Recorder:
 
     def known(self, name: str) -> SlotMatrix:
         """Region that was set aside."""
-        base, size = next((one.base, one.size) for one in self.regions if one.name == name)
+        base, size = next((x.base, x.size) for x in self.regions if x.name == name)
         return _slots(base, size)
 
     def begin(self, name: str) -> None:
@@ -157,7 +156,7 @@ class Recorder:
 
     @contextmanager
     def of(self, owner: str) -> Iterator[None]:
-        """Say which body, joint, force or driver the tasks that are recorded now belong to."""
+        """Name the body, joint, force or driver that the tasks recorded now belong to."""
         before, self._owner = self._owner, owner
         yield
         self._owner = before
@@ -184,8 +183,8 @@ class Recorder:
         entries = []
         for value in exact:
             if isinstance(value, Traced):
-                place, _ = self.design.setdefault(value.expression.key, (len(self.design), value))
-                entries.append(DESIGN + place + 2)
+                index, _ = self.design.setdefault(value.expression.key, (len(self.design), value))
+                entries.append(DESIGN + index + 2)
             elif abs(value) in {0, 1}:
                 entries.append(int(value))
             else:
@@ -201,9 +200,9 @@ class Recorder:
         Parameters
         ----------
         operation : Operation
-            What is computed.
+            Operation that is computed.
         *blocks : SlotMatrix
-            What it takes.
+            Its operands.
         into : sequence of SlotMatrix or None
             For each result the consecutive slots where it must be written, or None where any
             place will do; results beyond the last go to any place.
@@ -217,26 +216,26 @@ class Recorder:
         pattern, leaves, bases, lengths = pattern_of(blocks)
         pinned = tuple(block is not None for block in into)
         key = (operation, pattern, tuple(lengths), pinned)
-        known = self._layouts.get(key)
-        if known is None:
-            known = self._layouts[key] = self._layout_of(operation, pattern, lengths, pinned)
-        base = self._allocate(known.fresh)
-        outputs = [base] if known.fresh else []
+        layout = self._layouts.get(key)
+        if layout is None:
+            layout = self._layouts[key] = self._layout_of(operation, pattern, lengths, pinned)
+        base = self._allocate(layout.fresh)
+        outputs = [base] if layout.fresh else []
         outputs += [
             slot_of(block.entries[0]) for block in into if block is not None and block.entries
         ]
         if outputs:
-            inputs = tuple(bases[run] for run in known.used)
-            self.segments[-1][1].append(Task(known.kernel, inputs, tuple(outputs), self._owner))
+            inputs = tuple(bases[run] for run in layout.used)
+            self.segments[-1][1].append(Task(layout.kernel, inputs, tuple(outputs), self._owner))
         results = [
             SlotMatrix(
                 tuple(self._entry(kind, x, leaves, base) for kind, x in entries), height, width
             )
-            for entries, height, width in known.results
+            for entries, height, width in layout.results
         ]
-        for place, block in enumerate(into):
+        for k, block in enumerate(into):
             if block is not None:
-                results[place] = block
+                results[k] = block
         return tuple(results)
 
     def finish(self) -> tuple[list[Segment], list[Region], int]:

@@ -16,15 +16,16 @@ from kousoku.model.operations.kernel import Kernel
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    #: For each entry of a result what it is: a ``number`` 0 or ±1, a ``leaf`` or a ``fresh`` slot;
-    #: of the last two ±(place + 1). And the shape of the result.
+    #: Kind and code of each entry of a result: ``number`` with 0 or ±1, ``leaf`` and ``fresh`` slot
+    #: with ±(index + 1). And the shape of the result.
     Codes = tuple[tuple[tuple[str, int], ...], int, int]
 
 
-#: What a kernel adds to a divisor that may be zero: its inverse is infinite, and 0 · ∞ no number.
+#: Number that a kernel adds to a divisor that may be zero: its inverse is infinite, and 0 · ∞ no
+#: number.
 ADDED = Fraction(SMALLEST_SUBNORMAL)
-#: What is added here, where factors are taken out: its inverse is finite, and it changes no sum
-#: with a length above 10⁻²⁸⁵.
+#: Number that is added here, where factors are taken out: its inverse is finite, and it changes no
+#: sum with a length above 10⁻²⁸⁵.
 ADDED_HERE = Fraction(1, 2**1000)
 
 
@@ -96,11 +97,11 @@ class Trace:
                 new[node] = new[known]
         return graph, [[new[node] for node in result.flat] for result in results]
 
-    def _needed(self, wanted: Iterable[int]) -> list[int]:
+    def _needed(self, roots: Iterable[int]) -> list[int]:
         """Nodes that are needed in an order in which they can be built: leaves first."""
         nodes = self.graph.nodes
         needed: dict[int, None] = {}
-        stack = list(wanted)
+        stack = list(roots)
         while stack:
             node = stack.pop()
             if node in needed:
@@ -127,37 +128,37 @@ def traced_kernel(
     trace : Trace
         The operation.
     title : str
-        What it computes.
+        Title of its results.
     results : sequence of Matrix
-        What it gives.
+        Its results.
     pinned : sequence of bool
         Which results are written in full, each to slots of its own; those beyond the last are not.
 
     Returns
     -------
     kernel : Kernel
-        Its first output, if any, is what is new in the results that are not pinned; then follow
-        the results that are.
+        Its first output, if any, has the new entries of the results that are not pinned; then
+        follow the results that are.
     used : tuple of int
-        The runs that its inputs are: those that it reads.
+        Indices of the runs that it reads: its inputs.
     fresh : int
         Count of slots of that first output.
     codes : tuple of Codes
-        What the entries of the results are.
+        Codes of the entries of the results.
     """
     graph, nodes = trace.rebuilt(results)
-    is_pinned = [place < len(pinned) and pinned[place] for place in range(len(results))]
+    pins = [k < len(pinned) and pinned[k] for k in range(len(results))]
     sorter = _Sorter(graph, trace)
     codes = tuple(
         (
-            tuple(("number", 0) if held else sorter.code(node) for node in flat),
+            tuple(("number", 0) if pin else sorter.code(node) for node in flat),
             len(result.rows),
             result.width,
         )
-        for flat, result, held in zip(nodes, results, is_pinned, strict=True)
+        for flat, result, pin in zip(nodes, results, pins, strict=True)
     )
     outputs = [tuple(sorter.fresh)] if sorter.fresh else []
-    outputs += [tuple(flat) for flat, held in zip(nodes, is_pinned, strict=True) if held and flat]
+    outputs += [tuple(flat) for flat, pin in zip(nodes, pins, strict=True) if pin and flat]
     kernel, used = _compact(graph, title, trace.lengths, outputs)
     return kernel, used, len(sorter.fresh), codes
 
@@ -174,16 +175,16 @@ class _Sorter:
                 self._leaves[f"x{run}", place] = len(self._leaves)
 
     def code(self, node: int) -> tuple[str, int]:
-        found = self.graph.nodes[node]
-        if found.value is not None and abs(found.value) <= 1 and found.value.denominator == 1:
-            return "number", int(found.value)
-        if found.symbol is not None:
-            return "leaf", self._leaves[found.symbol] + 1
-        if found.op is Op.NEG:
-            kind, place = self.code(found.args[0])
+        entry = self.graph.nodes[node]
+        if entry.value is not None and abs(entry.value) <= 1 and entry.value.denominator == 1:
+            return "number", int(entry.value)
+        if entry.symbol is not None:
+            return "leaf", self._leaves[entry.symbol] + 1
+        if entry.op is Op.NEG:
+            kind, place = self.code(entry.args[0])
             return kind, -place
-        if found.op is Op.SUB:
-            turned = self.graph.sub(found.args[1], found.args[0])
+        if entry.op is Op.SUB:
+            turned = self.graph.sub(entry.args[1], entry.args[0])
             if turned in self.fresh:
                 return "fresh", -self.fresh[turned] - 1
         place = self.fresh.setdefault(node, len(self.fresh))
@@ -196,8 +197,8 @@ def _compact(
     """Kernel of the nodes that ``outputs`` need, without name, and the runs that it reads."""
     order = _in_order(graph, outputs)
     symbols = [graph.nodes[node].symbol for node in order]
-    read = {name for name, _ in filter(None, symbols)}
-    used = tuple(k for k in range(len(lengths)) if f"x{k}" in read)
+    runs_read = {name for name, _ in filter(None, symbols)}
+    used = tuple(k for k in range(len(lengths)) if f"x{k}" in runs_read)
     renamed = {f"x{k}": f"x{number}" for number, k in enumerate(used)}
     kept = Graph()
     ids: dict[int, int] = {}
