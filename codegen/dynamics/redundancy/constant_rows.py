@@ -25,7 +25,7 @@ def require_constant_rows_hold(system: System, outline: Outline) -> None:
     system : System
         The scene, assembled.
     outline : Outline
-        All rows that anything changes.
+        Outline, whose rows are those that some velocity changes.
 
     Raises
     ------
@@ -39,9 +39,9 @@ def require_constant_rows_hold(system: System, outline: Outline) -> None:
     names = [name for name, _ in system.parameters]
     length = characteristic_length(system)
     values, _ = rows.fast(system.bodies)
-    for place, (instance, first) in enumerate(zip(system.constraints, rows.first, strict=False)):
+    for index, (instance, first) in enumerate(zip(system.constraints, rows.first, strict=False)):
         for row in range(rows.count(instance)):
-            if (place, row) in solved:
+            if (index, row) in solved:
                 continue
             if not isfinite(fixed_law(instance, names)):
                 raise SceneError(

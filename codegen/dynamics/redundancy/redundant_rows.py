@@ -31,8 +31,8 @@ def shares_out(kept: int, left_out: int) -> bool:
 
 
 def by_instance(rows: Iterable[ConstraintEquation]) -> dict[int, list[int]]:
-    """Rows by the places of their constraints."""
-    found: dict[int, list[int]] = {}
+    """Rows by the indices of their constraints."""
+    groups: dict[int, list[int]] = {}
     for row in rows:
-        found.setdefault(row.instance, []).append(row.row)
-    return found
+        groups.setdefault(row.instance, []).append(row.row)
+    return groups
