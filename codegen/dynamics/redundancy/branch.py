@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.codegen.dynamics.assembly.residuals import places_of
+from kousoku.codegen.dynamics.assembly.residuals import positions_of
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.rank import damped_change, factorise
 from kousoku.runtime.integrate.settings import CLEARLY
@@ -156,7 +156,7 @@ class Branch:
         return self._at(*self._start(bodies))
 
     def _start(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array, Array]:
-        r, p = places_of(bodies)
+        r, p = positions_of(bodies)
         return r / self.length, p, self._residuals.near
 
     def rates(self, factors: LQFactors, matrix: Array, rows: Sequence[int]) -> Array:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.pose import normalised
-from kousoku.codegen.dynamics.assembly.residuals import places_of
+from kousoku.codegen.dynamics.assembly.residuals import positions_of
 from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.elements.constraints import RelativeMotion, held_by
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
@@ -144,7 +144,7 @@ def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
     columns = np.repeat([largest, 1.0], COLUMNS // 2)[None, :] * np.ones((len(bodies), 1))
     columns[:, COLUMNS // 2 :] = turns[:-1, None]
     rows = np.where(residuals.in_metres, 1 / largest, 1.0)
-    _, matrix = residuals.doubles(*places_of(bodies))
+    _, matrix = residuals.doubles(*positions_of(bodies))
     for instance, first in zip(residuals.constraints, residuals.first, strict=False):
         if instance.is_combination:  # ratios may be of any size
             size = float(((matrix[first] * columns.ravel()) ** 2).sum()) ** 0.5

@@ -19,7 +19,7 @@ from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Patter
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
 from kousoku.codegen.dynamics.assembly.near_origin import seen_from
-from kousoku.codegen.dynamics.assembly.residuals import Residuals, places_of
+from kousoku.codegen.dynamics.assembly.residuals import Residuals, positions_of
 from kousoku.codegen.dynamics.disjoint_sets import DisjointSets
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import Branch, Scales
@@ -288,7 +288,7 @@ def _is_independent(
     residuals, first_row = part_residuals(system, part)
     scales = Scales.of_length(residuals, Metric(system).size)
     bodies = [system.bodies[k] for k in part.bodies]
-    _, at, columns, values = residuals.elements(*places_of(bodies))
+    _, at, columns, values = residuals.elements(*positions_of(bodies))
     is_row, is_column = np.zeros(residuals.rows, bool), np.zeros(residuals.columns, bool)
     is_row[[first_row[row.instance] + row.row for row in rows]] = True
     is_column[_columns(outline, part)] = True

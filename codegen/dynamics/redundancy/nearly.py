@@ -114,8 +114,8 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
     ]
     coordinates = [replace(c, near=x) for c, x in zip(system.coordinates, pose.near, strict=True)]
     system = replace(system, bodies=tuple(bodies), coordinates=tuple(coordinates))
-    missing = search.missing(pose)
-    is_open = float(missing @ missing) ** 0.5 > CLOSE * metric.size
+    residual = search.residual(pose)
+    is_open = float(residual @ residual) ** 0.5 > CLOSE * metric.size
     return tuple(row for part in parts for row in _nearly_implied_in(system, part, is_open=is_open))
 
 

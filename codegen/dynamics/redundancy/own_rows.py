@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.codegen.dynamics.assembly.residuals import Residuals, places_of
+from kousoku.codegen.dynamics.assembly.residuals import Residuals, positions_of
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import displaced
@@ -87,7 +87,7 @@ def repeated_rows(system: System, freedom: Freedom) -> tuple[ConstraintEquation,
         dropped = [row for row in freedom.dropped if row.instance == index]
         if not dropped or not is_own(instance.kind):
             continue
-        _, matrix = Residuals.of(system, [instance]).doubles(*places_of(system.bodies))
+        _, matrix = Residuals.of(system, [instance]).doubles(*positions_of(system.bodies))
         taken = [k for k in range(len(matrix)) if k not in {row.row for row in dropped}]
         for row in dropped:
             ranks = [_rank(matrix[[*taken, *added]]) for added in ((), (row.row,))]
@@ -119,7 +119,7 @@ class _Moves:
         self._row_scales = np.where(rows.in_metres, 1 / length, 1.0)
         is_length = np.arange(rows.columns) % COLUMNS < COLUMNS // 2
         self._column_scales = np.where(is_length, length, 1.0)[self._columns]
-        self._start = places_of(system.bodies)
+        self._start = positions_of(system.bodies)
         self._stream = Sha256Random(f"own rows of {system.name}")
 
     def missed(self) -> Iterator[Array]:
