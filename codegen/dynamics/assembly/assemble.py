@@ -3,8 +3,8 @@
 Positions are the q with C(q) = 0 whose displacement d from the start has the least dᵀ W d, where
 W holds masses and moments of inertia: d = W⁻¹ C_dᵀ λ. Velocities are those with C_q v = ν for which
 v − v₀ is least in the same way. Drivers are rows like all others, taken at t = 0. Rows are
-evaluated in 50 digits and equations solved in doubles, again and again, until the result no longer
-depends on how: it is rounded once.
+evaluated in 50 digits and equations solved in doubles, again and again, until all digits of a
+double are right: the result is rounded once.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ def _assembled(system: System, left_out: Collection[tuple[int, int]]) -> System:
 
 def _positions_fit(system: System, rows: Residuals, metric: Metric) -> bool:
     """Whether all rows hold to rounding."""
-    c, _ = rows.fast(system.bodies)
+    c, _ = rows.at_start(system.bodies)
     distance = max((max(map(abs, body.r)) for body in system.bodies), default=0.0)
     lengths = np.where(rows.in_metres, metric.size + distance, 1.0)
     limits = ROUNDING_OF_STATES * (lengths + rows.sizes)
@@ -140,7 +140,7 @@ def _positions_fit(system: System, rows: Residuals, metric: Metric) -> bool:
 
 def _velocities_fit(system: System, rows: Residuals, metric: Metric) -> bool:
     """Whether velocities keep all joints closed to rounding."""
-    _, rates = rows.fast(system.bodies)
+    _, rates = rows.at_start(system.bodies)
     end = rows.first[len(system.constraints)]
     fastest = max((max(map(abs, body.omega_b)) for body in system.bodies), default=0.0)
     speed = max((max(map(abs, body.v)) for body in system.bodies), default=0.0)
@@ -204,7 +204,7 @@ def _velocities(system: System, rows: Residuals, metric: Metric, pose: Pose) -> 
 def _given_velocities(body: MovingBody, p: Quadruple) -> tuple[Triple, Triple]:
     """Velocities v and omega_b that the scene gives for a body that assembly turned to p.
 
-    The velocity of its origin stays, and of its angular velocity the components that are given.
+    The velocity of its origin stays, and the given components of its angular velocity.
     """
     v, omega_b = precise.triple(body.v), precise.triple(body.omega_b)
     before = normalised(body.p)

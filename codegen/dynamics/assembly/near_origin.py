@@ -31,7 +31,7 @@ def brought_near(system: System, size: float) -> tuple[System, Vector]:
     Parameters
     ----------
     system : System
-        Its numbers are those of a scene, without parameters.
+        A scene in numbers, without parameters.
     size : float [m]
         The size of the system.
     """

@@ -244,19 +244,19 @@ def _stepwise_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> P
     unless steps are rounding by then: for dependent rows doubles give no more digits.
     """
     metric, rows = search.metric, search.rows
-    here, last = pose, metric.norm(pose.since(start))
+    current, last = pose, metric.norm(pose.since(start))
     for _ in range(MOST_SLIDES):
-        d = here.since(start)
-        jacobian = rows.at(here)[1].of_displacement(d)
+        d = current.since(start)
+        jacobian = rows.at(current)[1].of_displacement(d)
         normal = MinimumNormSolver(jacobian, metric, rows).displacement(jacobian.times(d))
         size = metric.norm(_difference(d, normal))
         if size <= SLID * metric.size:
-            return here
+            return current
         if not size < last:
-            return here if size <= CONSTRAINT_TOLERANCE * metric.size else pose
-        moved = rows.counted(replace(start.moved(normal), near=here.near))
-        here, last = search.solve(search.doubles.solve(DoublePose.of(moved)).pose()), size
-        if violations(rows, here, metric.size):
+            return current if size <= CONSTRAINT_TOLERANCE * metric.size else pose
+        moved = rows.counted(replace(start.moved(normal), near=current.near))
+        current, last = search.solve(search.doubles.solve(DoublePose.of(moved)).pose()), size
+        if violations(rows, current, metric.size):
             break
     return pose
 

@@ -1,8 +1,8 @@
 """The rows of a whole system, evaluated from the frozen kernels without composing a program.
 
-This is for what happens once, before there is a solver: assembly, and counting freedoms. A row that
-combines coordinates is a sum over them, each evaluated as a row of its own kind; formulas of the
-time are taken at t = 0.
+It serves assembly and the count of freedoms, once, before there is a solver. A row that combines
+coordinates is a sum over them, each evaluated as a row of its own kind; formulas of the time are
+taken at t = 0.
 """
 
 from __future__ import annotations
@@ -99,9 +99,9 @@ class Residuals:
         self.left_out = tuple(left_out)
         self.is_left_out = np.zeros(self.rows, bool)
         self.is_left_out[[self.first[index] + row for index, row in left_out]] = True
-        #: Which rows are lengths; the others are angles, or sines of them.
+        #: Mask of the rows that are lengths; the others are angles, or sines of them.
         self.in_metres = np.repeat([unit_of(instance) == "m" for instance in constraints], sizes)
-        #: Where the angles count from: values within half a turn of those at the start.
+        #: Coordinates that angles are counted from, to within half a turn.
         self.near = np.array([coordinate.near for coordinate in coordinates])
         self._pieces = list(self._pieces_of_rows())
         self._set_offsets(parameters)
@@ -210,7 +210,7 @@ class Residuals:
         has_none = body < 0 or (self._is_point[body] and component >= COLUMNS // 2)
         return -1 if has_none else COLUMNS * body + component
 
-    def fast(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
+    def at_start(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
         """C and C_q v − ν at the start in doubles, all instances of a kind at once."""
         c, rows, columns, values = self.elements(*positions_of(bodies))
         speed = np.array([*((*body.v, *body.omega_b) for body in bodies), (0.0,) * COLUMNS])

@@ -69,7 +69,7 @@ def worst_first(
 ) -> dict[str, tuple[float, float]]:
     """Joints whose larger size is above a limit and worth naming, the worst first.
 
-    Metres are compared with radians by a length, so that it is no matter how large a mechanism is.
+    Metres are compared with radians by a length, so that the size of a mechanism does not matter.
     """
     scaled = {name: max(m / length, rad) for name, (m, rad) in sizes.items()}
     limit = max(at_least, WORTH_NAMING * max(scaled.values(), default=0.0))

@@ -140,16 +140,16 @@ class Branch:
 
     def positions(self, bodies: Sequence[MovingBody]) -> Iterator[BranchPosition]:
         """Position of the bodies, and further ones along the branch, until nothing moves."""
-        here = self._position(*self._start(bodies))
-        yield here
+        position = self._position(*self._start(bodies))
+        yield position
         direction = _any_direction(len(self._columns))
-        while here.factors.rank < len(self._columns):
-            direction = self._of_size_one(here.factors.null_part(direction))
-            following = self._next(here, direction)
+        while position.factors.rank < len(self._columns):
+            direction = self._of_size_one(position.factors.null_part(direction))
+            following = self._next(position, direction)
             if following is None:
                 return
             yield following
-            here = following
+            position = following
 
     def start(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
         """Residuals C (rows,) [-] and C_q (rows, columns) [-], scaled, where the bodies are."""
@@ -215,7 +215,7 @@ class Branch:
         rank = max(position.factors.rank for position in positions)
         return rank < len(self._rows) and (len(positions) > 1 or rank == full_rank)
 
-    def with_others(self, position: BranchPosition, rows: Sequence[int]) -> LQFactors:
+    def factors_of(self, position: BranchPosition, rows: Sequence[int]) -> LQFactors:
         """Factors at a position of rows that need not hold there, such as those of drivers."""
         _, matrix = self._residuals.doubles(position.r * self.length, position.p, position.near)
         indices = list(rows)
@@ -223,11 +223,11 @@ class Branch:
         scaled = matrix * self._all_row_scales[indices][:, None] * self._column_scales
         return self._ranks(scaled, indices)[0]
 
-    def left_over(self, position: BranchPosition, left: Sequence[int]) -> Array:
+    def remainders(self, position: BranchPosition, left: Sequence[int]) -> Array:
         """Norms |(I − QᵀQ) aᵀ| (n,) [-] of rows a of C_q, scaled, beyond Q of all other rows."""
         _, matrix = self._at(position.r, position.p, position.near)
-        others = factorise(np.delete(matrix, list(left), axis=0))
-        return np.array([float((others.null_part(matrix[k]) ** 2).sum()) ** 0.5 for k in left])
+        factors = factorise(np.delete(matrix, list(left), axis=0))
+        return np.array([float((factors.null_part(matrix[k]) ** 2).sum()) ** 0.5 for k in left])
 
     def is_length(self, row: int) -> bool:
         """Whether a row of joints is a length, or else an angle."""
@@ -286,58 +286,60 @@ class Branch:
         scaled: Array = x / np.abs(x * self._column_units).max()
         return scaled
 
-    def _next(self, here: BranchPosition, direction: Array) -> BranchPosition | None:
+    def _next(self, position: BranchPosition, direction: Array) -> BranchPosition | None:
         """Position near, in a direction or as near to it as the rows allow."""
         for halvings in range(HALVINGS + 1):
             step = BRANCH_STEP / 2**halvings
             for settle in (self._settled, self._settled_damped):
-                moved = settle(here, step * direction)
-                if moved is not None and self._distance(here, *moved) > MOVED * step:
-                    near = self._residuals.angles(moved[0] * self.length, moved[1], here.near)
+                moved = settle(position, step * direction)
+                if moved is not None and self._distance(position, *moved) > MOVED * step:
+                    near = self._residuals.angles(moved[0] * self.length, moved[1], position.near)
                     return self._position(*moved, near)
         return None
 
     @staticmethod
-    def _distance(here: BranchPosition, r: Array, p: Array) -> float:
-        return float(max(np.abs(r - here.r).max(), np.abs(p - here.p).max()))
+    def _distance(position: BranchPosition, r: Array, p: Array) -> float:
+        return float(max(np.abs(r - position.r).max(), np.abs(p - position.p).max()))
 
-    def _settled(self, here: BranchPosition, step: Array) -> tuple[Array, Array] | None:
+    def _settled(self, position: BranchPosition, step: Array) -> tuple[Array, Array] | None:
         """Position after a step, back on the rows that were independent before it."""
-        r, p = self._moved(here.r, here.p, step)
+        r, p = self._moved(position.r, position.p, step)
         last = np.inf
         for _ in range(MOST_BRANCH_STEPS):
-            c = self._residuals.residuals(r * self.length, p, here.near)[self._rows]
+            c = self._residuals.residuals(r * self.length, p, position.near)[self._rows]
             c = c * self._row_scales
             size = float(np.abs(c).max(initial=0))
             if size <= BRANCH_TOLERANCE:
                 return r, p
-            kept = float(np.abs(c[list(here.factors.taken)]).max(initial=0))
+            kept = float(np.abs(c[list(position.factors.taken)]).max(initial=0))
             if kept <= BRANCH_TOLERANCE / 10:
-                return (r, p) if self._is_within_tolerance(here, c, step) else None
+                return (r, p) if self._is_within_tolerance(position, c, step) else None
             if kept > last:
                 return None
             last = kept
-            r, p = self._moved(r, p, here.factors.least_change(-c))
+            r, p = self._moved(r, p, position.factors.least_change(-c))
         return None
 
-    def _is_within_tolerance(self, here: BranchPosition, c: Array, step: Array) -> bool:
+    def _is_within_tolerance(self, position: BranchPosition, c: Array, step: Array) -> bool:
         """Whether residuals of implied rows stay within the tolerance after a step.
 
         They may grow in proportion to the step: where rows are dependent at a position only, their
         residuals grow with the square of a step.
         """
         c = c * self._row_units
-        growth = float(np.abs(c - self.missed(here))[list(here.factors.left)].max(initial=0.0))
+        growth = float(
+            np.abs(c - self.missed(position))[list(position.factors.left)].max(initial=0.0)
+        )
         fraction = float(np.abs(step * self._column_units).max()) / BRANCH_STEP
         limit = CLEARLY * self.tolerance
         return bool(np.abs(c).max() <= limit and growth <= limit * fraction)
 
-    def _settled_damped(self, here: BranchPosition, step: Array) -> tuple[Array, Array] | None:
+    def _settled_damped(self, position: BranchPosition, step: Array) -> tuple[Array, Array] | None:
         """Position after a step, back on all rows: damped, as their rank may differ."""
-        r, p = self._moved(here.r, here.p, step)
+        r, p = self._moved(position.r, position.p, step)
         last = np.inf
         for _ in range(MOST_DAMPED_STEPS):
-            c, matrix = self._at(r, p, here.near)
+            c, matrix = self._at(r, p, position.near)
             size = float(np.abs(c).max(initial=0))
             if size <= BRANCH_TOLERANCE:
                 return r, p

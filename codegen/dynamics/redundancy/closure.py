@@ -1,11 +1,11 @@
 """Rows that others imply within the closure tolerance, and what these rows miss.
 
-People type 0.7071 for an axis. The rows of such a loop are independent by a hair, and what they
-hold beyond each other is no motion that anyone means: they count as redundant, as the exact ones
-do. Rows are told apart by their pivots in C_q where the loop is assembled, all lengths compared
-with those of the part and turns with the arms of their body, without masses. A pivot is what a row
-misses per unit of a motion that all others allow. Pivots below the closure tolerance are redundant,
-above ten times that independent, and a scene with one in between is refused.
+People type 0.7071 for an axis. The rows of such a loop are independent by a hair, which nobody
+means: they count as redundant, as the exact ones do. The pivots of rows in C_q decide, where the
+loop is assembled, all lengths compared with those of the part and turns with the arms of their
+body, without masses. A pivot is the residual of a row per unit of a motion that all others allow.
+Rows with pivots below the closure tolerance are redundant, above ten times that independent, and a
+scene with one in between is refused.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ OPEN, OPEN_FAR = 1e-13, 2.0**-44
 #: Angle between axes above which they are not meant to be parallel [rad]: a message would name the
 #: wrong cause.
 NEARLY_PARALLEL = 0.1
-#: What counts as equal to the closure tolerance: a scene that misses as much as it says is taken.
+#: Relative margin of the closure tolerance: a residual that equals it is accepted.
 ROUNDED = 1e-9
 
 
@@ -138,7 +138,7 @@ def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
             if end:
                 body = source.i if end == "i" else source.j
                 arms[body] = max(arms[body], *map(abs, values))
-    arms[GROUND_INDEX] = 0.0  # where its points are tells nothing of sizes
+    arms[GROUND_INDEX] = 0.0  # its points are positions, not arms
     largest = max(arms) or 1.0
     turns = np.array([largest / arm if arm else 1.0 for arm in arms])
     columns = np.repeat([largest, 1.0], COLUMNS // 2)[None, :] * np.ones((len(bodies), 1))
@@ -283,7 +283,7 @@ def closed_rows(
     rank = max(position.factors.rank for position in positions)
     regular = [position for position in positions if position.factors.rank == rank]
     regular = [position for position in regular if _stay_left_out(position, indices)] or regular
-    pivots = branch.left_over(regular[0], indices).tolist()
+    pivots = branch.remainders(regular[0], indices).tolist()
     limit = BRANCH_TOLERANCE  # of positions that were searched for
     if regular[0] is positions[0]:
         limit = _rounding_limit(float(np.abs(positions[0].r).max()))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def require_constant_rows_hold(system: System, outline: Outline) -> None:
-    """Refuse constraints that are not solved, because nothing changes them, and do not hold.
+    """Refuse constraints that do not hold and that no velocity changes, so that none is solved.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def require_constant_rows_hold(system: System, outline: Outline) -> None:
         return
     names = [name for name, _ in system.parameters]
     length = characteristic_length(system)
-    values, _ = rows.fast(system.bodies)
+    values, _ = rows.at_start(system.bodies)
     for index, (instance, first) in enumerate(zip(system.constraints, rows.first, strict=False)):
         for row in range(rows.count(instance)):
             if (index, row) in solved:

@@ -60,7 +60,7 @@ class Drivers:
         """Look at a position; return whether drivers are known to prescribe free coordinates."""
         self._rank = max(self._rank, position.factors.rank)
         if self._count and not self._are_free():
-            factors = self._branch.with_others(position, self._indices)
+            factors = self._branch.factors_of(position, self._indices)
             self._ranks.append((position.factors.rank, factors))
         return self._are_free()
 

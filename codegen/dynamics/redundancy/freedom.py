@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 MOST_SEARCHED_ROWS = 700
 #: Positions that are looked at, where they are cheap, and rows times positions where not.
 MOST_POSITIONS, ROWS_AND_POSITIONS = 24, 6000
-#: From so many lengths of the system on its bodies are far from the origin of frame O: coordinates
+#: Distance of bodies from the origin of frame O, in lengths of the system, that is far: coordinates
 #: have lost four of the digits that tell dependent rows.
 FAR_FROM_ORIGIN = 1e4
 
@@ -202,8 +202,8 @@ def freedom_of(system: System, outline: Outline) -> Freedom:
 def near_origin(system: System) -> System:
     """System with the origin of frame O among its bodies, if that lies far from them.
 
-    Freedoms do not depend on where that is, but coordinates of a million lengths have lost the
-    digits that tell which rows depend on others.
+    Freedoms do not depend on the origin, but coordinates of a million lengths have lost the digits
+    that tell which rows depend on others.
     """
     origin = system.bodies[0].r if system.bodies else (0.0, 0.0, 0.0)
     is_far = max(map(abs, origin)) > FAR_FROM_ORIGIN * Metric(system).size
@@ -357,8 +357,8 @@ def _shaky(rows: Sequence[ConstraintEquation], position: BranchPosition, rank: i
     stretched between two points do: none can be left out.
     """
     sets = [
-        _set(rows, places, count, is_everywhere=False)
-        for places, count in _components([position.factors], TAKES_PART)
+        _set(rows, indices, count, is_everywhere=False)
+        for indices, count in _components([position.factors], TAKES_PART)
     ]
     return Freedom(0, len(rows), rank, tuple(sets), positions=1)
 

@@ -1,8 +1,8 @@
 """Parts of a system whose joints close loops; trees that hang on them are left out.
 
 Two joints are in one part when some loop passes both, the ground being a body that loops may pass.
-Constraints between bodies do not notice how all of these move together. So parts that share one
-body or none do not touch each other's ranks, and the rows of a joint in no loop are independent.
+Constraints between bodies do not depend on a common motion of all of these. So parts that share one
+body or none do not affect each other's ranks, and the rows of a joint in no loop are independent.
 
 A joint may connect more than two bodies, as a gear between the joints of two wheels does: it is a
 vertex of its own, with an edge to each of its bodies, and these edges stay in one part.

@@ -77,7 +77,7 @@ def with_consistent_start(written: System) -> System:
 def _holds(system: System) -> bool:
     """Whether all rows hold to the tolerance of positions at which ranks are taken."""
     rows = Residuals.of(system, system.constraints + system.held)
-    c, _ = rows.fast(system.bodies)
+    c, _ = rows.at_start(system.bodies)
     lengths = np.where(rows.in_metres, Metric(system).size, 1.0)
     return bool((np.abs(c) <= BRANCH_TOLERANCE * lengths).all())
 
@@ -104,7 +104,7 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
     rows = Residuals.of(system, system.constraints + system.held)
     if rows.rows > MOST_ASSEMBLED_ROWS:
         return ()
-    damping = system.closure_tolerance**2  # what is stiff by less stays where it is
+    damping = system.closure_tolerance**2  # bodies do not move along less stiff directions
     start = DoublePose.of(Pose.of(system.bodies, system.coordinates))
     search = GaussNewton(rows, metric)
     pose = search.solve(start, least=damping)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import System
     from kousoku.model.numbers.real import Array
 
-#: How far bodies are moved, in lengths of the scene and radians, and in how many directions.
+#: Size of trial motions, in lengths of the scene and radians, and count of their directions.
 TRIAL_MOVE, DIRECTIONS = 0.1, 3
 #: Residual after the move, as a part of the square of the step, above which others do not imply a
 #: row: that of 1 − cos θ is half of it, that of an implied row what is left of the others.
@@ -47,7 +47,7 @@ def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: boo
     system : System
         The scene, assembled, its numbers fixed.
     freedom : Freedom
-        Which rows depend on others.
+        Its rows that depend on others.
     is_planar : bool
         Whether all bodies stay in planes parallel to the xy-plane.
 

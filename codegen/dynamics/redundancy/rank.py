@@ -39,7 +39,7 @@ class LQFactors:
         L.
     basis : (columns, rank)
         Qᵀ: the space of the rows.
-    others : (rows − rank, rank)
+    dependent : (rows − rank, rank)
         The remaining rows in this basis.
     """
 
@@ -47,7 +47,7 @@ class LQFactors:
     left: tuple[int, ...]
     lower: Array
     basis: Array
-    others: Array
+    dependent: Array
 
     @property
     def rank(self) -> int:
@@ -76,7 +76,7 @@ class LQFactors:
 
     def combinations(self) -> Array:
         """Matrix B (rows − rank, rank) with left rows = B · taken rows."""
-        combined = self.others.copy()
+        combined = self.dependent.copy()
         for k in reversed(range(self.rank)):
             combined[:, k] /= self.lower[k, k]
             combined[:, :k] -= combined[:, k : k + 1] * self.lower[k, :k]
@@ -143,8 +143,8 @@ def rows_to_leave(dependences: Sequence[Array]) -> tuple[tuple[int, ...], float]
     Parameters
     ----------
     dependences : sequence of (count, rows)
-        Orthonormal bases of the y with yᵀ C_q = 0, one for each position. Rows are left out well
-        where the part of these bases that belongs to them is far from singular.
+        Orthonormal bases of the y with yᵀ C_q = 0, one for each position. Rows can be left out
+        where their columns of these bases are far from singular.
 
     Returns
     -------

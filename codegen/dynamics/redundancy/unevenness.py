@@ -17,8 +17,8 @@ LIGHT = 1e-4
 def is_uneven(system: System) -> bool:
     """Whether a body is much lighter than two bodies, or a body and the ground, it joins.
 
-    The inverse of its mass then outweighs theirs in the rows of both joints, and what is left where
-    one row is eliminated from the other is the small difference of large numbers.
+    The inverse of its mass then outweighs theirs in the rows of both joints, and the elimination of
+    one row from the other leaves the small difference of large numbers.
     """
     pairs = {tuple(sorted(set(instance.bodies))) for instance in system.constraints}
     neighbours: dict[int, list[int]] = {}

@@ -150,7 +150,7 @@ def coordinates(body: MovingBody, blocks: BodyBlocks) -> BodyCoordinates:
     """Slots of the coordinates of a body, for callers that run the program."""
     position, velocity = start(body)
 
-    def places(
+    def slots(
         block: SlotMatrix, first: int, kept: Sequence[int], values: Sequence[float]
     ) -> CoordinatePlaces:
         return tuple(
@@ -160,10 +160,10 @@ def coordinates(body: MovingBody, blocks: BodyBlocks) -> BodyCoordinates:
 
     return BodyCoordinates(
         body.name,
-        places(blocks.r, 0, blocks.coordinates, position),
-        places(blocks.p, 3, blocks.coordinates, position),
-        places(blocks.v_r, 0, blocks.columns, velocity),
-        places(blocks.omega_b, 3, blocks.columns, velocity),
+        slots(blocks.r, 0, blocks.coordinates, position),
+        slots(blocks.p, 3, blocks.coordinates, position),
+        slots(blocks.v_r, 0, blocks.columns, velocity),
+        slots(blocks.omega_b, 3, blocks.columns, velocity),
     )
 
 

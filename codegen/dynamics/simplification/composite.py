@@ -52,7 +52,7 @@ def joined(
         Index of the composite body.
     normal : int, optional
         Normal axis of a plane that joints hold all bodies in. Products of inertia with it do not
-        count there, and the frame keeps it.
+        count there, and it stays a principal axis.
 
     Returns
     -------

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import System
     from kousoku.model.records.orientation import Vector
 
-#: The axis of a plane may be given either way.
+#: The normal of a plane may point either way.
 DOWN = (0.0, 0.0, -1.0)
 
 

@@ -142,8 +142,8 @@ def free_of_moment(
 ) -> Axes:
     """Directions n (3,) [-] about which no moment acts on a part: n·((r − o) × F + N) = 0, frame O.
 
-    The moment about an axis vanishes of forces along it, and of those that meet it. About the
-    centre of mass gravity has none.
+    Forces along an axis, and forces that meet it, have no moment about it. About the centre of mass
+    gravity has none.
 
     Parameters
     ----------

@@ -44,8 +44,8 @@ def with_placeholder_masses(system: System, plane: Plane | None) -> PlaceholderM
     """System with drivers whose bodies all have a mass m [kg] and moments I = m ℓ² (3,) [kg m²].
 
     A system without drivers stays as it is, and so do masses and moments that are given. I is in
-    the principal frame. Where other bodies have masses m is the largest of them, so that it does
-    not depend on units how much one is beside another; where none has it is 1 kg.
+    the principal frame. Where other bodies have masses m is the largest of them, so that ratios of
+    masses do not depend on units; where none has one it is 1 kg.
 
     Parameters
     ----------

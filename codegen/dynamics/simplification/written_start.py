@@ -106,7 +106,7 @@ def _moved_by_parameters(
         shifted_parameters = [(other, x + 0.5 if other == name else x) for other, x in parameters]
         try:
             shifted = law_at_start(driver, shifted_parameters)
-        except AssemblyError:  # it is no number there
+        except AssemblyError:  # the law is no number there
             return True, True
         value, rate = value or shifted.value != law.value, rate or shifted.rate != law.rate
     return value, rate
