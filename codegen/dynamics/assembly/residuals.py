@@ -125,7 +125,7 @@ class Residuals:
     def ratios(self, length: float) -> Array:
         """Largest factor of each row that combines coordinates, in a length and radians; else 1.
 
-        Ratios may be of any size: beside a gear of 10,000 a row of its slow shaft is as nothing.
+        Ratios may be of any size: beside a gear of 10,000 a row of its slow shaft is negligible.
         """
         ratios = np.ones(self.rows)
         for instance, first in zip(self.constraints, self.first, strict=False):
@@ -186,7 +186,7 @@ class Residuals:
         return values, PreciseJacobian(elements, (self.rows, self.columns))
 
     def counted(self, pose: Pose) -> Pose:
-        """Pose with the angles that it has, counted on from those that it had."""
+        """Pose with its present angles, their turns counted on from the previous ones."""
         near = list(pose.near)
         for index, coordinate in enumerate(self.coordinates):
             if coordinate.counts_turns:

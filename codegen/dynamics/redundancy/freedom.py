@@ -213,6 +213,7 @@ def near_origin(system: System) -> System:
 def _freedom_of_part(
     system: System, outline: Outline, part: LoopPart, rows: Sequence[ConstraintEquation]
 ) -> Freedom:
+    """Freedom that the rows of a part leave, exact or within the closure tolerance."""
     residuals, first_row = part_residuals(system, part)
     joints, driven = _joint_and_driver_rows(system, rows)
     joint_rows = [first_row[row.instance] + row.row for row in joints]
@@ -264,7 +265,7 @@ def _freedom_of_part(
     if findings is None:
         findings = exact_freedom()
         if findings.positions[0].factors.rank < findings.freedom.rank:
-            # beside the start rows may depend on each other nearly
+            # away from the start rows may nearly depend on each other
             findings = freedom_within_tolerance() or findings
     branch, positions, drivers, freedom = findings
     takes_part = CLEARLY * system.closure_tolerance if freedom.closed else TAKES_PART
@@ -283,7 +284,7 @@ def _is_independent(
 ) -> bool:
     """Whether sparse factors show that no row depends on others at the start.
 
-    Then none does along the branch, but at some of its positions.
+    Then they are independent along the branch, too, but for singular positions.
     """
     residuals, first_row = part_residuals(system, part)
     scales = Scales.of_length(residuals, Metric(system).size)
@@ -332,12 +333,14 @@ def _dependences(
     everywhere = _components([position.factors for position in regular], takes_part)
     constant = [indices[0] for indices, _ in everywhere if len(indices) == 1]
     everywhere = [(indices, count) for indices, count in everywhere if len(indices) > 1]
-    sets = [_set(rows, indices, count, is_everywhere=True) for indices, count in everywhere]
+    sets = [
+        _dependent_set(rows, indices, count, is_everywhere=True) for indices, count in everywhere
+    ]
     if positions[0].factors.rank < rank:
         for indices, count in _components([positions[0].factors], takes_part):
             added = count - sum(n for other, n in everywhere if set(other) <= set(indices))
             if added > 0:
-                sets.append(_set(rows, indices, added, is_everywhere=False))
+                sets.append(_dependent_set(rows, indices, added, is_everywhere=False))
     return Freedom(
         columns=0,
         rows=len(rows),
@@ -357,7 +360,7 @@ def _shaky(rows: Sequence[ConstraintEquation], position: BranchPosition, rank: i
     stretched between two points do: none can be left out.
     """
     sets = [
-        _set(rows, indices, count, is_everywhere=False)
+        _dependent_set(rows, indices, count, is_everywhere=False)
         for indices, count in _components([position.factors], TAKES_PART)
     ]
     return Freedom(0, len(rows), rank, tuple(sets), positions=1)
@@ -415,7 +418,7 @@ def _components(
     return [(rows, count) for rows, count in sets if count]
 
 
-def _set(
+def _dependent_set(
     rows: Sequence[ConstraintEquation],
     indices: Sequence[int],
     dimension: int,
