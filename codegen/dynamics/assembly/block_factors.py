@@ -1,4 +1,4 @@
-"""S = A Aᵀ of a sparse A in factors, by blocks of joints: for chains the time grows linearly."""
+"""Factors of S = A Aᵀ with a sparse A, by blocks of joints: linear time for chains."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.assembly.jacobian import Places
+    from kousoku.codegen.dynamics.assembly.jacobian import Indices
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
     from kousoku.model.numbers.real import Array
 
@@ -31,7 +31,7 @@ class Pattern:
     """
 
     def __init__(self, rows: Residuals) -> None:
-        keys = [(one.joint, one.bodies) for one in rows.constraints]
+        keys = [(c.joint, c.bodies) for c in rows.constraints]
         starts = [k for k in range(len(keys)) if k == 0 or keys[k] != keys[k - 1]]
         #: The first row of each block, and the count of rows at the end.
         self.first = [*(rows.first[k] for k in starts), rows.rows]
@@ -40,14 +40,14 @@ class Pattern:
         self.bodies = rows.columns // COLUMNS
         touching: list[list[int]] = [[] for _ in range(self.bodies)]
         for block, (start, end) in enumerate(pairwise([*starts, len(keys)])):
-            connected = dict.fromkeys(b for one in rows.constraints[start:end] for b in one.bodies)
+            connected = dict.fromkeys(b for c in rows.constraints[start:end] for b in c.bodies)
             for body in connected:
                 if body >= 0:
                     touching[body].append(block)
         #: For each body the blocks that have columns of it.
         self.touching = touching
         pairs = dict.fromkeys(
-            (a, b) for own in touching for k, b in enumerate(own) for a in own[:k]
+            (a, b) for blocks in touching for k, b in enumerate(blocks) for a in blocks[:k]
         )
         self.order = minimum_degree(len(starts), pairs)
 
@@ -60,17 +60,17 @@ class BlockFactors:
     pattern : Pattern
         Of the rows.
     elements : (rows, columns, values)
-        A, by its elements; those of one place are added.
+        A, by its elements; duplicates are summed.
     damping : float
         Added to the diagonal, as a part of its largest element.
     left_out : sequence of int
-        Rows without elements that stand alone, as if nothing had them.
+        Rows without elements, which get a diagonal element of their own.
     """
 
     def __init__(
         self,
         pattern: Pattern,
-        elements: tuple[Places, Places, Array],
+        elements: tuple[Indices, Indices, Array],
         damping: float = 0.0,
         left_out: Sequence[int] = (),
     ) -> None:
@@ -81,23 +81,23 @@ class BlockFactors:
         )
         for row in left_out:
             k = int(pattern.block_of[row])
-            place = row - pattern.first[k]
-            diagonal[k][place, place] = self._largest
+            index = row - pattern.first[k]
+            diagonal[k][index, index] = self._largest
         self._inverses: dict[int, Array] = {}
         self._panels: dict[int, list[tuple[int, Array]]] = {}
         self._smallest = np.inf
-        for own in diagonal:
-            own[np.diag_indices_from(own)] += damping * self._largest
+        for block in diagonal:
+            block[np.diag_indices_from(block)] += damping * self._largest
         for pivot in pattern.order:
             k = pivot.joint
             self._inverses[k] = self._inverted(diagonal[k])
             blocks = [(a, below.pop((a, k), None)) for a in pivot.neighbours]
-            found = [(a, block) for a, block in blocks if block is not None]
-            panels = [(a, block @ self._inverses[k]) for a, block in found]
+            below_pivot = [(a, block) for a, block in blocks if block is not None]
+            panels = [(a, block @ self._inverses[k]) for a, block in below_pivot]
             self._panels[k] = panels
             for i, (a, panel) in enumerate(panels):
-                diagonal[a] -= panel @ found[i][1].T
-                for b, block in found[i + 1 :]:
+                diagonal[a] -= panel @ below_pivot[i][1].T
+                for b, block in below_pivot[i + 1 :]:
                     # b is eliminated after a
                     below[b, a] = below.get((b, a), 0.0) - block @ panel.T
 
@@ -109,16 +109,16 @@ class BlockFactors:
     def solve(self, right: Array) -> Array:
         """Solution x (m,) of (A Aᵀ + damping) x = right."""
         first = self._pattern.first
-        parts = [right[a:b].copy() for a, b in pairwise(first)]
+        x = [right[a:b].copy() for a, b in pairwise(first)]
         for pivot in self._pattern.order:
             for a, panel in self._panels[pivot.joint]:
-                parts[a] -= panel @ parts[pivot.joint]
+                x[a] -= panel @ x[pivot.joint]
         for pivot in reversed(self._pattern.order):
             k = pivot.joint
-            parts[k] = self._inverses[k] @ parts[k]
+            x[k] = self._inverses[k] @ x[k]
             for a, panel in self._panels[k]:
-                parts[k] -= panel.T @ parts[a]
-        return np.concatenate(parts) if parts else right
+                x[k] -= panel.T @ x[a]
+        return np.concatenate(x) if x else right
 
     def _inverted(self, block: Array) -> Array:
         values, vectors = np.linalg.eigh(block)
@@ -129,15 +129,15 @@ class BlockFactors:
 
 
 def _products(
-    pattern: Pattern, elements: tuple[Places, Places, Array]
+    pattern: Pattern, elements: tuple[Indices, Indices, Array]
 ) -> tuple[list[Array], dict[tuple[int, int], Array]]:
     """Blocks of A Aᵀ on the diagonal, and those below it by (later, earlier)."""
     rows, columns, values = elements
-    place = {pivot.joint: k for k, pivot in enumerate(pattern.order)}
+    order = {pivot.joint: k for k, pivot in enumerate(pattern.order)}
     index = {
         (block, body): k
         for k, (block, body) in enumerate(
-            (block, body) for body, own in enumerate(pattern.touching) for block in own
+            (block, body) for body, touching in enumerate(pattern.touching) for block in touching
         )
     }
     widest = int(pattern.sizes.max(initial=0))
@@ -149,13 +149,13 @@ def _products(
     np.add.at(dense, (slots, rows - np.array(pattern.first)[blocks], columns % COLUMNS), values)
     diagonal = [np.zeros((size, size)) for size in pattern.sizes.tolist()]
     below: dict[tuple[int, int], Array] = {}
-    for body, own in enumerate(pattern.touching):
-        parts = [(a, dense[index[a, body], : pattern.sizes[a]]) for a in own]
-        for k, (a, part) in enumerate(parts):
-            diagonal[a] += part @ part.T
-            for b, other in parts[:k]:
+    for body, touching in enumerate(pattern.touching):
+        blocks_of = [(a, dense[index[a, body], : pattern.sizes[a]]) for a in touching]
+        for k, (a, block_a) in enumerate(blocks_of):
+            diagonal[a] += block_a @ block_a.T
+            for b, block_b in blocks_of[:k]:
                 (first, x), (last, y) = sorted(
-                    ((a, part), (b, other)), key=lambda pair: place[pair[0]]
+                    ((a, block_a), (b, block_b)), key=lambda pair: order[pair[0]]
                 )
                 below[last, first] = below.get((last, first), 0.0) + y @ x.T
     return diagonal, below

@@ -1,4 +1,4 @@
-"""Changes by assembly: told, so that no start is moved without a word."""
+"""Changes by assembly, reported so that no start is moved silently."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
 ROUNDING_OF_SPEEDS = 1e-12
 
 
-def changes_of_assembly(given: System, placed: System) -> list[Change]:
+def changes_of_assembly(written: System, placed: System) -> list[Change]:
     """Changes by assembly, the body that changed most first.
 
     Parameters
     ----------
-    given, placed : System
-        Before and after.
+    written, placed : System
+        System before and after assembly.
     """
-    given, placed = fixed_system(given), fixed_system(placed)
-    size = Metric(given).size
-    pairs = zip(given.bodies, placed.bodies, strict=True)
+    written, placed = fixed_system(written), fixed_system(placed)
+    size = Metric(written).size
+    pairs = zip(written.bodies, placed.bodies, strict=True)
     return known(_change(before, after, size) for before, after in pairs)
 
 
@@ -40,13 +40,13 @@ def _change(before: MovingBody, after: MovingBody, size: float) -> Change:
     v, omega = _velocity(before), precise.triple(before.omega_b)
     spin, speed = _length(omega), _length(v)
     fastest = speed + spin * size
-    # what is at rest turns about an origin off its centre
-    is_given = speed > ROUNDING_OF_SPEEDS * fastest
-    change = _length(precise.subtract(_velocity(after), v)) if is_given else 0.0
+    # the speed of an origin at rest, about which the body turns off its centre, is rounding
+    moves = speed > ROUNDING_OF_SPEEDS * fastest
+    change = _length(precise.subtract(_velocity(after), v)) if moves else 0.0
     omega_after = precise.triple(after.omega_b)
     if before.spins_in_o:
         omega, omega_after = (
-            precise.rotate(_p(one), x) for one, x in ((before, omega), (after, omega_after))
+            precise.rotate(_p(body), x) for body, x in ((before, omega), (after, omega_after))
         )
     spun = _length(precise.subtract(omega_after, omega)) if spin else 0.0
     rates = (change / fastest, spun * size / fastest) if fastest else (0.0, 0.0)

@@ -1,6 +1,6 @@
 """The formulas of drivers at the start: value, rate and second derivative in 50 digits.
 
-Derivatives are formulas, too, found by the rules: nothing is differenced.
+Derivatives are formulas, too, by the rules of differentiation: nothing is differenced.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import Instance
     from kousoku.model.numbers.precise import High
 
-#: Of one formula: itself and its derivatives by the time.
+#: A formula and its derivatives by the time.
 LEVELS = ("value", "rate", "second")
-#: What is smaller is what rounding left of a zero, such as sin(pi).
+#: Values below it are zeros with rounding, such as sin(pi).
 ROUNDING_OF_FORMULAS = 1e-30
 
 
@@ -52,7 +52,7 @@ class LawStart:
 def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) -> LawStart:
     """Values f, ḟ, f̈ of the formula of a driver at t = 0, numbers [m or rad, per s, per s²].
 
-    They are zeros where there is none.
+    They are zeros where an instance has no formula.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) ->
     inputs: dict[str, list[High]] = {TIME: [precise.ZERO[0]]}
     inputs |= {name: [precise.number(value)] for name, value in parameters}
     unit = precise.number(instance.law_unit)
-    found = []
+    levels = []
     for level, kernel in zip(LEVELS, _kernels(instance.law, tuple(inputs)), strict=True):
         try:
             ((number,),) = evaluate(kernel, inputs, HIGH).values()
@@ -83,8 +83,8 @@ def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) ->
                 " give a formula with two derivatives by t there",
                 [f"drivers.{instance.joint}"],
             )
-        found.append(unit * number if abs(number) > ROUNDING_OF_FORMULAS else precise.ZERO[0])
-    return LawStart(*found)
+        levels.append(unit * number if abs(number) > ROUNDING_OF_FORMULAS else precise.ZERO[0])
+    return LawStart(*levels)
 
 
 @cache
@@ -103,11 +103,11 @@ def _kernels(law: str, names: tuple[str, ...]) -> tuple[Kernel, ...]:
     return tuple(kernels)
 
 
-def fixed_law(one: Instance, parameters: Sequence[str]) -> float:
+def fixed_law(instance: Instance, parameters: Sequence[str]) -> float:
     """Value f(t), a number [m or rad], of a law that never changes, 0 for none, else infinity."""
-    if not one.is_driver:
+    if not instance.is_driver:
         return 0.0
     graph, names = Graph(), (TIME, *parameters)
     leaves = {name: graph.input(name, 0) for name in names}
-    value = graph.value(to_graph(parse_expression(one.law, names), graph, leaves))
-    return math.inf if value is None else one.law_unit * float(value)
+    value = graph.value(to_graph(parse_expression(instance.law, names), graph, leaves))
+    return math.inf if value is None else instance.law_unit * float(value)

@@ -1,4 +1,4 @@
-"""Fixed points found in fewer steps: from the last few, the combination that was nearest to one."""
+"""Anderson acceleration: from the last few steps, the combination nearest to a fixed point."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ if TYPE_CHECKING:
 
     from kousoku.model.numbers.real import Array
 
-#: How many steps are remembered.
+#: Steps that are remembered.
 DEPTH = 6
-#: What is smaller in the least squares, relative to the largest, says nothing.
+#: Relative singular value below which differences count as dependent in the least squares.
 SINGULAR = 1e-6
 
 
@@ -23,7 +23,7 @@ class Accelerated:
     Parameters
     ----------
     weights : array
-        What a component weighs where differences are compared.
+        Weights of the components in the norm of differences.
     """
 
     def __init__(self, weights: Array) -> None:
@@ -32,29 +32,29 @@ class Accelerated:
         self._changes: list[Any] = []
 
     def next(self, x: Sequence[Any] | Array, value: Sequence[Any] | Array) -> Any:
-        """Point where g shall be evaluated next, an array of the numbers that it was given.
+        """Point at which g shall be evaluated next, an array of numbers of the same kind.
 
         Parameters
         ----------
         x, value : (n,)
-            Where it was evaluated last, and g there.
+            The last point of evaluation, and g there.
         """
-        here = np.asarray(value)
-        self._values.append(here)
-        self._changes.append(here - np.asarray(x))
+        following = np.asarray(value)
+        self._values.append(following)
+        self._changes.append(following - np.asarray(x))
         del self._values[:-DEPTH], self._changes[:-DEPTH]
         if len(self._values) == 1:
-            return here
+            return following
         pairs = list(zip(self._changes[1:], self._changes, strict=False))
         differences = np.array([self._weighed(a - b) for a, b in pairs]).T
         sizes = np.sqrt((differences * differences).sum(axis=0))
         if not sizes.all():
-            return here
+            return following
         change = self._weighed(self._changes[-1])
         factors = np.linalg.lstsq(differences / sizes, change, SINGULAR)[0] / sizes
         for factor, b, a in zip(factors.tolist(), self._values, self._values[1:], strict=False):
-            here = here - factor * (a - b)
-        return here
+            following = following - factor * (a - b)
+        return following
 
     def _weighed(self, x: Any) -> Array:
         """Numbers as doubles, weighed, of any size."""

@@ -1,4 +1,4 @@
-"""C_q of a whole system in 50 digits, before there is a program."""
+"""C_q of a whole system in 50 digits, before a program is composed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.precise import High
     from kousoku.model.numbers.real import Array
 
-    Places = np.ndarray[Any, np.dtype[np.int64]]
+    Indices = np.ndarray[Any, np.dtype[np.int64]]
 
 
 class PreciseJacobian:
@@ -27,7 +27,7 @@ class PreciseJacobian:
     Parameters
     ----------
     elements : sequence of (int, int, number)
-        Row, column (six for each body) and value; those of one place are added.
+        Row, column (six for each body) and value; duplicates are summed.
     shape : (int, int)
         Rows and columns.
     """
@@ -36,8 +36,8 @@ class PreciseJacobian:
         self._elements = elements
         self._shape = shape
 
-    def elements(self) -> tuple[Places, Places, Array]:
-        """Rows, columns and values (n,) of the elements in doubles; those of one place add up."""
+    def elements(self) -> tuple[Indices, Indices, Array]:
+        """Rows, columns and values (n,) of the elements in doubles; duplicates are to be summed."""
         rows = np.array([row for row, _, _ in self._elements], int)
         columns = np.array([column for _, column, _ in self._elements], int)
         return rows, columns, np.array([float(value) for _, _, value in self._elements])
@@ -51,13 +51,13 @@ class PreciseJacobian:
         rates = {k: rates_of_turn((d[k], d[k + 1], d[k + 2])) for k in turns}
         elements: list[tuple[int, int, High]] = []
         for row, column, value in self._elements:
-            place = column % COLUMNS - 3
-            if place < 0:
+            axis = column % COLUMNS - 3
+            if axis < 0:
                 elements.append((row, column, value))
                 continue
-            first = column - place
-            parts = enumerate(rates[first][place])
-            elements += ((row, first + k, value * rate) for k, rate in parts)
+            first = column - axis
+            row_of_t = enumerate(rates[first][axis])
+            elements += ((row, first + k, value * rate) for k, rate in row_of_t)
         return PreciseJacobian(elements, self._shape)
 
     def dense(self) -> Array:

@@ -1,4 +1,4 @@
-"""The smallest displacements that change rows as wanted, also where rows depend on each other."""
+"""Minimum-norm displacements for given changes of rows, also where rows depend on each other."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.real import Array
 
 SQUARED_RANK_TOLERANCE = 1e-11
-"""Squares of singular values of C_q, in lengths, that belong to rows that depend on others: S has
+"""Square of a relative singular value of C_q, in lengths, up to which rows depend on others: S has
 these squares, and in doubles the smaller ones are rounding of the largest."""
 
 MOST_DENSE_ROWS = 2000
-"""Rows that may depend on each other: S is dense then."""
+"""Rows at most that may depend on each other: S is dense then."""
 
 PASSES = 6
-"""How often what is missing is solved for again; each pass adds five digits at least."""
+"""Passes of iterative refinement; each adds five digits at least."""
 
 ENOUGH = 1e-35
-"""What may be missing then, as a part of what is wanted."""
+"""Residual after the passes, as a part of the wanted change."""
 
 THINNEST = 1e-12
-"""Least moment of inertia that weighs a change of velocity, as a part of the largest of the body:
-moments count as they are, as in a run."""
+"""Least moment of inertia in the weights of velocities, as a part of the largest of the body: as in
+a run, moments count as they are."""
 
 
 class Metric:
@@ -50,14 +50,14 @@ class Metric:
     Parameters
     ----------
     system : System
-        Its bodies give masses, its constraints the length that compares metres with radians.
+        Its bodies give the masses, its constraints the length that compares metres with radians.
     thin : float
         Least moment of inertia, as a part of the largest of the body.
     """
 
     def __init__(self, system: System, thin: float = THIN) -> None:
-        given = [body.mass for body in system.bodies if body.mass > 0]
-        mass = sum(given) / len(given) if given else 1.0
+        masses = [body.mass for body in system.bodies if body.mass > 0]
+        mass = sum(masses) / len(masses) if masses else 1.0
         #: A length of the system [m].
         self.size = _size(system)
         weights = [
@@ -83,16 +83,16 @@ class Metric:
 
 
 def _weights(body: MovingBody, mass: float, size: float, thin: float) -> list[float]:
-    """Weights of a body, six; those that it does not say are taken from the system."""
-    own = body.mass if body.mass > 0 else mass
-    largest = max(body.inertia) or own * size**2 / 10
-    return [own] * 3 + [max(moment, thin * largest) for moment in body.inertia]
+    """Six weights of a body; masses and moments that it lacks are taken from the system."""
+    m = body.mass if body.mass > 0 else mass
+    largest = max(body.inertia) or m * size**2 / 10
+    return [m] * 3 + [max(moment, thin * largest) for moment in body.inertia]
 
 
 def _size(system: System) -> float:
     """Largest distance of a joint from a centre of mass, or between two points."""
     lengths: list[tuple[float, ...]] = []
-    terms = dict.fromkeys(term.coordinate for one in system.constraints for term in one.terms)
+    terms = dict.fromkeys(term.coordinate for c in system.constraints for term in c.terms)
     sources: list[Instance | RelativeCoordinate] = [*system.constraints]
     for source in (*sources, *(system.coordinates[k] for k in terms)):
         bodies = {"i": source.i, "j": source.j}
@@ -127,7 +127,7 @@ class MinimumNormSolver:
         at, columns, values = jacobian.elements()
         scaled = values * self._factors[at] * self._roots[columns]
         self._blocks = BlockFactors(Pattern(rows), (at, columns, scaled))
-        self._parts: tuple[Array, Array] | None = None
+        self._eigenpairs: tuple[Array, Array] | None = None
 
     def with_jacobian(self, jacobian: PreciseJacobian) -> MinimumNormSolver:
         """Solver for a C_q that is nearly the same: each pass adds fewer digits."""
@@ -142,15 +142,15 @@ class MinimumNormSolver:
     def displacement(self, wanted: Sequence[High]) -> list[High]:
         """Minimum-norm d (n,) with C_q d = wanted, in 50 digits as far as the rows allow it."""
         lam = [precise.ZERO[0]] * len(wanted)
-        d, missing = self._displacement(lam), wanted
-        enough = ENOUGH * max(map(abs, wanted), default=0)
+        d, residual = self._displacement(lam), wanted
+        tolerance = ENOUGH * max(map(abs, wanted), default=0)
         for _ in range(PASSES):
-            if max(map(abs, missing), default=0) <= enough:
+            if max(map(abs, residual), default=0) <= tolerance:
                 break
-            lam = [x + y for x, y in zip(lam, self._multipliers(missing), strict=True)]
+            lam = [x + y for x, y in zip(lam, self._multipliers(residual), strict=True)]
             d = self._displacement(lam)
             reached = self._jacobian.times(d)
-            missing = [x - y for x, y in zip(wanted, reached, strict=True)]
+            residual = [x - y for x, y in zip(wanted, reached, strict=True)]
         return d
 
     def _multipliers(self, wanted: Sequence[High], damping: float = 0.0) -> list[High]:
@@ -166,8 +166,8 @@ class MinimumNormSolver:
     def _eigen(self) -> tuple[Array, Array]:
         """Eigenvalues of S, the largest first, and vectors: those of independent rows.
 
-        Which rows depend on others is no matter of masses: lengths alone tell it. Singular values
-        of C_q W^{-1/2} have the digits that S, in which they are squared, has lost.
+        Rows depend on each other whatever the masses are: their rank is taken in lengths alone.
+        Singular values of C_q W^{-1/2} have the digits that S, with their squares, has lost.
         """
         if len(self._factors) > MOST_DENSE_ROWS:
             raise AssemblyError(
@@ -175,14 +175,14 @@ class MinimumNormSolver:
                 f" {MOST_DENSE_ROWS} can: give positions and velocities that fit, or leave out"
                 " joints that repeat others"
             )
-        if self._parts is None:
+        if self._eigenpairs is None:
             rows = self._factors[:, None] * self._jacobian.dense()
             lengths = np.tile([1.0] * 3 + [self._metric.size] * 3, len(self._roots) // COLUMNS)
             vectors, sizes, _ = np.linalg.svd(rows / lengths, full_matrices=False)
-            own = vectors[:, sizes**2 > SQUARED_RANK_TOLERANCE * sizes.max(initial=0.0) ** 2]
-            left, sizes, _ = np.linalg.svd(own.T @ (rows * self._roots), full_matrices=False)
-            self._parts = sizes**2, own @ left
-        return self._parts
+            basis = vectors[:, sizes**2 > SQUARED_RANK_TOLERANCE * sizes.max(initial=0.0) ** 2]
+            left, sizes, _ = np.linalg.svd(basis.T @ (rows * self._roots), full_matrices=False)
+            self._eigenpairs = sizes**2, basis @ left
+        return self._eigenpairs
 
     def _displacement(self, lam: Sequence[High]) -> list[High]:
         """Displacement W⁻¹ C_qᵀ λ."""

@@ -1,4 +1,4 @@
-"""The same system near the origin of frame O, where doubles tell its positions best."""
+"""The same system near the origin of frame O, where doubles resolve its positions best."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ if TYPE_CHECKING:
     Source = TypeVar("Source", Instance, RelativeCoordinate)
 
 MOST_SIZES_FROM_ORIGIN = 1024.0
-"""So many sizes of a system from the origin it stays where it is: that costs three digits."""
+"""Distance from the origin, in sizes of a system, up to which it stays: that costs three digits."""
 
 
 def brought_near(system: System, size: float) -> tuple[System, Vector]:
-    """System moved as a whole to the origin, and by which vector (3,) [m] it is to be moved back.
+    """System moved as a whole to the origin, and the vector (3,) [m] that moves it back.
 
     It moves along the axes of frame O on which all of its positions keep all of their digits, the
-    ground's points too: what is spread from the origin to far away stays.
+    ground's points too: a system that extends from the origin to far away stays.
 
     Parameters
     ----------
     system : System
-        Its numbers are those of a scene, without parameters.
+        A scene in numbers, without parameters.
     size : float [m]
-        The size of it.
+        The size of the system.
     """
     grid = 2.0 ** math.ceil(math.log2(MOST_SIZES_FROM_ORIGIN * size))
     sources: tuple[Instance | RelativeCoordinate, ...] = (
@@ -41,26 +41,26 @@ def brought_near(system: System, size: float) -> tuple[System, Vector]:
         *system.held,
         *system.coordinates,
     )
-    places: list[tuple[float, ...]] = [body.r for body in system.bodies]
-    places += chain.from_iterable(map(_ground_points, sources))
+    points: list[tuple[float, ...]] = [body.r for body in system.bodies]
+    points += chain.from_iterable(map(_ground_points, sources))
     middle = [median(x) for x in zip(*(body.r for body in system.bodies), strict=True)]
-    wanted = [grid * round(x / grid) for x in middle]
+    rounded = [grid * round(x / grid) for x in middle]
     x, y, z = (
-        by if all((a - by) + by == a for a in along) else 0.0
-        for by, along in zip(wanted, zip(*places, strict=True), strict=True)
+        offset if all((a - offset) + offset == a for a in along) else 0.0
+        for offset, along in zip(rounded, zip(*points, strict=True), strict=True)
     )
-    by = (x, y, z)
-    return (seen_from(system, by) if any(by) else system), by
+    offset = (x, y, z)
+    return (seen_from(system, offset) if any(offset) else system), offset
 
 
 def seen_from(system: System, origin: Vector) -> System:
-    """System with the origin of frame O in another place of it [m]: bodies and ground points."""
+    """System seen from another origin [m] of frame O: its bodies and points of the ground."""
     return replace(
         system,
-        bodies=tuple(replace(body, r=_less(body.r, origin)) for body in system.bodies),
-        constraints=tuple(_moved(one, origin) for one in system.constraints),
-        held=tuple(_moved(one, origin) for one in system.held),
-        coordinates=tuple(_moved(one, origin) for one in system.coordinates),
+        bodies=tuple(replace(body, r=_difference(body.r, origin)) for body in system.bodies),
+        constraints=tuple(_moved(c, origin) for c in system.constraints),
+        held=tuple(_moved(c, origin) for c in system.held),
+        coordinates=tuple(_moved(c, origin) for c in system.coordinates),
     )
 
 
@@ -68,13 +68,14 @@ def _ground_points(source: Instance | RelativeCoordinate) -> Iterator[tuple[floa
     yield from (x for name, x in source.constants if is_ground_point(source, name))
 
 
-def _moved(source: Source, by: Vector) -> Source:
+def _moved(source: Source, origin: Vector) -> Source:
     constants = tuple(
-        (name, _less(x, by) if is_ground_point(source, name) else x) for name, x in source.constants
+        (name, _difference(x, origin) if is_ground_point(source, name) else x)
+        for name, x in source.constants
     )
     return replace(source, constants=constants)
 
 
-def _less(a: Sequence[float], b: Vector) -> Vector:
+def _difference(a: Sequence[float], b: Vector) -> Vector:
     x, y, z = (p - q for p, q in zip(a, b, strict=True))
     return x, y, z

@@ -1,7 +1,7 @@
 """Positions at which rows hold, to the digits of doubles: where the search in 50 digits starts.
 
-All bodies are moved at once, and all instances of a kind are evaluated at once. Nothing of how a
-position was found here is left in what 50 digits make of it.
+All bodies are moved at once, and all instances of a kind are evaluated at once. The search in 50
+digits forgets how a position was found here.
 """
 
 from __future__ import annotations
@@ -20,35 +20,35 @@ from kousoku.model.numbers.precise import IDENTITY, ZERO
 from kousoku.runtime.integrate.euler_parameters import composed
 
 if TYPE_CHECKING:
-    from kousoku.codegen.dynamics.assembly.jacobian import Places
+    from kousoku.codegen.dynamics.assembly.jacobian import Indices
     from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
     from kousoku.model.numbers.real import Array
 
 FIRST_DAMPING, LEAST_DAMPING = 1e-3, 1e-12
-"""Damping of the first step, and what is as good as none."""
+"""Damping of the first step, and the least one, which is as good as none."""
 
 SLOW, PATIENCE = 0.9, 15
-"""A step is slow that leaves more than this part of the rows, and how many are taken."""
+"""Part of the residual that a slow step leaves at least, and slow steps at most in a row."""
 
 LARGEST_TURN = 0.5
 """The largest turn of a body in one step, about each axis, in radians: its sine, which rows are
 linear in, still is the angle to 4 %."""
 
 CLOSE = 1e-12
-"""What is left of rows, as a part of the size of the system, where doubles have done their part."""
+"""Residual, as a part of the size of the system, at which the search in doubles ends."""
 
 MOST_DOUBLE_STEPS = 60
-"""Steps on the way to the nearest positions."""
+"""Most steps on the way to the nearest positions."""
 
 HOPELESS = 1e3
-"""A step of so many sizes of the system settles nowhere."""
+"""A step of so many sizes of the system means divergence."""
 
 SMALL_TURN = 1e-3
 """Below it 1/6 stands for (|w| − sin|w|)/|w|³: with |w|² that is right to 10⁻¹⁴."""
 
 DIFFERENCE, RIGHT = 1e-6, 1e-5
-"""Displacement by which the step is differentiated, and what may be wrong of the result."""
+"""Displacement by which the step is differentiated, and relative tolerance of the result."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class DoublePose:
     r, p : (bodies + 1, 3) [m] and (bodies + 1, 4)
         Centres of mass in frame O and Euler parameters of the principal frames; p of norm one.
     near : (coordinates,)
-        Where the coordinates are counted from.
+        Coordinates that angles are counted from, to within half a turn.
     """
 
     r: Array
@@ -70,13 +70,13 @@ class DoublePose:
     @classmethod
     def of(cls, pose: Pose) -> DoublePose:
         """Pose in doubles."""
-        r, p = (np.array([[float(x) for x in own] for own in part]) for part in (pose.r, pose.p))
+        r, p = (np.array([[float(x) for x in v] for v in vectors]) for vectors in (pose.r, pose.p))
         return cls(r, p, np.array([float(x) for x in pose.near]))
 
     def pose(self) -> Pose:
         """Pose in 50 digits."""
-        r = [precise.triple(own) for own in self.r[:-1].tolist()]
-        p = [normalised(own) for own in self.p[:-1].tolist()]
+        r = [precise.triple(values) for values in self.r[:-1].tolist()]
+        p = [normalised(values) for values in self.p[:-1].tolist()]
         near = tuple(precise.number(x) for x in self.near.tolist())
         return Pose((*r, ZERO), (*p, IDENTITY), near)
 
@@ -111,9 +111,9 @@ class GaussNewton:
     Parameters
     ----------
     rows : Residuals
-        All of them.
+        All rows.
     metric : Metric
-        What displacements weigh.
+        Weights of displacements.
     """
 
     def __init__(self, rows: Residuals, metric: Metric) -> None:
@@ -121,121 +121,123 @@ class GaussNewton:
         self._lengths = np.where(rows.in_metres, 1.0, metric.size) / rows.ratios(metric.size)
         self._roots = np.sqrt(np.array([float(x) for x in metric.inverse]))
 
-    def missing(self, place: DoublePose, wanted: Array | float = 0.0) -> Array:
+    def residual(self, pose: DoublePose, wanted: Array | float = 0.0) -> Array:
         """Residual wanted − C (m,), as lengths [m]."""
-        missing: Array = wanted - self._rows.residuals(place.r, place.p, place.near)
-        return missing * self._lengths
+        residual: Array = wanted - self._rows.residuals(pose.r, pose.p, pose.near)
+        return residual * self._lengths
 
     def solve(
         self,
-        place: DoublePose,
+        pose: DoublePose,
         wanted: Array | float = 0.0,
         until: float = CLOSE,
         least: float = LEAST_DAMPING,
     ) -> DoublePose:
-        """Positions near a place at which rows are as wanted, or as near as they come.
+        """Positions near a pose at which rows have wanted values, or as nearly as possible.
 
         Gauss-Newton steps of least norm, damped while they overshoot (Levenberg and Marquardt),
         because rows may depend on each other.
         """
         damping, slow = FIRST_DAMPING, 0
-        missing = self.missing(place, wanted)
-        size = _norm(missing)
+        residual = self.residual(pose, wanted)
+        size = _norm(residual)
         while size > until * self._size and slow < PATIENCE:
-            moved = place.moved(_shortened(self._step(place, missing, damping)))
-            moved_missing = self.missing(moved, wanted)
-            moved_size = _norm(moved_missing)
+            moved = pose.moved(_shortened(self._step(pose, residual, damping)))
+            moved_residual = self.residual(moved, wanted)
+            moved_size = _norm(moved_residual)
             slow = slow + 1 if not moved_size <= SLOW * size else 0
             if not moved_size < size:
                 damping = max(10 * damping, least)
                 continue
-            place, missing, size = self._counted(moved), moved_missing, moved_size
+            pose, residual, size = self._counted(moved), moved_residual, moved_size
             damping = max(damping / 100, least)
-        return place
+        return pose
 
-    def project_nearest(self, start: DoublePose, place: DoublePose) -> DoublePose | None:
-        """Positions nearest to ``start`` on the branch of a place that fits.
+    def project_nearest(self, start: DoublePose, pose: DoublePose) -> DoublePose | None:
+        """Positions nearest to ``start`` on the branch of a pose that fits.
 
         None where d ← W⁻¹ C_dᵀ λ with S λ = C_d d − C does not settle, C_d = C_q ∂q/∂d.
         """
-        moved, d = place, place.since(start)
+        moved, d = pose, pose.since(start)
         accelerated = Accelerated(1 / self._roots)
         for _ in range(MOST_DOUBLE_STEPS):
-            nearest = self._nearest(moved, d)
-            away = self._away(nearest - d)
-            if away <= CLOSE * self._size:
+            nearest = self._projected(moved, d)
+            size = self._weighted_norm(nearest - d)
+            if size <= CLOSE * self._size:
                 return moved
-            if not away < HOPELESS * self._size:
+            if not size < HOPELESS * self._size:
                 return None
             d = accelerated.next(d, nearest)
             moved = self._counted(DoublePose(start.r, start.p, moved.near).moved(d))
         return None
 
-    def implicit_correction(self, start: DoublePose, place: DoublePose, change: Array) -> Array:
+    def implicit_correction(self, start: DoublePose, pose: DoublePose, change: Array) -> Array:
         """Correction of d that solves x = change + g′ x, where one more step would be ``change``.
 
-        With g the step and x what is wanted, x = change + g′ x. The derivative is a difference of
-        doubles: some digits of x are right, and the caller goes on from there.
+        g′ is the derivative of the step g, a difference of doubles: some digits of x are right, and
+        the caller goes on from there.
         """
-        d = place.since(start)
-        here = self._nearest(place, d)
-        scale = DIFFERENCE * self._size / (self._away(change) or 1.0)
+        d = pose.since(start)
+        projected = self._projected(pose, d)
+        size = self._weighted_norm(change)
+        scale = DIFFERENCE * self._size / (size or 1.0)
         accelerated = Accelerated(1 / self._roots)
         x = change
         for _ in range(MOST_DOUBLE_STEPS):
-            moved = DoublePose(start.r, start.p, place.near).moved(d + scale * x)
-            value = change + (self._nearest(moved, d + scale * x) - here) / scale
-            away = self._away(value - x)
-            if away <= RIGHT * self._away(change) or not away < HOPELESS * self._away(change):
+            moved = DoublePose(start.r, start.p, pose.near).moved(d + scale * x)
+            value = change + (self._projected(moved, d + scale * x) - projected) / scale
+            error = self._weighted_norm(value - x)
+            if error <= RIGHT * size or not error < HOPELESS * size:
                 break
             x = accelerated.next(x, value)
         return x
 
-    def _nearest(self, place: DoublePose, d: Array) -> Array:
-        c, rows, columns, values = self._rows.elements(place.r, place.p, place.near)
+    def _projected(self, pose: DoublePose, d: Array) -> Array:
+        """Step g(d) = W⁻¹ C_dᵀ λ with S λ = C_d d − C."""
+        c, rows, columns, values = self._rows.elements(pose.r, pose.p, pose.near)
         rows, columns, values = _of_displacement(rows, columns, values, d)
         rates = np.bincount(rows, values * d[columns], self._rows.rows)
-        missing = (rates - c) * self._lengths
-        return self._least((rows, columns, values), missing, LEAST_DAMPING)
+        residual = (rates - c) * self._lengths
+        return self._minimum_norm((rows, columns, values), residual, LEAST_DAMPING)
 
-    def _away(self, change: Array) -> float:
+    def _weighted_norm(self, change: Array) -> float:
         return _norm(change / self._roots)
 
-    def _counted(self, place: DoublePose) -> DoublePose:
-        return DoublePose(place.r, place.p, self._rows.angles(place.r, place.p, place.near))
+    def _counted(self, pose: DoublePose) -> DoublePose:
+        return DoublePose(pose.r, pose.p, self._rows.angles(pose.r, pose.p, pose.near))
 
-    def _step(self, place: DoublePose, missing: Array, damping: float) -> Array:
+    def _step(self, pose: DoublePose, residual: Array, damping: float) -> Array:
         """Displacement that changes the rows, as lengths, about as wanted, damped."""
-        _, rows, columns, values = self._rows.elements(place.r, place.p, place.near)
-        return self._least((rows, columns, values), missing, damping)
+        _, rows, columns, values = self._rows.elements(pose.r, pose.p, pose.near)
+        return self._minimum_norm((rows, columns, values), residual, damping)
 
-    def _least(
-        self, elements: tuple[Places, Places, Array], missing: Array, damping: float
+    def _minimum_norm(
+        self, elements: tuple[Indices, Indices, Array], residual: Array, damping: float
     ) -> Array:
         """Minimum-norm displacement for a Jacobian by its rows, columns and values."""
         rows, columns, values = elements
         scaled = values * self._lengths[rows] * self._roots[columns]
         factors = BlockFactors(self._pattern, (rows, columns, scaled), damping)
-        multipliers = factors.solve(missing)
+        multipliers = factors.solve(residual)
         size = len(self._roots)
         step: Array = self._roots * np.bincount(columns, scaled * multipliers[rows], size)
         return step
 
 
 def _of_displacement(
-    rows: Places, columns: Places, values: Array, d: Array
-) -> tuple[Places, Places, Array]:
-    """Derivative by a displacement, as of a Jacobian, from its elements for δθ′."""
+    rows: Indices, columns: Indices, values: Array, d: Array
+) -> tuple[Indices, Indices, Array]:
+    """Elements of the derivative by a displacement, from those of the Jacobian by δθ′."""
     rates = _rates_of_turns(d.reshape(-1, COLUMNS)[:, 3:])
-    place = columns % COLUMNS - 3
-    turns = place >= 0
-    body, place = columns[turns] // COLUMNS, place[turns]
-    parts = values[turns, None] * rates[body, place]
+    axis = columns % COLUMNS - 3
+    turns = axis >= 0
+    body, axis = columns[turns] // COLUMNS, axis[turns]
+    products = values[turns, None] * rates[body, axis]
     first = np.repeat(body * COLUMNS + 3, 3) + np.tile((0, 1, 2), len(body))
     return (
         np.concatenate((rows[~turns], np.repeat(rows[turns], 3))),
         np.concatenate((columns[~turns], first)),
-        np.concatenate((values[~turns], parts.ravel())),
+        np.concatenate((values[~turns], products.ravel())),
     )
 
 
@@ -261,6 +263,6 @@ def _norm(x: Array) -> float:
 
 
 def _shortened(step: Array) -> Array:
-    """Displacement that turns no body further than is sensible in one step."""
+    """Displacement scaled so that no body turns by more than :data:`LARGEST_TURN`."""
     largest = float(np.abs(step.reshape(-1, COLUMNS)[:, 3:]).max(initial=0.0))
     return step * (LARGEST_TURN / largest) if largest > LARGEST_TURN else step

@@ -1,7 +1,7 @@
 """The nearest positions at which all rows hold, in 50 digits.
 
-Where that fails and drivers prescribe at t = 0 what is far from the positions of the scene, joints
-are put together first, and the drivers lead the mechanism from there step by step.
+Where that fails and drivers prescribe values at t = 0 far from the positions of the scene, joints
+are assembled first, and the drivers lead the mechanism from there step by step.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.real import Array
 
 CONVERGED = 1e-22
-"""Where iterations stop, far beyond the digits of doubles."""
+"""Residual at which iterations stop, far beyond the digits of doubles."""
 
 ON_THE_WAY = 1e-9
-"""Where they stop between the positions of the scene and those that drivers prescribe."""
+"""Residual at which they stop on the way from the scene to what drivers prescribe."""
 
 MOST_PRECISE_STEPS = 12
 """Steps in 50 digits on the way to the nearest positions; each adds some digits."""
@@ -53,15 +53,15 @@ MOST_SLIDES, SLID = 60, 1e-16
 """Steps along positions that fit, and the last of them, as a part of the size of the system."""
 
 ROUNDING_OF_STATES = 16 * 2.0**-52
-"""What fits to this part of the size of the system is taken as it is."""
+"""Residual, as a part of the size of the system, up to which positions stay as they are."""
 
 NEARLY = 1e-5
-"""What is violated by less, and yet not closed, was stopped by rows that lose rank, where
+"""Violation below which a search that has not closed was stopped by rows that lose rank, where
 Newton's method converges linearly."""
 
 LONGEST_DRIVER_STEP = 0.25
-"""Drivers go at most this far at once, in radians or sizes of the system: near enough that Newton's
-method stays on the branch that the scene is on."""
+"""Longest step of a driver, in radians or sizes of the system: near enough that Newton's method
+stays on the branch that the scene is on."""
 
 MOST_STAGES, MOST_HALVINGS = 64, 5
 """Stages on the way of drivers, and how often one that fails is halved."""
@@ -80,10 +80,10 @@ def nearest_pose(system: System, rows: Residuals, metric: Metric) -> Pose:
     """
     start = Pose.of(system.bodies, system.coordinates)
     search = _PreciseGaussNewton(rows, metric)
-    written = DoublePose.of(start)
-    pose = search.solve(search.doubles.solve(written).pose())
+    double_start = DoublePose.of(start)
+    pose = search.solve(search.doubles.solve(double_start).pose())
     open_joints = violations(rows, pose, metric.size)
-    if open_joints and (driven := _led_by_drivers(written, system, search)):
+    if open_joints and (driven := _led_by_drivers(double_start, system, search)):
         pose = search.solve(driven.pose())
         open_joints = violations(rows, pose, metric.size)
     if open_joints:
@@ -103,7 +103,7 @@ def _advice(system: System, open_joints: Mapping[str, tuple[float, float]]) -> s
             "the nearest position is one where joints repeat each other, or they contradict each"
             " other by so little: give other positions, or numbers with more digits"
         )
-    if any(one.is_driver and key_of(one) in open_joints for one in system.constraints):
+    if any(c.is_driver and key_of(c) in open_joints for c in system.constraints):
         return (
             "the joints, or other drivers, do not allow what drivers prescribe at t = 0: check"
             " lengths, points, axes and these values, and leave out drivers of what others move"
@@ -117,9 +117,9 @@ class _PreciseGaussNewton:
     Parameters
     ----------
     rows : Residuals
-        All of them.
+        All rows.
     metric : Metric
-        What displacements weigh.
+        Weights of displacements.
     """
 
     def __init__(self, rows: Residuals, metric: Metric) -> None:
@@ -157,43 +157,43 @@ class _PreciseGaussNewton:
 def _led_by_drivers(
     start: DoublePose, system: System, search: _PreciseGaussNewton
 ) -> DoublePose | None:
-    """Positions to which drivers lead from afar; None if none is far, or does not arrive.
+    """Positions to which drivers lead from afar; None if none is far, or one does not arrive.
 
-    The joints are put together without drivers first. From there the value that each driver is
-    away from what it prescribes goes to zero in equal stages.
+    The joints are assembled without drivers first. From there the distance of each driver from its
+    prescribed value goes to zero in equal stages.
     """
     doubles, size = search.doubles, search.metric.size
     drives = np.repeat(
-        [one.is_driver for one in search.rows.constraints],
-        [search.rows.count(one) for one in search.rows.constraints],
+        [c.is_driver for c in search.rows.constraints],
+        [search.rows.count(c) for c in search.rows.constraints],
     )
-    if _stages(doubles.missing(start), drives, size) <= 1:
+    if _stages(doubles.residual(start), drives, size) <= 1:
         return None
-    places = [k for k, one in enumerate(search.rows.constraints) if not one.is_driver]
-    kept = [search.rows.constraints[k] for k in places]
-    left_out = [(places.index(k), row) for k, row in search.rows.left_out if k in places]
-    others = GaussNewton(Residuals.of(system, kept, left_out), search.metric)
-    place = others.solve(start, until=ON_THE_WAY)
+    indices = [k for k, c in enumerate(search.rows.constraints) if not c.is_driver]
+    joints = [search.rows.constraints[k] for k in indices]
+    left_out = [(indices.index(k), row) for k, row in search.rows.left_out if k in indices]
+    joint_search = GaussNewton(Residuals.of(system, joints, left_out), search.metric)
+    pose = joint_search.solve(start, until=ON_THE_WAY)
     lengths = np.where(search.rows.in_metres, 1.0, size)
-    away = np.where(drives, -doubles.missing(place) / lengths, 0.0)
+    offsets = np.where(drives, -doubles.residual(pose) / lengths, 0.0)
     done, halvings = 0.0, 0
-    part = 1 / min(MOST_STAGES, _stages(doubles.missing(place), drives, size))
+    fraction = 1 / min(MOST_STAGES, _stages(doubles.residual(pose), drives, size))
     while done < 1:
-        wanted = max(0.0, 1 - done - part) * away
-        moved = doubles.solve(place, wanted, ON_THE_WAY)
-        left = doubles.missing(moved, wanted)
-        if float((left * left).sum()) ** 0.5 <= ON_THE_WAY * size:
-            place, done = moved, done + part
+        wanted = max(0.0, 1 - done - fraction) * offsets
+        moved = doubles.solve(pose, wanted, ON_THE_WAY)
+        residual = doubles.residual(moved, wanted)
+        if float((residual * residual).sum()) ** 0.5 <= ON_THE_WAY * size:
+            pose, done = moved, done + fraction
         elif halvings < MOST_HALVINGS:
-            part, halvings = part / 2, halvings + 1
+            fraction, halvings = fraction / 2, halvings + 1
         else:
             return None
-    return doubles.solve(place)
+    return doubles.solve(pose)
 
 
-def _stages(missing: Array, drives: Array, size: float) -> int:
+def _stages(residual: Array, drives: Array, size: float) -> int:
     """Number of stages in which drivers reach their prescribed values."""
-    largest = float(np.abs(missing[drives]).max(initial=0.0))
+    largest = float(np.abs(residual[drives]).max(initial=0.0))
     return max(1, math.ceil(largest / (LONGEST_DRIVER_STEP * size)))
 
 
@@ -201,15 +201,15 @@ def _project_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Po
     """Positions nearest to ``start`` on the branch of ``pose``, which fits already.
 
     With d the displacement so far, and C_d = C_q ∂q/∂d, d ← W⁻¹ C_dᵀ λ where S λ = C_d d − C, until
-    it stays. Where that does not settle, rows that depend on each other where they hold and nowhere
-    else lead along themselves.
+    d converges. Where it does not, as for rows that depend on each other only where they hold,
+    steps go along positions that fit.
     """
     metric, doubles = search.metric, search.doubles
-    begin = DoublePose.of(start)
-    place = doubles.project_nearest(begin, DoublePose.of(pose))
-    if place is None:
+    double_start = DoublePose.of(start)
+    projected = doubles.project_nearest(double_start, DoublePose.of(pose))
+    if projected is None:
         return _stepwise_nearest(start, pose, search)
-    moved = replace(place.pose(), near=pose.near)
+    moved = replace(projected.pose(), near=pose.near)
     d = moved.since(start)
     solver: MinimumNormSolver | None = None
     for _ in range(MOST_PRECISE_STEPS):
@@ -220,13 +220,15 @@ def _project_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Po
             if solver
             else MinimumNormSolver(jacobian, metric, search.rows)
         )
-        towards = solver.displacement(_less(jacobian.times(d), c))
-        missing = _less(towards, d)
-        change = metric.norm(missing)
+        nearest = solver.displacement(_difference(jacobian.times(d), c))
+        step = _difference(nearest, d)
+        change = metric.norm(step)
         if change <= CONVERGED * metric.size:
-            return search.rows.counted(replace(start.moved(towards), near=moved.near))
-        left = doubles.implicit_correction(begin, place, np.array([float(x) for x in missing]))
-        d = [x + precise.number(y) for x, y in zip(d, left.tolist(), strict=True)]
+            return search.rows.counted(replace(start.moved(nearest), near=moved.near))
+        correction = doubles.implicit_correction(
+            double_start, projected, np.array([float(x) for x in step])
+        )
+        d = [x + precise.number(y) for x, y in zip(d, correction.tolist(), strict=True)]
         moved = search.rows.counted(replace(start.moved(d), near=moved.near))
     return (
         moved
@@ -238,26 +240,26 @@ def _project_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Po
 def _stepwise_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Pose:
     """Positions nearest to ``start``, by steps from positions to others that fit.
 
-    A step leaves of d what is W⁻¹ C_dᵀ λ. Where steps do not become smaller, positions stay, unless
-    steps are rounding by then: of rows that depend on others doubles tell the last digits only so.
+    A step reduces d to its part W⁻¹ C_dᵀ λ. Where steps do not become smaller, positions stay,
+    unless steps are rounding by then: for dependent rows doubles give no more digits.
     """
     metric, rows = search.metric, search.rows
-    here, last = pose, metric.norm(pose.since(start))
+    current, last = pose, metric.norm(pose.since(start))
     for _ in range(MOST_SLIDES):
-        d = here.since(start)
-        jacobian = rows.at(here)[1].of_displacement(d)
+        d = current.since(start)
+        jacobian = rows.at(current)[1].of_displacement(d)
         normal = MinimumNormSolver(jacobian, metric, rows).displacement(jacobian.times(d))
-        size = metric.norm(_less(d, normal))
+        size = metric.norm(_difference(d, normal))
         if size <= SLID * metric.size:
-            return here
+            return current
         if not size < last:
-            return here if size <= CONSTRAINT_TOLERANCE * metric.size else pose
-        moved = rows.counted(replace(start.moved(normal), near=here.near))
-        here, last = search.solve(search.doubles.solve(DoublePose.of(moved)).pose()), size
-        if violations(rows, here, metric.size):
+            return current if size <= CONSTRAINT_TOLERANCE * metric.size else pose
+        moved = rows.counted(replace(start.moved(normal), near=current.near))
+        current, last = search.solve(search.doubles.solve(DoublePose.of(moved)).pose()), size
+        if violations(rows, current, metric.size):
             break
     return pose
 
 
-def _less(a: Sequence[High], b: Sequence[High]) -> list[High]:
+def _difference(a: Sequence[High], b: Sequence[High]) -> list[High]:
     return [x - y for x, y in zip(a, b, strict=True)]

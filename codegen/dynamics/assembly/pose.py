@@ -22,7 +22,7 @@ _UNIT = (_ONE, _NONE, _NONE), (_NONE, _ONE, _NONE), (_NONE, _NONE, _ONE)
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Positions of all bodies, points are at r + A(p) s′; that of the ground stands last, at −1.
+    """Positions of all bodies, points are at r + A(p) s′; the ground is last, index −1.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class Pose:
     p : tuple of (4,)
         Euler parameters of the principal frames, of norm one.
     near : tuple of number
-        Where the coordinates are counted from: angles within half a turn of those here.
+        Coordinates that angles are counted from, to within half a turn.
     """
 
     r: tuple[Triple, ...]
@@ -104,9 +104,11 @@ def rates_of_turn(turn: Triple) -> tuple[Triple, Triple, Triple]:
     b = (angle - CONTEXT.sin(angle)) / angle**3
     columns = []
     for axis in _UNIT:
-        across = precise.cross(turn, axis)
-        twice = precise.scale(b, precise.cross(turn, across))
-        columns.append(precise.add(precise.subtract(axis, precise.scale(a, across)), twice))
+        crossed = precise.cross(turn, axis)
+        crossed_twice = precise.scale(b, precise.cross(turn, crossed))
+        columns.append(
+            precise.add(precise.subtract(axis, precise.scale(a, crossed)), crossed_twice)
+        )
     (xx, yx, zx), (xy, yy, zy), (xz, yz, zz) = columns
     return (xx, xy, xz), (yx, yy, yz), (zx, zy, zz)
 

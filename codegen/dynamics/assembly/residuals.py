@@ -1,8 +1,8 @@
 """The rows of a whole system, evaluated from the frozen kernels without composing a program.
 
-This is for what happens once, before there is a solver: assembly, and counting freedoms. A row that
-combines coordinates is a sum over them, each evaluated as a row of its own kind; formulas of the
-time are taken at t = 0.
+It serves assembly and the count of freedoms, once, before there is a solver. A row that combines
+coordinates is a sum over them, each evaluated as a row of its own kind; formulas of the time are
+taken at t = 0.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from kousoku.model.operations.interpret import ARRAY, evaluate
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.assembly.jacobian import Places
+    from kousoku.codegen.dynamics.assembly.jacobian import Indices
     from kousoku.codegen.dynamics.assembly.pose import Pose
     from kousoku.model.mechanics.multibody import Instance, MovingBody, System
     from kousoku.model.numbers.precise import High
@@ -39,7 +39,7 @@ PAIR_COLUMNS = 2 * COLUMNS
 
 @dataclass(frozen=True, slots=True)
 class _Piece:
-    """Rows by one kernel: a whole instance, or one term of a combination.
+    """Rows of one kernel: a whole instance, or one term of a combination.
 
     Parameters
     ----------
@@ -48,9 +48,9 @@ class _Piece:
     first : int
         Its first row.
     factor : float
-        What it is multiplied by.
+        Factor of its residual.
     coordinate : int
-        Its place among the coordinates, −1 of an instance.
+        Index of the coordinate, −1 of an instance.
     """
 
     source: Instance | RelativeCoordinate
@@ -72,12 +72,11 @@ class Residuals:
     bodies : sequence of MovingBody
         All bodies of the system.
     coordinates : sequence of RelativeCoordinate
-        What the terms of combinations mean.
+        Coordinates that the terms of combinations refer to.
     parameters : sequence of (str, float)
         Names that formulas may use, and their values.
     left_out : collection of (int, int)
-        Rows that are zero whatever bodies do, as others imply them: places of constraints, and
-        which of their rows.
+        Rows that are set to zero, as others imply them: indices of a constraint and of its row.
     """
 
     def __init__(
@@ -99,14 +98,14 @@ class Residuals:
         self.rows = self.first[-1]
         self.left_out = tuple(left_out)
         self.is_left_out = np.zeros(self.rows, bool)
-        self.is_left_out[[self.first[place] + row for place, row in left_out]] = True
-        #: Which rows are lengths; the others are angles, or sines of them.
+        self.is_left_out[[self.first[index] + row for index, row in left_out]] = True
+        #: Mask of the rows that are lengths; the others are angles, or sines of them.
         self.in_metres = np.repeat([unit_of(instance) == "m" for instance in constraints], sizes)
-        #: Where the angles count from: values within half a turn of those at the start.
+        #: Coordinates that angles are counted from, to within half a turn.
         self.near = np.array([coordinate.near for coordinate in coordinates])
-        self._pieces = list(self._listed())
-        self._fixed(parameters)
-        self._stacks = [self._stacked(own) for own in _by_kind(self._pieces)]
+        self._pieces = list(self._pieces_of_rows())
+        self._set_offsets(parameters)
+        self._stacks = [self._stacked(pieces) for pieces in _by_kind(self._pieces)]
 
     @classmethod
     def of(
@@ -116,8 +115,8 @@ class Residuals:
         left_out: Collection[tuple[int, int]] = (),
     ) -> Residuals:
         """Rows of constraints between the bodies of a system, some left out."""
-        given = (constraints, system.bodies, system.coordinates, system.parameters)
-        return cls(*given, left_out=left_out)
+        of_system = (system.bodies, system.coordinates, system.parameters)
+        return cls(constraints, *of_system, left_out=left_out)
 
     def count(self, instance: Instance) -> int:
         """Number of rows of an instance."""
@@ -126,21 +125,21 @@ class Residuals:
     def ratios(self, length: float) -> Array:
         """Largest factor of each row that combines coordinates, in a length and radians; else 1.
 
-        Ratios may be of any size: beside a gear of 10,000 a row of its slow shaft is as nothing.
+        Ratios may be of any size: beside a gear of 10,000 a row of its slow shaft is negligible.
         """
-        found = np.ones(self.rows)
+        ratios = np.ones(self.rows)
         for instance, first in zip(self.constraints, self.first, strict=False):
             if instance.is_combination and len(instance.terms) > 1:
                 unit = length if self.in_metres[first] else 1.0
-                found[first] = max(
+                ratios[first] = max(
                     abs(term.factor)
                     * (length if unit_of(self.coordinates[term.coordinate]) == "m" else 1.0)
                     / unit
                     for term in instance.terms
                 )
-        return found
+        return ratios
 
-    def _listed(self) -> Iterator[_Piece]:
+    def _pieces_of_rows(self) -> Iterator[_Piece]:
         for instance, first in zip(self.constraints, self.first, strict=False):
             if not instance.is_combination:
                 yield _Piece(instance, first)
@@ -148,11 +147,11 @@ class Residuals:
                 source = self.coordinates[term.coordinate]
                 yield _Piece(source, first, term.factor, term.coordinate)
 
-    def _fixed(self, parameters: Sequence[tuple[str, float]]) -> None:
-        """Set terms of rows beside functions of positions, at t = 0, and the rates they want."""
+    def _set_offsets(self, parameters: Sequence[tuple[str, float]]) -> None:
+        """Set the terms of rows that do not depend on positions, at t = 0, and the rates ν."""
         zero = precise.ZERO[0]
         self._offsets = [zero] * self.rows
-        #: How large the numbers are that the rows of combinations are made of.
+        #: Sums of the sizes of all terms of combinations, row by row.
         self.sizes = np.zeros(self.rows)
         #: ν at t = 0 in 50 digits, row by row.
         self.nu = [zero] * self.rows
@@ -177,8 +176,8 @@ class Residuals:
             result = evaluate(kernel, inputs_at(piece.source, pose), HIGH)
             for row, value in enumerate(result["C"], piece.first):
                 values[row] += factor * self._counted(value, piece.coordinate, pose.near)
-            for place, value in enumerate(result["C_q"]):
-                row, column = divmod(place, PAIR_COLUMNS)
+            for index, value in enumerate(result["C_q"]):
+                row, column = divmod(index, PAIR_COLUMNS)
                 column = self._column(piece.source, column)
                 if value and column >= 0 and not self.is_left_out[piece.first + row]:
                     elements.append((piece.first + row, column, factor * value))
@@ -187,13 +186,13 @@ class Residuals:
         return values, PreciseJacobian(elements, (self.rows, self.columns))
 
     def counted(self, pose: Pose) -> Pose:
-        """Pose with the angles that it has, counted on from those that it had."""
+        """Pose with its present angles, their turns counted on from the previous ones."""
         near = list(pose.near)
-        for place, coordinate in enumerate(self.coordinates):
+        for index, coordinate in enumerate(self.coordinates):
             if coordinate.counts_turns:
                 kernel = frozen(coordinate.kind, "constraint")
                 (value,) = evaluate(kernel, inputs_at(coordinate, pose), HIGH)["C"]
-                near[place] = self._counted(value, place, pose.near)
+                near[index] = self._counted(value, index, pose.near)
         return replace(pose, near=tuple(near))
 
     def _counted(self, value: High, coordinate: int, near: Sequence[High]) -> High:
@@ -201,19 +200,19 @@ class Residuals:
         if coordinate < 0 or not self.coordinates[coordinate].counts_turns:
             return value
         turn = 2 * CONTEXT.pi
-        whole: High = turn * CONTEXT.nint((near[coordinate] - value) / turn)
-        return value + whole
+        turns: High = turn * CONTEXT.nint((near[coordinate] - value) / turn)
+        return value + turns
 
     def _column(self, source: Instance | RelativeCoordinate, column: int) -> int:
-        """Column of the system for one of an instance, −1 where there is none."""
+        """Column of the system for a column of an instance, −1 where there is none."""
         body = source.i if column < COLUMNS else source.j
-        own = column % COLUMNS
-        has_none = body < 0 or (self._is_point[body] and own >= COLUMNS // 2)
-        return -1 if has_none else COLUMNS * body + own
+        component = column % COLUMNS
+        has_none = body < 0 or (self._is_point[body] and component >= COLUMNS // 2)
+        return -1 if has_none else COLUMNS * body + component
 
-    def fast(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
+    def at_start(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
         """C and C_q v − ν at the start in doubles, all instances of a kind at once."""
-        c, rows, columns, values = self.elements(*places_of(bodies))
+        c, rows, columns, values = self.elements(*positions_of(bodies))
         speed = np.array([*((*body.v, *body.omega_b) for body in bodies), (0.0,) * COLUMNS])
         rates = -np.array([float(x) for x in self.nu])
         np.add.at(rates, rows, values * speed.ravel()[columns])
@@ -228,40 +227,39 @@ class Residuals:
 
     def elements(
         self, r: Array, p: Array, near: Array | None = None
-    ) -> tuple[Array, Places, Places, Array]:
-        """Residuals C, and of the elements of C_q that are not zero rows, columns and values.
+    ) -> tuple[Array, Indices, Indices, Array]:
+        """Residuals C, and rows, columns and values of the elements of C_q that are not zero.
 
         Parameters
         ----------
         r, p : (bodies + 1, 3) [m] and (bodies + 1, 4)
             Positions of all bodies, that of the ground last.
         near : (coordinates,), optional
-            Where angles are counted from; the start unless given.
+            Coordinates that angles are counted from; those of the start unless given.
 
         Returns
         -------
         C : (rows,)
             The residuals.
         rows, columns, values : (elements,)
-            Elements of one place, as a combination of two coordinates of one body has them, are
-            added by who asks.
+            Duplicates, as of a combination of two coordinates of one body, are summed by callers.
         """
         results = [evaluate(stack.kernel, stack.inputs(r, p), ARRAY) for stack in self._stacks]
         c = self._summed([result["C"] for result in results], near)
-        rows, columns, found = [], [], []
+        all_rows, all_columns, all_values = [], [], []
         for stack, result in zip(self._stacks, results, strict=True):
             elements = result["C_q"]
             shape = (len(elements), len(stack.first))
             values = stack.factors * np.array([np.broadcast_to(x, shape[1:]) for x in elements])
-            at = np.broadcast_to(np.arange(len(elements))[:, np.newaxis], shape)
-            row, column = stack.first + at // PAIR_COLUMNS, np.resize(stack.columns, shape)
-            there = (values != 0) & (column >= 0) & ~self.is_left_out[row]
-            rows.append(row[there])
-            columns.append(column[there])
-            found.append(values[there])
-        if not found:
+            index = np.broadcast_to(np.arange(len(elements))[:, np.newaxis], shape)
+            rows, columns = stack.first + index // PAIR_COLUMNS, np.resize(stack.columns, shape)
+            is_kept = (values != 0) & (columns >= 0) & ~self.is_left_out[rows]
+            all_rows.append(rows[is_kept])
+            all_columns.append(columns[is_kept])
+            all_values.append(values[is_kept])
+        if not all_values:
             return c, np.zeros(0, int), np.zeros(0, int), np.zeros(0)
-        return c, np.concatenate(rows), np.concatenate(columns), np.concatenate(found)
+        return c, np.concatenate(all_rows), np.concatenate(all_columns), np.concatenate(all_values)
 
     def residuals(self, r: Array, p: Array, near: Array | None = None) -> Array:
         """C alone, in doubles; arguments as :meth:`elements` takes them."""
@@ -280,12 +278,12 @@ class Residuals:
 
     def angles(self, r: Array, p: Array, near: Array) -> Array:
         """Coordinates that count turns, counted on from the values that they had."""
-        found = near.copy()
+        angles = near.copy()
         for stack in self._stacks:
             if stack.is_angle:
                 (value,) = evaluate(stack.residual, stack.inputs(r, p), ARRAY)["C"]
-                found[stack.coordinates] = stack.counted(value, near)
-        return found
+                angles[stack.coordinates] = stack.counted(value, near)
+        return angles
 
     def _stacked(self, pieces: Sequence[_Piece]) -> _Stack:
         sources = [piece.source for piece in pieces]
@@ -294,7 +292,7 @@ class Residuals:
             kernel=frozen(sources[0].kind, "constraint"),
             residual=_residual_of(sources[0].kind),
             is_angle=isinstance(sources[0], RelativeCoordinate) and sources[0].counts_turns,
-            constants={name: np.array([own[name] for own in constants]).T for name in constants[0]},
+            constants={name: np.array([c[name] for c in constants]).T for name in constants[0]},
             bodies={end: np.array([getattr(source, end) for source in sources]) for end in "ij"},
             first=np.array([piece.first for piece in pieces]),
             factors=np.array([piece.factor for piece in pieces]),
@@ -305,7 +303,7 @@ class Residuals:
         )
 
 
-def places_of(bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
+def positions_of(bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
     """Positions r (n + 1, 3) [m], frame O, and p (n + 1, 4) [-] of n bodies, the ground last."""
     r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)])
     p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
@@ -319,11 +317,11 @@ class _Stack:
     Parameters
     ----------
     kernel, residual : Kernel
-        The constraint, and what C alone takes of it.
+        The kernel of the constraint, and its part that gives C alone.
     is_angle : bool
         Whether it gives angles of coordinates, which count turns.
     constants : dict of str to array
-        Its fixed inputs, each element an array over the pieces.
+        Constant inputs, each element an array over the pieces.
     bodies : dict of str to array
         Index of body ``i`` and of body ``j``.
     first, factors, coordinates : (pieces,)
@@ -336,11 +334,11 @@ class _Stack:
     residual: Kernel
     is_angle: bool
     constants: Mapping[str, Array]
-    bodies: Mapping[str, Places]
-    first: Places
+    bodies: Mapping[str, Indices]
+    first: Indices
     factors: Array
-    coordinates: Places
-    columns: Places
+    coordinates: Indices
+    columns: Indices
 
     def inputs(self, r: Array, p: Array) -> dict[str, Any]:
         """Inputs of the kernel."""
@@ -370,29 +368,29 @@ def _size(instance: Instance) -> int:
     return frozen(instance.kind, "constraint").outputs[0].size
 
 
-def unit_of(one: Instance | RelativeCoordinate) -> str:
+def unit_of(source: Instance | RelativeCoordinate) -> str:
     """Unit of the rows of a constraint, or of a coordinate: ``m``, or one that is no length."""
-    own = "" if isinstance(one, RelativeCoordinate) else one.unit
-    return own or frozen(one.kind, "constraint").outputs[0].unit
+    unit = "" if isinstance(source, RelativeCoordinate) else source.unit
+    return unit or frozen(source.kind, "constraint").outputs[0].unit
 
 
 def remark_on_ratios(constraints: Iterable[Instance], largest: float) -> str:
     """Remark on the first coupling with a larger ratio; empty without.
 
-    Beside such a one what moves slowly counts as at rest.
+    Beside it a slow coordinate counts as at rest.
     """
-    for one in constraints:
-        sizes = [abs(term.factor) for term in one.terms]
-        if one.is_combination and sizes and max(sizes) >= largest * min(sizes):
+    for c in constraints:
+        sizes = [abs(term.factor) for term in c.terms]
+        if c.is_combination and sizes and max(sizes) >= largest * min(sizes):
             return (
-                f"; joints.{one.joint} has a ratio of {max(sizes) / min(sizes):.3g}: what moves so"
+                f"; joints.{c.joint} has a ratio of {max(sizes) / min(sizes):.3g}: what moves so"
                 " slowly counts as at rest, drive what moves fast"
             )
     return ""
 
 
 def _by_kind(pieces: Sequence[_Piece]) -> list[list[_Piece]]:
-    """Pieces of each kind; an angle that a joint is made of counts no turns."""
+    """Pieces of each kind, instances apart from coordinates: angles of joints count no turns."""
     groups: dict[tuple[str, bool], list[_Piece]] = {}
     for piece in pieces:
         groups.setdefault((piece.source.kind, piece.coordinate >= 0), []).append(piece)

@@ -1,4 +1,4 @@
-"""By how much joints are violated, in metres and radians, joint by joint."""
+"""Violations of joints, in metres and radians, joint by joint."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kousoku.model.numbers.precise import High, Triple
 
 CONSTRAINT_TOLERANCE = 1e-12
-"""What is violated by less than this part of the size of the system fits, and smaller steps along
+"""Violation, as a part of the size of the system, up to which joints fit; smaller steps along
 positions that fit are no steps."""
 
 WORTH_NAMING = 1e-6
@@ -32,9 +32,9 @@ def violations(rows: Residuals, pose: Pose, length: float) -> dict[str, tuple[fl
     Parameters
     ----------
     rows : Residuals
-        What should hold.
+        Rows that should hold.
     pose : Pose
-        Where the bodies are, frame O.
+        Positions of the bodies, frame O.
     length : float [m]
         The size of the system.
 
@@ -43,18 +43,18 @@ def violations(rows: Residuals, pose: Pose, length: float) -> dict[str, tuple[fl
     dict of str to (float, float) [m, rad]
         By the dotted key, the largest row that is a length and the largest that is an angle.
     """
-    found: dict[str, list[float]] = {}
+    largest: dict[str, list[float]] = {}
     values, _ = rows.at(pose)
     for instance, first in zip(rows.constraints, rows.first, strict=False):
-        own = slice(first, first + rows.count(instance))
-        is_told = instance.is_combination or is_own(instance.kind)
-        if is_told or rows.is_left_out[own].any():
-            size, unit = max(map(abs, values[own])), 0 if rows.in_metres[first] else 1
+        block = slice(first, first + rows.count(instance))
+        is_by_rows = instance.is_combination or is_own(instance.kind)
+        if is_by_rows or rows.is_left_out[block].any():
+            size, unit = max(map(abs, values[block])), 0 if rows.in_metres[first] else 1
         else:
             size, unit = _size(instance, pose)
-        worst = found.setdefault(key_of(instance), [0.0, 0.0])
-        worst[unit] = max(worst[unit], float(size))
-    return worst_first(found, CONSTRAINT_TOLERANCE, length)
+        sizes = largest.setdefault(key_of(instance), [0.0, 0.0])
+        sizes[unit] = max(sizes[unit], float(size))
+    return worst_first(largest, CONSTRAINT_TOLERANCE, length)
 
 
 def key_of(instance: Instance) -> str:
@@ -69,11 +69,11 @@ def worst_first(
 ) -> dict[str, tuple[float, float]]:
     """Joints whose larger size is above a limit and worth naming, the worst first.
 
-    Metres are compared with radians by a length, so that it is no matter how large a mechanism is.
+    Metres are compared with radians by a length, so that the size of a mechanism does not matter.
     """
-    parts = {name: max(m / length, rad) for name, (m, rad) in sizes.items()}
-    limit = max(at_least, WORTH_NAMING * max(parts.values(), default=0.0))
-    names = sorted((name for name in sizes if parts[name] > limit), key=lambda name: -parts[name])
+    scaled = {name: max(m / length, rad) for name, (m, rad) in sizes.items()}
+    limit = max(at_least, WORTH_NAMING * max(scaled.values(), default=0.0))
+    names = sorted((name for name in sizes if scaled[name] > limit), key=lambda name: -scaled[name])
     return {name: (sizes[name][0], sizes[name][1]) for name in names}
 
 
@@ -82,16 +82,16 @@ def _size(instance: Instance, pose: Pose) -> tuple[High, int]:
     constants = dict(instance.constants)
     ends = tuple(zip("ij", (instance.i, instance.j), strict=True))
 
-    def seen(name: str, body: str, index: int) -> Triple:
+    def in_o(name: str, body: str, index: int) -> Triple:
         values = constants.get(f"{name}_{body}_b")
         return ZERO if values is None else precise.rotate(pose.p[index], precise.triple(values))
 
-    axis, other = (seen("a", body, index) for body, index in ends)
-    start, end = (precise.add(pose.r[index], seen("s", body, index)) for body, index in ends)
+    axis, other = (in_o("a", body, index) for body, index in ends)
+    start, end = (precise.add(pose.r[index], in_o("s", body, index)) for body, index in ends)
     d = precise.subtract(end, start)
     length = constants.get("length")
-    now = BodiesAtRest((axis, other), d, None if length is None else precise.number(length[0]))
-    return facets_of_kind(instance.kind).gap(now)
+    at_rest = BodiesAtRest((axis, other), d, None if length is None else precise.number(length[0]))
+    return facets_of_kind(instance.kind).gap(at_rest)
 
 
 def sizes_of(open_joints: dict[str, tuple[float, float]], units: tuple[str, str]) -> str:

@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 
 def require_constant_rows_hold(system: System, outline: Outline) -> None:
-    """Refuse constraints that are not solved, because nothing changes them, and do not hold.
+    """Refuse constraints that do not hold and that no velocity changes, so that none is solved.
 
     Parameters
     ----------
     system : System
         The scene, assembled.
     outline : Outline
-        All rows that anything changes.
+        Outline, whose rows are those that some velocity changes.
 
     Raises
     ------
@@ -38,10 +38,10 @@ def require_constant_rows_hold(system: System, outline: Outline) -> None:
         return
     names = [name for name, _ in system.parameters]
     length = characteristic_length(system)
-    values, _ = rows.fast(system.bodies)
-    for place, (instance, first) in enumerate(zip(system.constraints, rows.first, strict=False)):
+    values, _ = rows.at_start(system.bodies)
+    for index, (instance, first) in enumerate(zip(system.constraints, rows.first, strict=False)):
         for row in range(rows.count(instance)):
-            if (place, row) in solved:
+            if (index, row) in solved:
                 continue
             if not isfinite(fixed_law(instance, names)):
                 raise SceneError(

@@ -1,8 +1,8 @@
 """Drivers of coordinates that joints or other drivers determine already: refused, never dropped.
 
 Rows of joints may depend on each other, and some of them are left out. A driver says how the
-mechanism shall move; where it takes part in a dependence there is one driver too many, also where
-its formula agrees with the others, or the mechanism stands where that driver cannot move it.
+mechanism shall move: where it takes part in a dependence there is one driver too many, also where
+its formula agrees with the others, or the mechanism is at a position where it cannot move it.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ class Drivers:
     system : System
         The scene.
     branch : Branch
-        The part; positions of it are those that joints allow.
+        Branch of the part, whose positions are those that joints allow.
     joints, drivers : sequence of (ConstraintEquation, int)
-        Rows, and which row of the branch each is.
+        Rows, and their indices in the branch.
     """
 
     def __init__(
@@ -49,19 +49,19 @@ class Drivers:
     ) -> None:
         self._system, self._branch = system, branch
         self._rows = [row for row, _ in (*joints, *drivers)]
-        self._places = [place for _, place in (*joints, *drivers)]
+        self._indices = [index for _, index in (*joints, *drivers)]
         self._count = len(drivers)
         self._first = len(joints)
-        #: Of each position that was looked at the rank of joints, and the factors of all rows.
-        self._at: list[tuple[int, LQFactors]] = []
+        #: Rank of joints and factors of all rows, for each position that was looked at.
+        self._ranks: list[tuple[int, LQFactors]] = []
         self._rank = 0
 
     def look(self, position: BranchPosition) -> bool:
         """Look at a position; return whether drivers are known to prescribe free coordinates."""
         self._rank = max(self._rank, position.factors.rank)
         if self._count and not self._are_free():
-            factors = self._branch.with_others(position, self._places)
-            self._at.append((position.factors.rank, factors))
+            factors = self._branch.factors_of(position, self._indices)
+            self._ranks.append((position.factors.rank, factors))
         return self._are_free()
 
     def _extra(self, rank: int, factors: LQFactors) -> int:
@@ -69,8 +69,8 @@ class Drivers:
         return rank + self._count - factors.rank
 
     def _are_free(self) -> bool:
-        regular = [(rank, factors) for rank, factors in self._at if rank == self._rank]
-        return not self._count or any(not self._extra(*found) for found in regular)
+        regular = [(rank, factors) for rank, factors in self._ranks if rank == self._rank]
+        return not self._count or any(not self._extra(*pair) for pair in regular)
 
     def require_free(self) -> None:
         """Refuse drivers that depend on others, and scenes that start where they cannot move.
@@ -83,10 +83,11 @@ class Drivers:
         """
         if not self._count:
             return
-        regular = [(rank, factors) for rank, factors in self._at if rank == self._rank]
+        regular = [(rank, factors) for rank, factors in self._ranks if rank == self._rank]
         if not self._are_free():
-            self._refuse(*min(((self._extra(*one), one[1]) for one in regular), key=lambda x: x[0]))
-        rank, factors = self._at[0]
+            extras = ((self._extra(rank, factors), factors) for rank, factors in regular)
+            self._refuse(*min(extras, key=lambda pair: pair[0]))
+        rank, factors = self._ranks[0]
         if self._extra(rank, factors):
             names = self._taking_part(factors)
             drivers = listed([name for name in names if name in self._named()])
@@ -108,8 +109,8 @@ class Drivers:
         names = self._taking_part(factors)
         drivers = [name for name in names if name in self._named()]
         joints = [name for name in names if name not in self._named()]
-        taking = [self._system.constraints[row.instance] for row in self._rows[: self._first]]
-        remark = remark_on_ratios(taking, 1 / DEPENDENT_REMAINDER)
+        instances = [self._system.constraints[row.instance] for row in self._rows[: self._first]]
+        remark = remark_on_ratios(instances, 1 / DEPENDENT_REMAINDER)
         held = f" determine already with {listed(joints)}" if joints else " prescribe already"
         if len(drivers) == 1:
             raise SceneError(
@@ -130,23 +131,23 @@ class Drivers:
         return key_of(self._system.constraints[row.instance])
 
     def _taking_part(self, factors: LQFactors) -> list[str]:
-        """Rows that take part in dependences of drivers, in the order of the scene."""
+        """Keys of joints and drivers in dependences of drivers, in the order of the scene."""
         takes_part = np.zeros(len(self._rows), bool)
         for dependence in np.abs(_of_drivers(factors.dependences(), self._first)):
             takes_part |= dependence > TAKES_PART
         rows = sorted(
-            (row for row, part in zip(self._rows, takes_part, strict=True) if part),
+            (row for row, is_part in zip(self._rows, takes_part, strict=True) if is_part),
             key=lambda row: row.instance,
         )
         return list(dict.fromkeys(map(self._key, rows)))
 
 
 def _of_drivers(dependences: Array, first: int) -> Array:
-    """Dependences without those that rows of joints have among themselves.
+    """Dependences in which drivers take part, without those of joints among themselves.
 
-    What is left of the space are as many vectors as drivers depend on joints and each other.
+    They span as many dimensions as there are drivers too many.
     """
     drivers = dependences[:, first:]
-    left, sizes, _ = np.linalg.svd(drivers, full_matrices=False)
-    found: Array = left[:, sizes > TAKES_PART].T @ dependences
-    return found
+    vectors, sizes, _ = np.linalg.svd(drivers, full_matrices=False)
+    combined: Array = vectors[:, sizes > TAKES_PART].T @ dependences
+    return combined

@@ -19,7 +19,7 @@ from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Patter
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
 from kousoku.codegen.dynamics.assembly.near_origin import seen_from
-from kousoku.codegen.dynamics.assembly.residuals import Residuals, places_of
+from kousoku.codegen.dynamics.assembly.residuals import Residuals, positions_of
 from kousoku.codegen.dynamics.disjoint_sets import DisjointSets
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import Branch, Scales
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 MOST_SEARCHED_ROWS = 700
 #: Positions that are looked at, where they are cheap, and rows times positions where not.
 MOST_POSITIONS, ROWS_AND_POSITIONS = 24, 6000
-#: From so many lengths of the system on its bodies are far from the origin of frame O: coordinates
+#: Distance of bodies from the origin of frame O, in lengths of the system, that is far: coordinates
 #: have lost four of the digits that tell dependent rows.
 FAR_FROM_ORIGIN = 1e4
 
@@ -66,11 +66,11 @@ class DependentSet:
     Parameters
     ----------
     joints : tuple of str
-        Whose rows take part: what these joints carry is not determined, where they are several.
+        Joints whose rows take part: where they are several, their reactions are not unique.
     rows : int
-        How many rows take part.
+        Count of rows that take part.
     dimension : int
-        How many of them can be left out.
+        Count of those that can be left out.
     is_everywhere : bool
         Whether they depend on each other along the branch, or only at the start.
     """
@@ -92,27 +92,26 @@ class Freedom:
     rank : int
         Of C_q along the branch.
     dependent : tuple of DependentSet
-        Those along the branch, then those at the start only.
+        Sets that depend along the branch, then those that do at the start only.
     dropped : tuple of ConstraintEquation
         Rows that depend on the others and are left out.
     worst : float
-        How well the remaining rows keep their rank at the worst position: 1 is best.
+        Smallest pivot of the rows left out, over the positions: 1 is best, at 0 the remaining rows
+        lose rank.
     positions : int
-        How many positions were looked at in the part with the fewest; 0 without a loop.
+        Count of positions that were looked at in the part with the fewest; 0 without a loop.
     unknown : tuple of str
-        Joints of parts that have too many rows and may have some that depend on others: nothing is
-        known of them.
+        Joints of parts with too many rows, whose dependences are not looked for.
     drivers : int
-        How many of the rows are those of drivers in loops.
+        Count of rows of drivers in loops.
     idle : tuple of ConstraintEquation
-        Of the rows that are left out those that nothing changes, and those of kinds of one's own
-        that others of the same joint imply: they carry nothing.
+        Rows left out that carry nothing: no motion changes them, or rows of the same joint, of a
+        kind of one's own, imply them.
     closed : tuple of Closed
-        Of the rows that are left out those that others imply but for less than the closure
-        tolerance, and not to rounding.
+        Rows left out that others imply within the closure tolerance, but not to rounding.
     undetermined : tuple of (str, tuple of str)
-        Of joints whose rows depend on each other the components of force and torque, ``"fx"`` to
-        ``"mz"``, that are not unique.
+        Components of force and torque, ``"fx"`` to ``"mz"``, that are not unique, of joints whose
+        rows depend on each other.
     """
 
     columns: int
@@ -130,7 +129,7 @@ class Freedom:
 
     @classmethod
     def of(cls, outline: Outline) -> Freedom:
-        """Freedom that rows leave of which none depends on others."""
+        """Freedom of a system whose rows are all independent."""
         count = len(outline.rows)
         return cls(outline.velocities, count, count)
 
@@ -150,12 +149,12 @@ class Freedom:
     @property
     def shared(self) -> tuple[tuple[str, ...], ...]:
         """The joints of each set of rows that depend on each other along the branch."""
-        sets = (one.joints for one in self.dependent if one.is_everywhere)
-        return tuple(joints for joints in sets if len(joints) > 1)
+        joint_sets = (group.joints for group in self.dependent if group.is_everywhere)
+        return tuple(names for names in joint_sets if len(names) > 1)
 
 
 class _PartFreedom(NamedTuple):
-    """Findings about a part, and where it was looked at."""
+    """Freedom of a part, and the positions at which it was looked at."""
 
     branch: Branch
     positions: list[BranchPosition]
@@ -179,23 +178,23 @@ def freedom_of(system: System, outline: Outline) -> Freedom:
     for row in outline.rows:
         by_instance.setdefault(row.instance, []).append(row)
     for part in loops_of(system):
-        rows = [row for place in part.instances for row in by_instance.get(place, ())]
+        rows = [row for index in part.instances for row in by_instance.get(index, ())]
         if len(rows) > MOST_SEARCHED_ROWS:
             if not _is_independent(system, outline, part, rows):
                 total = replace(total, unknown=(*total.unknown, *_joints(rows)))
             continue
-        found = _freedom_of_part(system, outline, part, rows)
+        of_part = _freedom_of_part(system, outline, part, rows)
         total = replace(
             total,
-            rank=total.rank - (found.rows - found.rank),
-            dependent=total.dependent + found.dependent,
-            dropped=total.dropped + found.dropped,
-            worst=min(total.worst, found.worst),
-            positions=min(total.positions or found.positions, found.positions),
-            drivers=total.drivers + found.drivers,
-            idle=total.idle + found.idle,
-            closed=total.closed + found.closed,
-            undetermined=total.undetermined + found.undetermined,
+            rank=total.rank - (of_part.rows - of_part.rank),
+            dependent=total.dependent + of_part.dependent,
+            dropped=total.dropped + of_part.dropped,
+            worst=min(total.worst, of_part.worst),
+            positions=min(total.positions or of_part.positions, of_part.positions),
+            drivers=total.drivers + of_part.drivers,
+            idle=total.idle + of_part.idle,
+            closed=total.closed + of_part.closed,
+            undetermined=total.undetermined + of_part.undetermined,
         )
     return total
 
@@ -203,8 +202,8 @@ def freedom_of(system: System, outline: Outline) -> Freedom:
 def near_origin(system: System) -> System:
     """System with the origin of frame O among its bodies, if that lies far from them.
 
-    Freedoms do not depend on where that is, but coordinates of a million lengths have lost the
-    digits that tell which rows depend on others.
+    Freedoms do not depend on the origin, but coordinates of a million lengths have lost the digits
+    that tell which rows depend on others.
     """
     origin = system.bodies[0].r if system.bodies else (0.0, 0.0, 0.0)
     is_far = max(map(abs, origin)) > FAR_FROM_ORIGIN * Metric(system).size
@@ -214,68 +213,70 @@ def near_origin(system: System) -> System:
 def _freedom_of_part(
     system: System, outline: Outline, part: LoopPart, rows: Sequence[ConstraintEquation]
 ) -> Freedom:
-    residuals, first = part_residuals(system, part)
-    joints, driven = _sorted(system, rows)
-    chosen = [first[row.instance] + row.row for row in joints]
-    others = [(row, first[row.instance] + row.row) for row in driven]
-    pairs = list(zip(joints, chosen, strict=True))
+    """Freedom that the rows of a part leave, exact or within the closure tolerance."""
+    residuals, first_row = part_residuals(system, part)
+    joints, driven = _joint_and_driver_rows(system, rows)
+    joint_rows = [first_row[row.instance] + row.row for row in joints]
+    driver_pairs = [(row, first_row[row.instance] + row.row) for row in driven]
+    joint_pairs = list(zip(joints, joint_rows, strict=True))
     bodies = [system.bodies[k] for k in part.bodies]
     columns, length = _columns(outline, part), Metric(system).size
-    count = max(2, min(MOST_POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
-    few = min(len(joints), len(columns))
+    most_positions = max(2, min(MOST_POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
+    full_rank = min(len(joints), len(columns))
 
     def sampled_positions(branch: Branch) -> tuple[list[BranchPosition], Drivers]:
-        drivers = Drivers(system, branch, pairs, others)
+        drivers = Drivers(system, branch, joint_pairs, driver_pairs)
         positions: list[BranchPosition] = []
         for position in branch.positions(bodies):
             positions.append(position)
             are_free = drivers.look(position)
             depends = position.clear < len(joints)
-            if len(positions) == count or (are_free and not depends):
+            if len(positions) == most_positions or (are_free and not depends):
                 break
         return positions, drivers
 
     def exact_freedom() -> _PartFreedom:
-        branch = Branch(residuals, chosen, columns, length)
+        branch = Branch(residuals, joint_rows, columns, length)
         positions, drivers = sampled_positions(branch)
-        is_stuck = len(positions) == 1 and positions[0].factors.rank < few
-        found = _shaky(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
-        return _PartFreedom(branch, positions, drivers, found)
+        is_stuck = len(positions) == 1 and positions[0].factors.rank < full_rank
+        freedom = (
+            _shaky(joints, positions[0], full_rank) if is_stuck else _dependences(joints, positions)
+        )
+        return _PartFreedom(branch, positions, drivers, freedom)
 
     def freedom_within_tolerance() -> _PartFreedom | None:
         positions, drivers = sampled_positions(near)
         positions = far_from_singular(positions)
         require_gap(system, near, joints, positions)
-        if not near.is_redundant(positions, few):
+        if not near.is_redundant(positions, full_rank):
             return None
         if not starts_closed(system, near, joints, positions[0]):
             return None
-        found = _dependences(joints, positions, CLEARLY * system.closure_tolerance)
-        closed = closed_rows(near, joints, found.dropped, positions)
+        freedom = _dependences(joints, positions, CLEARLY * system.closure_tolerance)
+        closed = closed_rows(near, joints, freedom.dropped, positions)
         return (
-            _PartFreedom(near, positions, drivers, replace(found, closed=closed))
+            _PartFreedom(near, positions, drivers, replace(freedom, closed=closed))
             if closed
             else None
         )
 
-    near = near_branch(residuals, chosen, columns, bodies=bodies, system=system)
-    made = freedom_within_tolerance() if is_near(near, bodies) else None
-    if made is None:
-        made = exact_freedom()
-        if made.positions[0].factors.rank < made.freedom.rank:
-            # beside the start rows may depend on each other nearly
-            made = freedom_within_tolerance() or made
-    branch, positions, drivers, found = made
-    takes_part = CLEARLY * system.closure_tolerance if found.closed else TAKES_PART
+    near = near_branch(residuals, joint_rows, columns, bodies=bodies, system=system)
+    findings = freedom_within_tolerance() if is_near(near, bodies) else None
+    if findings is None:
+        findings = exact_freedom()
+        if findings.positions[0].factors.rank < findings.freedom.rank:
+            # away from the start rows may nearly depend on each other
+            findings = freedom_within_tolerance() or findings
+    branch, positions, drivers, freedom = findings
+    takes_part = CLEARLY * system.closure_tolerance if freedom.closed else TAKES_PART
     drivers.require_free()
-    if found.not_unique:
-        regular = [one for one in positions if one.factors.rank == found.rank]
-        joined = found.not_unique
-        own = undetermined(
-            system, part, branch, joints, regular, joints=joined, takes_part=takes_part
+    if freedom.not_unique:
+        regular = [position for position in positions if position.factors.rank == freedom.rank]
+        components = undetermined(
+            system, part, branch, joints, regular, joints=freedom.not_unique, takes_part=takes_part
         )
-        found = replace(found, undetermined=own)
-    return replace(found, rows=len(rows), rank=found.rank + len(driven), drivers=len(driven))
+        freedom = replace(freedom, undetermined=components)
+    return replace(freedom, rows=len(rows), rank=freedom.rank + len(driven), drivers=len(driven))
 
 
 def _is_independent(
@@ -283,36 +284,37 @@ def _is_independent(
 ) -> bool:
     """Whether sparse factors show that no row depends on others at the start.
 
-    Then none does along the branch, but at some of its positions.
+    Then they are independent along the branch, too, but for singular positions.
     """
-    residuals, first = part_residuals(system, part)
+    residuals, first_row = part_residuals(system, part)
     scales = Scales.of_length(residuals, Metric(system).size)
     bodies = [system.bodies[k] for k in part.bodies]
-    _, at, columns, values = residuals.elements(*places_of(bodies))
+    _, at, columns, values = residuals.elements(*positions_of(bodies))
     is_row, is_column = np.zeros(residuals.rows, bool), np.zeros(residuals.columns, bool)
-    is_row[[first[row.instance] + row.row for row in rows]] = True
+    is_row[[first_row[row.instance] + row.row for row in rows]] = True
     is_column[_columns(outline, part)] = True
-    there = is_row[at] & is_column[columns]
-    at, columns, values = at[there], columns[there], values[there]
+    is_kept = is_row[at] & is_column[columns]
+    at, columns, values = at[is_kept], columns[is_kept], values[is_kept]
     values = values * scales.rows[at] * scales.columns[columns]
     left_out = np.flatnonzero(~is_row).tolist()
     return BlockFactors(Pattern(residuals), (at, columns, values), left_out=left_out).is_regular
 
 
-def _sorted(
+def _joint_and_driver_rows(
     system: System, rows: Sequence[ConstraintEquation]
 ) -> tuple[list[ConstraintEquation], list[ConstraintEquation]]:
-    """Rows that hold at all times and those of drivers.
+    """Rows of joints, which hold at all times, and rows of drivers.
 
-    A point is driven in three directions. Where one of them stays, as in a plane, nothing moves in
-    it: such a row may repeat what joints hold.
+    A point is driven in three directions. A driver that is constant in one of them, as across a
+    plane, holds like a joint there: that row may repeat what joints hold.
     """
     instances = [system.constraints[row.instance] for row in rows]
-    parts = Counter((one.joint, one.is_driver) for one in instances)
+    counts = Counter((instance.joint, instance.is_driver) for instance in instances)
     names = [name for name, _ in system.parameters]
     drives = [
-        one.is_driver and not (parts[one.joint, True] > 1 and isfinite(fixed_law(one, names)))
-        for one in instances
+        instance.is_driver
+        and not (counts[instance.joint, True] > 1 and isfinite(fixed_law(instance, names)))
+        for instance in instances
     ]
     joints = [row for row, is_driven in zip(rows, drives, strict=True) if not is_driven]
     return joints, [row for row, is_driven in zip(rows, drives, strict=True) if is_driven]
@@ -327,23 +329,25 @@ def _dependences(
     rank = max(position.factors.rank for position in positions)
     regular = [position for position in positions if position.factors.rank == rank]
     dependences = [position.factors.dependences() for position in regular]
-    left, worst = rows_to_leave(dependences)
+    redundant, worst = rows_to_leave(dependences)
     everywhere = _components([position.factors for position in regular], takes_part)
-    alone = [places[0] for places, _ in everywhere if len(places) == 1]
-    everywhere = [(places, count) for places, count in everywhere if len(places) > 1]
-    sets = [_set(rows, places, count, is_everywhere=True) for places, count in everywhere]
+    constant = [indices[0] for indices, _ in everywhere if len(indices) == 1]
+    everywhere = [(indices, count) for indices, count in everywhere if len(indices) > 1]
+    sets = [
+        _dependent_set(rows, indices, count, is_everywhere=True) for indices, count in everywhere
+    ]
     if positions[0].factors.rank < rank:
-        for places, count in _components([positions[0].factors], takes_part):
-            more = count - sum(n for other, n in everywhere if set(other) <= set(places))
-            if more > 0:
-                sets.append(_set(rows, places, more, is_everywhere=False))
+        for indices, count in _components([positions[0].factors], takes_part):
+            added = count - sum(n for other, n in everywhere if set(other) <= set(indices))
+            if added > 0:
+                sets.append(_dependent_set(rows, indices, added, is_everywhere=False))
     return Freedom(
         columns=0,
         rows=len(rows),
         rank=rank,
         dependent=tuple(sets),
-        dropped=tuple(rows[place] for place in left),
-        idle=tuple(rows[place] for place in alone),
+        dropped=tuple(rows[k] for k in redundant),
+        idle=tuple(rows[k] for k in constant),
         worst=worst,
         positions=len(positions),
     )
@@ -356,71 +360,73 @@ def _shaky(rows: Sequence[ConstraintEquation], position: BranchPosition, rank: i
     stretched between two points do: none can be left out.
     """
     sets = [
-        _set(rows, places, count, is_everywhere=False)
-        for places, count in _components([position.factors], TAKES_PART)
+        _dependent_set(rows, indices, count, is_everywhere=False)
+        for indices, count in _components([position.factors], TAKES_PART)
     ]
     return Freedom(0, len(rows), rank, tuple(sets), positions=1)
 
 
 def part_residuals(system: System, part: LoopPart) -> tuple[Residuals, Mapping[int, int]]:
     """Rows of a part between its own bodies, and the first row of each instance."""
-    place = {body: k for k, body in enumerate(part.bodies)} | {GROUND_INDEX: GROUND_INDEX}
+    local = {body: k for k, body in enumerate(part.bodies)} | {GROUND_INDEX: GROUND_INDEX}
     instances = [system.constraints[k] for k in part.instances]
-    terms = dict.fromkeys(term.coordinate for one in instances for term in one.terms)
+    terms = dict.fromkeys(term.coordinate for instance in instances for term in instance.terms)
     term_of = {coordinate: k for k, coordinate in enumerate(terms)}
-    own = [
+    renumbered = [
         replace(
-            one,
-            i=place[one.i],
-            j=place[one.j],
-            terms=tuple(replace(x, coordinate=term_of[x.coordinate]) for x in one.terms),
+            instance,
+            i=local[instance.i],
+            j=local[instance.j],
+            terms=tuple(
+                replace(term, coordinate=term_of[term.coordinate]) for term in instance.terms
+            ),
         )
-        for one in instances
+        for instance in instances
     ]
     measured = [system.coordinates[k] for k in terms]
-    coordinates = [replace(one, i=place[one.i], j=place[one.j]) for one in measured]
+    coordinates = [replace(c, i=local[c.i], j=local[c.j]) for c in measured]
     bodies = [system.bodies[k] for k in part.bodies]
-    residuals = Residuals(own, bodies, coordinates, system.parameters)
+    residuals = Residuals(renumbered, bodies, coordinates, system.parameters)
     return residuals, dict(zip(part.instances, residuals.first, strict=False))
 
 
 def _columns(outline: Outline, part: LoopPart) -> list[int]:
     """Columns of a part; one of its bodies stays if none is the ground."""
-    place = {body: k for k, body in enumerate(part.bodies)}
+    local = {body: k for k, body in enumerate(part.bodies)}
     free = part.bodies if part.is_grounded else part.bodies[1:]
     return [
-        COLUMNS * place[column // COLUMNS] + column % COLUMNS for column in outline.columns_of(free)
+        COLUMNS * local[column // COLUMNS] + column % COLUMNS for column in outline.columns_of(free)
     ]
 
 
 def _components(
     factors: Sequence[LQFactors], takes_part: float
 ) -> list[tuple[tuple[int, ...], int]]:
-    """Sets of rows that depend on each other at some of the positions, and dimensions.
+    """Sets of rows that depend on each other at some of the positions, and their dimensions.
 
-    Rows are in one set when a row that depends on others is made of them by more than
-    ``takes_part``. One that nothing changes is alone.
+    A dependent row is in one set with the rows of its combination whose factors are above
+    ``takes_part``. A row that no motion changes is a set of its own.
     """
-    together = DisjointSets(range(len(factors[0].taken) + len(factors[0].left)))
-    for one in factors:
-        is_part = np.abs(one.combinations()) > takes_part
-        for row, parts in zip(one.left, is_part, strict=True):
-            for k in np.flatnonzero(parts):
-                together.join(row, one.taken[int(k)])
+    connected = DisjointSets(range(len(factors[0].taken) + len(factors[0].left)))
+    for lq in factors:
+        is_part = np.abs(lq.combinations()) > takes_part
+        for row, mask in zip(lq.left, is_part, strict=True):
+            for k in np.flatnonzero(mask):
+                connected.join(row, lq.taken[int(k)])
     left = factors[0].left
-    sets = [(tuple(rows), sum(row in rows for row in left)) for rows in together.sets()]
+    sets = [(tuple(rows), sum(row in rows for row in left)) for rows in connected.sets()]
     return [(rows, count) for rows, count in sets if count]
 
 
-def _set(
+def _dependent_set(
     rows: Sequence[ConstraintEquation],
-    places: Sequence[int],
+    indices: Sequence[int],
     dimension: int,
     *,
     is_everywhere: bool,
 ) -> DependentSet:
-    joints = _joints(rows[place] for place in places)
-    return DependentSet(joints, len(places), dimension, is_everywhere)
+    joints = _joints(rows[k] for k in indices)
+    return DependentSet(joints, len(indices), dimension, is_everywhere)
 
 
 def _joints(rows: Iterable[ConstraintEquation]) -> tuple[str, ...]:

@@ -1,8 +1,8 @@
 """Parts of a system whose joints close loops; trees that hang on them are left out.
 
 Two joints are in one part when some loop passes both, the ground being a body that loops may pass.
-Constraints between bodies do not notice how all of these move together. So parts that share one
-body or none do not touch each other's ranks, and the rows of a joint in no loop are independent.
+Constraints between bodies do not depend on a common motion of all of these. So parts that share one
+body or none do not affect each other's ranks, and the rows of a joint in no loop are independent.
 
 A joint may connect more than two bodies, as a gear between the joints of two wheels does: it is a
 vertex of its own, with an edge to each of its bodies, and these edges stay in one part.
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
 
     from kousoku.model.mechanics.multibody import System
 
-    #: A joint that is tried: its place, the body it was reached from, and its other body.
-    Step = tuple[int, int, int]
-
 
 @dataclass(frozen=True, slots=True)
 class LoopPart:
@@ -34,7 +31,7 @@ class LoopPart:
     bodies : tuple of int
         Moving bodies, in the order of the system.
     instances : tuple of int
-        Places of the constraints in the system.
+        Indices of the constraints in the system.
     is_grounded : bool
         Whether the ground is one of its bodies.
     """
@@ -47,23 +44,23 @@ class LoopPart:
 def loops_of(system: System) -> tuple[LoopPart, ...]:
     """Parts of a system that loops connect, in the order of their first constraints."""
     joints: dict[tuple[object, ...], list[int]] = {}
-    for place, instance in enumerate(system.constraints):
+    for index, instance in enumerate(system.constraints):
         key = (instance.joint, *sorted(instance.bodies))
-        joints.setdefault(key, []).append(place)
-    places = list(joints.values())
-    bodies = [system.constraints[own[0]].bodies for own in places]
-    found = []
+        joints.setdefault(key, []).append(index)
+    instances_of = list(joints.values())
+    bodies = [system.constraints[indices[0]].bodies for indices in instances_of]
+    parts = []
     for group in _groups(len(system.bodies), bodies):
         if len(group) > 1:
             connected = sorted({body for joint in group for body in bodies[joint]})
-            instances = sorted(place for joint in group for place in places[joint])
+            instances = sorted(index for joint in group for index in instances_of[joint])
             moving = tuple(body for body in connected if body != GROUND_INDEX)
-            found.append(LoopPart(moving, tuple(instances), GROUND_INDEX in connected))
-    return tuple(sorted(found, key=lambda part: part.instances))
+            parts.append(LoopPart(moving, tuple(instances), GROUND_INDEX in connected))
+    return tuple(sorted(parts, key=lambda part: part.instances))
 
 
 def _groups(count: int, bodies: Sequence[Sequence[int]]) -> list[list[int]]:
-    """Joints that loops connect; given are the bodies of each joint."""
+    """Joints of each loop part, from the bodies of each joint."""
     ends: list[tuple[int, int]] = []
     joint_of: list[int] = []
     vertices = count
@@ -84,37 +81,37 @@ def _groups(count: int, bodies: Sequence[Sequence[int]]) -> list[list[int]]:
 
 def _biconnected(count: int, ends: Sequence[tuple[int, int]]) -> Iterator[list[int]]:
     """Edges of each biconnected component; vertices are −1 … count − 1 (Tarjan)."""
-    beside: dict[int, list[tuple[int, int]]] = {k: [] for k in range(-1, count)}
+    edges_at: dict[int, list[tuple[int, int]]] = {k: [] for k in range(-1, count)}
     for edge, (i, j) in enumerate(ends):
-        beside[i].append((edge, j))
-        beside[j].append((edge, i))
+        edges_at[i].append((edge, j))
+        edges_at[j].append((edge, i))
     number: dict[int, int] = {}
     low: dict[int, int] = {}
-    open_edges: list[int] = []
+    stack: list[int] = []
     for root in range(-1, count):
         if root in number:
             continue
         number[root] = low[root] = len(number)
-        path: list[tuple[int, int, Iterator[tuple[int, int]]]] = [(root, -1, iter(beside[root]))]
+        path: list[tuple[int, int, Iterator[tuple[int, int]]]] = [(root, -1, iter(edges_at[root]))]
         while path:
-            body, came_by, rest = path[-1]
-            for edge, other in rest:
-                if edge == came_by:
+            vertex, entry, remaining = path[-1]
+            for edge, other in remaining:
+                if edge == entry:
                     continue
                 if other not in number:
                     number[other] = low[other] = len(number)
-                    open_edges.append(edge)
-                    path.append((other, edge, iter(beside[other])))
+                    stack.append(edge)
+                    path.append((other, edge, iter(edges_at[other])))
                     break
-                if number[other] < number[body]:
-                    open_edges.append(edge)
-                    low[body] = min(low[body], number[other])
+                if number[other] < number[vertex]:
+                    stack.append(edge)
+                    low[vertex] = min(low[vertex], number[other])
             else:
                 path.pop()
                 if path:
-                    above = path[-1][0]
-                    low[above] = min(low[above], low[body])
-                    if low[body] >= number[above]:
-                        start = open_edges.index(came_by)
-                        yield open_edges[start:]
-                        del open_edges[start:]
+                    parent = path[-1][0]
+                    low[parent] = min(low[parent], low[vertex])
+                    if low[vertex] >= number[parent]:
+                        start = stack.index(entry)
+                        yield stack[start:]
+                        del stack[start:]

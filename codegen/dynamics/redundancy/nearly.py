@@ -1,7 +1,7 @@
-"""Rows that others imply but for the closure tolerance, before a scene is assembled.
+"""Rows that others imply within the closure tolerance, before a scene is assembled.
 
 Where joints nearly repeat each other, all rows hold only where the scene is stiff by a hair, if
-anywhere. So positions are sought at which the rows do that are independent beyond that tolerance.
+anywhere. So positions are sought at which the rows hold that are independent beyond it.
 """
 
 from __future__ import annotations
@@ -42,32 +42,32 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import System
 
 
-def with_consistent_start(given: System) -> System:
+def with_consistent_start(written: System) -> System:
     """Scene at positions and velocities that its joints and drivers allow.
 
-    Rows that others imply but for the closure tolerance need not hold there, if they are redundant
+    Rows that others imply within the closure tolerance need not hold there, if they are redundant
     along the motion, too.
 
     Parameters
     ----------
-    given : System
-        As it is written.
+    written : System
+        A scene as it is written.
 
     Raises
     ------
     AssemblyError, SceneError
         There are none near; rows are neither redundant nor independent.
     """
-    left_out = nearly_implied(given)
+    left_out = nearly_implied(written)
     placed: System | None = None
     if left_out:
         with suppress(AssemblyError):
-            placed = assemble(given, left_out)
+            placed = assemble(written, left_out)
             fixed = without_held(fixed_system(placed))
             if freedom_of(fixed, outline_of(fixed, plane_of(fixed))).closed:
                 return placed
     try:
-        return assemble(given)
+        return assemble(written)
     except AssemblyError:
         if placed is None or not _holds(fixed_system(placed)):
             raise
@@ -75,15 +75,15 @@ def with_consistent_start(given: System) -> System:
 
 
 def _holds(system: System) -> bool:
-    """Whether all rows hold as well as they do wherever ranks are looked at."""
+    """Whether all rows hold to the tolerance of positions at which ranks are taken."""
     rows = Residuals.of(system, system.constraints + system.held)
-    c, _ = rows.fast(system.bodies)
+    c, _ = rows.at_start(system.bodies)
     lengths = np.where(rows.in_metres, Metric(system).size, 1.0)
     return bool((np.abs(c) <= BRANCH_TOLERANCE * lengths).all())
 
 
 def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
-    """Rows that others imply but for the closure tolerance, and not to rounding.
+    """Rows that others imply within the closure tolerance, but not to rounding.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
     Returns
     -------
     tuple of (int, int)
-        Places of constraints, and which of their rows; with them others of the same loops that are
+        Indices of constraints and of their rows, among them rows of the same loops that are
         redundant to rounding.
     """
     system = wound_as_driven(fixed_system(system))
@@ -104,31 +104,33 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
     rows = Residuals.of(system, system.constraints + system.held)
     if rows.rows > MOST_ASSEMBLED_ROWS:
         return ()
-    damping = system.closure_tolerance**2  # what is stiff by less stays where it is
+    damping = system.closure_tolerance**2  # bodies do not move along less stiff directions
     start = DoublePose.of(Pose.of(system.bodies, system.coordinates))
     search = GaussNewton(rows, metric)
-    place = search.solve(start, least=damping)
+    pose = search.solve(start, least=damping)
     bodies = [
         replace(body, r=tuple(r), p=tuple(p))
-        for body, r, p in zip(system.bodies, place.r.tolist(), place.p.tolist(), strict=False)
+        for body, r, p in zip(system.bodies, pose.r.tolist(), pose.p.tolist(), strict=False)
     ]
-    near = [replace(one, near=x) for one, x in zip(system.coordinates, place.near, strict=True)]
-    system = replace(system, bodies=tuple(bodies), coordinates=tuple(near))
-    missing = search.missing(place)
-    is_open = float(missing @ missing) ** 0.5 > CLOSE * metric.size
-    return tuple(found for part in parts for found in _of_part(system, part, is_open=is_open))
+    coordinates = [replace(c, near=x) for c, x in zip(system.coordinates, pose.near, strict=True)]
+    system = replace(system, bodies=tuple(bodies), coordinates=tuple(coordinates))
+    residual = search.residual(pose)
+    is_open = float(residual @ residual) ** 0.5 > CLOSE * metric.size
+    return tuple(row for part in parts for row in _nearly_implied_in(system, part, is_open=is_open))
 
 
-def _of_part(system: System, part: LoopPart, *, is_open: bool) -> Iterator[tuple[int, int]]:
-    """Rows of a part, unless all fit and none is nearly implied."""
+def _nearly_implied_in(
+    system: System, part: LoopPart, *, is_open: bool
+) -> Iterator[tuple[int, int]]:
+    """Nearly implied rows of a part; none where all rows fit and none nearly depends on others."""
     residuals, first = part_residuals(system, part)
     if residuals.rows > MOST_SEARCHED_ROWS:
         return
     rows = [
-        (place, row)
-        for place in part.instances
-        if not system.constraints[place].is_driver
-        for row in range(residuals.count(system.constraints[place]))
+        (index, row)
+        for index in part.instances
+        if not system.constraints[index].is_driver
+        for row in range(residuals.count(system.constraints[index]))
     ]
     bodies = [system.bodies[k] for k in part.bodies]
     columns = [
@@ -139,7 +141,7 @@ def _of_part(system: System, part: LoopPart, *, is_open: bool) -> Iterator[tuple
     ]
     branch = near_branch(
         residuals,
-        [first[place] + row for place, row in rows],
+        [first[index] + row for index, row in rows],
         columns,
         bodies=bodies,
         system=system,

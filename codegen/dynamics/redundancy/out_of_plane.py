@@ -1,4 +1,4 @@
-"""Joints of a scene that moves in a plane, held out of the plane more than once.
+"""Joints of a planar scene whose rows out of the plane are redundant.
 
 The rows that hold bodies in the plane are not solved for. Where some of them depend on each other,
 as in every loop of revolute joints, the forces out of the plane are not unique.
@@ -27,52 +27,52 @@ if TYPE_CHECKING:
 
 #: Rows of the largest part that is looked at; the time grows with their cube.
 MOST_OUT_OF_PLANE_ROWS = 2000
-#: How far the second position is from the first, and how often it is corrected.
+#: Distance of the second position from the first, and count of its corrections.
 AWAY, CORRECTIONS = 2.0**-5, 8
 
 
 def held_twice(system: System, program: Program) -> tuple[str, ...]:
     """Joints whose rows out of the plane depend on others, in the order of the system.
 
-    They are looked at where the scene starts, and at one more position, as a start may be special.
-    Joints of parts that are too large are among them: nothing is known of these.
+    Ranks are taken at the start and at one more position, as a start may be special. Joints of
+    parts that are too large are included, as nothing is known of them.
 
     Parameters
     ----------
     system : System
         An assembled scene.
     program : Program
-        What it was composed to, in the plane.
+        Its program in the plane.
     """
     solved = {(row.instance, row.row) for row in (*program.rows, *program.left_out)}
     out = [
         COLUMNS * k + c
         for k, body in enumerate(program.bodies)
-        for c, place in enumerate((*body.v, *body.omega_b))
-        if place.slot < 0 and not (system.bodies[k].is_point and c > 2)
+        for c, coordinate in enumerate((*body.v, *body.omega_b))
+        if coordinate.slot < 0 and not (system.bodies[k].is_point and c > 2)
     ]
     positions = list(_positions(program))
-    found: dict[str, None] = {}
+    joints: dict[str, None] = {}
     for part in loops_of(system):
-        found |= dict.fromkeys(_of_part(system, part, solved, out, positions))
-    return tuple(found)
+        joints |= dict.fromkeys(_dependent_joints(system, part, solved, out, positions))
+    return tuple(joints)
 
 
-def _of_part(
+def _dependent_joints(
     system: System,
     part: LoopPart,
     solved: set[tuple[int, int]],
     out: Sequence[int],
     positions: Sequence[tuple[Array, Array]],
 ) -> Iterator[str]:
-    """Joints of the rows of a part that depend on others."""
-    instances = [system.constraints[place] for place in part.instances]
+    """Joints of a part whose rows depend on others, one for each such row."""
+    instances = [system.constraints[index] for index in part.instances]
     residuals = Residuals.of(system, instances)
     rows = [
         (first + row, instance.joint)
-        for place, instance, first in zip(part.instances, instances, residuals.first, strict=False)
+        for index, instance, first in zip(part.instances, instances, residuals.first, strict=False)
         for row in range(residuals.count(instance))
-        if (place, row) not in solved
+        if (index, row) not in solved
     ]
     if len(rows) > MOST_OUT_OF_PLANE_ROWS:
         yield from (joint for _, joint in rows)
@@ -105,5 +105,5 @@ def _position(work: ProgramInterpreter) -> tuple[Array, Array]:
     return np.array([*r, [0.0] * 3]), np.array([*p, [1.0, 0.0, 0.0, 0.0]])
 
 
-def _numbers(work: ProgramInterpreter, places: Sequence[CoordinatePlace]) -> list[float]:
-    return [work.values[place.slot] if place.slot >= 0 else place.value for place in places]
+def _numbers(work: ProgramInterpreter, coordinates: Sequence[CoordinatePlace]) -> list[float]:
+    return [work.values[c.slot] if c.slot >= 0 else c.value for c in coordinates]

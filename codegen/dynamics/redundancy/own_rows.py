@@ -1,4 +1,4 @@
-"""Rows of kinds of one's own that look as if others implied them: whether these really do.
+"""Rows of kinds of one's own that seem to be implied by others: whether they really are.
 
 C = 1 − cos θ is zero only at θ = 0, where its Jacobian vanishes. No number at positions where it
 holds tells that from a row that others imply; but small motions that the others allow violate it.
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.codegen.dynamics.assembly.residuals import Residuals, places_of
+from kousoku.codegen.dynamics.assembly.residuals import Residuals, positions_of
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import displaced
@@ -28,14 +28,14 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import System
     from kousoku.model.numbers.real import Array
 
-#: How far bodies are moved, in lengths of the scene and radians, and in how many directions.
+#: Size of trial motions, in lengths of the scene and radians, and count of their directions.
 TRIAL_MOVE, DIRECTIONS = 0.1, 3
-#: What a row misses then that others do not imply, as a part of the square of the step: 1 − cos θ
-#: misses half of it, and a row that others imply what is left of them.
+#: Residual after the move, as a part of the square of the step, above which others do not imply a
+#: row: that of 1 − cos θ is half of it, that of an implied row what is left of the others.
 MISSED = 1e-3
 #: Singular values that are zero, as parts of the largest.
 ROW_RANK_TOLERANCE = 1e-9
-#: Steps back onto the other rows at most, and what is left of them then.
+#: Steps back onto the other rows at most, and their residual then.
 MOST_RETURN_STEPS, RETURN_TOLERANCE = 20, 1e-12
 
 
@@ -47,7 +47,7 @@ def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: boo
     system : System
         The scene, assembled, its numbers fixed.
     freedom : Freedom
-        Which rows depend on others.
+        Its rows that depend on others.
     is_planar : bool
         Whether all bodies stay in planes parallel to the xy-plane.
 
@@ -56,18 +56,18 @@ def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: boo
     SceneError
         The message names the joint.
     """
-    left = [row for row in freedom.dropped if is_own(system.constraints[row.instance].kind)]
-    if not left:
+    own_rows = [row for row in freedom.dropped if is_own(system.constraints[row.instance].kind)]
+    if not own_rows:
         return
-    nearly = CLEARLY * system.closure_tolerance * TRIAL_MOVE if freedom.closed else 0.0
+    tolerance = CLEARLY * system.closure_tolerance * TRIAL_MOVE if freedom.closed else 0.0
     rows = Residuals.of(system, system.constraints)
     length = characteristic_length(system)
-    place = {(row.instance, row.row): rows.first[row.instance] + row.row for row in freedom.dropped}
+    index = {(row.instance, row.row): rows.first[row.instance] + row.row for row in freedom.dropped}
     columns = [k for k in _columns(system) if not (is_planar and k % COLUMNS in OUT)]
-    moves = _Moves(system, rows, sorted(place.values()), columns, length)
+    moves = _Moves(system, rows, sorted(index.values()), columns, length)
     for missed in moves.missed():
-        worst = max(left, key=lambda row: missed[place[row.instance, row.row]])
-        if not missed[place[worst.instance, worst.row]] <= max(MISSED * TRIAL_MOVE**2, nearly):
+        worst = max(own_rows, key=lambda row: missed[index[row.instance, row.row]])
+        if not missed[index[worst.instance, worst.row]] <= max(MISSED * TRIAL_MOVE**2, tolerance):
             kind = kind_name(system.constraints[worst.instance].kind)
             raise SceneError(
                 f"C of {kind} has no Jacobian of its own where the scene starts: no force can hold"
@@ -78,24 +78,24 @@ def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: boo
 
 
 def repeated_rows(system: System, freedom: Freedom) -> tuple[ConstraintEquation, ...]:
-    """Rows that are left out, and that others of the same joint of one's own imply.
+    """Rows left out that other rows of the same joint, of a kind of one's own, imply.
 
-    The joint does the same with any multipliers of these: they carry nothing.
+    The reaction of the joint does not depend on their multipliers: they carry nothing.
     """
-    found: list[ConstraintEquation] = []
-    for place, instance in enumerate(system.constraints):
-        left = [row for row in freedom.dropped if row.instance == place]
-        if not left or not is_own(instance.kind):
+    repeated: list[ConstraintEquation] = []
+    for index, instance in enumerate(system.constraints):
+        dropped = [row for row in freedom.dropped if row.instance == index]
+        if not dropped or not is_own(instance.kind):
             continue
-        _, matrix = Residuals.of(system, [instance]).doubles(*places_of(system.bodies))
-        taken = [k for k in range(len(matrix)) if k not in {row.row for row in left}]
-        for row in left:
-            ranks = [_rank(matrix[[*taken, *more]]) for more in ((), (row.row,))]
+        _, matrix = Residuals.of(system, [instance]).doubles(*positions_of(system.bodies))
+        taken = [k for k in range(len(matrix)) if k not in {row.row for row in dropped}]
+        for row in dropped:
+            ranks = [_rank(matrix[[*taken, *added]]) for added in ((), (row.row,))]
             if ranks[0] == ranks[1]:
-                found.append(row)
+                repeated.append(row)
             else:
                 taken.append(row.row)
-    return tuple(found)
+    return tuple(repeated)
 
 
 def _rank(matrix: Array) -> int:
@@ -104,53 +104,53 @@ def _rank(matrix: Array) -> int:
 
 
 class _Moves:
-    """Small motions that those rows allow which are kept."""
+    """Small motions that the kept rows allow."""
 
     def __init__(
         self,
         system: System,
         rows: Residuals,
-        left: Sequence[int],
+        dropped: Sequence[int],
         columns: Sequence[int],
         length: float,
     ) -> None:
         self._rows, self._columns = rows, list(columns)
-        self._kept = [k for k in range(rows.rows) if k not in set(left)]
-        self._rows_by = np.where(rows.in_metres, 1 / length, 1.0)
+        self._kept = [k for k in range(rows.rows) if k not in set(dropped)]
+        self._row_scales = np.where(rows.in_metres, 1 / length, 1.0)
         is_length = np.arange(rows.columns) % COLUMNS < COLUMNS // 2
-        self._columns_by = np.where(is_length, length, 1.0)[self._columns]
-        self._start = places_of(system.bodies)
+        self._column_scales = np.where(is_length, length, 1.0)[self._columns]
+        self._start = positions_of(system.bodies)
         self._stream = Sha256Random(f"own rows of {system.name}")
 
     def missed(self) -> Iterator[Array]:
         """Residuals of all rows after a motion, in lengths of the scene and radians."""
         for _ in range(DIRECTIONS):
             pairs = [(self._stream.sign(), self._stream.magnitude()) for _ in self._columns]
-            wish = np.array([sign * size for sign, size in pairs])
+            trial = np.array([sign * size for sign, size in pairs])
             _, kept = self._at(*self._start)
-            change = wish - np.linalg.pinv(kept, rcond=ROW_RANK_TOLERANCE) @ (kept @ wish)
+            change = trial - np.linalg.pinv(kept, rcond=ROW_RANK_TOLERANCE) @ (kept @ trial)
             largest = np.abs(change).max(initial=0.0)
             if largest < TRIAL_MOVE**2:
                 return
-            places = self._moved(*self._start, TRIAL_MOVE * change / largest)
+            pose = self._moved(*self._start, TRIAL_MOVE * change / largest)
             for _ in range(MOST_RETURN_STEPS):
-                c, kept = self._at(*places)
+                c, kept = self._at(*pose)
                 if np.abs(c[self._kept]).max(initial=0.0) <= RETURN_TOLERANCE:
                     yield np.abs(c)
                     break
                 back = np.linalg.pinv(kept, rcond=ROW_RANK_TOLERANCE) @ c[self._kept]
-                places = self._moved(*places, -back)
+                pose = self._moved(*pose, -back)
 
     def _at(self, r: Array, p: Array) -> tuple[Array, Array]:
         """Residuals of all rows, and the Jacobian of those that are kept, scaled."""
         c, matrix = self._rows.doubles(r, p)
         kept = matrix[np.ix_(self._kept, self._columns)]
-        return c * self._rows_by, kept * self._rows_by[self._kept, None] * self._columns_by
+        return c * self._row_scales, kept * self._row_scales[self._kept, None] * self._column_scales
 
     def _moved(self, r: Array, p: Array, change: Array) -> tuple[Array, Array]:
         """Positions after a change of the columns, scaled."""
         full = np.zeros(self._rows.columns)
-        full[self._columns] = change * self._columns_by
+        full[self._columns] = change * self._column_scales
         return displaced(r, p, full)
 
 

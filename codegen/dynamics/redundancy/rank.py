@@ -1,8 +1,8 @@
 """Ranks of matrices, dependences of their rows, and rows that can be left out.
 
-Everything here is sums and products of doubles in an order that is ours: no library that may add
-up in another order decides which rows a solver keeps. Of rows that are equally good up to rounding
-the first is taken.
+Everything here is sums and products of doubles in an order fixed here: no library that may add up
+in another order decides which rows a solver keeps. Of rows that are equally good up to rounding the
+first is taken.
 """
 
 from __future__ import annotations
@@ -17,37 +17,37 @@ if TYPE_CHECKING:
 
     from kousoku.model.numbers.real import Array
 
-#: What is left of a row that depends on others, as a part of the largest row, is below this: rows
-#: are looked at where they hold to 1e-11, and elimination in a large part costs three digits.
+#: Largest remainder of a row that depends on others, as a part of the largest row: rows are looked
+#: at where they hold to 1e-11, and elimination in a large part costs three digits.
 DEPENDENT_REMAINDER = 1e-8
-#: What is smaller in a unit vector of a dependence does not take part in it: ten times what cannot
-#: be told from rounding there.
+#: Least component by which a row takes part in the unit vector of a dependence: ten times its
+#: rounding.
 TAKES_PART = 1e-7
-#: Rows whose sizes differ by less are equally good: rounding shall not choose which are kept.
+#: Rows whose squared norms differ by less are equally good: rounding shall not choose among them.
 EQUAL = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class LQFactors:
-    """Factors A = L Q of the rows that were taken, and the others as combinations of them.
+    """Factors A = L Q of the rows taken, and the remaining rows in the basis Q.
 
     Parameters
     ----------
     taken, left : tuple of int
-        Rows that are independent, in the order in which they were taken, and the others.
+        Independent rows in the order in which they were taken, and the remaining rows.
     lower : (rank, rank)
         L.
     basis : (columns, rank)
         Qᵀ: the space of the rows.
-    others : (rows − rank, rank)
-        The other rows in this basis.
+    dependent : (rows − rank, rank)
+        The remaining rows in this basis.
     """
 
     taken: tuple[int, ...]
     left: tuple[int, ...]
     lower: Array
     basis: Array
-    others: Array
+    dependent: Array
 
     @property
     def rank(self) -> int:
@@ -56,9 +56,9 @@ class LQFactors:
 
     @property
     def pivots(self) -> Array:
-        """Diagonal of L (rank,): the norm of what was left of each row when it was taken."""
-        found: Array = np.diagonal(self.lower)
-        return found
+        """Diagonal of L (rank,): the norm of the remainder of each row when it was taken."""
+        diagonal: Array = np.diagonal(self.lower)
+        return diagonal
 
     def least_change(self, wanted: Array) -> Array:
         """Minimum-norm x = Qᵀ L⁻¹ b (columns,) with A x = b, the rows taken of wanted (rows,)."""
@@ -76,7 +76,7 @@ class LQFactors:
 
     def combinations(self) -> Array:
         """Matrix B (rows − rank, rank) with left rows = B · taken rows."""
-        combined = self.others.copy()
+        combined = self.dependent.copy()
         for k in reversed(range(self.rank)):
             combined[:, k] /= self.lower[k, k]
             combined[:, :k] -= combined[:, k : k + 1] * self.lower[k, :k]
@@ -101,20 +101,20 @@ def factorise(matrix: Array, least: float | None = None, most: int | None = None
     matrix : (rows, columns)
         A.
     least : float, optional
-        What is left of rows that count as dependent, unless that is to be relative to the largest.
+        Largest remainder of dependent rows; relative to the largest row unless given.
     most : int, optional
-        How many rows may be taken.
+        Count of rows at most that are taken.
     """
-    rest = np.ascontiguousarray(matrix.T)
-    columns, rows = rest.shape
+    remainders = np.ascontiguousarray(matrix.T)
+    columns, rows = remainders.shape
     most = columns if most is None else min(columns, most)
-    parts, basis = np.zeros((rows, 0)), np.zeros((columns, 0))
+    coefficients, basis = np.zeros((rows, 0)), np.zeros((columns, 0))
     largest = 0.0
     taken: list[int] = []
-    found_parts: list[Array] = []
-    found_basis: list[Array] = []
+    columns_of_l: list[Array] = []
+    directions: list[Array] = []
     while True:
-        squares = (rest * rest).sum(axis=0) if columns else np.zeros(rows)
+        squares = (remainders * remainders).sum(axis=0) if columns else np.zeros(rows)
         best = float(squares.max(initial=0.0))
         size = best**0.5
         largest = largest or size
@@ -123,28 +123,28 @@ def factorise(matrix: Array, least: float | None = None, most: int | None = None
             break
         row = int(np.argmax(squares >= (1 - EQUAL) * best))
         size = float(squares[row]) ** 0.5
-        direction = rest[:, row] / size
-        part = _combined(rest, direction)
-        rest -= direction[:, None] * part
-        rest[:, row] = 0.0
+        direction = remainders[:, row] / size
+        components = _combined(remainders, direction)
+        remainders -= direction[:, None] * components
+        remainders[:, row] = 0.0
         taken.append(row)
-        found_parts.append(part)
-        found_basis.append(direction)
+        columns_of_l.append(components)
+        directions.append(direction)
     if taken:
-        parts, basis = np.array(found_parts).T, np.array(found_basis).T
+        coefficients, basis = np.array(columns_of_l).T, np.array(directions).T
     left = tuple(sorted(set(range(rows)).difference(taken)))
-    lower = np.tril(parts[taken])
-    return LQFactors(tuple(taken), left, lower, basis, parts[list(left)])
+    lower = np.tril(coefficients[taken])
+    return LQFactors(tuple(taken), left, lower, basis, coefficients[list(left)])
 
 
 def rows_to_leave(dependences: Sequence[Array]) -> tuple[tuple[int, ...], float]:
-    """Rows that can be left out at all positions, and how well the worst position takes it.
+    """Rows that can be left out at all positions, and the smallest pivot in leaving them out.
 
     Parameters
     ----------
     dependences : sequence of (count, rows)
-        Orthonormal bases of the y with yᵀ C_q = 0, one for each position. Rows are left out well
-        where the part of these bases that belongs to them is far from singular.
+        Orthonormal bases of the y with yᵀ C_q = 0, one for each position. Rows can be left out
+        where their columns of these bases are far from singular.
 
     Returns
     -------
@@ -153,29 +153,29 @@ def rows_to_leave(dependences: Sequence[Array]) -> tuple[tuple[int, ...], float]
     float
         The smallest pivot: 1 is best, 0 means that the remaining rows lose rank somewhere.
     """
-    rest = list(dependences)
+    bases = list(dependences)
     chosen: list[int] = []
     worst = 1.0
-    for _ in range(len(rest[0])):
-        squares = np.min([(basis * basis).sum(axis=0) for basis in rest], axis=0)
+    for _ in range(len(bases[0])):
+        squares = np.min([(basis * basis).sum(axis=0) for basis in bases], axis=0)
         squares[chosen] = -1.0
         best = float(squares.max())
         row = int(np.argmax(squares >= (1 - EQUAL) * best))
         worst = min(worst, max(best, 0.0) ** 0.5)
         chosen.append(row)
-        rest = [_without(basis, row) for basis in rest]
+        bases = [_without(basis, row) for basis in bases]
     return tuple(sorted(chosen)), worst
 
 
 def _without(basis: Array, row: int) -> Array:
-    """Columns without the direction of one of them."""
+    """Basis with the direction of one of its columns removed from all of them."""
     column = basis[:, row]
     size = float((column * column).sum()) ** 0.5
     if not size:
         return basis
     column = column / size
-    rest: Array = basis - column[:, None] * _combined(basis, column)
-    return rest
+    projected: Array = basis - column[:, None] * _combined(basis, column)
+    return projected
 
 
 def damped_change(matrix: Array, wanted: Array, damping: float) -> Array:

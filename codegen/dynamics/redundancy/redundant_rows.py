@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 #: Rows up to which all of them are solved for at once: memory grows with their square, and the time
 #: of a step with their cube.
 MOST_ROWS_AT_ONCE = 200
-#: Products of the numbers of rows that are kept and left out up to which forces of joints are
-#: found by code of the scene: more would be longer to compile than the loops are slower.
+#: Largest product of the counts of kept and left-out rows for which code of the scene computes the
+#: forces of joints: with more, it takes longer to compile than loops lose.
 MOST_UNROLLED = 2000
 
 
@@ -23,7 +23,7 @@ def take_over(kept: int, left_out: int) -> bool:
 
 
 def shares_out(kept: int, left_out: int) -> bool:
-    """Whether forces that are not unique are found by loops, not by code of the scene.
+    """Whether loops compute the forces that are not unique, not code of the scene.
 
     That code has some multiple of these operations, and compilers take minutes for a million.
     """
@@ -31,8 +31,8 @@ def shares_out(kept: int, left_out: int) -> bool:
 
 
 def by_instance(rows: Iterable[ConstraintEquation]) -> dict[int, list[int]]:
-    """Rows by the places of their constraints."""
-    found: dict[int, list[int]] = {}
+    """Rows by the indices of their constraints."""
+    groups: dict[int, list[int]] = {}
     for row in rows:
-        found.setdefault(row.instance, []).append(row.row)
-    return found
+        groups.setdefault(row.instance, []).append(row.row)
+    return groups

@@ -1,8 +1,8 @@
 """Components of force and torque of joints that the motion does not determine.
 
 Rows that depend on each other have multipliers that cancel each other on all bodies, and can be
-added to any others. What such multipliers do at a joint is what is not known of it; a component of
-its force and torque that is zero for all of them is unique, though rows of the joint take part.
+added to any others. The wrench of such multipliers at a joint is not determined; a component of
+force and torque that is zero for all of them is unique, though rows of the joint take part.
 """
 
 from __future__ import annotations
@@ -52,17 +52,17 @@ def undetermined(
     system : System
         The scene.
     part : LoopPart
-        The loops in it.
+        The part of it that loops connect.
     branch : Branch
-        On which they move.
+        The branch on which the part moves.
     rows : sequence of ConstraintEquation
-        Its rows of joints.
+        Rows of joints of the part.
     positions : sequence of BranchPosition
-        Where these depend on each other.
+        Positions at which these depend on each other.
     joints : collection of str
-        Those whose rows take part.
+        Joints whose rows take part.
     takes_part : float
-        What is smaller, in lengths of the scene and radians, is none.
+        Limit, in lengths of the scene and radians, up to which a component counts as zero.
 
     Returns
     -------
@@ -72,41 +72,41 @@ def undetermined(
     """
     points, length = points_of(system), branch.length
     steps = range(0, len(positions), max(1, (len(positions) - 1) // (POSITIONS_LOOKED_AT - 1)))
-    places = [[k for k, row in enumerate(rows) if row.joint == joint] for joint in joints]
+    groups = [[k for k, row in enumerate(rows) if row.joint == joint] for joint in joints]
     ends = []
-    for joint, own in zip(joints, places, strict=True):
-        instances = [system.constraints[rows[k].instance] for k in own]
-        bodies = tuple(dict.fromkeys(body for one in instances for body in one.bodies))
+    for joint, group in zip(joints, groups, strict=True):
+        instances = [system.constraints[rows[k].instance] for k in group]
+        bodies = tuple(dict.fromkeys(body for instance in instances for body in instance.bodies))
         ends.append((bodies, np.array(points.get(joint, (0.0, 0.0, 0.0))) / length))
-    most = np.zeros((len(places), len(COLUMNS)))
+    largest = np.zeros((len(groups), len(COLUMNS)))
     for position in (positions[k] for k in steps):
-        reactions = branch.reaction_directions(position, places)
+        reactions = branch.reaction_directions(position, groups)
         for k, ((bodies, point), directions) in enumerate(zip(ends, reactions, strict=True)):
             for end in loaded_bodies(bodies):
-                at = end if len(bodies) > 2 else bodies[1]
+                base = end if len(bodies) > 2 else bodies[1]
                 arm = np.array(system.bodies[end].origin_b) / length if len(bodies) > 2 else point
                 body = part.bodies.index(end)
-                there = arm if at == GROUND_INDEX else _place(position, part.bodies.index(at), arm)
-                wrench = _at(position, body, directions[:, body], there)
-                most[k] = np.maximum(most[k], np.abs(wrench).max(axis=0, initial=0.0))
-    found = []
-    for joint, sizes in zip(joints, most.tolist(), strict=True):
+                at = arm if base == GROUND_INDEX else _point(position, part.bodies.index(base), arm)
+                wrench = _wrench_at(position, body, directions[:, body], at)
+                largest[k] = np.maximum(largest[k], np.abs(wrench).max(axis=0, initial=0.0))
+    not_unique = []
+    for joint, sizes in zip(joints, largest.tolist(), strict=True):
         names = tuple(name for name, x in zip(COLUMNS, sizes, strict=True) if x > takes_part)
-        if names:  # one that is left out counts with all of them
-            found.append((joint, names))
-    return tuple(found)
+        if names:  # a joint that is not listed counts with all components
+            not_unique.append((joint, names))
+    return tuple(not_unique)
 
 
-def _place(position: BranchPosition, body: int, arm: Array) -> Array:
+def _point(position: BranchPosition, body: int, arm: Array) -> Array:
     """Position of a point of a body."""
-    place: Array = position.r[body] + rotated(position.p[body], arm)
-    return place
+    point: Array = position.r[body] + rotated(position.p[body], arm)
+    return point
 
 
-def _at(position: BranchPosition, body: int, directions: Array, point: Array) -> Array:
-    """Wrench at a point in frame O, of force and torque at the centre of mass of a body."""
-    force, own = directions[:, :3].T, directions[:, 3:].T
+def _wrench_at(position: BranchPosition, body: int, directions: Array, point: Array) -> Array:
+    """Wrench at a point in frame O, from force and torque at the centre of mass of a body."""
+    force, torque_b = directions[:, :3].T, directions[:, 3:].T
     p = position.p[body][:, np.newaxis]
     arm = (position.r[body] - point)[:, np.newaxis]
-    torque = rotated(p, own) + crossed(np.broadcast_to(arm, force.shape), force)
+    torque = rotated(p, torque_b) + crossed(np.broadcast_to(arm, force.shape), force)
     return np.concatenate([force, torque]).T

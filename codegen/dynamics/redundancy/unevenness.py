@@ -17,20 +17,20 @@ LIGHT = 1e-4
 def is_uneven(system: System) -> bool:
     """Whether a body is much lighter than two bodies, or a body and the ground, it joins.
 
-    The inverse of its mass then outweighs theirs in the rows of both joints, and what is left where
-    one row is eliminated from the other is the small difference of large numbers.
+    The inverse of its mass then outweighs theirs in the rows of both joints, and the elimination of
+    one row from the other leaves the small difference of large numbers.
     """
-    pairs = {tuple(sorted(set(one.bodies))) for one in system.constraints}
+    pairs = {tuple(sorted(set(instance.bodies))) for instance in system.constraints}
     neighbours: dict[int, list[int]] = {}
     for a, b in (pair for pair in pairs if len(pair) == 2):
         neighbours.setdefault(a, []).append(b)
         neighbours.setdefault(b, []).append(a)
     sizes = [(float(body.mass), float(max(body.inertia))) for body in system.bodies]
-    for body, others in neighbours.items():
-        if body == GROUND_INDEX or len(others) < 2:
+    for body, adjacent in neighbours.items():
+        if body == GROUND_INDEX or len(adjacent) < 2:
             continue
-        for own, *given in zip(*(_sizes(sizes, k) for k in (body, *others)), strict=True):
-            if 0.0 < own < LIGHT * sorted(given)[-2]:
+        for size, *of_adjacent in zip(*(_sizes(sizes, k) for k in (body, *adjacent)), strict=True):
+            if 0.0 < size < LIGHT * sorted(of_adjacent)[-2]:
                 return True
     return False
 

@@ -19,22 +19,22 @@ if TYPE_CHECKING:
 def rank_rows(program: Program, system: System) -> list[tuple[str, tuple[int, int]]]:
     """Rows whose rank a run with other parameters looks at, by their joints.
 
-    Those are the rows of joints of the loops whose points, axes, lengths or ratios depend on
-    parameters: the place of each among all that are checked, and 1 where it is left out. Where they
-    are too many none is looked at.
+    They belong to joints of loops whose points, axes, lengths or ratios depend on parameters: the
+    index of each among all rows that are checked, and 1 where it is left out. Where they are too
+    many none is looked at.
     """
-    found = _rows_of_varying_loops(program, system)
-    return found if len(found) <= MOST_ROWS_AT_ONCE else []
+    rows = _rows_of_varying_loops(program, system)
+    return rows if len(rows) <= MOST_ROWS_AT_ONCE else []
 
 
 def notes_of_rank(program: Program, system: System) -> Iterator[str]:
     """Note where rows are too many for a run with other parameters to look at them."""
-    found = _rows_of_varying_loops(program, system)
-    if len(found) > MOST_ROWS_AT_ONCE:
-        names = [f"joints.{joint}" for joint in dict.fromkeys(joint for joint, _ in found)]
+    rows = _rows_of_varying_loops(program, system)
+    if len(rows) > MOST_ROWS_AT_ONCE:
+        names = [f"joints.{joint}" for joint in dict.fromkeys(joint for joint, _ in rows)]
         yield (
             f"with other parameters rows of {listed(names)} may become redundant,"
-            f" which no run looks at: they are {len(found)}, more than {MOST_ROWS_AT_ONCE}"
+            f" which no run looks at: they are {len(rows)}, more than {MOST_ROWS_AT_ONCE}"
         )
 
 
@@ -45,23 +45,24 @@ def _rows_of_varying_loops(program: Program, system: System) -> list[tuple[str, 
     first, last = len(program.rows), len(program.rows) + len(program.left_out)
     rows: tuple[ConstraintEquation, ...] = (*program.rows, *program.left_out, *program.satisfied)
     return [
-        (row.joint, (place, int(first <= place < last)))
-        for place, row in enumerate(rows)
+        (row.joint, (index, int(first <= index < last)))
+        for index, row in enumerate(rows)
         if row.instance in instances and not system.constraints[row.instance].is_driver
     ]
 
 
 def _varying_loops(system: System) -> frozenset[int]:
-    """Places of all constraints of loops of which some depend on parameters."""
+    """Indices of the constraints of loops in which one depends on parameters."""
     fixed = fixed_system(system)
+    pairs = zip(system.constraints, fixed.constraints, strict=True)
     varying = {
         k
-        for k, (one, of_scene) in enumerate(zip(system.constraints, fixed.constraints, strict=True))
-        if one != of_scene
+        for k, (instance, of_scene) in enumerate(pairs)
+        if instance != of_scene
         or any(
             system.coordinates[term.coordinate] != fixed.coordinates[term.coordinate]
-            for term in one.terms
+            for term in instance.terms
         )
     }
     parts = (part.instances for part in loops_of(system))
-    return frozenset(k for own in parts if not varying.isdisjoint(own) for k in own)
+    return frozenset(k for indices in parts if not varying.isdisjoint(indices) for k in indices)

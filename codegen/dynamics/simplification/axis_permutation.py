@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
 
 AXIS_LETTERS = "xyz"
-#: The axis across the xy-plane.
+#: The axis normal to the xy-plane.
 NORMAL = 2
 
 
 class Plane(Enum):
-    """A coordinate plane of frame O, by how many places axes are permuted until it is xy."""
+    """A coordinate plane of frame O; its value is the cyclic shift of axes that makes it xy."""
 
     XY = 0
     YZ = 1
@@ -37,12 +37,12 @@ class Plane(Enum):
 
     @property
     def normal(self) -> int:
-        """Axis across it."""
+        """Axis normal to it."""
         return (NORMAL + self.value) % 3
 
 
 def shift_of(plane: Plane | None) -> int:
-    """Places by which axes are permuted until a plane is the xy-plane; none in space."""
+    """Cyclic shift of axes that makes a plane the xy-plane; 0 in space."""
     return 0 if plane is None else plane.value
 
 
@@ -54,7 +54,7 @@ def can_permute(system: System) -> bool:
 
 
 def permuted(system: System, shift: int) -> System:
-    """System whose component k is component k + shift of the given one, counted in turn.
+    """System whose component k is component k + shift of the given one, modulo 3.
 
     It is turned by a rotation of frame O and all principal frames alike, P (3, 3): r → P r [m], A →
     P A Pᵀ, I′ → P I′Pᵀ, so that every equation C = 0 stays what it is.
@@ -64,16 +64,16 @@ def permuted(system: System, shift: int) -> System:
     return replace(
         system,
         bodies=tuple(_permuted_body(body, shift) for body in system.bodies),
-        constraints=tuple(_permuted_instance(one, shift) for one in system.constraints),
+        constraints=tuple(_permuted_instance(instance, shift) for instance in system.constraints),
         gravity=_triple(system.gravity, shift),
         gravity_law=_triple(system.gravity_law, shift),
         coordinates=tuple(
-            replace(one, constants=_permuted_constants(one.constants, shift))
-            for one in system.coordinates
+            replace(coordinate, constants=_permuted_constants(coordinate.constants, shift))
+            for coordinate in system.coordinates
         ),
         forces=tuple(
-            replace(one, constants=_permuted_constants(one.constants, shift))
-            for one in system.forces
+            replace(force, constants=_permuted_constants(force.constants, shift))
+            for force in system.forces
         ),
     )
 
@@ -87,9 +87,9 @@ def permuted_rows(
     rows: Iterable[ConstraintEquation], system: System, shift: int
 ) -> tuple[ConstraintEquation, ...]:
     """Rows of a system as rows of the permuted system."""
-    kinds = [one.kind for one in system.constraints]
+    kinds = [c.kind for c in system.constraints]
     return tuple(
-        replace(one, row=permuted_row(kinds[one.instance], one.row, shift)) for one in rows
+        replace(row, row=permuted_row(kinds[row.instance], row.row, shift)) for row in rows
     )
 
 
@@ -101,16 +101,16 @@ def permuted_row(kind: str, row: int, shift: int) -> int:
 
 
 def permuted_back(program: Program, system: System, shift: int) -> Program:
-    """Program of a permuted system with the names that the scene has for all.
+    """Program of a permuted system with coordinates and rows named as in the scene.
 
     Parameters
     ----------
     program : Program
-        What was composed.
+        The program of the permuted system.
     system : System
-        The permuted system that it was composed of.
+        The permuted system.
     shift : int
-        By how many places its axes were permuted.
+        The cyclic shift of its axes.
     """
     back = -shift
     bodies = tuple(

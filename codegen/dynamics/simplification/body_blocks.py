@@ -1,4 +1,4 @@
-"""The blocks of a body: where its coordinates and its numbers are in the workspace."""
+"""The blocks of a body: slots of its coordinates and its numbers in the workspace."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ class BodyBlocks:
     Parameters
     ----------
     coordinates : tuple of int
-        Places in (r, p) that are coordinates.
+        Indices in (r, p) of its coordinates.
     columns : tuple of int
-        Places in (δr, δθ′) that are.
+        Indices in (δr, δθ′) of its velocities.
     q, v : int
         Offsets in the regions.
     r, p, v_r, omega_b : SlotMatrix (3, 1) [m], (4, 1), (3, 1) [m/s], (3, 1) [rad/s]
-        The whole vectors: what is no coordinate is a constant. r and v in frame O, ω′ in the
-        principal frame.
+        The whole vectors: components that are no coordinates are constants. r and v in frame O,
+        ω′ in the principal frame.
     orientation : SlotMatrix
         A, (3, 3), from the principal frame to frame O.
     inverse_mass : SlotMatrix (1, c) [1/kg, 1/(kg m²)]
@@ -64,8 +64,8 @@ class BodyBlocks:
     def spread(self, entries: Sequence[int]) -> tuple[SlotMatrix, SlotMatrix]:
         """Columns (δr, δθ′) with zeros where there is no column."""
         full = [0] * 6
-        for place, entry in zip(self.columns, entries, strict=True):
-            full[place] = entry
+        for index, entry in zip(self.columns, entries, strict=True):
+            full[index] = entry
         return column(full[:3]), column(full[3:])
 
 
@@ -104,11 +104,11 @@ def gyroscopic_ratios(body: MovingBody, columns: Sequence[int]) -> list[High]:
 def _mixed(
     recorder: Recorder, kept: Sequence[int], slots: Sequence[int], values: Sequence[float]
 ) -> list[int]:
-    """Entries of a vector: slots at the places that are kept, numbers elsewhere."""
-    fixed = [0.0 if place in kept else value for place, value in enumerate(values)]
+    """Entries of a vector: slots at the indices that are coordinates, numbers elsewhere."""
+    fixed = [0.0 if index in kept else value for index, value in enumerate(values)]
     entries = list(recorder.constant(fixed).entries)
-    for place, entry in zip(kept, slots, strict=True):
-        entries[place] = entry
+    for index, entry in zip(kept, slots, strict=True):
+        entries[index] = entry
     return entries
 
 
@@ -118,39 +118,39 @@ def body_blocks(
     """Blocks of all bodies; A is put in when the geometry is recorded.
 
     q (n,) [m, -] is r in frame O and p of each body, v (m,) [m/s, rad/s] is ṙ and ω′ in the
-    principal frame, M⁻¹ = diag(1/m, 1/I); what the plane lacks is constant.
+    principal frame, M⁻¹ = diag(1/m, 1/I); components out of the plane are constant.
     """
-    found = []
+    blocks = []
     at_q = at_v = 0
     for body in system.bodies:
         kept, columns = shape(body, is_planar=is_planar)
         position, velocity = start(body)
-        at = _mixed(recorder, kept, q.part(at_q, len(kept)).entries, position)
-        moving = _mixed(recorder, columns, v.part(at_v, len(columns)).entries, velocity)
-        found.append(
+        position_entries = _mixed(recorder, kept, q.part(at_q, len(kept)).entries, position)
+        velocity_entries = _mixed(recorder, columns, v.part(at_v, len(columns)).entries, velocity)
+        blocks.append(
             BodyBlocks(
                 coordinates=kept,
                 columns=columns,
                 q=at_q,
                 v=at_v,
-                r=column(at[:3]),
-                p=column(at[3:]),
-                v_r=column(moving[:3]),
-                omega_b=column(moving[3:]),
+                r=column(position_entries[:3]),
+                p=column(position_entries[3:]),
+                v_r=column(velocity_entries[:3]),
+                omega_b=column(velocity_entries[3:]),
                 orientation=IDENTITY,
                 inverse_mass=recorder.constant(inverse_masses(body, columns)).T,
             )
         )
         at_q += len(kept)
         at_v += len(columns)
-    return found
+    return blocks
 
 
 def coordinates(body: MovingBody, blocks: BodyBlocks) -> BodyCoordinates:
-    """Places of the coordinates of a body, for those who run the program."""
+    """Slots of the coordinates of a body, for callers that run the program."""
     position, velocity = start(body)
 
-    def places(
+    def slots(
         block: SlotMatrix, first: int, kept: Sequence[int], values: Sequence[float]
     ) -> CoordinatePlaces:
         return tuple(
@@ -160,10 +160,10 @@ def coordinates(body: MovingBody, blocks: BodyBlocks) -> BodyCoordinates:
 
     return BodyCoordinates(
         body.name,
-        places(blocks.r, 0, blocks.coordinates, position),
-        places(blocks.p, 3, blocks.coordinates, position),
-        places(blocks.v_r, 0, blocks.columns, velocity),
-        places(blocks.omega_b, 3, blocks.columns, velocity),
+        slots(blocks.r, 0, blocks.coordinates, position),
+        slots(blocks.p, 3, blocks.coordinates, position),
+        slots(blocks.v_r, 0, blocks.columns, velocity),
+        slots(blocks.omega_b, 3, blocks.columns, velocity),
     )
 
 

@@ -1,4 +1,4 @@
-"""The composite body of several that do not move against each other, in 50 digits, rounded once."""
+"""The composite body of several rigidly connected ones, in 50 digits, rounded once."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def on_ground(body: MovingBody) -> Placement:
 def joined(
     bodies: Sequence[MovingBody], carrier: int, normal: int | None
 ) -> tuple[MovingBody, list[Placement]]:
-    """Body that some bodies are together, and where each is in it.
+    """Composite body of some bodies, and the placement of each in it.
 
     m = Σ m_k, centre Σ m_k r_k / m (3,) [m], inertia Σ A_k I′_k A_kᵀ + m_k d̃ᵀd̃ (3, 3) [kg m²]
     with d from the centre, in the frame of the first, and v = v_1 + ω × d: three mass points,
@@ -47,26 +47,26 @@ def joined(
     Parameters
     ----------
     bodies : sequence of MovingBody
-        At their places; how they lie to each other is taken from there.
+        At their positions, which give their relative positions.
     carrier : int
-        The place that the body will have.
+        Index of the composite body.
     normal : int, optional
-        The axis across a plane that all bodies are held in. Products of inertia with it do not
-        count there, and the frame keeps it.
+        Normal axis of a plane that joints hold all bodies in. Products of inertia with it do not
+        count there, and it stays a principal axis.
 
     Returns
     -------
     MovingBody
         With the name of the first, at its position and velocity.
     list of Placement
-        Where the principal frame of each body is.
+        Placement of the principal frame of each body.
     """
     first = bodies[0]
-    starts = [start_of(one) for one in bodies]
+    starts = [start_of(body) for body in bodies]
     r, p, speed, spin = starts[0]
-    places = [precise.rotate_back(p, precise.subtract(own[0], r)) for own in starts]
-    turns = [precise.compose(precise.conjugate(p), own[1]) for own in starts]
-    mass, center, moments, axes = _mass_of(bodies, places, turns, normal)
+    points = [precise.rotate_back(p, precise.subtract(start[0], r)) for start in starts]
+    turns = [precise.compose(precise.conjugate(p), start[1]) for start in starts]
+    mass, center, moments, axes = _mass_of(bodies, points, turns, normal)
     velocity = precise.rotate(p, precise.cross(spin, center))
     rounded = to_vector(moments)
     body = replace(
@@ -81,39 +81,39 @@ def joined(
     placements = [
         Placement(
             carrier,
-            precise.rotate(axes, precise.subtract(place, center)),
+            precise.rotate(axes, precise.subtract(point, center)),
             precise.compose(axes, turn),
         )
-        for place, turn in zip(places, turns, strict=True)
+        for point, turn in zip(points, turns, strict=True)
     ]
-    own = placements[0]
+    of_first = placements[0]
     return replace(
-        body, origin_b=own.point(first.origin_b), axes_b=own.frame(first.axes_b)
+        body, origin_b=of_first.point(first.origin_b), axes_b=of_first.frame(first.axes_b)
     ), placements
 
 
 def _mass_of(
     bodies: Sequence[MovingBody],
-    places: Sequence[Triple],
+    points: Sequence[Triple],
     turns: Sequence[Quadruple],
     normal: int | None,
 ) -> tuple[High, Triple, Triple, Quadruple]:
-    """Mass, centre, principal moments, and the turn to their axes; frame of the first."""
-    masses = [precise.number(one.mass) for one in bodies]
+    """Mass, centre, principal moments and the rotation to their axes, in the frame of the first."""
+    masses = [precise.number(body.mass) for body in bodies]
     mass = sum(masses, precise.number(0.0))
     if not mass:
         return mass, ZERO, ZERO, IDENTITY
     center = ZERO
-    for own, place in zip(masses, places, strict=True):
-        center = precise.add(center, precise.scale(own / mass, place))
+    for m, point in zip(masses, points, strict=True):
+        center = precise.add(center, precise.scale(m / mass, point))
     total = [[precise.number(0.0)] * 3 for _ in range(3)]
-    for one, own, place, turn in zip(bodies, masses, places, turns, strict=True):
-        moved = steiner(own, precise.subtract(place, center))
+    for b, m, point, turn in zip(bodies, masses, points, turns, strict=True):
+        offset_inertia = steiner(m, precise.subtract(point, center))
         axes = [precise.rotate(turn, precise.triple(row)) for row in AXES]
         for i in range(3):
             for j in range(3):
-                rotated = sum(precise.number(one.inertia[k]) * axes[k][i] * axes[k][j] for k in ALL)
-                total[i][j] += rotated + moved[i][j]
+                rotated = sum(precise.number(b.inertia[k]) * axes[k][i] * axes[k][j] for k in ALL)
+                total[i][j] += rotated + offset_inertia[i][j]
     try:
         moments, axes_of = principal(_without_noise(total, normal))
     except SceneError as error:
@@ -123,7 +123,7 @@ def _mass_of(
 
 
 def _without_noise(tensor: Sequence[Sequence[High]], normal: int | None) -> list[list[High]]:
-    """Tensor without products of inertia that do not count."""
+    """Inertia tensor without products with the normal and products that are rounding."""
     limit = ROUNDING * max(tensor[k][k] for k in ALL)
     return [
         [

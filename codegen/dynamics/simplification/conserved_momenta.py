@@ -1,8 +1,8 @@
 """Momenta that a system conserves: of which bodies, along which directions, about which axes.
 
-A *part* is a set of bodies that joints and forces connect, the ground left out: what joints,
-springs and drivers do in it cancels. What is left is gravity, constant forces, and what the ground
-can do through the joints and forces at it, see
+A *part* is a set of bodies that joints and forces connect, the ground left out: forces of joints,
+springs and drivers inside it cancel. There remain gravity, constant forces, and the reactions of
+the ground through the joints and forces at it, see
 :mod:`~kousoku.codegen.dynamics.simplification.ground_reactions`. Linear momentum is constant along
 directions in which none of them acts, angular momentum about an axis about which none has a moment:
 an axis through the centre of mass, or through a point of the ground.
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from kousoku.model.mechanics.multibody import System
     from kousoku.model.records.orientation import Vector
 
-#: The axis of a plane may be given either way.
+#: The normal of a plane may point either way.
 DOWN = (0.0, 0.0, -1.0)
 
 
@@ -47,8 +47,8 @@ def conserved_momenta(system: System, *, is_planar: bool) -> tuple[ConservedMome
     system : System
         The scene.
     is_planar : bool
-        Whether its bodies move in planes parallel to the xy-plane: what is constant for that reason
-        does not count.
+        Whether its bodies move in planes parallel to the xy-plane: momenta that are constant for
+        that reason do not count.
     """
     reactions: dict[int, list[GroundReaction]] = {}
     for body, reaction in ground_reactions_of(system):
@@ -57,47 +57,48 @@ def conserved_momenta(system: System, *, is_planar: bool) -> tuple[ConservedMome
     for force in system.forces:
         for body in {force.i, force.j} - {GROUND_INDEX}:
             applied.setdefault(body, []).append(facets_of(force).applied())
-    found = []
+    momenta = []
     for bodies in _parts(system):
         if any(system.bodies[body].mass <= 0 for body in bodies):
             continue
-        of_ground = [one for body in bodies for one in reactions.get(body, ())]
-        acting = [one for body in bodies for one in applied.get(body, ())]
-        linear, axes = _free(system, of_ground, acting)
+        ground = [x for body in bodies for x in reactions.get(body, ())]
+        acting = [x for body in bodies for x in applied.get(body, ())]
+        linear, axes = _free_directions(system, ground, acting)
         angular = axes.directions
         if axes.about is None and len(bodies) == 1 and system.bodies[bodies[0]].is_point:
             angular = ()
         if is_planar:
-            linear = tuple(one for one in linear if not one[2])
-            angular = tuple(one for one in angular if one in (AXES[2], DOWN))
+            linear = tuple(n for n in linear if not n[2])
+            angular = tuple(n for n in angular if n in (AXES[2], DOWN))
         if linear or angular:
-            found.append(ConservedMomenta(bodies, linear, angular, axes.about if angular else None))
-    return tuple(found)
+            about = axes.about if angular else None
+            momenta.append(ConservedMomenta(bodies, linear, angular, about))
+    return tuple(momenta)
 
 
-def _free(
+def _free_directions(
     system: System, reactions: Sequence[GroundReaction], applied: Sequence[Applied]
 ) -> tuple[tuple[Vector, ...], Axes]:
     """Directions along which no force acts on a part, and about which no moment does."""
     laws = zip(AXES, system.gravity_law, strict=True)
     gravity = [system.gravity, *(axis for axis, law in laws if law)]
-    forces = [vector for one in applied for vector in one.forces or ()]
-    torques = [vector for one in applied for vector in one.torques or ()]
-    if any(one.forces is None for one in applied):
+    forces = [vector for force in applied for vector in force.forces or ()]
+    torques = [vector for force in applied for vector in force.torques or ()]
+    if any(force.forces is None for force in applied):
         return (), Axes()
     linear = free_of_force(reactions, [*gravity, *forces])
-    if any(one.torques is None for one in applied):
+    if any(force.torques is None for force in applied):
         return linear, Axes()
     return linear, free_of_moment(reactions, forces, gravity, torques)
 
 
 def _parts(system: System) -> Iterator[tuple[int, ...]]:
     """Bodies of each part: those that joints and forces connect, the ground left out."""
-    groups: list[tuple[int, ...]] = [one.bodies for one in system.constraints]
-    groups += [(one.i, one.j) for one in system.forces]
+    groups: list[tuple[int, ...]] = [c.bodies for c in system.constraints]
+    groups += [(f.i, f.j) for f in system.forces]
     connected = DisjointSets(range(len(system.bodies)))
     for group in groups:
-        first, *rest = (body for body in group if body != GROUND_INDEX)
-        for other in rest:
+        first, *others = (body for body in group if body != GROUND_INDEX)
+        for other in others:
             connected.join(first, other)
     yield from (tuple(part) for part in connected.sets())

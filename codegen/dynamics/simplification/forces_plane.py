@@ -24,7 +24,7 @@ def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:
     force : ForceElement
         One of its forces.
     normal : int
-        Which axis is normal to the plane; it is so in all principal frames.
+        Axis normal to the plane, the same in all principal frames.
     """
     return facets_of(force).leaves_plane(system, normal)
 
@@ -39,18 +39,18 @@ def is_flat(system: System, normal: int | None) -> bool:
     system : System
         The scene.
     normal : int, optional
-        Which axis is normal to its plane, None where it moves in space.
+        Axis normal to its plane, None where it moves in space.
     """
     if normal is None or not system.bodies:
         return False
     system = fixed_system(system)
     heights = [body.r[normal] for body in system.bodies]
-    combined = {term.coordinate for one in system.constraints for term in one.terms}
+    combined = {term.coordinate for instance in system.constraints for term in instance.terms}
     connected: list[Instance | RelativeCoordinate] = list(system.constraints)
-    connected += [system.coordinates[place] for place in sorted(combined)]
-    for one in connected:
-        ends = [name for name, _ in one.constants if name in {"s_i_b", "s_j_b"}]
-        heights += (height(system, one, name[2], normal) for name in ends)
+    connected += [system.coordinates[k] for k in sorted(combined)]
+    for source in connected:
+        ends = [name for name, _ in source.constants if name in {"s_i_b", "s_j_b"}]
+        heights += (height(system, source, name[2], normal) for name in ends)
     if any(leaves_plane(system, force, normal) for force in system.forces):
         return False
     spread = max(heights) - min(heights)
@@ -58,12 +58,12 @@ def is_flat(system: System, normal: int | None) -> bool:
 
 
 def leaves_with_parameters(system: System) -> bool:
-    """Whether some point or axis has a component across the xy-plane that parameters change."""
-    vectors = [pair for one in system.constraints for pair in one.constants]
-    vectors += [pair for one in system.coordinates for pair in one.constants]
-    vectors += [pair for one in system.forces for pair in one.constants]
+    """Whether parameters change the component of a point or axis normal to the xy-plane."""
+    vectors = [pair for c in system.constraints for pair in c.constants]
+    vectors += [pair for c in system.coordinates for pair in c.constants]
+    vectors += [pair for force in system.forces for pair in force.constants]
     crossing = (values[NORMAL] for _, values in vectors if len(values) == 3)
-    others = [k for k in range(3) if k != NORMAL]
-    turned = (body.axes_b[1 + k] for body in system.bodies for k in others)
+    in_plane = [k for k in range(3) if k != NORMAL]
+    turned = (body.axes_b[1 + k] for body in system.bodies for k in in_plane)
     origins = (body.origin_b[NORMAL] for body in system.bodies)
     return any(map(is_varying, (*crossing, *turned, *origins)))

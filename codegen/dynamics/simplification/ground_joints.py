@@ -1,9 +1,9 @@
-"""Bodies that hang on the ground by one joint: v = R u + β with the velocities u that it leaves.
+"""Bodies on one joint with the ground: v = R u + β with the free velocities u of the joint.
 
 A revolute, spherical, prismatic or cylindrical joint with the ground leaves one to three velocities
 u of the six of its body. R is known in closed form, and the mass Rᵀ M R that moves with u is
-constant, so that the rows of the joint need no multipliers. What a driver of the joint prescribes
-is part of β(t), and none of u. All that is recorded by
+constant, so that the rows of the joint need no multipliers. A velocity that a driver of the joint
+prescribes is part of β(t), not of u. All that is recorded by
 :mod:`kousoku.codegen.dynamics.composition.record_joint_coordinates`.
 """
 
@@ -38,16 +38,16 @@ if TYPE_CHECKING:
     Numbers = tuple[float, ...]
 
 SLIDE, SHIFT, SPIN, TILT = RelativeMotion
-#: What a joint leaves free, how it turns and whether it slides, by what its kinds do not allow.
+#: Freedoms of a joint, its rotation and whether it slides, by the motions that its kinds hold.
 FREEDOMS = {
     frozenset({SLIDE, SHIFT, TILT}): (AXIS, False),
     frozenset({SLIDE, SHIFT}): (POINT, False),
     frozenset({SHIFT, TILT, SPIN}): (NOTHING, True),
     frozenset({SHIFT, TILT}): (AXIS, True),
 }
-#: Of so many rows one must go at least, or a second program takes longer than it will ever save.
+#: One of so many rows must be eliminated at least, or a second program costs more than it saves.
 WORTH = 8
-#: Sines of angles between vectors that count as parallel are smaller: axes are rounded to doubles.
+#: Sine of the angle below which vectors count as parallel: axes are rounded to doubles.
 AXIS_TOLERANCE = 1e-12
 PLANE_NORMAL: Triple = (CONTEXT.mpf(0), CONTEXT.mpf(0), CONTEXT.mpf(1))
 
@@ -59,7 +59,7 @@ class Prescribed:
     Parameters
     ----------
     instance : int
-        Its place in the system.
+        Index of its constraint in the system.
     sign : int
         1 where the coordinate grows with the turn or the displacement of the body, else −1.
     start : float [rad or m]
@@ -80,9 +80,9 @@ class VelocityTransformation:
     Parameters
     ----------
     body : int
-        Its index.
+        Index of the body.
     instances : tuple of int
-        Places of the joint and of its drivers in the system: these rows hold by themselves.
+        Indices of the constraints of the joint and its drivers, whose rows hold identically.
     rotates_about : str
         What it can rotate about: nothing, an axis, a point.
     slides : bool
@@ -92,15 +92,15 @@ class VelocityTransformation:
     p : (4,)
         Euler parameters at the start.
     base : (3,) [m]
-        Where the centre of mass is there without displacement, frame O.
+        Centre of mass at the start without displacement, frame O.
     axis, axis_b : (3,) [-]
         The axis in frame O, and in the body.
     across, across_b : (3,) and (3,)
         Two vectors perpendicular to each of them.
     beside : (4,) and (4,)
-        Euler parameters that no turn about the axis has a part of, beside those of ``p``.
+        Euler parameters orthogonal to ``p`` and to all turns of it about the axis.
     prescribed_rotation, prescribed_slide : Prescribed, optional
-        What drives the turn and the displacement.
+        Drivers of the turn and of the displacement.
     """
 
     body: int
@@ -121,31 +121,31 @@ class VelocityTransformation:
 
     @property
     def rotations(self) -> int:
-        """Count of angular velocities that the joint leaves, those too that are driven."""
+        """Count of angular velocities that the joint leaves, driven ones included."""
         return {NOTHING: 0, AXIS: 1, POINT: 3}[self.rotates_about]
 
     @property
     def free(self) -> tuple[int, ...]:
-        """Freedoms of it, rotations first, that are not driven."""
+        """Indices of the freedoms, rotations first, that are not driven."""
         free = () if self.prescribed_rotation else tuple(range(self.rotations))
         return (*free, self.rotations) if self.slides and not self.prescribed_slide else free
 
     @property
     def prescribed(self) -> tuple[tuple[int, Prescribed], ...]:
-        """Freedoms of it that are driven, and by which driver."""
-        found = ((0, self.prescribed_rotation), (self.rotations, self.prescribed_slide))
-        return tuple((k, one) for k, one in found if one)
+        """Indices of the driven freedoms, with their drivers."""
+        drivers = ((0, self.prescribed_rotation), (self.rotations, self.prescribed_slide))
+        return tuple((k, driver) for k, driver in drivers if driver)
 
     @property
     def is_placed(self) -> bool:
-        """Whether its centre of mass follows from all else, so that nothing is added to it."""
+        """Whether rotation and drivers determine the centre of mass: no displacement is free."""
         return not self.slides or self.prescribed_slide is not None
 
 
 def velocity_transformations_of(
     system: System, rows: Mapping[int, Sequence[int]], *, is_planar: bool
 ) -> dict[int, VelocityTransformation]:
-    """Bodies that the coordinates of their joint with the ground can describe: v = R u + β.
+    """Transformations v = R u + β of bodies that coordinates of their joint with the ground move.
 
     v (6,) [m/s, rad/s] of a body has ṙ in frame O, ω′ in the principal frame.
 
@@ -154,7 +154,7 @@ def velocity_transformations_of(
     system : System
         The scene, as it starts: there all joints hold.
     rows : mapping of int to sequence of int
-        Rows of constraints that are not structurally zero, by the places of these.
+        Rows that are not structurally zero, by the indices of their constraints.
     is_planar : bool
         Whether bodies move in planes parallel to the xy-plane.
 
@@ -164,16 +164,16 @@ def velocity_transformations_of(
         By the body, in the order of the system.
     """
     grounded: dict[int, list[int]] = {}
-    for place, one in enumerate(system.constraints):
-        if GROUND_INDEX in one.bodies and len(one.bodies) == 2:
-            grounded.setdefault(max(one.i, one.j), []).append(place)
-    found = {}
+    for index, instance in enumerate(system.constraints):
+        if GROUND_INDEX in instance.bodies and len(instance.bodies) == 2:
+            grounded.setdefault(max(instance.i, instance.j), []).append(index)
+    transformations = {}
     for body in sorted(grounded):
         if _is_fixed(system, body, grounded[body]):
-            new = _reduction(system, body, grounded[body], is_planar=is_planar)
-            if new and _leaves(new, rows) == (3 if is_planar else 6):
-                found[body] = new
-    return found
+            transformation = _reduction(system, body, grounded[body], is_planar=is_planar)
+            if transformation and _velocity_count(transformation, rows) == (3 if is_planar else 6):
+                transformations[body] = transformation
+    return transformations
 
 
 def is_worth(system: System, rows: Sequence[ConstraintEquation]) -> bool:
@@ -184,51 +184,51 @@ def is_worth(system: System, rows: Sequence[ConstraintEquation]) -> bool:
     system : System
         The scene.
     rows : sequence of ConstraintEquation
-        All that are solved.
+        All rows that are solved.
     """
-    grounded = [len(one.bodies) == 2 and GROUND_INDEX in one.bodies for one in system.constraints]
-    if any(one.is_driver for one, at in zip(system.constraints, grounded, strict=True) if at):
+    grounded = [len(c.bodies) == 2 and GROUND_INDEX in c.bodies for c in system.constraints]
+    if any(c.is_driver for c, at in zip(system.constraints, grounded, strict=True) if at):
         return True
     count = sum(grounded[row.instance] for row in rows)
     return 0 < len(rows) <= WORTH * count
 
 
-def _is_fixed(system: System, body: int, places: Sequence[int]) -> bool:
+def _is_fixed(system: System, body: int, indices: Sequence[int]) -> bool:
     """Whether a body can turn, and no number of it or its joint depends on parameters."""
-    moving, joints = system.bodies[body], [system.constraints[place] for place in places]
-    led = [system.coordinates[term.coordinate] for one in joints for term in one.terms]
+    moving, instances = system.bodies[body], [system.constraints[k] for k in indices]
+    coordinates = [system.coordinates[term.coordinate] for x in instances for term in x.terms]
     numbers = (moving.mass, moving.inertia, moving.r, moving.p)
-    constants = (*(one.constants for one in joints), *(one.constants for one in led))
-    nears = tuple(one.near for one in led)
+    constants = (*(x.constants for x in instances), *(x.constants for x in coordinates))
+    nears = tuple(c.near for c in coordinates)
     return not moving.is_point and not is_varying((*numbers, *constants, *nears))
 
 
-def _leaves(one: VelocityTransformation, rows: Mapping[int, Sequence[int]]) -> int:
-    """Number of velocities: those left free, and rows of the joint and drivers."""
-    return len(one.free) + sum(len(rows.get(place, ())) for place in one.instances)
+def _velocity_count(joint: VelocityTransformation, rows: Mapping[int, Sequence[int]]) -> int:
+    """Count of free velocities and of rows of the joint and its drivers."""
+    return len(joint.free) + sum(len(rows.get(k, ())) for k in joint.instances)
 
 
 def _reduction(
-    system: System, body: int, places: Sequence[int], *, is_planar: bool
+    system: System, body: int, indices: Sequence[int], *, is_planar: bool
 ) -> VelocityTransformation | None:
-    joints = [k for k in places if not system.constraints[k].is_combination]
-    groups = [list(own) for _, own in groupby(joints, lambda k: system.constraints[k].joint)]
+    joints = [k for k in indices if not system.constraints[k].is_combination]
+    groups = [list(group) for _, group in groupby(joints, lambda k: system.constraints[k].joint)]
     if len(groups) != 1 or any(
-        one.is_combination and one.joint == system.constraints[joints[0]].joint
-        for one in system.constraints
+        instance.is_combination and instance.joint == system.constraints[joints[0]].joint
+        for instance in system.constraints
     ):
         return None
     held = [held_by(system.constraints[k].kind) for k in joints]
-    by_motion = {motion: k for k, own in zip(joints, held, strict=True) for motion in own}
+    by_motion = {motion: k for k, motions in zip(joints, held, strict=True) for motion in motions}
     freedoms = FREEDOMS.get(frozenset(by_motion))
     if freedoms is None or not all(held) or len(by_motion) < sum(map(len, held)):
         return None
-    found = _placed(system, body, by_motion, *freedoms, is_planar=is_planar)
-    drivers = [k for k in places if system.constraints[k].is_driver]
-    return _with_drivers(system, found, drivers)
+    undriven = _undriven(system, body, by_motion, *freedoms, is_planar=is_planar)
+    drivers = [k for k in indices if system.constraints[k].is_driver]
+    return _with_drivers(system, undriven, drivers)
 
 
-def _placed(
+def _undriven(
     system: System,
     body: int,
     by_motion: Mapping[RelativeMotion, int],
@@ -239,23 +239,25 @@ def _placed(
 ) -> VelocityTransformation:
     """Velocity transformation of a body on a joint that nothing drives.
 
-    The joint is given by the places of its constraints, by the motions that they do not allow.
+    Its constraints are given by their indices, for each motion that they hold.
     """
-    of = {motion: dict(system.constraints[k].constants) for motion, k in by_motion.items()}
+    constants = {motion: dict(system.constraints[k].constants) for motion, k in by_motion.items()}
     instances = tuple(sorted(set(by_motion.values())))
     first = system.constraints[instances[0]]
-    own, ground = ("j", "i") if first.i == GROUND_INDEX else ("i", "j")
-    moving = system.bodies[body]
-    p = normalised(moving.p)
-    axis, axis_b = _axes(of.get(TILT, {}), ground, own, p)
+    moving_end, ground_end = ("j", "i") if first.i == GROUND_INDEX else ("i", "j")
+    moving_body = system.bodies[body]
+    p = normalised(moving_body.p)
+    axis, axis_b = _axes(constants.get(TILT, {}), ground_end, moving_end, p)
     if is_planar:
         is_normal = not any(axis[:2])
         rotates_about = AXIS if is_normal and rotates_about != NOTHING else NOTHING
         slides = slides and not is_normal
-    joint, joint_b = (precise.triple(of[SHIFT][f"s_{side}_b"]) for side in (ground, own))
+    joint, joint_b = (
+        precise.triple(constants[SHIFT][f"s_{end}_b"]) for end in (ground_end, moving_end)
+    )
     if slides:  # the displacement is counted from where the body stands
-        end = precise.add(precise.triple(moving.r), precise.rotate(p, joint_b))
-        shift = precise.dot(axis, precise.subtract(end, joint))
+        point = precise.add(precise.triple(moving_body.r), precise.rotate(p, joint_b))
+        shift = precise.dot(axis, precise.subtract(point, joint))
         joint = precise.add(joint, precise.scale(shift, axis))
     across_b = _across(axis_b)
     zero = CONTEXT.mpf(0)
@@ -272,24 +274,24 @@ def _placed(
         axis_b=precise.rounded(axis_b),
         across=_pair(_across(axis)),
         across_b=_pair(across_b),
-        beside=_pair([precise.compose(p, (zero, *one)) for one in across_b]),
+        beside=_pair([precise.compose(p, (zero, *e)) for e in across_b]),
     )
 
 
 def _axes(
-    parallel: Mapping[str, tuple[float, ...]], ground: str, own: str, p: Quadruple
+    constants: Mapping[str, tuple[float, ...]], ground_end: str, moving_end: str, p: Quadruple
 ) -> tuple[Triple, Triple]:
     """Axis of a joint in frame O and in the body, both in one direction."""
-    if not parallel:
+    if not constants:
         return PLANE_NORMAL, PLANE_NORMAL
-    axis = precise.unit(precise.triple(parallel[f"a_{ground}_b"]))
-    axis_b = precise.unit(precise.triple(parallel[f"a_{own}_b"]))
+    axis = precise.unit(precise.triple(constants[f"a_{ground_end}_b"]))
+    axis_b = precise.unit(precise.triple(constants[f"a_{moving_end}_b"]))
     is_turned = precise.dot(axis, precise.rotate(p, axis_b)) < 0
     return axis, precise.scale(CONTEXT.mpf(-1 if is_turned else 1), axis_b)
 
 
 def _across(axis: Triple) -> list[Triple]:
-    """Vectors perpendicular to an axis and to each other, two of them."""
+    """Two vectors perpendicular to an axis and to each other."""
     first = precise.across(axis)
     return [first, precise.cross(axis, first)]
 
@@ -300,41 +302,41 @@ def _pair(values: Sequence[Sequence[High]]) -> tuple[Numbers, Numbers]:
 
 
 def _with_drivers(
-    system: System, found: VelocityTransformation, drivers: Sequence[int]
+    system: System, joint: VelocityTransformation, drivers: Sequence[int]
 ) -> VelocityTransformation:
-    """Body with the drivers of the coordinates of its joint; other drivers stay rows."""
-    for place in drivers:
-        one = system.constraints[place]
-        if len(one.terms) != 1 or one.terms[0].factor != 1.0 or one.offset:
+    """Transformation with drivers of the coordinates of its joint; other drivers stay rows."""
+    for index in drivers:
+        driver = system.constraints[index]
+        if len(driver.terms) != 1 or driver.terms[0].factor != 1.0 or driver.offset:
             continue
-        coordinate = system.coordinates[one.terms[0].coordinate]
-        sign = _along(found, coordinate)
+        coordinate = system.coordinates[driver.terms[0].coordinate]
+        sign = _sign_of(joint, coordinate)
         if not sign:
             continue
-        led = Prescribed(place, sign, _at_start(system, coordinate))
-        instances = (*found.instances, place)
+        prescribed = Prescribed(index, sign, _at_start(system, coordinate))
+        instances = (*joint.instances, index)
         measured = facets_of_kind(coordinate.kind).measures
-        if measured == SPIN and found.rotates_about == AXIS and not found.prescribed_rotation:
-            found = replace(found, prescribed_rotation=led, instances=instances)
-        elif measured == SLIDE and found.slides and not found.prescribed_slide:
-            found = replace(found, prescribed_slide=led, instances=instances)
-    return found
+        if measured == SPIN and joint.rotates_about == AXIS and not joint.prescribed_rotation:
+            joint = replace(joint, prescribed_rotation=prescribed, instances=instances)
+        elif measured == SLIDE and joint.slides and not joint.prescribed_slide:
+            joint = replace(joint, prescribed_slide=prescribed, instances=instances)
+    return joint
 
 
-def _along(found: VelocityTransformation, coordinate: RelativeCoordinate) -> int:
-    """Sign 1 or −1 of a coordinate that grows or falls with that of the joint, else 0."""
+def _sign_of(joint: VelocityTransformation, coordinate: RelativeCoordinate) -> int:
+    """Sign 1 or −1 of a coordinate along or against that of the joint, else 0."""
     direction = facets_of_kind(coordinate.kind).direction(dict(coordinate.constants))
     if direction is None:
         return 0
-    is_own = coordinate.i == found.body
-    axis = precise.triple(found.axis_b if is_own else found.axis)
+    is_first = coordinate.i == joint.body
+    axis = precise.triple(joint.axis_b if is_first else joint.axis)
     cosine = precise.dot(direction, axis)
     if (
         precise.length(precise.cross(direction, axis)) > AXIS_TOLERANCE
         or abs(abs(cosine) - 1) > AXIS_TOLERANCE
     ):
         return 0
-    return (-1 if is_own else 1) * (1 if cosine > 0 else -1)
+    return (-1 if is_first else 1) * (1 if cosine > 0 else -1)
 
 
 def _at_start(system: System, coordinate: RelativeCoordinate) -> float:
@@ -342,6 +344,6 @@ def _at_start(system: System, coordinate: RelativeCoordinate) -> float:
     inputs = inputs_at(coordinate, Pose.of(system.bodies))
     value = evaluate(frozen(coordinate.kind, "constraint"), inputs, HIGH)["C"][0]
     if coordinate.counts_turns:
-        whole = 2 * CONTEXT.pi
-        value += whole * CONTEXT.nint((precise.number(coordinate.near) - value) / whole)
+        turn = 2 * CONTEXT.pi
+        value += turn * CONTEXT.nint((precise.number(coordinate.near) - value) / turn)
     return float(value)

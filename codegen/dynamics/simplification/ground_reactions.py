@@ -1,8 +1,8 @@
-"""Reactions of the ground on a part of a system in any position: which way it can push.
+"""Directions of the reactions of the ground on a part of a system, in any position.
 
 A row between the ground and a body has a force and a moment whose directions follow from its kind
-and from what is fixed in the ground. What holds at some positions only does not count; that rows
-are met does, so that a point on a line is there.
+and from points and axes of the ground. Directions at some positions only do not count, but all rows
+are met: a point on a line is there.
 """
 
 from __future__ import annotations
@@ -35,31 +35,31 @@ if TYPE_CHECKING:
     Numbers = tuple[float, ...]
 
 COINCIDENCE_TOLERANCE = 1e-9
-"""Vectors whose angle is smaller count as parallel [rad]; points that are so near, as one."""
+"""Angle [rad] below which vectors are parallel, relative distance below which points coincide."""
 
 
 def ground_reactions_of(system: System) -> Iterator[tuple[int, GroundReaction]]:
-    """Reactions of the ground on bodies: on which body, and all possible ones, −C_qᵀλ.
+    """Reactions −C_qᵀλ that the ground can exert, each with the index of its body.
 
     Points (3,) [m] and directions (3,) are in frame O.
     """
     parallel = {
-        (row.i, given["a_i_b"]): given["a_j_b"]
+        (row.i, constants["a_i_b"]): constants["a_j_b"]
         for row in system.constraints
         if row.j == GROUND_INDEX and RelativeMotion.TILT in held_by(row.kind)
-        for given in [dict(row.constants)]
+        for constants in [dict(row.constants)]
     }
-    for one in _acting(system):
-        if is_own(one.kind):  # it may know places and directions of frame O
-            yield from ((body, ANYTHING) for body in {one.i, one.j} - {GROUND_INDEX})
+    for source in _sources(system):
+        if is_own(source.kind):  # it may know places and directions of frame O
+            yield from ((body, ANYTHING) for body in {source.i, source.j} - {GROUND_INDEX})
             continue
-        if GROUND_INDEX in (one.i, one.j) and one.i != one.j:
-            body = one.j if one.i == GROUND_INDEX else one.i
-            yield body, _ground_reaction(one, parallel)
+        if GROUND_INDEX in (source.i, source.j) and source.i != source.j:
+            body = source.j if source.i == GROUND_INDEX else source.i
+            yield body, _ground_reaction(source, parallel)
 
 
-def _acting(system: System) -> Iterator[Source]:
-    """Rows, coordinates of rows and forces, and springs."""
+def _sources(system: System) -> Iterator[Source]:
+    """Rows and springs, and coordinates of combinations and forces."""
     for row in system.constraints:
         if row.is_combination:
             yield from (system.coordinates[term.coordinate] for term in row.terms)
@@ -71,23 +71,23 @@ def _acting(system: System) -> Iterator[Source]:
 
 
 def _ground_reaction(
-    one: Source, parallel: Mapping[tuple[int, Numbers], Numbers]
+    source: Source, parallel: Mapping[tuple[int, Numbers], Numbers]
 ) -> GroundReaction:
     """Reaction of the ground through a row or coordinate of a kind.
 
     Parameters
     ----------
-    one : Instance or Coordinate
-        Between the ground and a body.
+    source : Instance or Coordinate
+        Row or coordinate between the ground and a body.
     parallel : mapping
-        By body i and one of its axes the axis of the ground that a joint keeps parallel to it.
+        Axis of the ground that a joint keeps parallel to an axis of body i, by both of these.
     """
-    given = dict(one.constants)
-    letter = "i" if one.i == GROUND_INDEX else "j"
-    axis, point = (given.get(f"{name}_{letter}_b") for name in ("a", "s"))
-    kind = base_of(one.kind)
-    if letter == "j" and "a_j_b" not in kind_of(kind).inputs:
-        axis = parallel.get((one.i, given.get("a_i_b", ())))
+    constants = dict(source.constants)
+    end = "i" if source.i == GROUND_INDEX else "j"
+    axis, point = (constants.get(f"{name}_{end}_b") for name in ("a", "s"))
+    kind = base_of(source.kind)
+    if end == "j" and "a_j_b" not in kind_of(kind).inputs:
+        axis = parallel.get((source.i, constants.get("a_i_b", ())))
     if is_varying((axis, point)):
         return ANYTHING
     fixed = (None if x is None else precise.triple(x) for x in (axis, point))
@@ -103,7 +103,7 @@ class Axes:
     directions : tuple of (3,) [-]
         Of norm one, frame O.
     about : (3,) [m], optional
-        The point of the ground that it is taken about; the centre of mass unless given.
+        Point of the ground about which L is taken; the centre of mass unless given.
     """
 
     directions: tuple[Vector, ...] = ()
@@ -118,19 +118,19 @@ def free_of_force(
     Parameters
     ----------
     reactions : iterable of GroundReaction
-        What the ground does to it.
+        Reactions of the ground on the part.
     loads : iterable of (3,)
         Gravity, and constant forces.
     """
     pushes = [precise.triple(load) for load in loads]
-    for one in reactions:
-        if one.through is not None:
+    for reaction in reactions:
+        if reaction.through is not None:
             return ()
-        if one.push is not None:
-            pushes.append(one.push)
-        if one.line is not None:
-            first = precise.across(one.line[0])
-            pushes += [first, precise.cross(one.line[0], first)]
+        if reaction.push is not None:
+            pushes.append(reaction.push)
+        if reaction.line is not None:
+            first = precise.across(reaction.line[0])
+            pushes += [first, precise.cross(reaction.line[0], first)]
     return across(pushes)
 
 
@@ -142,25 +142,25 @@ def free_of_moment(
 ) -> Axes:
     """Directions n (3,) [-] about which no moment acts on a part: n·((r − o) × F + N) = 0, frame O.
 
-    The moment about an axis vanishes of forces along it, and of those that meet it. About the
-    centre of mass gravity has none.
+    Forces along an axis, and forces that meet it, have no moment about it. About the centre of mass
+    gravity has none.
 
     Parameters
     ----------
     reactions : iterable of GroundReaction
-        What the ground does to it.
+        Reactions of the ground on the part.
     pushes, gravity, torques : iterable of (3,)
         Constant forces at points of bodies, those at centres of mass, and constant torques.
     """
     along = [precise.triple(push) for push in pushes]
     points: list[Triple] = []
-    for one in reactions:
-        if one.any_moment:
+    for reaction in reactions:
+        if reaction.any_moment:
             return Axes()
-        points += [one.through] if one.through is not None else []
-        points += [one.line[1]] if one.line is not None else []
-        along += [vector for vector in (one.push, one.about) if vector is not None]
-        along += [one.line[0]] if one.line is not None else []
+        points += [reaction.through] if reaction.through is not None else []
+        points += [reaction.line[1]] if reaction.line is not None else []
+        along += [vector for vector in (reaction.push, reaction.about) if vector is not None]
+        along += [reaction.line[0]] if reaction.line is not None else []
     if points:
         along += [precise.triple(pull) for pull in gravity]
         along += [precise.subtract(other, points[0]) for other in _apart(points)]
@@ -169,7 +169,7 @@ def free_of_moment(
 
 
 def _apart(points: list[Triple]) -> Iterator[Triple]:
-    """Points that are not where the first one is."""
+    """Points that do not coincide with the first one."""
     first = points[0]
     for other in points[1:]:
         size = precise.length(first) + precise.length(other)
@@ -179,10 +179,10 @@ def _apart(points: list[Triple]) -> Iterator[Triple]:
 
 def _parallel(along: list[Triple], twists: list[Triple]) -> tuple[Vector, ...]:
     """Unit vectors parallel to some vectors, and perpendicular to others."""
-    given = [precise.unit(vector) for vector in along if precise.length(vector)]
-    if not given:
+    units = [precise.unit(vector) for vector in along if precise.length(vector)]
+    if not units:
         return across(twists)
-    first, *others = given
+    first, *others = units
     if any(precise.length(precise.cross(first, other)) > COINCIDENCE_TOLERANCE for other in others):
         return ()
     if any(abs(precise.dot(first, x)) > COINCIDENCE_TOLERANCE * precise.length(x) for x in twists):
@@ -194,20 +194,20 @@ AXES: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0
 
 
 def across(vectors: Iterable[Triple]) -> tuple[Vector, ...]:
-    """Unit vectors n (3,) [-], n·a = 0 with all of some vectors and each other, in one frame."""
+    """Unit vectors n (3,) [-] perpendicular to some vectors and to each other, in one frame."""
     span: list[Triple] = []
     for vector in vectors:
-        rest = vector
-        size = precise.length(rest)
-        for one in span:
-            rest = precise.without(rest, one)
-        if size and precise.length(rest) > COINCIDENCE_TOLERANCE * size:
-            span.append(precise.unit(rest))
+        remainder = vector
+        size = precise.length(remainder)
+        for axis in span:
+            remainder = precise.without(remainder, axis)
+        if size and precise.length(remainder) > COINCIDENCE_TOLERANCE * size:
+            span.append(precise.unit(remainder))
     if not span:
         return AXES
     if len(span) == 1:
         first = precise.across(span[0])
-        return tuple(_rounded(one) for one in (first, precise.cross(span[0], first)))
+        return tuple(_rounded(axis) for axis in (first, precise.cross(span[0], first)))
     return (_rounded(precise.cross(*span)),) if len(span) == 2 else ()
 
 

@@ -1,8 +1,8 @@
-"""Bodies that joints hold rigidly become one body, and those held to the ground become ground.
+"""Bodies that fixed joints connect become one body, and those fixed to the ground become ground.
 
-What a fixed joint holds does not move against each other, so its rows and the columns of one body
-are left out; where a body is follows from what carries it. Such a joint has no reactions, so
-no bodies are lumped where reactions are wanted.
+They do not move against each other, so the rows of the joint and the columns of one body are left
+out; the position of a body follows from its carrier. Such a joint has no reactions, so no bodies
+are lumped where reactions are wanted.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class LumpedSystem:
     Parameters
     ----------
     system : System
-        What is solved.
+        The system that is solved.
     joints : tuple of str
         The fixed joints that are left out.
     """
@@ -58,9 +58,9 @@ def lump(system: System, wanted: Collection[str] = ()) -> LumpedSystem:
         return LumpedSystem(system)
     leader = {body: group[0] for group in groups for body in group}
     joints = dict.fromkeys(
-        one.joint
-        for one in system.constraints
-        if one.i != one.j and leader.get(one.i, one.i) == leader.get(one.j, one.j)
+        c.joint
+        for c in system.constraints
+        if c.i != c.j and leader.get(c.i, c.i) == leader.get(c.j, c.j)
     )
     return LumpedSystem(_in_plane(system, groups) or _joined(system, groups), tuple(joints))
 
@@ -68,49 +68,45 @@ def lump(system: System, wanted: Collection[str] = ()) -> LumpedSystem:
 def _in_plane(system: System, groups: Sequence[Sequence[int]]) -> System | None:
     """System with one body for each group, if joints then hold all in a plane.
 
-    Parts at different heights have products of inertia. In a plane that they are held in these do
-    not count, and without them the principal axes stay in the plane.
+    Parts at different heights have products of inertia with the normal. Where joints hold bodies in
+    the plane these do not count, and without them the principal axes stay in the plane.
     """
-    # asked before the plane of the scene is found, as that is of bodies that are joined already
+    # asked before the plane of the scene is found, which is that of joined bodies
     for plane in Plane if can_permute(system) else ():
         normal = plane.normal
         if all(x == 0 for body in system.bodies for k, x in enumerate(body.p[1:]) if k != normal):
-            found = _joined(system, groups, normal)
-            if is_planar(permuted(found, plane.value), must_be_held=True):
-                return found
+            together = _joined(system, groups, normal)
+            if is_planar(permuted(together, plane.value), must_be_held=True):
+                return together
     return None
 
 
 def _joined(system: System, groups: Sequence[Sequence[int]], normal: int | None = None) -> System:
-    """System with one body for each group, the ground for one that begins with it."""
+    """System with one body for each group; a group that begins with the ground becomes ground."""
     bodies, placements = _placed(system, groups, normal)
-    moving = [
-        one for one in system.forces if placements[one.i].carrier != placements[one.j].carrier
-    ]
+    forces = [f for f in system.forces if placements[f.i].carrier != placements[f.j].carrier]
     carried = tuple(
         Carried(
-            one.name,
+            body.name,
             placements[k].carrier,
-            one.is_point,
-            placements[k].point(one.origin_b),
-            placements[k].frame(one.axes_b),
+            body.is_point,
+            placements[k].point(body.origin_b),
+            placements[k].frame(body.axes_b),
         )
-        for k, one in enumerate(system.bodies)
+        for k, body in enumerate(system.bodies)
     )
     return replace(
         system,
         bodies=tuple(bodies),
         constraints=tuple(
-            _instance(one, placements)
-            for one in system.constraints
-            if len({placements[body].carrier for body in one.bodies}) > 1
+            _instance(instance, placements)
+            for instance in system.constraints
+            if len({placements[body].carrier for body in instance.bodies}) > 1
         ),
         held=(),
         held_rates=(),
-        forces=tuple(
-            facets_of(one).seen_from(placements[one.i], placements[one.j]) for one in moving
-        ),
-        coordinates=tuple(_coordinate(one, placements) for one in system.coordinates),
+        forces=tuple(facets_of(f).seen_from(placements[f.i], placements[f.j]) for f in forces),
+        coordinates=tuple(_coordinate(c, placements) for c in system.coordinates),
         carried=carried,
         resting=static_potential(system, placements),
     )
@@ -129,31 +125,34 @@ def _placed(
     for k, body in enumerate(system.bodies):
         if k in members_of:
             members = members_of[k]
-            own = [system.bodies[member] for member in members]
-            together, places = joined(own, len(bodies), normal)
-            placements |= zip(members, places, strict=True)
-            bodies.append(together)
+            parts = [system.bodies[member] for member in members]
+            composite, of_members = joined(parts, len(bodies), normal)
+            placements |= zip(members, of_members, strict=True)
+            bodies.append(composite)
         elif k not in carried:
             placements[k] = Placement(len(bodies))
             bodies.append(body)
     return bodies, placements
 
 
-def _instance(one: Instance, placements: Mapping[int, Placement]) -> Instance:
-    """Constraint between the bodies that carry its own."""
-    constants = seen_from_carriers(one.constants, placements[one.i], placements[one.j])
-    kind = base_of(one.kind)
+def _instance(instance: Instance, placements: Mapping[int, Placement]) -> Instance:
+    """Constraint between the carriers of its bodies."""
+    i, j = placements[instance.i], placements[instance.j]
+    constants = seen_from_carriers(instance.constants, i, j)
+    kind = base_of(instance.kind)
     return replace(
-        one,
-        kind=variant(kind, dict(constants)["a_i_b"]) if kind != one.kind else kind,
-        i=placements[one.i].carrier,
-        j=placements[one.j].carrier,
+        instance,
+        kind=variant(kind, dict(constants)["a_i_b"]) if kind != instance.kind else kind,
+        i=i.carrier,
+        j=j.carrier,
         constants=constants,
-        others=tuple(placements[body].carrier for body in one.others),
+        others=tuple(placements[body].carrier for body in instance.others),
     )
 
 
-def _coordinate(one: RelativeCoordinate, placements: Mapping[int, Placement]) -> RelativeCoordinate:
-    i, j = placements[one.i], placements[one.j]
-    constants = seen_from_carriers(one.constants, i, j)
-    return replace(one, i=i.carrier, j=j.carrier, constants=constants)
+def _coordinate(
+    coordinate: RelativeCoordinate, placements: Mapping[int, Placement]
+) -> RelativeCoordinate:
+    i, j = placements[coordinate.i], placements[coordinate.j]
+    constants = seen_from_carriers(coordinate.constants, i, j)
+    return replace(coordinate, i=i.carrier, j=j.carrier, constants=constants)

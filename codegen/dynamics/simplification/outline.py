@@ -1,7 +1,7 @@
-"""The outline of a system's equations: which velocities bodies have, and which rows of C_q matter.
+"""The outline of a system's equations: velocities of bodies, and rows of C_q that are not zero.
 
 A row whose derivatives by all velocities are structurally zero is constant along every motion: it
-is not solved. Kinds are traced for that with numbers where nothing moves, and nothing is composed.
+is not solved. Kinds are traced for that, with numbers for what cannot move; nothing is composed.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Outline:
     plane : Plane, optional
         The plane of the motion; None where bodies move in space.
     columns : tuple of tuple of int
-        Of each body the places in (δr, δθ′) that are velocities.
+        Indices in (δr, δθ′) of the velocities of each body.
     rows : tuple of ConstraintEquation
         In the order in which they are composed.
     """
@@ -60,7 +60,7 @@ class Outline:
 
     @property
     def normal(self) -> int | None:
-        """The axis across the plane."""
+        """The axis normal to the plane."""
         return None if self.plane is None else self.plane.normal
 
     @property
@@ -69,7 +69,7 @@ class Outline:
         return sum(map(len, self.columns))
 
     def columns_of(self, bodies: Iterable[int]) -> list[int]:
-        """Columns of some bodies; six in turn belong to each body of the system."""
+        """Columns of some bodies in C_q; each body of the system has six."""
         return [COLUMNS * body + k for body in bodies for k in self.columns[body]]
 
 
@@ -85,18 +85,19 @@ def outline_of(system: System, plane: Plane | None) -> Outline:
         None for equations in space.
     """
     is_planar, shift = plane is not None, shift_of(plane)
-    there = permuted(system, shift)
-    live = live_rows(there, is_planar=is_planar)
+    turned = permuted(system, shift)
+    live = live_rows(turned, is_planar=is_planar)
+    pairs = enumerate(zip(system.constraints, live, strict=True))
     rows = tuple(
-        ConstraintEquation(one.joint, place, row)
-        for place, (one, own) in enumerate(zip(system.constraints, live, strict=True))
-        for row in own
+        ConstraintEquation(instance.joint, index, row)
+        for index, (instance, of_instance) in pairs
+        for row in of_instance
     )
     shapes = (shape(body, is_planar=is_planar) for body in system.bodies)
     return Outline(
         plane=plane,
         columns=tuple(permuted_columns(columns, shift) for _, columns in shapes),
-        rows=permuted_rows(rows, there, -shift),
+        rows=permuted_rows(rows, turned, -shift),
     )
 
 
@@ -125,34 +126,34 @@ def live_elements(system: System, *, is_planar: bool) -> Iterator[tuple[tuple[in
     def body(index: int) -> BodyBlocks:
         return GROUND if index == GROUND_INDEX else bodies[index]
 
-    for one in system.constraints:
-        if not one.is_combination:
-            elements = _elements(one, recorder, body)
-            yield _live(one, elements, body), elements
+    for instance in system.constraints:
+        if not instance.is_combination:
+            elements = _elements(instance, recorder, body)
+            yield _live(instance, elements, body), elements
         else:
-            terms = (system.coordinates[term.coordinate] for term in one.terms)
+            terms = (system.coordinates[term.coordinate] for term in instance.terms)
             live = (_live(term, _elements(term, recorder, body), body) for term in terms)
             yield (0,) if any(live) else (), ()
 
 
 def _live(
-    one: Instance | RelativeCoordinate, elements: Elements, body: Callable[[int], BodyBlocks]
+    source: Instance | RelativeCoordinate, elements: Elements, body: Callable[[int], BodyBlocks]
 ) -> tuple[int, ...]:
     """Rows that have elements in the columns of their bodies."""
-    columns = (*body(one.i).columns, *(COLUMNS + k for k in body(one.j).columns))
+    columns = (*body(source.i).columns, *(COLUMNS + k for k in body(source.j).columns))
     rows = enumerate(elements)
-    return tuple(row for row, there in rows if any(there[k] for k in columns))
+    return tuple(row for row, mask in rows if any(mask[k] for k in columns))
 
 
 def _elements(
-    one: Instance | RelativeCoordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
+    source: Instance | RelativeCoordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
 ) -> Elements:
     """Mask of the elements of the Jacobian (rows, 12) that are not structurally zero."""
-    i, j = body(one.i), body(one.j)
-    given = inputs_of(one)
-    constants = [recorder.constant(values) for _, values in given]
+    i, j = body(source.i), body(source.j)
+    named = inputs_of(source)
+    constants = [recorder.constant(values) for _, values in named]
     pattern, _, _, lengths = pattern_of((i.r, i.p, j.r, j.p, *constants))
-    return _traced(one.kind, tuple(name for name, _ in given), pattern, tuple(lengths))
+    return _traced(source.kind, tuple(name for name, _ in named), pattern, tuple(lengths))
 
 
 @cache
@@ -164,5 +165,5 @@ def _traced(
     inputs = dict(zip(("r_i", "p_i", "r_j", "p_j", *names), nodes, strict=True))
     jacobian = trace.inline(frozen(kind, "constraint"), inputs)["C_q"]
     width = 2 * COLUMNS
-    there = [trace.graph.value(node) != 0 for node in jacobian]
-    return tuple(tuple(there[row : row + width]) for row in range(0, len(there), width))
+    is_nonzero = [trace.graph.value(node) != 0 for node in jacobian]
+    return tuple(tuple(is_nonzero[row : row + width]) for row in range(0, len(is_nonzero), width))

@@ -1,8 +1,8 @@
-"""Scenes that drivers move, whose bodies need not weigh anything.
+"""Scenes that drivers move, whose bodies need no masses.
 
 Where drivers and joints leave no freedom, positions, velocities and accelerations depend on no
-mass. Equations are solved in a metric, though: bodies that lack a mass or a moment weigh something
-there. What would depend on it is refused.
+mass. Equations are solved in a metric, though: bodies that lack a mass or a moment get one there.
+Results that would depend on it are refused.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class PlaceholderMasses:
-    """A system whose bodies all weigh something.
+    """A system whose bodies all have masses.
 
     Parameters
     ----------
     system : System
         The scene.
     missing : tuple of str
-        Keys of what bodies lack and their motion may depend on.
+        Keys of the masses and moments that bodies lack and that their motion may depend on.
     thin : tuple of str
-        Those of them that belong to bodies whose mass lies on a line: one moment is zero.
+        Those of bodies whose mass lies on a line: one moment is zero.
     """
 
     system: System
@@ -41,11 +41,11 @@ class PlaceholderMasses:
 
 
 def with_placeholder_masses(system: System, plane: Plane | None) -> PlaceholderMasses:
-    """System with drivers whose bodies weigh something: m [kg], and I = m ℓ² (3,) [kg m²].
+    """System with drivers whose bodies all have a mass m [kg] and moments I = m ℓ² (3,) [kg m²].
 
     A system without drivers stays as it is, and so do masses and moments that are given. I is in
-    the principal frame. Where other bodies have masses m is the largest of them, so that it does
-    not depend on units how much one is beside another; where none has it is 1 kg.
+    the principal frame. Where other bodies have masses m is the largest of them, so that ratios of
+    masses do not depend on units; where none has one it is 1 kg.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def with_placeholder_masses(system: System, plane: Plane | None) -> PlaceholderM
     plane : Plane, optional
         Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planarity.plane_of` finds it.
     """
-    if not any(one.is_driver for one in system.constraints):
+    if not any(c.is_driver for c in system.constraints):
         return PlaceholderMasses(system)
     if all(body.mass > 0 and (body.is_point or min(body.inertia) > 0) for body in system.bodies):
         return PlaceholderMasses(system)
@@ -81,6 +81,6 @@ def _missing(system: System, plane: Plane | None) -> Iterator[str]:
 
 def _filled(body: MovingBody, mass: float, length: float) -> MovingBody:
     """Body with a mass [kg] and moments in place of those that are missing."""
-    own = body.mass if body.mass > 0 else mass
-    a, b, c = (moment if moment > 0 else float(own) * length * length for moment in body.inertia)
-    return replace(body, mass=own, inertia=(a, b, c))
+    m = body.mass if body.mass > 0 else mass
+    a, b, c = (moment if moment > 0 else float(m) * length * length for moment in body.inertia)
+    return replace(body, mass=m, inertia=(a, b, c))

@@ -2,15 +2,15 @@
 
 The kinds are evaluated with e1 = e2 = 0 and z constant. A row without a structural derivative by
 x, y and θ_z is constant on such motions. If all of these vanish at the start, they vanish for good
-and are dropped. What is left determines the planar motion. It is the motion of the system if for
-each joint
+and are dropped. The remaining rows determine the planar motion. It is the motion of the system if
+for each joint
 
-- no row that is left has a derivative by z, θ_x or θ_y: its reactions stay in the plane; or
+- no remaining row has a derivative by z, θ_x or θ_y: its reactions stay in the plane; or
 - both its bodies are held to the ground in z, θ_x and θ_y by rows that were dropped, whose
-  reactions balance whatever leads out of the plane.
+  reactions balance all forces out of the plane.
 
-A derivative of a kind that is shipped is looked at where it starts, of a kind of one's own it must
-vanish structurally; and rows of one's own hold nothing in the plane.
+Derivatives of a shipped kind are taken at the start, those of a kind of one's own must vanish
+structurally; and rows of one's own hold nothing in the plane.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ if TYPE_CHECKING:
 
     from kousoku.model.mechanics.multibody import Instance, MovingBody, System
 
-#: Largest residual of a dropped row, in metres or radians: what rounding leaves, 2e-16 of places
-#: some kilometres from the origin. Those of the committed scenes are zero, or not constant.
+#: Largest residual of a dropped row, in metres or radians: rounding, 2e-16 of positions some
+#: kilometres from the origin. Those of the committed scenes are zero, or not constant.
 RESIDUAL = 1e-12
 #: Columns of one body that lead out of the plane.
 OUT = (2, 3, 4)
@@ -67,24 +67,24 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
     system : System
         The scene, as it starts.
     must_be_held : bool
-        Whether only that counts which joints hold in the plane, however it starts in it.
+        Whether joints must hold all bodies in the plane, not the start alone.
     """
     if not all(_starts_in_plane(body) for body in system.bodies):
         return False
     if leaves_with_parameters(system):
         return False
     fixed = fixed_system(system)
-    wants_hold = (
+    needs_hold = (
         must_be_held
         or system.has_gravity(NORMAL)
         or any(leaves_plane(fixed, force, NORMAL) for force in fixed.forces)
     )
-    if wants_hold and not _may_hold(system):
+    if needs_hold and not _may_hold(system):
         return False
     joints: dict[tuple[str, tuple[int, ...]], _Joint] = {}
-    found = live_elements(system, is_planar=True)
+    rows_and_elements = live_elements(system, is_planar=True)
     pairs = zip(system.constraints, fixed.constraints, strict=True)
-    for (instance, known), (live, elements) in zip(pairs, found, strict=True):
+    for (instance, known), (live, elements) in zip(pairs, rows_and_elements, strict=True):
         residual, jacobian = _at_start(fixed, known)
         dropped = [row for row in range(len(residual)) if row not in live]
         if any(not abs(residual[row]) <= RESIDUAL for row in dropped):
@@ -97,7 +97,7 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
         if dropped or not instance.is_combination:
             joint.turns_about_z &= all(axis in ALONG_Z for axis in _axes(system, instance))
     held = _held(system, joints)
-    return (all(held) or not wants_hold) and all(
+    return (all(held) or not needs_hold) and all(
         joint.stays_in_plane or all(held[k] for k in ends if k != GROUND_INDEX)
         for (_, ends), joint in joints.items()
     )
@@ -124,10 +124,10 @@ class _Joint:
     Parameters
     ----------
     live, dropped : list of array
-        Of the rows that are left, and of those that are not.
+        Derivatives of the remaining rows, and of the dropped ones.
     turns_about_z : bool
-        Whether all its axes are along z. Then the rows that are dropped are, for any planar motion,
-        those of the start, each block turned about z, and their rank does not change.
+        Whether all its axes are along z. Then for any planar motion the dropped rows are those of
+        the start, each block turned about z, and their rank does not change.
     """
 
     live: list[Any] = field(default_factory=list)
@@ -136,7 +136,7 @@ class _Joint:
 
     @property
     def stays_in_plane(self) -> bool:
-        """Whether no reaction that is left leads out of the plane."""
+        """Whether no reaction of a remaining row leads out of the plane."""
         return not any(
             np.any(self._out(rows, side))
             for rows in self.live
@@ -156,23 +156,23 @@ class _Joint:
 
 
 def _may_hold(system: System) -> bool:
-    """Whether joints that turn about z only connect all bodies to the ground.
+    """Whether the joints that turn about z alone connect all bodies to the ground.
 
-    Others hold no body in the plane. This costs little, and most scenes in space end here.
+    Other joints hold no body in the plane. This costs little, and most scenes in space end here.
     """
-    beside: dict[int, list[int]] = {}
+    neighbours: dict[int, list[int]] = {}
     joints: dict[tuple[str, tuple[int, ...]], bool] = {}
-    for one in system.constraints:
-        turns_about_z = one.is_combination or all(a in ALONG_Z for a in _axes(system, one))
-        key = (one.joint, one.bodies)
+    for c in system.constraints:
+        turns_about_z = c.is_combination or all(a in ALONG_Z for a in _axes(system, c))
+        key = (c.joint, c.bodies)
         joints[key] = joints.get(key, True) and turns_about_z
     for (_, ends), turns_about_z in joints.items():
         for k in ends if turns_about_z else ():
-            beside.setdefault(k, []).extend(ends)
+            neighbours.setdefault(k, []).extend(ends)
     reached = {GROUND_INDEX: None}
     waiting = [GROUND_INDEX]
     while waiting:
-        for k in beside.get(waiting.pop(), ()):
+        for k in neighbours.get(waiting.pop(), ()):
             if k not in reached:
                 reached[k] = None
                 waiting.append(k)
@@ -195,19 +195,20 @@ def _at_start(system: System, instance: Instance) -> tuple[Sequence[float], Any]
     total = instance.offset - fixed_law(instance, [name for name, _ in system.parameters])
     rows = np.zeros((1, len(instance.bodies), COLUMNS))
     for term in instance.terms:
-        one = system.coordinates[term.coordinate]
-        (value,), jacobian = kernel_at_start(system, one)
-        turns = round((one.near - value) / math.tau) if one.counts_turns else 0
+        coordinate = system.coordinates[term.coordinate]
+        (value,), jacobian = kernel_at_start(system, coordinate)
+        turns = round((coordinate.near - value) / math.tau) if coordinate.counts_turns else 0
         total += term.factor * (value + math.tau * turns)
-        for index, part in zip((one.i, one.j), np.reshape(jacobian, (2, COLUMNS)), strict=True):
-            rows[0, instance.bodies.index(index)] += term.factor * part
+        blocks = np.reshape(jacobian, (2, COLUMNS))
+        for body, block in zip((coordinate.i, coordinate.j), blocks, strict=True):
+            rows[0, instance.bodies.index(body)] += term.factor * block
     return [total], rows.reshape(1, -1)
 
 
 def _axes(system: System, instance: Instance) -> list[tuple[float, ...]]:
     """Axes of an instance, or of the coordinates that it combines.
 
-    What a kind of one's own does with axes is not known: it has one that is none.
+    A kind of one's own may do anything with axes: its axis is empty, which is along none.
     """
     if is_own(instance.kind):
         return [()]
@@ -218,9 +219,9 @@ def _axes(system: System, instance: Instance) -> list[tuple[float, ...]]:
 
 
 def _held(system: System, joints: dict[tuple[str, tuple[int, ...]], _Joint]) -> list[bool]:
-    """Mask of bodies that joints hold to the ground in the plane, one after another."""
+    """Mask of bodies that joints, one after another from the ground, hold in the plane."""
     held = [False] * len(system.bodies)
-    beside: list[list[int]] = [[] for _ in system.bodies]
+    dependents: list[list[int]] = [[] for _ in system.bodies]
     waiting: list[int] = []
     for (_, (i, j, *_)), joint in joints.items():
         for side, (body, other) in enumerate(((i, j), (j, i))):
@@ -228,10 +229,10 @@ def _held(system: System, joints: dict[tuple[str, tuple[int, ...]], _Joint]) -> 
                 if other == GROUND_INDEX:
                     waiting.append(body)
                 else:
-                    beside[other].append(body)
+                    dependents[other].append(body)
     while waiting:
         body = waiting.pop()
         if not held[body]:
             held[body] = True
-            waiting.extend(beside[body])
+            waiting.extend(dependents[body])
     return held

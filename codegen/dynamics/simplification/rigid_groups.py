@@ -1,4 +1,4 @@
-"""Bodies that are one, because fixed joints hold them together."""
+"""Groups of bodies that fixed joints connect rigidly."""
 
 from __future__ import annotations
 
@@ -19,21 +19,22 @@ if TYPE_CHECKING:
     #: The bodies that a fixed joint joins.
     Edge = tuple[int, int]
 
-#: What a fixed joint is composed of.
+#: Kinds of the constraints of a fixed joint.
 RIGID = sorted(part.kind for part in JOINTS["fixed"].parts)
-#: Joints of a body that is made of two that move: the rows of each are coupled with all others, and
-#: with six revolute joints that costs more than the fixed joint.
+#: Joints at most of a composite of two moving bodies: the rows of each joint are coupled with all
+#: others, and with six revolute joints that costs more than the fixed joint.
 MOST_JOINTS_OF_PAIR = 4
 
 
 def grouped(system: System) -> tuple[tuple[int, ...], ...]:
-    """Bodies that are one, in groups of two and more; those that stand still with the ground.
+    """Groups of two and more bodies that become one; those fixed to the ground with the ground.
 
     Two bodies of a group stay apart if there is a coordinate between them, or a force whose work is
-    told or whose energy depends on parameters; so does a body with a force or constraint that is
-    not known to mean the same in another frame, and the ground where gravity depends on parameters.
-    All bodies do where nothing else would move. Two that move are not made one where that one would
-    have more than :data:`MOST_JOINTS_OF_PAIR` joints: it would cost more than it saves.
+    reported or whose energy depends on parameters; so does a body with a force or constraint that
+    is not known to mean the same in another frame, and the ground where gravity depends on
+    parameters. All bodies do where nothing else would move. Two moving bodies are not joined where
+    the composite would have more than :data:`MOST_JOINTS_OF_PAIR` joints: it would cost more than
+    it saves.
     """
     fixed = fixed_joints(system)
     edges = [edge for edge in fixed if not (GROUND_INDEX in edge and any(system.gravity_law))]
@@ -50,15 +51,15 @@ def grouped(system: System) -> tuple[tuple[int, ...], ...]:
 
 
 def _joined(count: int, edges: Sequence[Edge], counts: Mapping[int, int]) -> DisjointSets:
-    """Groups that fixed joints make: first the bodies that they hold to the ground."""
+    """Groups that fixed joints connect: first the bodies that they fix to the ground."""
     leaders = DisjointSets(range(GROUND_INDEX, count))
-    beside: dict[int, list[int]] = {}
+    neighbours: dict[int, list[int]] = {}
     for i, j in edges:
-        beside.setdefault(i, []).append(j)
-        beside.setdefault(j, []).append(i)
+        neighbours.setdefault(i, []).append(j)
+        neighbours.setdefault(j, []).append(i)
     waiting = [GROUND_INDEX]
     while waiting:
-        for other in beside.get(waiting.pop(), ()):
+        for other in neighbours.get(waiting.pop(), ()):
             if leaders.join(GROUND_INDEX, other):
                 waiting.append(other)
     joints = dict(counts)
@@ -71,18 +72,18 @@ def _joined(count: int, edges: Sequence[Edge], counts: Mapping[int, int]) -> Dis
 
 
 def fixed_joints(system: System) -> list[Edge]:
-    """Bodies of each joint that leaves no motion."""
+    """Pairs of bodies whose joint leaves no motion."""
     kinds: dict[tuple[str, int, int], list[str]] = {}
-    for one in system.constraints:
-        if moved_by_parameters(system, one):
+    for c in system.constraints:
+        if moved_by_parameters(system, c):
             continue
-        kinds.setdefault((one.joint, one.i, one.j), []).append(base_of(one.kind))
+        kinds.setdefault((c.joint, c.i, c.j), []).append(base_of(c.kind))
     return [(i, j) for (_, i, j), parts in kinds.items() if i != j and sorted(parts) == RIGID]
 
 
 def _joint_counts(system: System, edges: list[Edge]) -> dict[int, int]:
     """Number of joints of each body beside those that are fixed."""
-    joints = dict.fromkeys((one.joint, one.bodies) for one in system.constraints)
+    joints = dict.fromkeys((c.joint, c.bodies) for c in system.constraints)
     counts = dict.fromkeys(range(GROUND_INDEX, len(system.bodies)), 0)
     for _, bodies in joints:
         for body in bodies:
@@ -94,19 +95,19 @@ def _joint_counts(system: System, edges: list[Edge]) -> dict[int, int]:
 
 
 def _kept(system: System, leaders: DisjointSets) -> set[int]:
-    """Bodies that stay bodies."""
-    found: set[int] = set()
+    """Bodies that must not be joined with others of their groups."""
+    kept: set[int] = set()
     for coordinate in system.coordinates:
         if leaders.of(coordinate.i) == leaders.of(coordinate.j):
-            found |= {coordinate.i, coordinate.j}
-    for one in system.constraints:
-        is_inner = len({leaders.of(body) for body in one.bodies}) == 1
-        opens = is_inner and moved_by_parameters(system, one)
-        if opens or not is_known(one.kind):
-            found |= {*one.bodies}
+            kept |= {coordinate.i, coordinate.j}
+    for instance in system.constraints:
+        is_inner = len({leaders.of(body) for body in instance.bodies}) == 1
+        opens = is_inner and moved_by_parameters(system, instance)
+        if opens or not is_known(instance.kind):
+            kept |= {*instance.bodies}
     for force in system.forces:
         is_inner = leaders.of(force.i) == leaders.of(force.j)
         is_carried = facets_of(force).is_carried
         if not is_carried or (is_inner and (force.works or force.formulas)):
-            found |= {force.i, force.j}
-    return found - {GROUND_INDEX}
+            kept |= {force.i, force.j}
+    return kept - {GROUND_INDEX}
