@@ -109,12 +109,12 @@ def smallest(a: Array, b: Array) -> Array:
 
 
 def stays_positive(a: Array, b: Array, falls: Array, rises: Array, h: float) -> Flags:
-    """Whether what is a (n,) at the start of h [s] and b (n,) at its end is positive between (n,).
+    """Whether functions (n,) of values a and b at the ends of h [s] are positive in between.
 
-    It is no less than lines from both ends as steep as it falls and rises (n,) at most, per second.
+    None is less than lines from both ends as steep as it falls and rises (n,) at most, per second.
     """
-    found: Flags = a * rises - b * falls + falls * rises * h > 0.0
-    return found
+    are_positive: Flags = a * rises - b * falls + falls * rises * h > 0.0
+    return are_positive
 
 
 def note_unresolved(time: float, state: State) -> None:
@@ -245,8 +245,8 @@ def read_of(time: float, y: Array, w: Workspace) -> Array:
     """Values and rates (n, 2) that formulas read of y (ny,) at a time [s]; rates per second."""
     w.place(time, y)
     w.run("measure")
-    found: Array = w.measures.reshape(-1, 2).copy()
-    return found
+    measures: Array = w.measures.reshape(-1, 2).copy()
+    return measures
 
 
 def read_at(time: float, search: Search) -> Array:
@@ -279,21 +279,21 @@ def noise_at(time: float, read: Array, search: Search) -> Array:
 
 
 def passes_by(speeds: Array, accelerations: Array, search: Search) -> Flags:
-    """Whether what is as fast, and accelerates at most so much, gets beyond what it is known to.
+    """Whether values of such speeds and bounds of accelerations get far beyond their noise.
 
     Of values and of rates (n, 2), per second and per second squared.
     """
     far = PASSING * np.column_stack((search.noise[:, 0], search.rate_noise))
-    found: Flags = speeds * larger(search.state.stride, search.h) > far
-    return found & (speeds * speeds > far * accelerations)
+    is_far: Flags = speeds * larger(search.state.stride, search.h) > far
+    return is_far & (speeds * speeds > far * accelerations)
 
 
 def second_at(time: float, search: Search) -> Array:
     """Sizes (n,) of second derivatives at a time [s], but for what rounding makes of them."""
     part, h = (time - search.start) / search.h, search.h
     change = np.abs(search.second_mean + (2.0 * part - 1.0) * search.second_rise)
-    found: Array = change - 2.0 * search.rounding[:, 1] / h
-    return found
+    sizes: Array = change - 2.0 * search.rounding[:, 1] / h
+    return sizes
 
 
 def node_with_noise(noise: Array, time: float, search: Search) -> TimeNode:
@@ -302,10 +302,10 @@ def node_with_noise(noise: Array, time: float, search: Search) -> TimeNode:
 
 
 def evaluate_node(read: Array, noise: Array, time: float, w: Workspace) -> TimeNode:
-    """Node at a time [s] where formulas read this (n, 2), known to a noise (n, 2)."""
-    own = w.ranges[2:].reshape(-1, 6)
+    """Node at a time [s] where formulas read values and rates (n, 2), known to a noise (n, 2)."""
+    ranges = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = time
-    own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - noise, read + noise, 0.0
+    ranges[:, [0, 2]], ranges[:, [1, 3]], ranges[:, 4:] = read - noise, read + noise, 0.0
     w.run("crossing")
     least, most = w.functions.reshape(-1, 4).T[:2].copy()
     return TimeNode(time, read, least, most)
@@ -331,9 +331,9 @@ def stage_beyond(first: int, seen: float, search: Search) -> float:
         combine(k, m.a[k], state.y, search.h, work.k, work.scratch)
         node = evaluate_node(read_of(time, work.scratch, work.w), search.noise, time, work.w)
         last = n_switching if k > m.stages else n_switching - scene.n_breaks
-        own = slice(len(scene.events), last)
-        sides = state.sides[own]
-        if np.any((sides != 0.0) & (side_at(node)[own] == -sides)):
+        switching = slice(len(scene.events), last)
+        sides = state.sides[switching]
+        if np.any((sides != 0.0) & (side_at(node)[switching] == -sides)):
             return time
     return seen
 
@@ -383,24 +383,24 @@ def second_rise_of(sizes: Array, a: Array, b: Array, h: float) -> Array:
     """
     (x, v), (y, u) = a.T, b.T
     rounding = 6.0 * SMALLEST * (sizes + np.abs(x) + np.abs(y)) / h
-    off = 3.0 * (v + u) - 6.0 * (y - x) / h
-    found: Array = np.copysign(largest(np.zeros_like(off), np.abs(off) - rounding) / h, off)
-    return found
+    change = 3.0 * (v + u) - 6.0 * (y - x) / h
+    rise: Array = np.copysign(largest(np.zeros_like(change), np.abs(change) - rounding) / h, change)
+    return rise
 
 
 def bound_functions(a: TimeNode, b: TimeNode, search: Search) -> Array:
     """Least and most value, slowest and fastest rate (4, functions) between two nodes."""
     w, h = search.work.w, b.time - a.time
     (x, v), (y, u) = a.read.T, b.read.T
-    own = w.ranges[2:].reshape(-1, 6)
+    ranges = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = a.time, b.time
     mean, rise = (
         (u - v) / h,
         np.abs(second_rise_of(search.sizes, a.read, b.read, h)),
     )
-    own[:, 4], own[:, 5] = mean - DOUBT * rise, mean + DOUBT * rise
-    reach_between(v, u, own[:, 4], own[:, 5], h, own[:, 2:4])
-    reach_between(x, y, own[:, 2], own[:, 3], h, own[:, :2])
+    ranges[:, 4], ranges[:, 5] = mean - DOUBT * rise, mean + DOUBT * rise
+    reach_between(v, u, ranges[:, 4], ranges[:, 5], h, ranges[:, 2:4])
+    reach_between(x, y, ranges[:, 2], ranges[:, 3], h, ranges[:, :2])
     w.run("crossing")
     return w.functions.reshape(-1, 4).T
 
@@ -412,28 +412,28 @@ def cut_at(end: float, search: Search) -> float:
 
 
 def reach_between(
-    a: Array, b: Array, slowest: Array, fastest: Array, h: float, found: Array
+    a: Array, b: Array, slowest: Array, fastest: Array, h: float, reach: Array
 ) -> None:
     """Write least and most (n, 2) between values a and b (n,) at the ends of h [s].
 
     The slope is bounded by the slowest and the fastest rate (n,), per second.
     """
     is_open = (slowest < 0.0) & (fastest > 0.0)
-    every, curve = fastest - slowest, slowest * fastest * h
+    spread, curve = fastest - slowest, slowest * fastest * h
     least, most = smallest(a, b), largest(a, b)
-    down = smallest(least, (fastest * a - slowest * b + curve) / every)
-    up = largest(most, (fastest * b - slowest * a - curve) / every)
-    found[:, 0], found[:, 1] = np.where(is_open, down, least), np.where(is_open, up, most)
+    down = smallest(least, (fastest * a - slowest * b + curve) / spread)
+    up = largest(most, (fastest * b - slowest * a - curve) / spread)
+    reach[:, 0], reach[:, 1] = np.where(is_open, down, least), np.where(is_open, up, most)
 
 
 def band_at(node: TimeNode, search: Search) -> Array:
     """Band (functions,) of functions at a node: of an event that it starts short of no more."""
-    found = half_width(node)
+    band = half_width(node)
     if search.is_short.any():
         known = half_width(node_with_noise(search.noise, node.time, search))
         n = len(search.is_short)
-        found[:n] = np.where(search.is_short, known[:n], found[:n])
-    return found
+        band[:n] = np.where(search.is_short, known[:n], band[:n])
+    return band
 
 
 def is_isolated(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, search: Search) -> Flags:
@@ -455,14 +455,14 @@ def is_isolated(sides: Array, a: TimeNode, b: TimeNode, bounds: Array, search: S
     stays = is_clear | np.where(sides == 0.0, high < within, is_positive)
     crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
     crosses &= ~is_still_short(sides, b.time, search)
-    found: Flags = np.where(crosses, rises <= 0.0, stays)
-    return found
+    are_isolated: Flags = np.where(crosses, rises <= 0.0, stays)
+    return are_isolated
 
 
 def has_value(node: TimeNode) -> Flags:
     """Whether each function (functions,) has a value at a node."""
-    found: Flags = ~(np.isnan(node.least) | np.isnan(node.most))
-    return found
+    have_values: Flags = ~(np.isnan(node.least) | np.isnan(node.most))
+    return have_values
 
 
 def first_without_value(state: State, work: Work) -> int:
@@ -615,8 +615,8 @@ def is_still_short(sides: Array, time: float, search: Search) -> Flags:
     if not search.is_short.any():
         return search.is_short
     known = side_at(node_with_noise(search.noise, time, search))[: len(sides)]
-    found: Flags = search.is_short & (known != -sides)
-    return found
+    are_short: Flags = search.is_short & (known != -sides)
+    return are_short
 
 
 def are_crossed(sides: Array, b: TimeNode, search: Search) -> Flags:
@@ -705,20 +705,20 @@ def find_pole(passes: Flags, a: TimeNode, b: TimeNode, search: Search) -> None:
             search.pole = 1 + k - len(passes) + search.work.scene.n_poles
 
 
-def node_beside(way: float, time: float, read: Array, noise: Array, search: Search) -> TimeNode:
-    """Node that far [s] from a time [s] where formulas read this (n, 2), and go on evenly."""
-    there = read.copy()
-    there[:, 0] += way * read[:, 1]
-    there[:, 1] += way * search.second_mean
-    return evaluate_node(there, noise, time + way, search.work.w)
+def node_beside(offset: float, time: float, read: Array, noise: Array, search: Search) -> TimeNode:
+    """Node at an offset [s] from a time [s] where formulas read (n, 2) and go on evenly."""
+    beside = read.copy()
+    beside[:, 0] += offset * read[:, 1]
+    beside[:, 1] += offset * search.second_mean
+    return evaluate_node(beside, noise, time + offset, search.work.w)
 
 
-def sizes_beside(way: float, time: float, read: Array, search: Search) -> Array:
-    """Sizes of parts of forces that may be infinite, that far [s] from a time [s].
+def sizes_beside(offset: float, time: float, read: Array, search: Search) -> Array:
+    """Sizes of parts of forces that may be infinite, at an offset [s] from a time [s].
 
-    Formulas read this (n, 2) at the time.
+    Formulas read values and rates (n, 2) at the time.
     """
-    node = node_beside(way, time, read, np.zeros_like(read), search)
+    node = node_beside(offset, time, read, np.zeros_like(read), search)
     return np.abs(middle(node)[len(node.least) - len(search.work.w.infinite) // 4 :])
 
 
@@ -737,10 +737,10 @@ def is_infinite(k: int, side: float, time: float, search: Search) -> bool:
         if not far < search.state.stride:
             return True  # rounding hides that
     is_pole = np.zeros(len(search.work.w.infinite) // 4, dtype=bool)
-    for way in (-far, far):
-        near = sizes_beside(FURTHER * FURTHER * way, time, read, search)
-        there = sizes_beside(FURTHER * FURTHER * FURTHER * way, time, read, search)
-        away = sizes_beside(FURTHER * FURTHER * FURTHER * FURTHER * way, time, read, search)
+    for offset in (-far, far):
+        near = sizes_beside(FURTHER * FURTHER * offset, time, read, search)
+        there = sizes_beside(FURTHER * FURTHER * FURTHER * offset, time, read, search)
+        away = sizes_beside(FURTHER * FURTHER * FURTHER * FURTHER * offset, time, read, search)
         grows = (near > STEEP * there) & (there > STEEP * away)
         both, square = near * away, there * there
         grows &= (both <= EVENLY * square) & (square <= EVENLY * both)
@@ -750,8 +750,8 @@ def is_infinite(k: int, side: float, time: float, search: Search) -> bool:
 
 def end_before_pole(search: Search) -> float:
     """End [s] of a step before a pole that is found in it: its start if that is near."""
-    way = search.pole_time - search.start
-    return search.start + CLOSER * way if way > NO_WAY * search.state.stride else search.start
+    span = search.pole_time - search.start
+    return search.start + CLOSER * span if span > NO_WAY * search.state.stride else search.start
 
 
 def why_stopped(seen: float, search: Search) -> Status:
@@ -822,13 +822,13 @@ def polished_cut(search: Search) -> float:
     """Time [s] of an event that a step was cut for, by the step that ends near it."""
     most, cut = SMALL * search.h, search.cut
     sides = search.state.sides
-    every = np.flatnonzero(search.was_crossing[: len(search.work.scene.events)]).tolist()
-    found = next((k for k in every if passes_zero(k, -sides[k], cut, search)), None)
-    if found is None:
+    candidates = np.flatnonzero(search.was_crossing[: len(search.work.scene.events)]).tolist()
+    event = next((k for k in candidates if passes_zero(k, -sides[k], cut, search)), None)
+    if event is None:
         return cut
 
     def value(time: float) -> float:
-        return float(middle(node_with_noise(noise_of(found, search), time, search))[found])
+        return float(middle(node_with_noise(noise_of(event, search), time, search))[event])
 
     before, there = cut - most, cut
     a, b = value(before), value(there)
@@ -851,17 +851,17 @@ def is_thrown_back(k: int, end: float, search: Search) -> bool:
     it passed zero it was on the side that it leaves, before and soon it is on the other one. Where
     it was held once that is not asked again.
     """
-    state, way, read = search.state, end - search.state.crossed[k], read_at(end, search)
+    state, elapsed, read = search.state, end - search.state.crossed[k], read_at(end, search)
     speeds, known = np.column_stack((read[:, 1], search.second_mean)), search.noise[:, 0]
-    is_there = len(read) > 0 and way <= NO_WAY * state.stride
+    is_there = len(read) > 0 and elapsed <= NO_WAY * state.stride
     if is_there:
         most = np.column_stack((known, known * state.fastest))
-        is_there = bool((np.abs(speeds) * way <= most).all())
+        is_there = bool((np.abs(speeds) * elapsed <= most).all())
     if not is_there:
         state.held[k] = 0.0
     elif state.held[k] == 0.0:
-        beside = (-EARLIER * way, -HALF * way, HALF * way)
-        nodes = (node_beside(part, end, read, search.rounding, search) for part in beside)
+        offsets = (-EARLIER * elapsed, -HALF * elapsed, HALF * elapsed)
+        nodes = (node_beside(offset, end, read, search.rounding, search) for offset in offsets)
         before, between, behind = (side_at(node)[k] * state.sides[k] for node in nodes)
         state.held[k] = float(not (before < 0.0 and between > 0.0 and behind < 0.0))
     return bool(state.held[k] > 0.0)
@@ -911,8 +911,8 @@ def negligible_variation(
     span = larger(abs(start), abs(end))
     always = NEGLIGIBLE_VARIATION * largest(size, scales[:, 0])
     forces = NEGLIGIBLE_MOTION * tolerance * (scales[:, 0] / ((end - start) * span))
-    found = largest(NEGLIGIBLE_VARIATION * size, forces)
-    return np.asarray(np.where(scales[:, 1] == 0.0, always, found))
+    negligible = largest(NEGLIGIBLE_VARIATION * size, forces)
+    return np.asarray(np.where(scales[:, 1] == 0.0, always, negligible))
 
 
 def are_narrow_resolved(start: float, end: float, search: Search) -> bool:
@@ -966,7 +966,7 @@ def resolved_end(end: float, search: Search) -> float:
     What they do not tell in the finest intervals either is gone over, and noted.
     """
     start = first = search.start
-    whole = allowed = width = end - start
+    span = allowed = width = end - start
     count = 0
     while first < start + allowed:
         if count == MOST_NODES:
@@ -987,4 +987,4 @@ def resolved_end(end: float, search: Search) -> float:
             search.is_unresolved = True
         first = last
         width = 2.0 * width
-    return start + allowed if allowed < whole else end
+    return start + allowed if allowed < span else end

@@ -34,8 +34,8 @@ def leads_over(end: float, search: Search) -> bool:
 
 def cut_beside(place: float, near: float, search: Search) -> float:
     """Time [s] at which a step is cut for a place: before it, or behind it if that is no way."""
-    way = place - search.start
-    return place - larger(near, SMALL * way) if way > 2.0 * near else place + near
+    span = place - search.start
+    return place - larger(near, SMALL * span) if span > 2.0 * near else place + near
 
 
 def cut_for_place(end: float, seen: float, search: Search) -> float:
