@@ -169,10 +169,10 @@ def roughness(
         return math.inf
     scene, size_of = work.scene, work.w.size_of
     nq = scene.nq
-    way = work.w.way_of(h, start.y, to.y)
+    travel = work.w.way_of(h, start.y, to.y)
     change = h * (to.y[nq:] - start.y[nq:] - 0.5 * h * (start.f[nq:] + to.f[nq:]))
     known = larger(
-        larger(NEGLIGIBLE_PREDICTION_ERROR, blur_of(work, state)), PREDICTION_ERROR_PART * way
+        larger(NEGLIGIBLE_PREDICTION_ERROR, blur_of(work, state)), PREDICTION_ERROR_PART * travel
     )
     rough = larger(drift, size_of(change)) / known
     if scene.fits:  # no prediction tells how far drivers turn
@@ -191,14 +191,14 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
     scene, size_of = work.scene, work.w.size_of
     nq = scene.nq
     rates = start.f[:nq] + 4.0 * half.f[:nq] + last.f[:nq]
-    left = last.y[:nq] - start.y[:nq] - h / 3.0 * rates
+    unexplained = last.y[:nq] - start.y[:nq] - h / 3.0 * rates
     fastest = larger(larger(size_of(start.y[nq:]), size_of(half.y[nq:])), size_of(last.y[nq:]))
-    miss = float(np.max(np.abs(left) / scene.floors))
+    miss = float(np.max(np.abs(unexplained) / scene.floors))
     return miss <= larger(SMALLEST_JUMP, UNEXPLAINED_MOTION_PART * 2.0 * h * fastest)
 
 
 def signed_ratio(work: Work, state: State) -> float:
-    """Ratio that tells branches, negative where all rows are solved for: another number."""
+    """Ratio that tells branches, negative where all rows are solved for, whose ratio is another."""
     ratio = branch_ratio(work, state)
     return -ratio if work.all is not None and work.all.is_on else ratio
 
@@ -214,16 +214,16 @@ def may_leap(
     """
     low, high = smaller(abs(before), abs(after)), larger(abs(before), abs(after))
     is_near = high > MOST_GROWTH * low and (before < 0.0) == (after < 0.0)
-    way = h * work.w.size_of(last.y[work.scene.nq :])
-    if is_near and not way > FINEST_WAY:
+    travel = h * work.w.size_of(last.y[work.scene.nq :])
+    if is_near and not travel > FINEST_WAY:
         state.is_near = 1.0
-    is_long = way > LONGEST_WAY and low < LEVEL_RATIO_PART * high and work.scene.has_refinement
-    return is_long or (is_near and way > FINEST_WAY)
+    is_long = travel > LONGEST_WAY and low < LEVEL_RATIO_PART * high and work.scene.has_refinement
+    return is_long or (is_near and travel > FINEST_WAY)
 
 
-def position_at(place: int, work: Work) -> Position:
-    """Room of a position of a step: of its middle, its end, two between."""
-    return Position(work.k[2 * place], work.k[2 * place + 1])
+def position_at(slot: int, work: Work) -> Position:
+    """Room of a position of a step: 0 of its middle, 1 of its end, 2 and 3 of two between."""
+    return Position(work.k[2 * slot], work.k[2 * slot + 1])
 
 
 def reach(
@@ -251,31 +251,31 @@ def reach(
     """
     start, half, last = Position(state.y, state.f), position_at(0, work), position_at(1, work)
     h, is_leap = end - state.time, len(parts) == 1
-    gone, before, ratio = 0.0, start, state.position_ratio
+    passed, before, ratio = 0.0, start, state.position_ratio
     drift, rough = 0.0, 0.0
     forget_trials(work)
     state.is_near = 1.0 if is_leap else 0.0  # a leap goes over such a place
-    for x, place in parts:
-        way, to = (x - gone) * h, position_at(place, work)
+    for x, slot in parts:
+        span, to = (x - passed) * h, position_at(slot, work)
         time = end if x == 1.0 else state.time + x * h
-        first = predict_and_correct(time, way, before, to, work, state)
-        rough = larger(roughness(way, first, before, to, work, state), rough)
+        first = predict_and_correct(time, span, before, to, work, state)
+        rough = larger(roughness(span, first, before, to, work, state), rough)
         if not rough <= 1.0:
             return -1.0, rough
         if x < 1.0 and pivot_ratio(work, state) < weak * state.largest_pivot_ratio:
             return -1.0, rough
-        there = signed_ratio(work, state)
-        if not is_leap and may_leap(way, ratio, there, to, state, work):
+        ratio_there = signed_ratio(work, state)
+        if not is_leap and may_leap(span, ratio, ratio_there, to, state, work):
             return -1.0, rough
-        gone, before, ratio, drift = x, to, there, larger(first, drift)
+        passed, before, ratio, drift = x, to, ratio_there, larger(first, drift)
     if work.scene.fits and not is_leap and not is_explained(0.5 * h, start, half, last, work):
         return -1.0, rough
-    done = slice(work.scene.nq - work.scene.works, work.scene.nq)
+    works = slice(work.scene.nq - work.scene.works, work.scene.nq)
     if is_leap:
-        last.y[done] = start.y[done] + h / 2.0 * (start.f[done] + last.f[done])
+        last.y[works] = start.y[works] + h / 2.0 * (start.f[works] + last.f[works])
     else:
-        rates = start.f[done] + 4.0 * half.f[done] + last.f[done]
-        last.y[done] = start.y[done] + h / 6.0 * rates
+        rates = start.f[works] + 4.0 * half.f[works] + last.f[works]
+        last.y[works] = start.y[works] + h / 6.0 * rates
     return drift, rough
 
 
@@ -286,10 +286,10 @@ def branch_at(end: float, state: State, work: Work) -> int:
     last = position_at(1, work)
     first, after = math.sqrt(abs(state.position_ratio)), math.sqrt(branch_ratio(work, state))
     part, h = meeting_part(first, after), end - state.time
-    found = follow_branch(h, last.y, last.f, part, first + after, work, state)
+    branch = follow_branch(h, last.y, last.f, part, first + after, work, state)
     work.w.place(end, last.y)  # its geometry again
     ratio_at(last.y[: work.scene.nq], work, state)
-    return found
+    return branch
 
 
 def find_between(end: float, weak: float, state: State, work: Work) -> bool:
@@ -299,13 +299,13 @@ def find_between(end: float, weak: float, state: State, work: Work) -> bool:
     """
     h = end - state.time
     start, half = Position(state.y, state.f), position_at(0, work)
-    for x, place, before, gone in (
+    for x, slot, before, passed in (
         (LOBATTO_NODE, 2, start, 0.0),
         (1.0 - LOBATTO_NODE, 3, half, 0.5),
     ):
-        way, to = (x - gone) * h, position_at(place, work)
-        drift = predict_and_correct(state.time + x * h, way, before, to, work, state)
-        if not roughness(way, drift, before, to, work, state) <= 1.0:
+        span, to = (x - passed) * h, position_at(slot, work)
+        drift = predict_and_correct(state.time + x * h, span, before, to, work, state)
+        if not roughness(span, drift, before, to, work, state) <= 1.0:
             return False
         if pivot_ratio(work, state) < weak * state.largest_pivot_ratio:
             return False
@@ -335,14 +335,14 @@ def unbalanced(s: Settings, h: float, state: State, work: Work) -> float:
     scene, w, end = work.scene, work.w, position_at(1, work).y
     if w.way_of(h, state.y, end) <= FINEST_WAY:
         return 0.0
-    done = slice(scene.nq - scene.works, scene.nq)
-    left = abs(energy_balance(end, work, state) - state.balance)
-    most = float(np.max(np.maximum(np.abs(state.y[done]), np.abs(end[done]))))
+    works = slice(scene.nq - scene.works, scene.nq)
+    unexplained = abs(energy_balance(end, work, state) - state.balance)
+    most = float(np.max(np.maximum(np.abs(state.y[works]), np.abs(end[works]))))
     size = moving_energy(h, state, work) + most
     known = ENERGY_ROUNDING * larger(abs(w.energies[1]), abs(state.energy))
     # velocities are known to as much of the way to another branch as positions are
     blur, rounding = blur_of(work, state), scale_by_distance(state.y, scene) * BRANCH_ROUNDING
-    return left / ((s.tolerance + blur * blur / rounding) * size + known)
+    return unexplained / ((s.tolerance + blur * blur / rounding) * size + known)
 
 
 def sum_works(
@@ -366,14 +366,14 @@ def sum_works(
     scene, h = work.scene, end - state.time
     if scene.works == 0:
         return 0.0, True
-    done = slice(scene.nq - scene.works, scene.nq)
-    rate, half, f = state.f[done], position_at(0, work).f[done], position_at(1, work).f[done]
-    before, after = np.abs(state.y[done]), np.abs(position_at(1, work).y[done])
+    works = slice(scene.nq - scene.works, scene.nq)
+    rate, half, f = state.f[works], position_at(0, work).f[works], position_at(1, work).f[works]
+    before, after = np.abs(state.y[works]), np.abs(position_at(1, work).y[works])
     sizes = least_size_of_works(h, state, work) + np.maximum(before, after)
-    left = (2.0 * half - rate - f) / 6.0
-    way = np.abs(rate) + 2.0 * np.abs(half) + np.abs(f)
-    relative = left / np.where(way > 0.0, way, 1.0)
-    most = larger(float(np.max(0.5 * h * left * relative / sizes)), 0.0)
+    difference = (2.0 * half - rate - f) / 6.0
+    scale = np.abs(rate) + 2.0 * np.abs(half) + np.abs(f)
+    relative = difference / np.where(scale > 0.0, scale, 1.0)
+    most = larger(float(np.max(0.5 * h * difference * relative / sizes)), 0.0)
     error = state.simpson = larger(most / s.tolerance, ERROR_DECAY * state.simpson)
     if not has_nodes:
         if error < SURE_WORK_ERROR and math.fmod(state.steps, RULE_TRIAL_STEPS) != 0.0:
@@ -383,22 +383,22 @@ def sum_works(
         ratio_at(position_at(1, work).y[: scene.nq], work, state)
         if not has_nodes:
             return error, False
-    one, other = (position_at(place, work).f[done] for place in (2, 3))
+    early, late = (position_at(slot, work).f[works] for slot in (2, 3))
     ends = 0.5 * (rate + f)
-    more = 49.0 / 90.0 * h * (0.5 * (one + other) - half - 3.0 / 7.0 * (ends - half))
+    fine = 49.0 / 90.0 * h * (0.5 * (early + late) - half - 3.0 / 7.0 * (ends - half))
     if error < SURE_WORK_ERROR:
         untold = smaller(state.untold, RULE_TRIAL_STEPS * h)
-        state.work_error += float(np.max(np.abs(more))) / h * untold
+        state.work_error += float(np.max(np.abs(fine))) / h * untold
         state.untold = 0.0
     coarse = h * (ends - half) / 3.0
-    square = more * more + coarse * coarse
-    even_left = EVEN_ERROR_PART * np.abs(more) * (more * more / np.where(square > 0.0, square, 1.0))
+    square = fine * fine + coarse * coarse
+    even_left = EVEN_ERROR_PART * np.abs(fine) * (fine * fine / np.where(square > 0.0, square, 1.0))
     slope = 0.5 * (f - rate)
-    odd = 0.5 * (other - one) - ODD_PLACE * slope
+    odd = 0.5 * (late - early) - ODD_PLACE * slope
     square = odd * odd + slope * slope * ODD_PART
     odd_left = ODD_ERROR_PART * h * np.abs(odd) * (odd * odd / np.where(square > 0.0, square, 1.0))
-    position_at(1, work).y[done] += more
-    state.simpson = larger(float(np.max(np.abs(more) / sizes)) / s.tolerance, state.simpson)
+    position_at(1, work).y[works] += fine
+    state.simpson = larger(float(np.max(np.abs(fine) / sizes)) / s.tolerance, state.simpson)
     estimated = larger(float(np.max(even_left / sizes)), float(np.max(odd_left / sizes)))
     return larger(estimated / s.tolerance, ERROR_DECAY * state.error), True
 

@@ -282,8 +282,8 @@ def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
 def displacement_of(scene: SceneTables, q: Array, dq: Array, u: Array) -> None:
     """Write the displacements u (nv,) [m, rad] that belong to a small change dq (nq,) of q."""
     u[scene.shifts[:, 1]] = dq[scene.shifts[:, 0]]
-    for place, turn, count in scene.turns.tolist():
-        p, d = q[place : place + count].tolist(), dq[place : place + count].tolist()
+    for index, turn, count in scene.turns.tolist():
+        p, d = q[index : index + count].tolist(), dq[index : index + count].tolist()
         if count == 2:  # in a plane
             u[turn] = 2.0 * (p[0] * d[1] - p[1] * d[0])
         else:  # twice the vector part of the conjugate of p times dp

@@ -62,8 +62,8 @@ def exchange(a: npt.NDArray[Any], i: int, j: int) -> None:
 
 def comparable_pivot(all_rows: RowMemory, work: Work) -> Array:
     """Pivots (rows,) of all rows in their order, as inverses of masses [1/kg]."""
-    found: Array = np.diagonal(all_rows.matrix) / work.scene.inverse_pivot_factors[all_rows.order]
-    return found
+    pivots: Array = np.diagonal(all_rows.matrix) / work.scene.inverse_pivot_factors[all_rows.order]
+    return pivots
 
 
 def factorise_rows(all_rows: RowMemory, work: Work, known: float) -> float:
@@ -120,10 +120,10 @@ def solve_rows(right: Array, all_rows: RowMemory, work: Work, u: Array) -> Array
 def drive(all_rows: RowMemory, work: Work) -> None:
     """Find the power of drivers with the multipliers of all rows."""
     q_dot, drivers = work.w.q_dot, work.scene.drivers
-    for _, place in drivers:
-        q_dot[place] = 0.0
-    for row, place in drivers:
-        q_dot[place] += all_rows.rates[row] * all_rows.lam[row]
+    for _, work_index in drivers:
+        q_dot[work_index] = 0.0
+    for row, work_index in drivers:
+        q_dot[work_index] += all_rows.rates[row] * all_rows.lam[row]
 
 
 def null_multipliers(n: int, all_rows: RowMemory, count: int) -> Array:
@@ -172,19 +172,19 @@ def least_norm_reactions(all_rows: RowMemory, work: Work) -> None:
     least forces and torques, as where the rows that are kept are independent.
     """
     w, count = work.w, work.scene.nc
-    ways, own = [], []
+    null_space, wrenches = [], []
     for n in range(len(all_rows.order) - count):
-        ways.append(null_multipliers(n, all_rows, count))
-        w.all_lam[:] = ways[n]
+        null_space.append(null_multipliers(n, all_rows, count))
+        w.all_lam[:] = null_space[n]
         w.run("wrench")
-        own.append(w.wrenches.copy())
+        wrenches.append(w.wrenches.copy())
     w.all_lam[:] = all_rows.lam
     w.run("wrench")
-    square = np.array([[inner_product(one, other) for other in own] for one in own])
-    mu = np.array([-inner_product(one, w.wrenches) for one in own])
+    square = np.array([[inner_product(first, second) for second in wrenches] for first in wrenches])
+    mu = np.array([-inner_product(first, w.wrenches) for first in wrenches])
     eliminate(square, mu)
-    for way, part in zip(ways, mu, strict=True):
-        w.all_lam += part * way
+    for multipliers, factor in zip(null_space, mu, strict=True):
+        w.all_lam += factor * multipliers
     w.run("wrench")
 
 
@@ -235,9 +235,9 @@ def are_all_rows_better(ratio: float, all_rows: RowMemory, work: Work, state: St
         return False
     write_jacobian(all_rows, work)
     all_rows.ratio = factorise_rows(all_rows, work, state.least_inverse_pivot)
-    found = all_rows.ratio > HELPS * ratio
-    all_rows.tried = 0.0 if found else ratio
-    return found
+    is_better = all_rows.ratio > HELPS * ratio
+    all_rows.tried = 0.0 if is_better else ratio
+    return is_better
 
 
 def check_misses(s: Settings, work: Work) -> None:
@@ -248,7 +248,7 @@ def check_misses(s: Settings, work: Work) -> None:
 
 
 def note_misses(s: Settings, work: Work, state: State) -> None:
-    """Note what they missed there, which is kept."""
+    """Note the misses of rows that are left out, at a position that is kept."""
     worst = state.violations[0, work.scene.nc :]
     if s.checks and len(work.missed) > 0:
         np.fmax(worst, work.missed, out=worst)
@@ -275,9 +275,9 @@ def find_geometry(work: Work, state: State) -> None:
 
 
 def note_usual_ratio(all_rows: RowMemory, work: Work, state: State) -> None:
-    """Keep what is usual where a run begins.
+    """Keep the usual pivot ratio where a run begins.
 
-    If rows that are kept are nearly dependent there, all rows say it.
+    If rows that are kept are nearly dependent there, it is that of all rows.
     """
     work.w.place(state.time, state.y)
     work.w.dq[:] = 0.0
@@ -287,5 +287,5 @@ def note_usual_ratio(all_rows: RowMemory, work: Work, state: State) -> None:
     forget_trials(work)
     ratio = pivot_ratio(work, state)
     write_jacobian(all_rows, work)
-    every = factorise_rows(all_rows, work, state.least_inverse_pivot)
-    state.largest_pivot_ratio = every if ratio < FALL_BACK * every else ratio
+    ratio_of_all = factorise_rows(all_rows, work, state.least_inverse_pivot)
+    state.largest_pivot_ratio = ratio_of_all if ratio < FALL_BACK * ratio_of_all else ratio

@@ -303,9 +303,9 @@ def note_motion(h: float, end: Array, state: State, work: Work) -> None:
 def note_extent(end: Array, work: Work, state: State) -> None:
     """Note how far coordinates go, those too that rows show, which were found at the end (ny,)."""
     scene, w = work.scene, work.w
-    found = np.concatenate((end[: scene.nq], w.coordinates[:: scene.per_shown]))
-    state.lowest[:] = np.where(found < state.lowest, found, state.lowest)
-    state.highest[:] = np.where(found > state.highest, found, state.highest)
+    reached = np.concatenate((end[: scene.nq], w.coordinates[:: scene.per_shown]))
+    state.lowest[:] = np.where(reached < state.lowest, reached, state.lowest)
+    state.highest[:] = np.where(reached > state.highest, reached, state.highest)
 
 
 def usual_energy(rate: float, scene: SceneTables) -> float:
@@ -377,13 +377,13 @@ def estimate(
         take_normal_part(FORGIVEN_NORMAL_PART if is_clear else 1.0, end[nq:], work, u)
     errors[0] /= scene.lengths
     errors[1] /= rate * scene.lengths + np.maximum(np.abs(now[nq:]), np.abs(end[nq:]))
-    done = slice(nq - scene.works, nq)  # work is compared with the energy that moves
+    works = slice(nq - scene.works, nq)  # work is compared with the energy that moves
     # where the polynomial has an order less works between steps are no better
     moved = (1.0 if m.order == 5 else MOST_MOVED) * larger(state.moved, trial.moved)
     least = energy_of_works(trial.h, end, moved, state, work) + work.w.energies[0]
-    size = least + np.maximum(np.abs(now[done]), np.abs(end[done]))
-    every = np.concatenate((errors.ravel(), error[done] / size))
-    return math.sqrt(mean_square(every, 2 * nv)) / tolerance
+    size = least + np.maximum(np.abs(now[works]), np.abs(end[works]))
+    all_errors = np.concatenate((errors.ravel(), error[works] / size))
+    return math.sqrt(mean_square(all_errors, 2 * nv)) / tolerance
 
 
 def tells_drift(trial: Trial, state: State, work: Work) -> bool:
@@ -442,9 +442,9 @@ def norm_error(m: RungeKuttaMethod, h: float, state: State, work: Work) -> float
     y, most = work.scratch, 0.0
     combine(m.stages, m.a[m.stages], state.low, h, work.k, y)
     add_to_start(state.y, y, None)
-    for place, _, count in work.scene.turns:
+    for index, _, count in work.scene.turns:
         square = 0.0
-        for x in y[place : place + count].tolist():
+        for x in y[index : index + count].tolist():
             square += x * x
         most = larger(most, abs(math.sqrt(square) - 1.0))
     return most
@@ -593,11 +593,11 @@ def longest_way(tried: Attempts, trial: Trial, work: Work, state: State) -> floa
 
 def is_short(longest: float, trial: Trial, state: State, work: Work) -> bool:
     """Whether a step is no longer than the longest way: else it is made again."""
-    way = work.w.way_of(trial.h, state.y, work.y) if longest < math.inf else 0.0
-    if not way > longest:
+    travel = work.w.way_of(trial.h, state.y, work.y) if longest < math.inf else 0.0
+    if not travel > longest:
         return True
     if work.scene.is_driven:  # free bodies pass places where branches meet by momentum
-        trial.longest = LIMITED_STEP_PART * trial.h * (longest / way)
+        trial.longest = LIMITED_STEP_PART * trial.h * (longest / travel)
     return False
 
 
@@ -634,9 +634,9 @@ def accept(tried: Attempts, trial: Trial, work: Work, state: State) -> None:
         factor *= before ** (EARLIER_ERROR_EXPONENT * exponent)
     most = 1.0 if tried.is_rejected else MOST_STEP_FACTOR
     following = h * smaller(most, larger(LEAST_STEP_FACTOR, factor))
-    way, speed = longest_way(tried, trial, work, state), work.w.size_of(work.y[work.scene.nq :])
-    if work.scene.is_driven and way < math.inf and speed > 0.0:  # what is longer is made in vain
-        following = smaller(following, LIMITED_STEP_PART * way / speed)
+    limit, speed = longest_way(tried, trial, work, state), work.w.size_of(work.y[work.scene.nq :])
+    if work.scene.is_driven and limit < math.inf and speed > 0.0:  # what is longer is made in vain
+        following = smaller(following, LIMITED_STEP_PART * limit / speed)
     # over a jump its error tells nothing of what is behind: that is tried before a run stops
     least = ONWARD * SMALLEST * larger(abs(trial.end), abs(tried.limit))
     following = larger(following, least)
@@ -693,8 +693,8 @@ def is_made(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:
     if work.scene.has_drivers and not tried.is_fixed and trial.drift > MOST_DRIVEN_CORRECTION:
         trial.is_good = False  # no error tells how far drivers led
     if tried.is_fixed and not trial.is_good:
-        there = smaller(trial.least_ratio, ratio_at(work.y[: work.scene.nq], work, state))
-        if not is_weak(there, tried, state):  # Newton has gone far away
+        ratio = smaller(trial.least_ratio, ratio_at(work.y[: work.scene.nq], work, state))
+        if not is_weak(ratio, tried, state):  # Newton has gone far away
             tried.status = Status.NOT_PROJECTED
             return False
         trial.least_ratio = 0.0
@@ -711,8 +711,8 @@ def near_fractional_power(tried: Attempts, trial: Trial, work: Work, state: Stat
 
     A force has no two derivatives there, and estimates of errors from there on are too small.
     """
-    beside = state.time - state.switched < trial.h or trial.end == tried.search.cut
-    if not (work.scene.has_fractional_powers and beside):
+    is_beside = state.time - state.switched < trial.h or trial.end == tried.search.cut
+    if not (work.scene.has_fractional_powers and is_beside):
         return 1.0
     return POWER_ERROR_OF_MANY_STAGES if tried.m.stages >= MANY_STAGES else POWER_ERROR
 
@@ -907,13 +907,13 @@ def length_by_error(m: RungeKuttaMethod, trial: Trial) -> float:
 
 def end_at(to: float, tried: Attempts, trial: Trial, state: State) -> None:
     """Have a step end at a time when it is tried again; one that is cut can be longer still."""
-    way = to - state.time
+    span = to - state.time
     tried.is_guessed = tried.is_guessed or to != tried.search.place_cut
     if tried.is_fixed:
         tried.end, tried.is_beyond = to, False
     state.rejected += 1
     size = state.step_size if is_kept(trial) else length_by_error(tried.m, trial)
-    state.step_size = larger(size, way) if to == tried.search.cut else way
+    state.step_size = larger(size, span) if to == tried.search.cut else span
 
 
 def ends_well(tried: Attempts, trial: Trial, work: Work, state: State) -> bool:

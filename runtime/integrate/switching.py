@@ -90,8 +90,8 @@ def bounds_between(first: float, last: float, w: Workspace) -> tuple[Array, Arra
 def switches_at(time: float, w: Workspace) -> Array:
     """Values (n,) of switching functions at a time [s], in the units of their formulas."""
     switches, _ = bounds_between(time, time, w)
-    there: Array = switches[0].copy()
-    return there
+    values: Array = switches[0].copy()
+    return values
 
 
 def are_rootless(bounds: Array, before: Array, after: Array, h: float) -> bool:
@@ -157,8 +157,8 @@ def laws_at(time: float, w: Workspace) -> Array:
 
     In the unit of the law per s⁰ to s³.
     """
-    found = bound_laws(time, time, w)
-    return np.column_stack((found[:, :, 0], found[:, 2, 2]))
+    bounds = bound_laws(time, time, w)
+    return np.column_stack((bounds[:, :, 0], bounds[:, 2, 2]))
 
 
 def law_rounding(time: float, span: float, w: Workspace) -> Array:
@@ -167,8 +167,8 @@ def law_rounding(time: float, span: float, w: Workspace) -> Array:
     They may be differences of what is much larger: bounds over a time that is none tell it.
     """
     no_time = NO_TIME * SMALLEST * span
-    found = bound_laws(time - no_time, time + no_time, w)
-    width = found[:, :, 1] - found[:, :, 0]
+    bounds = bound_laws(time - no_time, time + no_time, w)
+    width = bounds[:, :, 1] - bounds[:, :, 0]
     return np.where(np.isfinite(width), width, 0.0)
 
 
@@ -182,14 +182,14 @@ def bent_beside(far: float, first: float, last: float, span: float, w: Workspace
     between = laws_at(0.5 * (first + last), w)[:, 0]
     before, after = laws_at(first - far, w), laws_at(last + far, w)
     half = 0.5 * (last - first) + far
-    left = after[:, :3] - before[:, :3] - half * (before[:, 1:] + after[:, 1:])
+    unexplained = after[:, :3] - before[:, :3] - half * (before[:, 1:] + after[:, 1:])
     third = np.abs(before[:, 3:]) + np.abs(after[:, 3:])
     bending = BENDING * third * np.array([half * half * half, half * half, half])
     size = EQUAL * (np.abs(before[:, :3]) + np.abs(after[:, :3])) + rounding
-    are_smooth = np.all(np.abs(left) <= size + bending, axis=1)
+    are_smooth = np.all(np.abs(unexplained) <= size + bending, axis=1)
     second = (np.abs(before[:, 2]) + np.abs(after[:, 2])) * (half * half)
-    off = np.abs(between - 0.5 * (before[:, 0] + after[:, 0]))
-    are_smooth &= ~(off > size[:, 0] + second + bending[:, 0])
+    deviation = np.abs(between - 0.5 * (before[:, 0] + after[:, 0]))
+    are_smooth &= ~(deviation > size[:, 0] + second + bending[:, 0])
     return 0 if are_smooth.all() else int(np.argmin(are_smooth)) + 1
 
 
@@ -335,20 +335,20 @@ def displace_by_rounding(times: float, y: Array, f: Array, state: State, work: W
     length = scene.length * scale_by_distance(state.y, scene)
     y[:] = state.y
     y[scene.shifts[:, 0]] += part * scattered(np.arange(float(len(scene.shifts)))) * length
-    for place, _, count in scene.turns.tolist():
-        y[place : place + count] += part * scattered(np.arange(float(place), place + count))
+    for index, _, count in scene.turns.tolist():
+        y[index : index + count] += part * scattered(np.arange(float(index), index + count))
     y[scene.nq :] += part * scattered(np.arange(float(scene.nv))) * (state.fastest * scene.lengths)
     forget_trials(work)
     return project(state.time, 0.0, y, None, f, work, state) >= 0.0
 
 
-def read_beside(time: float, way: float, y: Array, f: Array, work: Work) -> tuple[Array, Array]:
-    """Values and rates (n, 2) that formulas read of y (ny,) at a time [s], and some way ahead.
+def read_beside(time: float, span: float, y: Array, f: Array, work: Work) -> tuple[Array, Array]:
+    """Values and rates (n, 2) that formulas read of y (ny,) at a time [s], and a span [s] ahead.
 
-    The way [s] leads there at its derivative f (ny,).
+    The derivative f (ny,) leads there.
     """
     read = read_of(time, y, work.w)
-    work.scratch[:] = y + way * f
+    work.scratch[:] = y + span * f
     return read, read_of(time, work.scratch, work.w)
 
 
@@ -380,12 +380,12 @@ def change_by_rounding(end: float, state: State, work: Work) -> float:
     for k, n in np.ndindex(*read.shape):
         moved, faster = 0.5 * (above[k, n] - below[k, n]), 0.5 * (first[k] - second[k])
         back = -faster if moved > 0.0 else faster
-        way = back / longest * span * (1.0 if n == 1 else span)
+        travel = back / longest * span * (1.0 if n == 1 else span)
         is_pushed = back > SMALLEST * sizes[k] * state.fastest
-        if is_pushed and way > SWINGS * abs(moved):
-            alone = np.zeros_like(read)
-            alone[k, n] = rounding[k, n]
-            is_back |= find_steep(read, alone, time, w)
+        if is_pushed and travel > SWINGS * abs(moved):
+            single = np.zeros_like(read)
+            single[k, n] = rounding[k, n]
+            is_back |= find_steep(read, single, time, w)
     pairs = work.k[:6, nq:].reshape(3, 2, -1)
     sums, changes = 0.5 * (pairs[:, 0] + pairs[:, 1]), 0.5 * (pairs[:, 0] - pairs[:, 1])
     further, least = sums[2] - sums[1], EVEN_SLOPE * np.abs(changes[1])
@@ -447,9 +447,9 @@ def even_end(h: float, end: float, state: State) -> float:
     Of equal steps none is nearly all of the way, where estimates of errors can be blind alike on
     each such way.
     """
-    way = end - state.time
+    span = end - state.time
     is_between = state.time == state.switched and end == state.limit
-    return state.time + 0.5 * way if is_between and h < way < 2.0 * h else end
+    return state.time + 0.5 * span if is_between and h < span < 2.0 * h else end
 
 
 def is_resolved(tolerance: float, first: float, last: float, w: Workspace) -> bool:
@@ -464,8 +464,8 @@ def is_resolved(tolerance: float, first: float, last: float, w: Workspace) -> bo
         sample = bounds_between(b, b, w)[1][0]
         least, most = smallest(sample, least), largest(sample, most)
     size, scales = largest(-least, most), w.scene.feature_scales
-    nothing = negligible_variation(size, scales, tolerance, first, last)
-    enough = EXPLAINED * (most - least) + nothing
+    negligible = negligible_variation(size, scales, tolerance, first, last)
+    enough = EXPLAINED * (most - least) + negligible
     return bool(np.all(change <= enough))
 
 

@@ -177,8 +177,8 @@ class Trust:
             yield f"bodies move by {part} of a length or rad a step, less than this tolerance tells"
         if self.below_tolerance:
             name, moved = next(iter(self.below_tolerance.items()))
-            rest = len(self.below_tolerance) - 1
-            more = f", so do {rest} more" * (rest > 0)
+            others = len(self.below_tolerance) - 1
+            more = f", so do {others} more" * (others > 0)
             way = f"{shortly(moved)} of a length or rad"
             yield f"{name} moves by {way}, less than this tolerance tells{more}"
         if self.branch_point_time is not None:
@@ -255,13 +255,13 @@ def judge(
     ends = (residuals[:held], residuals[held:])
     constraints, missed = (float(np.max(part, initial=0.0)) for part in ends)  # a NaN stays
     moved, is_free = single["energy_moved"], layout.sizes["v"] != held
-    many = HEALTHY * larger(1.0, single["steps"] / PER_STEPS)
+    allowance = HEALTHY * larger(1.0, single["steps"] / PER_STEPS)
     tolerance = FIXED if settings.fixed_step > 0.0 else settings.tolerance
     # where rows take over from others bodies go on where these hold: as far off as rows miss
     if single["fallbacks"] > 0.0 and missed > MISSES:
         tolerance = larger(tolerance, missed)
-    limit = smaller(many * tolerance, MOST_LOST)
-    off = smaller(many * larger(tolerance, LEAST), MOST_LOST)
+    limit = smaller(allowance * tolerance, MOST_LOST)
+    drift_limit = smaller(allowance * larger(tolerance, LEAST), MOST_LOST)
     part = allowed_part(limit, settings, single)
     energy_limit = larger(part * moved, known_energy(single))
     # without signs, so that errors of steps add up that are none in all
@@ -273,14 +273,14 @@ def judge(
         doubts |= beyond(single["energy_error"], energy_limit, Doubt.ENERGY)
         if settings.is_kinematic:
             doubts |= beyond(single["work_error"], work_limit, Doubt.WORKS)
-    doubts |= beyond(constraints, off, Doubt.CONSTRAINTS)
+    doubts |= beyond(constraints, drift_limit, Doubt.CONSTRAINTS)
     if is_free:  # else corrections take away all of the error of a step or row
-        doubts |= beyond(single["drift"], off, Doubt.DRIFT)
-        doubts |= beyond(single["row_drift"], off, Doubt.ROW_DRIFT)
+        doubts |= beyond(single["drift"], drift_limit, Doubt.DRIFT)
+        doubts |= beyond(single["row_drift"], drift_limit, Doubt.ROW_DRIFT)
     doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
     doubts |= beyond(single["unresolved"], 0.0, Doubt.NARROW)
     doubts |= beyond(single["impulse"], limit * fastest_or_nothing(single), Doubt.IMPULSE)
-    return RunVerdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
+    return RunVerdict(doubts, limit, drift_limit, energy_limit, work_limit, constraints, missed)
 
 
 def problems_of(
@@ -358,8 +358,8 @@ def trust_of(
     checks, is_kinematic = bool(settings.checks), settings.is_kinematic
     knows_energy = checks and has_masses
     is_free = layout.sizes["v"] != len(rows.rows) + len(rows.satisfied)
-    told = larger(verdict.limit * single["energy_moved"], known_energy(single))
-    is_still = knows_energy and told < single["energy_error"] <= verdict.energy_limit
+    largest_loss = larger(verdict.limit * single["energy_moved"], known_energy(single))
+    is_still = knows_energy and largest_loss < single["energy_error"] <= verdict.energy_limit
     impulse = relative_impulse(single)
     has_impulse = impulse > (FIXED if settings.fixed_step > 0.0 else settings.tolerance)
     problems = problems_of(verdict, state, rows, layout, settings)
@@ -409,12 +409,12 @@ def below_tolerance(
         if name not in layout.driven and ranges[k] > rounding * larger(unit, sizes[k]):
             shown[f"coordinates.{name}"] = float(ranges[k] / unit)
     for body in () if layout.has_drivers else layout.bodies:
-        ways = [ranges[k] / length for k in body.r if isinstance(k, int)]
-        ways += [2.0 * ranges[k] for k in body.p if isinstance(k, int)]
-        if max(ways, default=0.0) > rounding:
-            bodies[f"bodies.{body.name}"] = float(max(ways))
+        motions = [ranges[k] / length for k in body.r if isinstance(k, int)]
+        motions += [2.0 * ranges[k] for k in body.p if isinstance(k, int)]
+        if max(motions, default=0.0) > rounding:
+            bodies[f"bodies.{body.name}"] = float(max(motions))
     every = [*sorted(shown.items(), key=itemgetter(1)), *sorted(bodies.items(), key=itemgetter(1))]
-    return {name: way for name, way in every if way <= limit}
+    return {name: motion for name, motion in every if motion <= limit}
 
 
 def untold(single: Mapping[str, float], advice: str) -> str:
@@ -451,19 +451,19 @@ def missed_by(worst: Array, rows: CheckedRows, layout: Layout) -> dict[str, Miss
     ``worst`` (rows,) [m, rad] has those of all rows: solved for, left out, satisfied.
     """
     first = len(rows.rows)
-    found: dict[str, list[float]] = {}
+    by_joint: dict[str, list[float]] = {}
     for (joint, unit), size in zip(rows.left_out, worst[first:].tolist(), strict=False):
-        own = found.setdefault(joint, [0.0, 0.0])
-        place = 0 if unit == "m" else 1
-        own[place] = float(np.maximum(own[place], size))  # a NaN stays
-    all_of = [
+        sizes = by_joint.setdefault(joint, [0.0, 0.0])
+        kind = 0 if unit == "m" else 1
+        sizes[kind] = float(np.maximum(sizes[kind], size))  # a NaN stays
+    misses = [
         (joint, Missed(metres, radians, float(np.maximum(metres / layout.length, radians))))
-        for joint, (metres, radians) in found.items()
+        for joint, (metres, radians) in by_joint.items()
     ]
-    return dict(sorted(all_of, key=lambda one: -one[1].part))
+    return dict(sorted(misses, key=lambda item: -item[1].part))
 
 
 def released(missed: Mapping[str, Missed], layout: Layout) -> tuple[str, ...]:
     """Joints that came open at rows that were left out."""
     most = CLEARLY * layout.closure_tolerance
-    return tuple(joint for joint, one in missed.items() if not one.part <= most)
+    return tuple(joint for joint, miss in missed.items() if not miss.part <= most)
