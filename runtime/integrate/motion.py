@@ -214,9 +214,7 @@ class Layout:
                 replace(body, origin_b=fixed(body.origin_b), axes_b=fixed(body.axes_b))
                 for body in self.bodies
             ),
-            reactions=tuple(
-                replace(joint, point_b=fixed(joint.point_b)) for joint in self.reactions
-            ),
+            reactions=tuple(replace(r, point_b=fixed(r.point_b)) for r in self.reactions),
             given=tuple(
                 replace(body, mass_properties=fixed(body.mass_properties)) for body in self.given
             ),

@@ -207,8 +207,8 @@ class RunRequest:
         """
         part, counted = division / self.divisions, []
         for i, turns in enumerate(self.turns):
-            whole = math.tau * (turns * division / self.divisions)
-            counted.append(self.origin[i] + (whole if turns else self.span[i] * part))
+            turned = math.tau * (turns * division / self.divisions)
+            counted.append(self.origin[i] + (turned if turns else self.span[i] * part))
         return counted
 
 
@@ -315,5 +315,5 @@ def empty_rows(mechanism: LinkageTables, count: int) -> Rows:
     inputs, links = len(mechanism.inputs), len(mechanism.links) * mechanism.wants_angles
     shapes: Any = {"alpha": (inputs,), "residual": (), "condition": ()}
     shapes |= dict.fromkeys(OF_NODES, (len(mechanism.nodes), 2)) | dict.fromkeys(OF_LINKS, (links,))
-    found: Any = {name: np.zeros((count, *shape)) for name, shape in shapes.items()}
-    return Rows(**found, iterations=np.zeros(count, dtype=np.intc), reached=np.zeros(inputs))
+    arrays: Any = {name: np.zeros((count, *shape)) for name, shape in shapes.items()}
+    return Rows(**arrays, iterations=np.zeros(count, dtype=np.intc), reached=np.zeros(inputs))
